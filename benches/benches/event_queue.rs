@@ -1,0 +1,157 @@
+//! Event queue in the hold model: pop the next event, push it again one gap later. Throughput in events/s.
+//!
+//! Gaps: `exponential` with a mean of 1 s (no ties); `csma`, the steps of an IEEE 802.15.4 cycle (CCA, turnaround,
+//! frame of 20 octets, backoffs, 1 s to the next), which all lie on a grid of 64 µs and so tie often.
+//! With `cancelled`, one event in ten also cancels another one and pushes it anew.
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
+use rand::RngExt;
+use rand_distr::{Distribution, Exp1};
+use sextant_benches::queue_candidates::{Calendar, Candidate, QuadHeap, Queue, StdHeap};
+use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SimTime};
+
+/// Events popped an iteration.
+const BATCH: u64 = 10_000;
+
+/// As large as a simulation's event: 24 octets.
+#[derive(Clone, Copy)]
+struct Event {
+    node: NodeId,
+    class: u8,
+    _data: [u32; 4],
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Gaps {
+    Exponential,
+    Csma,
+}
+
+/// What happens to a queue, drawn beforehand: drawing costs as much as a queue.
+struct Load {
+    pending: u32,
+    starts: Vec<SimTime>,
+    gaps: Vec<Duration>,
+    /// Node whose event is cancelled after a pop.
+    cancels: Vec<Option<NodeId>>,
+}
+
+impl Load {
+    fn new(gaps: Gaps, pending: u32, cancelled: bool) -> Self {
+        const DRAWS: usize = 1 << 18;
+        let mut draw = Seed(1).stream(Purpose::Traffic, 0);
+        let starts = (0..pending)
+            .map(|_| match gaps {
+                Gaps::Exponential => draw.random_range(0..1_000_000_000),
+                Gaps::Csma => 64_000 * draw.random_range(0..15_625),
+            })
+            .map(SimTime::from_nanos)
+            .collect();
+        let gap = |_| match gaps {
+            Gaps::Exponential => Duration::from_secs_f64(Exp1.sample(&mut draw)),
+            Gaps::Csma => Duration::from_micros(match draw.random_range(0..6) {
+                0 => 1_000_000,
+                1 => 128,
+                2 => 192,
+                3 => 832,
+                4 => 320 * draw.random_range(0..8),
+                _ => 320 * draw.random_range(0..16),
+            }),
+        };
+        let gaps = (0..DRAWS).map(gap).collect();
+        let cancels = (0..DRAWS)
+            .map(|_| {
+                (cancelled && draw.random_range(0..10) == 0)
+                    .then(|| NodeId(draw.random_range(0..pending)))
+            })
+            .collect();
+        Self {
+            pending,
+            starts,
+            gaps,
+            cancels,
+        }
+    }
+}
+
+struct Hold<'a, Q: Queue<Event>> {
+    load: &'a Load,
+    queue: Q,
+    keys: Vec<Q::Key>,
+    draws: usize,
+}
+
+impl<'a, Q: Queue<Event>> Hold<'a, Q> {
+    /// A queue in its steady state.
+    fn new(load: &'a Load) -> Self {
+        let mut queue = Q::default();
+        let mut push = |(node, &at): (u32, _)| {
+            let node = NodeId(node);
+            queue.push(at, 0, node, Event { node, class: 0, _data: [0; 4] })
+        };
+        let keys = (0..).zip(&load.starts).map(&mut push).collect();
+        let mut hold = Self {
+            load,
+            queue,
+            keys,
+            draws: 0,
+        };
+        hold.run(u64::from(2 * load.pending));
+        hold
+    }
+
+    fn gap(&mut self) -> Duration {
+        self.draws = (self.draws + 1) % self.load.gaps.len();
+        self.load.gaps[self.draws]
+    }
+
+    fn run(&mut self, events: u64) {
+        for _ in 0..events {
+            let (now, mut event) = self.queue.pop().expect("as many events as nodes");
+            event.class = (event.class + 1) % 6;
+            let at = now + self.gap();
+            self.keys[event.node.index()] = self.queue.push(at, event.class, event.node, event);
+            if let Some(node) = self.load.cancels[self.draws] {
+                let event = self.queue.cancel(self.keys[node.index()]).expect("one event a node");
+                let at = now + self.gap();
+                self.keys[node.index()] = self.queue.push(at, event.class, node, event);
+            }
+        }
+    }
+}
+
+fn bench_queue<Q: Queue<Event>>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, load: &Load) {
+    let mut hold = None;
+    group.bench_function(BenchmarkId::new(name, load.pending), |bencher| {
+        let hold = hold.get_or_insert_with(|| Hold::<Q>::new(load));
+        bencher.iter(|| hold.run(black_box(BATCH)));
+    });
+}
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .configure_from_args();
+    for gaps in [Gaps::Exponential, Gaps::Csma] {
+        for cancelled in [false, true] {
+            let suffix = if cancelled { "_cancelled" } else { "" };
+            let name = format!("event_queue/{gaps:?}{suffix}").to_lowercase();
+            let mut group = criterion.benchmark_group(name);
+            group.throughput(Throughput::Elements(BATCH));
+            for pending in [100, 500, 10_000, 1_000_000] {
+                let load = Load::new(gaps, pending, cancelled);
+                bench_queue::<EventQueue<_>>(&mut group, "kernel", &load);
+                bench_queue::<Candidate<_, StdHeap>>(&mut group, "std_heap", &load);
+                bench_queue::<Candidate<_, QuadHeap>>(&mut group, "quad_heap", &load);
+                bench_queue::<Candidate<_, Calendar>>(&mut group, "calendar", &load);
+            }
+        }
+    }
+    criterion.final_summary();
+}

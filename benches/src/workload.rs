@@ -1,0 +1,93 @@
+//! Reception logs of networks that were never simulated: nodes and stops in a plane or a ball, links that succeed or
+//! fail on their own. They have the sizes of real surveys, and no more is asked of them.
+
+use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+
+/// A survey to be mapped.
+#[derive(Clone, Debug)]
+pub struct Workload {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// What the robot heard.
+    pub log: ReceptionLog,
+    /// Distance beyond which nothing was heard [m].
+    pub range_m: f64,
+    /// Distance of neighbouring grid vertices [m].
+    pub grid_step_m: f64,
+}
+
+/// Transmit power less sensitivity [dB], path-loss exponent and shadowing [dB] of the suburban environment
+/// (Gunathillake 2018, table 3.4).
+const SUBURBAN: (f64, f64, f64) = (40.0, 2.7, 9.6);
+
+/// Side of the square of `plane` [m].
+const SIDE_M: f64 = 30.0;
+
+/// Lanes of the S path of `plane`, and its stops.
+const LANES: u32 = 12;
+const PLANE_STOPS: u32 = 444;
+
+/// W1: 500 nodes in a square of 30 m, 444 stops along an S path, 10 m of range, a grid of 0.25 m.
+#[must_use]
+pub fn plane() -> Workload {
+    let seed = Seed(1);
+    let per_lane = PLANE_STOPS / LANES;
+    let stops: Vec<Position> = (0..PLANE_STOPS)
+        .map(|stop| {
+            let (lane, along) = (stop / per_lane, stop % per_lane);
+            let along = f64::from(if lane % 2 == 0 { along } else { per_lane - 1 - along });
+            let spread = |share: f64| (share * 1.04 - 0.02) * SIDE_M;
+            Position::new(spread(along / f64::from(per_lane - 1)), spread(f64::from(lane) / f64::from(LANES - 1)), 0.0)
+        })
+        .collect();
+    let nodes: Vec<Position> = (0..500)
+        .map(|node| {
+            let draw = |axis| SIDE_M * seed.uniform(Purpose::Layout, [node, axis, 0]);
+            Position::new(draw(0), draw(1), 0.0)
+        })
+        .collect();
+    Workload { name: "plane", log: survey(seed, &nodes, &stops, 10.0), range_m: 10.0, grid_step_m: 0.25 }
+}
+
+/// W2: 1736 nodes in a ball of 1400 m³, 706 stops along a path that fills it, 3 m of range, a grid of 0.25 m.
+#[must_use]
+pub fn ball() -> Workload {
+    let seed = Seed(2);
+    let radius_m = (3.0 * 1400.0 / (4.0 * std::f64::consts::PI)).cbrt();
+    let inside = |place: &Position| place.length_m() <= radius_m;
+    let anywhere = (0..).map(|node| {
+        let draw = |axis| radius_m * (2.0 * seed.uniform(Purpose::Layout, [node, axis, 0]) - 1.0);
+        Position::new(draw(0), draw(1), draw(2))
+    });
+    let nodes: Vec<Position> = anywhere.filter(inside).take(1736).collect();
+    let sites = (-6..=6).flat_map(|z| (-6..=6).flat_map(move |y| (-6..=6).map(move |x| [x, y, z])));
+    let spacing_m = 1.255;
+    let mut stops: Vec<Position> =
+        sites.map(|site| Position::from(site.map(f64::from)) * spacing_m).filter(inside).collect();
+    stops.truncate(706);
+    Workload { name: "ball", log: survey(seed, &nodes, &stops, 3.0), range_m: 3.0, grid_step_m: 0.25 }
+}
+
+/// What is heard of `nodes` at `stops`: one packet each, under log-distance loss with shadowing drawn for each packet,
+/// and nothing from beyond `range_m`.
+fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> ReceptionLog {
+    let (margin_db, exponent, sigma_db) = SUBURBAN;
+    let mut receptions = Vec::new();
+    for (node, place) in (0..).zip(nodes) {
+        for (stop, other) in (0..).zip(stops) {
+            let distance_m = place.distance_m(*other);
+            if distance_m >= range_m {
+                continue;
+            }
+            let shadowing_db = sigma_db * seed.normal(Purpose::Shadowing, [node, u64::from(stop), 0]);
+            if margin_db + shadowing_db >= 10.0 * exponent * distance_m.max(0.1).log10() {
+                let node = NodeId(u32::try_from(node).expect("a node"));
+                receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
+            }
+        }
+    }
+    let stops = stops.iter().map(|&position| Stop { time: SimTime::ZERO, position }).collect();
+    let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
+    ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log without contradictions")
+}

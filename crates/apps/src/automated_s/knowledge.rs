@@ -1,0 +1,189 @@
+//! What a survey robot knows: where it listened, what it heard there, what it met.
+
+use sextant_channel::{Bounds, Position};
+use sextant_sim::{Heard, Situation};
+
+use crate::route::Search;
+
+/// A stop, as the robot remembers it.
+#[derive(Clone, Copy, Debug)]
+struct Visit {
+    place: Position,
+    is_silent: bool,
+}
+
+/// A node, as the robot knows it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Acquaintance {
+    /// Packets heard in all.
+    packets: u32,
+    /// Most packets heard at one stop, and that stop.
+    best: Option<(u32, usize)>,
+    /// Times that the robot came back for it.
+    returns: u32,
+}
+
+/// All that the robot found out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Knowledge {
+    visits: Vec<Visit>,
+    nodes: Vec<Acquaintance>,
+    /// Free places at a lane's distance from stops that heard somebody.
+    openings: Vec<Position>,
+    /// Points of obstacles.
+    contacts: Vec<Position>,
+    /// Radius of the robot's own hull, as its first contact showed [m].
+    hull_m: f64,
+    /// Least and greatest y of the stops that heard somebody [m].
+    north_south: Option<(f64, f64)>,
+}
+
+/// The four directions along which the robot looks at each stop.
+const CROSS: [(f64, f64); 4] = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
+/// Directions in which the robot looks round where it met an obstacle.
+const ROUND: u32 = 16;
+
+impl Knowledge {
+    /// Notes a stop: the nodes heard, and which ways are open.
+    pub(super) fn note_stop(&mut self, situation: &Situation<'_>, heard: &[Heard], range_m: f64, silent_below: usize) {
+        self.nodes.resize(situation.node_count.max(self.nodes.len()), Acquaintance::default());
+        let place = situation.position;
+        let stop = self.visits.len();
+        let mut audible = 0;
+        for heard in heard.iter().filter(|heard| heard.packets > 0) {
+            audible += 1;
+            let Some(node) = self.nodes.get_mut(heard.node.index()) else { continue };
+            node.packets = node.packets.saturating_add(heard.packets);
+            if node.best.is_none_or(|(most, _)| heard.packets > most) {
+                node.best = Some((heard.packets, stop));
+            }
+        }
+        let is_silent = audible < silent_below;
+        self.visits.push(Visit { place, is_silent });
+        if !is_silent {
+            let (south, north) = self.north_south.unwrap_or((place.y_m, place.y_m));
+            self.north_south = Some((south.min(place.y_m), north.max(place.y_m)));
+        }
+        for (x, y) in CROSS {
+            let direction = Position::new(x, y, 0.0);
+            let clear_m = situation.clearance_m(direction, range_m);
+            if clear_m < range_m {
+                self.add_contact(place + direction * (clear_m + self.hull_m));
+            } else if !is_silent {
+                self.openings.push(place + direction * range_m);
+            }
+        }
+    }
+
+    /// Notes an obstacle that the robot met, and looks round.
+    pub(super) fn note_contact(&mut self, situation: &Situation<'_>, contact: Position, range_m: f64) {
+        let place = situation.position;
+        if self.hull_m <= 0.0 {
+            self.hull_m = place.distance_m(contact);
+        }
+        self.contacts.push(contact);
+        for i in 0..ROUND {
+            let angle_rad = std::f64::consts::TAU * f64::from(i) / f64::from(ROUND);
+            let direction = Position::new(libm::cos(angle_rad), libm::sin(angle_rad), 0.0);
+            let clear_m = situation.clearance_m(direction, range_m);
+            if clear_m < range_m {
+                self.add_contact(place + direction * (clear_m + self.hull_m));
+            }
+        }
+    }
+
+    /// Adds a point of an obstacle unless one next to it is known.
+    fn add_contact(&mut self, contact: Position) {
+        let near_m = 0.5 * self.hull_m;
+        if self.contacts.iter().all(|known| known.distance_m(contact) > near_m) {
+            self.contacts.push(contact);
+        }
+    }
+
+    /// Number of stops.
+    pub(super) fn stops(&self) -> usize {
+        self.visits.len()
+    }
+
+    /// Whether the last stop heard somebody.
+    pub(super) fn hears_somebody(&self) -> bool {
+        self.visits.last().is_some_and(|visit| !visit.is_silent)
+    }
+
+    /// Least and greatest y of the stops that heard somebody [m], once one did.
+    pub(super) fn north_south(&self) -> Option<(f64, f64)> {
+        self.north_south
+    }
+
+    /// Whether a stop from the number `first` on is within `radius_m` of `place`.
+    pub(super) fn was_near(&self, place: Position, radius_m: f64, stops: std::ops::Range<usize>) -> bool {
+        self.visits[stops].iter().any(|visit| visit.place.distance_m(place) <= radius_m)
+    }
+
+    /// Whether each node was heard `packets` times.
+    pub(super) fn heard_all(&self, packets: u32) -> bool {
+        !self.nodes.is_empty() && self.nodes.iter().all(|node| node.packets >= packets)
+    }
+
+    /// Whether there are nodes never heard.
+    pub(super) fn misses_nodes(&self) -> bool {
+        self.nodes.iter().any(|node| node.packets == 0)
+    }
+
+    /// The nearest free place in the network without a stop within `radius_m`. Others are forgotten.
+    pub(super) fn nearest_opening(&mut self, here: Position, radius_m: f64) -> Option<Position> {
+        let mut openings = std::mem::take(&mut self.openings);
+        openings.retain(|&place| !self.was_near(place, radius_m, 0..self.stops()));
+        self.openings = openings;
+        nearest(self.openings.iter().copied(), here)
+    }
+
+    /// Forgets the openings at `place`: there is no way.
+    pub(super) fn give_up_opening(&mut self, place: Position) {
+        self.openings.retain(|&opening| opening != place);
+    }
+
+    /// The nearest of the stops that heard best a node of which packets are missing; each node is come back for at
+    /// most `returns` times.
+    pub(super) fn place_to_listen_again(&mut self, here: Position, packets: u32, returns: u32) -> Option<Position> {
+        let wanted = |node: &Acquaintance| node.packets < packets && node.returns < returns;
+        let place = |node: &Acquaintance| Some(self.visits[node.best?.1].place);
+        let target = nearest(self.nodes.iter().filter(|node| wanted(node)).filter_map(place), here)?;
+        let visits = &self.visits;
+        for node in self.nodes.iter_mut().filter(|node| wanted(node)) {
+            if node.best.is_some_and(|(_, stop)| visits[stop].place == target) {
+                node.returns += 1;
+            }
+        }
+        Some(target)
+    }
+
+    /// A way to `to` past all known points of obstacles; what is unknown counts as free (Koenig and Likhachev 2005).
+    pub(super) fn way(&self, here: Position, to: Position, lattice_m: f64, margin_m: f64) -> Option<Vec<Position>> {
+        let bounds = Bounds::of(self.visits.iter().map(|visit| visit.place))?.grown(margin_m);
+        let keep_m = self.hull_m + 0.5 * lattice_m;
+        let passable = |a: Position, b: Position| {
+            self.contacts.iter().all(|&contact| {
+                // A robot that stands close to an obstacle may leave it.
+                let (from_m, to_m) = (a.distance_m(contact), b.distance_m(contact));
+                let least_m = keep_m.min(from_m.max(self.hull_m));
+                distance_to_segment_m(contact, a, b) >= least_m && (to_m >= keep_m || to_m >= from_m)
+            })
+        };
+        Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m }.way(here, to, |a, b| {
+            // The goal may be close to an obstacle: the robot stood there, or saw that it is free.
+            (b == to && a.distance_m(b) <= keep_m + lattice_m) || passable(a, b)
+        })
+    }
+}
+
+fn nearest(places: impl Iterator<Item = Position>, here: Position) -> Option<Position> {
+    places.min_by(|a, b| a.distance_m(here).total_cmp(&b.distance_m(here)))
+}
+
+fn distance_to_segment_m(p: Position, a: Position, b: Position) -> f64 {
+    let along = b - a;
+    let length2 = along.dot(along);
+    let share = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance_m(a + along * share)
+}

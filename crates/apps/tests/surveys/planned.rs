@@ -1,0 +1,1 @@
+//! Paths laid out beforehand.

@@ -1,0 +1,148 @@
+//! A scripted world: robots drive until they meet an obstacle, and hear the nodes around them.
+
+use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_sim::layout::NodesConfig;
+use sextant_sim::{Command, Controller, Ending, Heard, Outcome, Situation};
+
+/// How near to an obstacle a blocked robot halts [m].
+const HALT_M: f64 = 1e-3;
+
+pub(crate) struct World {
+    pub(crate) field: ObstacleField,
+    pub(crate) nodes: Vec<Position>,
+    pub(crate) robot_radius_m: f64,
+    /// Nobody farther is heard [m].
+    pub(crate) reach_m: f64,
+    /// Exponent of path loss, and standard deviation of shadowing [dB]; always heard within reach if absent.
+    pub(crate) fading: Option<(f64, f64)>,
+}
+
+pub(crate) struct Trace {
+    pub(crate) ending: Ending,
+    /// Places of the robot, from its start, each reached by a straight drive.
+    pub(crate) path: Vec<Position>,
+    pub(crate) stops: Vec<Position>,
+    /// Packets heard of each node.
+    pub(crate) packets: Vec<u32>,
+    pub(crate) commands: usize,
+}
+
+impl Trace {
+    pub(crate) fn path_length_m(&self) -> f64 {
+        self.path.windows(2).map(|drive| drive[0].distance_m(drive[1])).sum()
+    }
+
+    pub(crate) fn least_packets(&self) -> u32 {
+        self.packets.iter().copied().min().expect("nodes")
+    }
+}
+
+pub(crate) fn field(boxes: &[([f64; 2], [f64; 2], f64)]) -> ObstacleField {
+    let obstacle = |&([x, y], [width, depth], yaw_deg): &([f64; 2], [f64; 2], f64)| {
+        let shape = BoxConfig { center_m: Position::new(x, y, 0.0), size_m: [width, depth, 3.0], yaw_deg };
+        let shape = ShapeConfig::Box(shape);
+        let config = ObstacleConfig { name: None, shape, material: None, absorption_per_m: Some(4.6) };
+        Obstacle::try_from(config).expect("a box")
+    };
+    ObstacleField::new(boxes.iter().map(obstacle).collect())
+}
+
+pub(crate) fn place(nodes: &NodesConfig, field: &ObstacleField, seed: u64) -> Vec<Position> {
+    let nodes = nodes.place(field, Seed(seed), std::path::Path::new("")).expect("a layout that fits");
+    nodes.into_iter().map(|node| node.position).collect()
+}
+
+impl World {
+    /// Drives the robot until its survey ends. The path is held to be clear of obstacles.
+    pub(crate) fn survey(&self, controller: &mut dyn Controller, start: Position, seed: u64) -> Trace {
+        const MAX_COMMANDS: usize = 100_000;
+        let mut trace = Trace {
+            ending: Ending::Stuck,
+            path: vec![start],
+            stops: Vec::new(),
+            packets: vec![0; self.nodes.len()],
+            commands: 0,
+        };
+        let (mut heard, mut position) = (Vec::new(), start);
+        let mut contact = None;
+        let mut listened = false;
+        loop {
+            let outcome = match (trace.commands, listened, contact) {
+                (0, ..) => Outcome::Started,
+                (_, true, _) => Outcome::Listened(&heard),
+                (_, false, Some(contact)) => Outcome::Blocked(contact),
+                (_, false, None) => Outcome::Arrived,
+            };
+            let time = SimTime::from_nanos(trace.commands as u64);
+            let situation =
+                Situation::new(time, position, outcome, self.nodes.len(), &self.field, self.robot_radius_m);
+            let command = controller.decide(&situation);
+            trace.commands += 1;
+            assert!(trace.commands < MAX_COMMANDS, "the survey does not end");
+            match command {
+                Command::Drive(to) => {
+                    listened = false;
+                    (position, contact) = self.drive(position, to);
+                    trace.path.push(position);
+                }
+                Command::Listen => {
+                    listened = true;
+                    heard = self.listen(position, trace.stops.len() as u64, Seed(seed));
+                    for heard in &heard {
+                        trace.packets[heard.node.index()] += heard.packets;
+                    }
+                    trace.stops.push(position);
+                }
+                Command::Finish(ending) => {
+                    trace.ending = ending;
+                    self.assert_clear(&trace.path);
+                    return trace;
+                }
+            }
+        }
+    }
+
+    fn drive(&self, from: Position, to: Position) -> (Position, Option<Position>) {
+        let length_m = from.distance_m(to);
+        if length_m <= 0.0 {
+            return (from, None);
+        }
+        let direction = (to - from) * (1.0 / length_m);
+        let clear_m = self.field.clearance_m(from, direction, length_m, self.robot_radius_m);
+        if clear_m >= length_m {
+            return (to, None);
+        }
+        let halt = from + direction * (clear_m - HALT_M).max(0.0);
+        (halt, Some(from + direction * (clear_m + self.robot_radius_m)))
+    }
+
+    fn listen(&self, place: Position, stop: u64, seed: Seed) -> Vec<Heard> {
+        let is_heard = |&(i, node): &(usize, &Position)| {
+            let distance_m = node.distance_m(place);
+            let received = |(exponent, sigma_db): (f64, f64)| {
+                let shadowing_db = sigma_db * seed.normal(Purpose::Shadowing, [i as u64, stop, 0]);
+                let loss_db = 10.0 * exponent * distance_m.max(0.1).log10() + self.field.loss(*node, place).0;
+                -50.0 - loss_db + shadowing_db >= -90.0
+            };
+            distance_m <= self.reach_m && self.fading.is_none_or(received)
+        };
+        let heard = |(i, _)| Heard { node: NodeId::from_index(i), packets: 1, rssi_dbm: -60.0 };
+        self.nodes.iter().enumerate().filter(is_heard).map(heard).collect()
+    }
+
+    /// No place of the path is nearer to an obstacle than the robot's hull allows.
+    fn assert_clear(&self, path: &[Position]) {
+        const SAMPLE_M: f64 = 0.05;
+        for drive in path.windows(2) {
+            let samples = (drive[0].distance_m(drive[1]) / SAMPLE_M).ceil().max(1.0);
+            let mut sample = 0.0;
+            while sample <= samples {
+                let place = drive[0] + (drive[1] - drive[0]) * (sample / samples);
+                let distance_m = self.field.distance_m(place);
+                assert!(distance_m >= self.robot_radius_m - 1e-6, "{place:?} is {distance_m} m from an obstacle");
+                sample += 1.0;
+            }
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Mean loss with distance.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use crate::Db;
+
+/// Path loss as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PathLossConfig {
+    /// Log-distance law.
+    LogDistance(LogDistanceConfig),
+}
+
+/// Log-distance path loss as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogDistanceConfig {
+    /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// Distance at which the transmit power is given, without any loss [m].
+    #[serde(default = "default_reference_distance_m")]
+    pub reference_distance_m: f64,
+    /// Distance below which the loss stays what it is there [m].
+    #[serde(default = "default_min_distance_m")]
+    pub min_distance_m: f64,
+}
+
+fn default_reference_distance_m() -> f64 {
+    1.0
+}
+
+fn default_min_distance_m() -> f64 {
+    0.1
+}
+
+impl Default for LogDistanceConfig {
+    /// No exponent, reference 1 m, constant below 0.1 m.
+    fn default() -> Self {
+        Self {
+            exponent: None,
+            reference_distance_m: default_reference_distance_m(),
+            min_distance_m: default_min_distance_m(),
+        }
+    }
+}
+
+/// Log-distance path loss: `L(d) = 10 ε log10(d / d0)` (thesis eq. 3.14; Rappaport 2002, eq. 4.69),
+/// constant below a least distance. Transmit powers are powers at `d0`, so that `L(d0) = 0` and
+/// nearer receivers see a gain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogDistance {
+    exponent: f64,
+    reference_distance_m: f64,
+    min_distance_m: f64,
+}
+
+impl TryFrom<LogDistanceConfig> for LogDistance {
+    type Error = SettingError;
+
+    fn try_from(config: LogDistanceConfig) -> Result<Self, SettingError> {
+        let exponent = config.exponent.ok_or_else(|| {
+            SettingError::new(
+                "exponent",
+                "absent",
+                "a finite number above 0, or an environment that has one",
+            )
+        })?;
+        Ok(Self {
+            exponent: SettingError::positive("exponent", exponent)?,
+            reference_distance_m: SettingError::positive(
+                "reference_distance_m",
+                config.reference_distance_m,
+            )?,
+            min_distance_m: SettingError::positive("min_distance_m", config.min_distance_m)?,
+        })
+    }
+}
+
+impl LogDistance {
+    /// Path loss exponent ε.
+    #[must_use]
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    /// Loss over `distance_m` relative to the reference distance; negative if nearer than it.
+    #[must_use]
+    pub fn loss(&self, distance_m: f64) -> Db {
+        Db(10.0
+            * self.exponent
+            * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
+    }
+
+    /// The largest distance at which the loss is at most `loss` [m]; 0 if it is more everywhere.
+    #[must_use]
+    pub fn distance_m(&self, loss: Db) -> f64 {
+        if loss < self.loss(0.0) {
+            return 0.0;
+        }
+        self.reference_distance_m * libm::pow(10.0, loss.0 / (10.0 * self.exponent))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(exponent: f64) -> LogDistance {
+        LogDistanceConfig {
+            exponent: Some(exponent),
+            ..LogDistanceConfig::default()
+        }
+        .try_into()
+        .unwrap()
+    }
+
+    #[test]
+    fn a_decade_of_distance_costs_ten_times_the_exponent() {
+        let law = law(2.7);
+        assert!(law.loss(1.0).0.abs() < 1e-15);
+        assert!((law.loss(10.0).0 - 27.0).abs() < 1e-12);
+        assert!((law.loss(0.2) - law.loss(2.0)).0 + 27.0 < 1e-12);
+        assert_eq!(law.loss(0.0), law.loss(0.1));
+    }
+
+    #[test]
+    fn distance_is_the_inverse_of_loss() {
+        // 40 dB of budget: 30.3, 12.9, 7.4 m in the three environments of the thesis (Table 3.4).
+        for (exponent, range_m) in [(2.7, 30.302_711), (3.6, 12.915_497), (4.6, 7.405_685)] {
+            let law = law(exponent);
+            assert!(
+                (law.distance_m(Db(40.0)) - range_m).abs() < 1e-3,
+                "{}",
+                law.distance_m(Db(40.0))
+            );
+            assert!((law.loss(law.distance_m(Db(40.0))).0 - 40.0).abs() < 1e-10);
+        }
+        assert!(law(2.0).distance_m(Db(-20.001)) <= 0.0);
+        assert!(law(2.0).distance_m(Db(-20.0)) > 0.0999);
+    }
+
+    #[test]
+    fn a_bad_law_names_its_key() {
+        let good = LogDistanceConfig {
+            exponent: Some(2.0),
+            ..LogDistanceConfig::default()
+        };
+        for (config, key) in [
+            (
+                LogDistanceConfig {
+                    exponent: None,
+                    ..good
+                },
+                "exponent",
+            ),
+            (
+                LogDistanceConfig {
+                    exponent: Some(-2.0),
+                    ..good
+                },
+                "exponent",
+            ),
+            (
+                LogDistanceConfig {
+                    exponent: Some(f64::NAN),
+                    ..good
+                },
+                "exponent",
+            ),
+            (
+                LogDistanceConfig {
+                    reference_distance_m: 0.0,
+                    ..good
+                },
+                "reference_distance_m",
+            ),
+            (
+                LogDistanceConfig {
+                    min_distance_m: f64::INFINITY,
+                    ..good
+                },
+                "min_distance_m",
+            ),
+        ] {
+            assert_eq!(LogDistance::try_from(config).unwrap_err().key, key);
+        }
+    }
+}

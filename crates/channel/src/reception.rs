@@ -1,0 +1,287 @@
+//! What a listener heard: all that a mapper may know.
+
+use sextant_kernel::{NodeId, SimTime};
+
+use crate::Position;
+
+/// A place where the robot listened for a while.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// When listening began.
+    pub time: SimTime,
+    /// Where the robot stood, in its own odometry frame [m].
+    pub position: Position,
+}
+
+/// What was heard of one node at one stop. A pair of node and stop without a reception means that
+/// the robot listened and heard nothing (0 of 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reception {
+    /// The node that was heard.
+    pub node: NodeId,
+    /// Index of the stop.
+    pub stop: u32,
+    /// Packets received, at most `sent`.
+    pub received: u32,
+    /// Packets that the node sent while the robot listened; 0 of 0: no evidence either way.
+    pub sent: u32,
+    /// Identity of the antenna sector of best reception, if the listener has sectors (0-based).
+    pub sector: Option<u8>,
+    /// Mean received signal strength of the packets [dBm], if it was measured.
+    pub rssi_dbm: Option<f64>,
+}
+
+/// A place where a range sensor of the robot met an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// When.
+    pub time: SimTime,
+    /// The point of the obstacle that was met [m].
+    pub position: Position,
+}
+
+/// Everything that robots recorded on a survey: where they listened, what they heard there, where
+/// they drove and what they met. No ground truth. Receptions are sorted by node, then by stop, at most one a pair.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReceptionLog {
+    names: Vec<String>,
+    stops: Vec<Stop>,
+    receptions: Vec<Reception>,
+    first: Vec<usize>,
+    contacts: Vec<Contact>,
+}
+
+/// Why a reception log cannot be what it says.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LogError {
+    /// A reception names a node that the log does not have.
+    #[error("a reception names node {node}, but the log has {nodes} nodes (0 to {})", .nodes.saturating_sub(1))]
+    UnknownNode {
+        /// The node named.
+        node: u32,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// A reception names a stop that the log does not have.
+    #[error("a reception of node `{node}` names stop {stop}, but the log has {stops} stops (0 to {})", .stops.saturating_sub(1))]
+    UnknownStop {
+        /// Name of the node.
+        node: String,
+        /// The stop named.
+        stop: u32,
+        /// Number of stops.
+        stops: usize,
+    },
+    /// More packets received than sent.
+    #[error(
+        "node `{node}` at stop {stop}: {received} packets received of {sent} sent; at most as many as sent"
+    )]
+    MoreThanSent {
+        /// Name of the node.
+        node: String,
+        /// Index of the stop.
+        stop: u32,
+        /// Packets received.
+        received: u32,
+        /// Packets sent.
+        sent: u32,
+    },
+    /// Two receptions of one node at one stop.
+    #[error("node `{node}` at stop {stop} appears twice; give one reception a node and stop")]
+    Twice {
+        /// Name of the node.
+        node: String,
+        /// Index of the stop.
+        stop: u32,
+    },
+    /// A stop that is nowhere.
+    #[error("stop {stop} is at ({x_m}, {y_m}, {z_m}); coordinates are finite metres")]
+    NotFinite {
+        /// Index of the stop.
+        stop: usize,
+        /// East [m].
+        x_m: f64,
+        /// North [m].
+        y_m: f64,
+        /// Up [m].
+        z_m: f64,
+    },
+}
+
+impl ReceptionLog {
+    /// A log of the nodes `names` (index = [`NodeId`]; nodes never heard included where they are known to exist).
+    /// The receptions may come in any order.
+    ///
+    /// # Errors
+    /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
+    /// if a stop is not finite.
+    pub fn new(
+        names: Vec<String>,
+        stops: Vec<Stop>,
+        mut receptions: Vec<Reception>,
+        contacts: Vec<Contact>,
+    ) -> Result<Self, LogError> {
+        for (stop, &Stop { position: p, .. }) in stops.iter().enumerate() {
+            if !p.is_finite() {
+                return Err(LogError::NotFinite {
+                    stop,
+                    x_m: p.x_m,
+                    y_m: p.y_m,
+                    z_m: p.z_m,
+                });
+            }
+        }
+        receptions.sort_by_key(|r| (r.node, r.stop));
+        let mut first = vec![0; names.len() + 1];
+        let mut previous = None;
+        for &Reception {
+            node,
+            stop,
+            received,
+            sent,
+            ..
+        } in &receptions
+        {
+            let name = names.get(node.index()).ok_or(LogError::UnknownNode {
+                node: node.0,
+                nodes: names.len(),
+            })?;
+            if stop as usize >= stops.len() {
+                return Err(LogError::UnknownStop {
+                    node: name.clone(),
+                    stop,
+                    stops: stops.len(),
+                });
+            }
+            if received > sent {
+                return Err(LogError::MoreThanSent {
+                    node: name.clone(),
+                    stop,
+                    received,
+                    sent,
+                });
+            }
+            if previous.replace((node, stop)) == Some((node, stop)) {
+                return Err(LogError::Twice {
+                    node: name.clone(),
+                    stop,
+                });
+            }
+            first[node.index() + 1] += 1;
+        }
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
+        }
+        Ok(Self {
+            names,
+            stops,
+            receptions,
+            first,
+            contacts,
+        })
+    }
+
+    /// Number of nodes, heard or not.
+    #[must_use]
+    pub fn node_count(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Names of the nodes; the index is the [`NodeId`].
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// All stops, in the order of the survey.
+    #[must_use]
+    pub fn stops(&self) -> &[Stop] {
+        &self.stops
+    }
+
+    /// All receptions, by node, then by stop.
+    #[must_use]
+    pub fn receptions(&self) -> &[Reception] {
+        &self.receptions
+    }
+
+    /// The receptions of one node, by stop.
+    ///
+    /// # Panics
+    /// If the log has no such node.
+    #[must_use]
+    pub fn of(&self, node: NodeId) -> &[Reception] {
+        &self.receptions[self.first[node.index()]..self.first[node.index() + 1]]
+    }
+
+    /// Where the robots met obstacles.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn heard(node: u32, stop: u32) -> Reception {
+        Reception {
+            node: NodeId(node),
+            stop,
+            received: 1,
+            sent: 1,
+            sector: None,
+            rssi_dbm: None,
+        }
+    }
+
+    fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {
+        let stops = vec![
+            Stop {
+                time: SimTime::ZERO,
+                position: Position::ORIGIN
+            };
+            3
+        ];
+        ReceptionLog::new(vec!["a".into(), "b".into()], stops, receptions, Vec::new())
+    }
+
+    #[test]
+    fn receptions_are_found_by_node_in_the_order_of_stops() {
+        let log = log(vec![heard(1, 2), heard(0, 1), heard(1, 0)]).unwrap();
+        assert_eq!(log.of(NodeId(0)), [heard(0, 1)]);
+        assert_eq!(log.of(NodeId(1)), [heard(1, 0), heard(1, 2)]);
+    }
+
+    #[test]
+    fn impossible_receptions_are_refused() {
+        assert!(matches!(
+            log(vec![heard(2, 0)]),
+            Err(LogError::UnknownNode { node: 2, nodes: 2 })
+        ));
+        assert!(matches!(
+            log(vec![heard(1, 3)]),
+            Err(LogError::UnknownStop {
+                stop: 3,
+                stops: 3,
+                ..
+            })
+        ));
+        assert!(matches!(
+            log(vec![heard(1, 1), heard(1, 1)]),
+            Err(LogError::Twice { stop: 1, .. })
+        ));
+        assert!(matches!(
+            log(vec![Reception {
+                received: 2,
+                ..heard(0, 0)
+            }]),
+            Err(LogError::MoreThanSent {
+                received: 2,
+                sent: 1,
+                ..
+            })
+        ));
+    }
+}

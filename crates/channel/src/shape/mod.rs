@@ -1,0 +1,217 @@
+//! Shapes of obstacles: what is inside, how far it is, how much of a line it cuts off, all exact.
+
+mod clip;
+mod cuboid;
+mod cylinder;
+mod hull;
+mod mesh;
+mod obj;
+mod polytope;
+mod prism;
+mod surface;
+mod sweep;
+mod triangle;
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+pub use cuboid::BoxConfig;
+pub use cylinder::CylinderConfig;
+pub use hull::ConvexConfig;
+pub use mesh::MeshConfig;
+pub use prism::PrismConfig;
+
+use crate::span::Span;
+use crate::{Bounds, Position};
+use cuboid::Cuboid;
+use cylinder::Cylinder;
+use mesh::Mesh;
+use polytope::Polytope;
+use sweep::Body;
+pub(crate) use sweep::Sweep;
+
+/// The shape of an obstacle as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeConfig {
+    /// A box that stands upright.
+    Box(BoxConfig),
+    /// An upright cylinder.
+    Cylinder(CylinderConfig),
+    /// An upright prism over a convex footprint.
+    Prism(PrismConfig),
+    /// The convex hull of points.
+    Convex(ConvexConfig),
+    /// A closed triangle mesh.
+    Mesh(MeshConfig),
+}
+
+/// The shape of an obstacle: a solid without its surface. What only touches it, to a nanometre, is outside.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    form: Form,
+    bounds: Bounds,
+    body: Option<Body>,
+}
+
+#[derive(Clone, Debug)]
+enum Form {
+    Box(Cuboid),
+    Cylinder(Cylinder),
+    Polytope(Polytope),
+    Mesh(Mesh),
+}
+
+impl Shape {
+    /// The shape that `config` describes; files that it names are looked up from `folder`.
+    ///
+    /// # Errors
+    /// If it has no volume, or a file cannot be read.
+    pub fn read(config: ShapeConfig, folder: &Path) -> Result<Self, SettingError> {
+        let form = match config {
+            ShapeConfig::Box(config) => config
+                .try_into()
+                .map(Form::Box)
+                .map_err(|error| error.within("box")),
+            ShapeConfig::Cylinder(config) => config
+                .try_into()
+                .map(Form::Cylinder)
+                .map_err(|error| error.within("cylinder")),
+            ShapeConfig::Prism(config) => config
+                .try_into()
+                .map(Form::Polytope)
+                .map_err(|error| error.within("prism")),
+            ShapeConfig::Convex(config) => config
+                .try_into()
+                .map(Form::Polytope)
+                .map_err(|error| error.within("convex")),
+            ShapeConfig::Mesh(config) => Mesh::read(config, folder)
+                .map(Form::Mesh)
+                .map_err(|error| error.within("mesh")),
+        }?;
+        let bounds = match &form {
+            Form::Cylinder(cylinder) => {
+                let side = Position::new(cylinder.radius_m, cylinder.radius_m, 0.0);
+                let top = Position::new(0.0, 0.0, cylinder.height_m);
+                Some(Bounds {
+                    min: cylinder.base - side,
+                    max: cylinder.base + side + top,
+                })
+            }
+            Form::Box(cuboid) => cuboid.surface().bounds(),
+            Form::Polytope(polytope) => polytope.surface().bounds(),
+            Form::Mesh(mesh) => mesh.surface().bounds(),
+        };
+        let body = match &form {
+            Form::Box(cuboid) => Some(Body::cuboid(cuboid)),
+            Form::Cylinder(cylinder) => Some(Body::cylinder(cylinder)),
+            Form::Polytope(polytope) => Body::convex(polytope.surface()),
+            Form::Mesh(_) => None,
+        };
+        Ok(Self {
+            form,
+            bounds: bounds.expect("a solid has corners"),
+            body,
+        })
+    }
+
+    /// The least box round it.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Whether `p` is inside, by more than a nanometre.
+    #[must_use]
+    pub fn contains(&self, p: Position) -> bool {
+        match &self.form {
+            Form::Box(cuboid) => cuboid.contains(p),
+            Form::Cylinder(cylinder) => cylinder.contains(p),
+            Form::Polytope(polytope) => polytope.contains(p),
+            Form::Mesh(mesh) => mesh.contains(p),
+        }
+    }
+
+    /// Distance from `p` [m], 0 inside.
+    #[must_use]
+    pub fn distance_m(&self, p: Position) -> f64 {
+        match &self.form {
+            Form::Box(cuboid) => cuboid.distance_m(p),
+            Form::Cylinder(cylinder) => cylinder.distance_m(p),
+            Form::Polytope(polytope) => polytope.distance_m(p),
+            Form::Mesh(mesh) => mesh.distance_m(p),
+        }
+    }
+
+    /// Length of the straight line from `from` to `to` inside [m]. A line along a face, through an edge or a corner
+    /// only is not inside.
+    #[must_use]
+    pub fn length_inside_m(&self, from: Position, to: Position) -> f64 {
+        match &self.form {
+            Form::Box(cuboid) => cuboid.length_inside_m(from, to),
+            Form::Cylinder(cylinder) => cylinder.length_inside_m(from, to),
+            Form::Polytope(polytope) => polytope.length_inside_m(from, to),
+            Form::Mesh(mesh) => mesh.length_inside_m(from, to),
+        }
+    }
+
+    /// Its surface for drawing: vertices [m], and triangles whose corners turn left seen from outside.
+    /// A cylinder is drawn with 48 sides.
+    #[must_use]
+    pub fn mesh(&self) -> (Vec<Position>, Vec<[u32; 3]>) {
+        let surface = match &self.form {
+            Form::Box(cuboid) => cuboid.surface(),
+            Form::Cylinder(cylinder) => cylinder.surface(),
+            Form::Polytope(polytope) => polytope.surface().clone(),
+            Form::Mesh(mesh) => mesh.surface().clone(),
+        };
+        (surface.vertices, surface.triangles)
+    }
+
+    /// How far the ball of `sweep` travels before it touches the shape [m]; `None` if it does not within range.
+    pub(crate) fn touch_m(&self, sweep: &Sweep) -> Option<f64> {
+        if let Form::Mesh(mesh) = &self.form {
+            if mesh.contains(sweep.from) {
+                return Some(0.0);
+            }
+            let span = Span::new(sweep.from, sweep.at(sweep.range_m));
+            let touches = mesh.near(span, sweep.radius_m);
+            return touches
+                .filter_map(|corners| sweep.touch_m(None, |p| triangle::distance_m(corners, p)))
+                .min_by(f64::total_cmp);
+        }
+        let cast = self.body.as_ref().and_then(|body| body.cast(sweep));
+        sweep.touch_m(cast, |p| self.distance_m(p))
+    }
+}
+
+/// Least extent of a solid [m]: what is thinner is taken for a slip of the pen.
+const LEAST_SIZE_M: f64 = 1e-6;
+
+/// `size_m` if a solid can be that thick.
+fn size(size_m: f64) -> Option<f64> {
+    (size_m.is_finite() && size_m >= LEAST_SIZE_M).then_some(size_m)
+}
+
+/// The extent under `key`, checked.
+fn thickness(key: &str, size_m: f64) -> Result<f64, SettingError> {
+    size(size_m).ok_or_else(|| {
+        SettingError::new(
+            key,
+            size_m,
+            format!("a finite number of {LEAST_SIZE_M} or more"),
+        )
+    })
+}
+
+/// The place under `key`, checked.
+fn place(key: &str, p: Position) -> Result<Position, SettingError> {
+    if p.is_finite() {
+        Ok(p)
+    } else {
+        Err(SettingError::new(key, p, "finite coordinates"))
+    }
+}

@@ -1,0 +1,52 @@
+//! Which of many boxes a line meets, and which is nearest: the broad phase.
+
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+
+use crate::glam::{aabb, position};
+use crate::span::Span;
+use crate::{Bounds, Position};
+
+/// A hierarchy of boxes over numbered things. The order of its answers depends on the tree alone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tree(Bvh);
+
+impl Tree {
+    /// The tree of things with these `boxes`, numbered from 0.
+    pub(crate) fn new(boxes: impl IntoIterator<Item = Bounds>) -> Self {
+        let boxes: Vec<_> = boxes.into_iter().map(aabb).collect();
+        if boxes.is_empty() {
+            Self::default()
+        } else {
+            Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
+        }
+    }
+
+    /// The things whose boxes, grown by `margin_m`, meet `span`.
+    pub(crate) fn along(&self, span: Span, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
+        self.0
+            .leaves(move |node| span.meets(bounds(node).grown(margin_m)))
+            .map(|leaf| leaf as usize)
+    }
+
+    /// The things whose boxes hold `p`.
+    pub(crate) fn holding(&self, p: Position) -> impl Iterator<Item = usize> + '_ {
+        self.0
+            .leaves(move |node| bounds(node).contains(p))
+            .map(|leaf| leaf as usize)
+    }
+
+    /// The least of `distance_m` over all things, each at least as far from `p` as its box; infinite if there are none.
+    pub(crate) fn nearest_m(&self, p: Position, distance_m: impl Fn(usize) -> f64) -> f64 {
+        let leaf = |leaf: u32, _| Some(distance_m(leaf as usize));
+        self.0
+            .find_best(f64::MAX, |node, _| bounds(node).distance_m(p), leaf)
+            .map_or(f64::INFINITY, |(_, least)| least)
+    }
+}
+
+fn bounds(node: &BvhNode) -> Bounds {
+    Bounds {
+        min: position(node.mins()),
+        max: position(node.maxs()),
+    }
+}

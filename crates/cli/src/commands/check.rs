@@ -1,0 +1,40 @@
+//! `sextant check`: is a scenario good?
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::diagnostic::Failure;
+use crate::scenario::Scenario;
+
+/// What `sextant check` is told.
+#[derive(Clone, Debug, Args)]
+pub struct Arguments {
+    /// The scenario files
+    #[arg(value_name = "SCENARIO.toml", required = true)]
+    pub scenarios: Vec<PathBuf>,
+    /// Override a setting: path.to.key=value, the value in TOML, quotes optional; may be repeated
+    #[arg(long, value_name = "K=V", value_parser = crate::scenario::flag)]
+    pub set: Vec<String>,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let mut reports = Vec::new();
+    for path in &arguments.scenarios {
+        match Scenario::load(path, &arguments.set, None) {
+            Ok(scenario) => writeln!(
+                io::stdout(),
+                "ok {}: {}",
+                scenario.name(),
+                scenario.outline()
+            )?,
+            Err(errors) => reports.extend(errors.errors().iter().cloned().map(miette::Report::new)),
+        }
+    }
+    if reports.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::BadInput(reports))
+    }
+}

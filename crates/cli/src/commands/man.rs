@@ -1,0 +1,55 @@
+//! `sextant man`: the manual page.
+
+use std::io::{self, Write};
+
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
+
+use super::Cli;
+use crate::diagnostic::Failure;
+
+pub(crate) fn execute() -> Result<(), Failure> {
+    io::stdout().write_all(&page()?)?;
+    Ok(())
+}
+
+/// One page for the program and all of its commands.
+fn page() -> io::Result<Vec<u8>> {
+    let mut command = Cli::command().disable_help_subcommand(true);
+    command.build();
+    let mut page = Vec::new();
+    let main = Man::new(command.clone());
+    main.render_title(&mut page)?;
+    main.render_name_section(&mut page)?;
+    main.render_synopsis_section(&mut page)?;
+    main.render_description_section(&mut page)?;
+    main.render_options_section(&mut page)?;
+    for subcommand in command.get_subcommands() {
+        section(subcommand, &mut page)?;
+    }
+    writeln!(
+        page,
+        ".SH \"EXIT STATUS\"\n0 done, 1 failed, 2 usage or bad input, 130 interrupted."
+    )?;
+    main.render_version_section(&mut page)?;
+    Ok(page)
+}
+
+/// The section of one command: its purpose, then its synopsis and options as subsections.
+fn section(command: &Command, page: &mut Vec<u8>) -> io::Result<()> {
+    writeln!(
+        page,
+        ".SH \"SEXTANT {}\"",
+        command.get_name().to_uppercase()
+    )?;
+    if let Some(about) = command.get_about() {
+        writeln!(page, "{about}.")?;
+    }
+    let man = Man::new(command.clone());
+    let mut parts = Vec::new();
+    man.render_synopsis_section(&mut parts)?;
+    man.render_options_section(&mut parts)?;
+    let parts = String::from_utf8_lossy(&parts).replace(".SH ", ".SS ");
+    page.extend_from_slice(parts.as_bytes());
+    Ok(())
+}

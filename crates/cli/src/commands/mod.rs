@@ -1,0 +1,105 @@
+//! The command line: its words, and which part of the library each goes to.
+
+pub mod check;
+pub mod completions;
+pub mod inspect;
+pub mod man;
+pub mod map;
+pub mod recover;
+pub mod run;
+pub mod schema;
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::diagnostic::Failure;
+
+/// Simulates wireless sensor networks and the robots that listen to them, and maps the nodes from what was heard.
+#[derive(Debug, Parser)]
+#[command(name = "sextant", version, max_term_width = 110)]
+#[command(after_help = "Exit codes: 0 done, 1 failed, 2 usage or bad input, 130 interrupted.")]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a scenario, record what the robots hear, and map the nodes from it
+    Run(run::Arguments),
+    /// Map the nodes from a recording of `run`, or from the logs of a real robot
+    Map(map::Arguments),
+    /// Check scenario files without running them
+    Check(check::Arguments),
+    /// Print what a recording holds
+    Inspect(inspect::Arguments),
+    /// Save what is whole in a broken recording
+    Recover(recover::Arguments),
+    /// Print the JSON schema of scenario files
+    Schema,
+    /// Print completions for a shell
+    Completions(completions::Arguments),
+    /// Print the manual page (view it with `sextant man | man -l -`)
+    Man,
+}
+
+/// How results are printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A table for people
+    #[default]
+    Text,
+    /// One JSON object for programs
+    Json,
+}
+
+/// Runs the command that `words` (the program's name first) ask for.
+pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version come here too. Nobody is left to be told if the terminal is gone.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    match execute(&cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            failure.print();
+            failure.exit_code()
+        }
+    }
+}
+
+fn execute(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Run(arguments) => run::execute(arguments),
+        Command::Map(arguments) => map::execute(arguments),
+        Command::Check(arguments) => check::execute(arguments),
+        Command::Inspect(arguments) => inspect::execute(arguments),
+        Command::Recover(arguments) => recover::execute(arguments),
+        Command::Schema => schema::execute(),
+        Command::Completions(arguments) => completions::execute(arguments),
+        Command::Man => man::execute(),
+    }
+}
+
+/// Writes `text` to the file at `path`, whole or not at all: first beside it, then renamed.
+pub(crate) fn write_file(path: &Path, text: &[u8]) -> Result<(), Failure> {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    let part = Path::new(&part);
+    std::fs::write(part, text)
+        .and_then(|()| std::fs::rename(part, path))
+        .map_err(|error| {
+            // Only the error that came first is worth telling.
+            let _ = std::fs::remove_file(part);
+            Failure::unwritable(path, &error)
+        })
+}

@@ -1,0 +1,24 @@
+//! `sextant schema`: what a scenario file may say, for editors and programs.
+
+use std::io::{self, Write};
+
+use schemars::generate::SchemaSettings;
+
+use crate::diagnostic::Failure;
+use crate::scenario::ScenarioConfig;
+
+pub(crate) fn execute() -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    serde_json::to_writer_pretty(&mut stdout, &schema()).map_err(io::Error::from)?;
+    writeln!(stdout)?;
+    Ok(())
+}
+
+/// The JSON schema (draft 2020-12) of scenario files.
+fn schema() -> schemars::Schema {
+    let mut schema = SchemaSettings::draft2020_12()
+        .into_generator()
+        .into_root_schema_for::<ScenarioConfig>();
+    schema.insert("title".to_owned(), "Sextant scenario".into());
+    schema
+}

@@ -1,0 +1,23 @@
+//! The command line of Sextant: scenario files, commands, recordings, tables.
+//!
+//! Goes in: the words of a command line and the files that they name. Comes out: recordings, summaries, tables,
+//! and an exit code. The library crates do the work; here is what reads, prints and writes.
+//!
+//! ```
+//! let folder = std::env::temp_dir();
+//! let missing = folder.join("no-such-scenario.toml");
+//! let errors = sextant::scenario::Scenario::load(&missing, &[], None).unwrap_err();
+//! assert!(errors.to_string().starts_with("there is no file"));
+//! ```
+
+pub mod commands;
+pub mod diagnostic;
+pub mod interrupt;
+pub mod measure;
+pub mod recording;
+pub mod robot_log;
+pub mod run;
+pub mod scenario;
+pub mod summary;
+pub mod table;
+pub mod terminal;

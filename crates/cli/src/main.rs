@@ -1,0 +1,7 @@
+//! The binary `sextant`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    sextant::commands::main(std::env::args_os())
+}

@@ -1,0 +1,144 @@
+//! What can go wrong with a recording.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use sextant_channel::LogError;
+
+/// Why a recording could not be written or read. Clonable, because the first failure of a recorder is
+/// the answer to every later call.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RecordingError {
+    /// The file cannot be created.
+    #[error("cannot create `{}`: {why}", .path.display())]
+    Create {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// A write failed; what was written until then is in `PATH.part`.
+    #[error("cannot write `{}`: {why}; what was written before is left there, and `sextant recover` reads it", .path.display())]
+    Write {
+        /// The file that was being written.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The finished file cannot be given its name.
+    #[error("cannot rename `{}` to `{}`: {why}", .part.display(), .path.display())]
+    Rename {
+        /// The finished file.
+        part: PathBuf,
+        /// The name that it should have.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The file cannot be opened or read.
+    #[error("cannot read `{}`: {why}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The file is of another format.
+    #[error("`{}` is not an MCAP file: it does not begin with the eight bytes of one", .path.display())]
+    NotMcap {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is damaged or ends too early.
+    #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` restores what comes before", .path.display())]
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// How far the file was read [octets].
+        at_byte: u64,
+        /// Messages before the damage.
+        messages: u64,
+        /// What is wrong there.
+        why: String,
+    },
+    /// The file has no reception log.
+    #[error("`{}` has no reception log: it has no topic with schema `sextant.Stop`; its topics: {topics}", .path.display())]
+    NoLog {
+        /// The file.
+        path: PathBuf,
+        /// The topics that it has.
+        topics: String,
+    },
+    /// A message does not say what its type should.
+    #[error("`{}`, topic `{topic}`: {problem}", .path.display())]
+    Message {
+        /// The file.
+        path: PathBuf,
+        /// Topic of the message.
+        topic: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The messages do not make a reception log.
+    #[error("`{}`: {why}", .path.display())]
+    Log {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: LogError,
+    },
+    /// Recovery would overwrite what it reads.
+    #[error("`{}` is the file to recover; give another name for the result", .path.display())]
+    SameFile {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl RecordingError {
+    /// Whether the disk or the system is at fault (exit code 1), and not what was given (exit code 2).
+    #[must_use]
+    pub fn is_of_the_system(&self) -> bool {
+        matches!(
+            self,
+            Self::Create { .. } | Self::Write { .. } | Self::Rename { .. }
+        )
+    }
+
+    pub(super) fn create(path: &Path, why: impl fmt::Display) -> Self {
+        Self::Create {
+            path: path.to_owned(),
+            why: why.to_string(),
+        }
+    }
+
+    pub(super) fn write(path: &Path, why: &mcap::McapError) -> Self {
+        Self::Write {
+            path: path.to_owned(),
+            why: cause(why),
+        }
+    }
+
+    pub(super) fn read(path: &Path, why: impl fmt::Display) -> Self {
+        Self::Read {
+            path: path.to_owned(),
+            why: why.to_string(),
+        }
+    }
+
+    pub(super) fn message(path: &Path, topic: &str, problem: impl fmt::Display) -> Self {
+        Self::Message {
+            path: path.to_owned(),
+            topic: topic.to_owned(),
+            problem: problem.to_string(),
+        }
+    }
+}
+
+/// The system's answer below an error of the container, or the error itself.
+pub(super) fn cause(error: &mcap::McapError) -> String {
+    match error {
+        mcap::McapError::Io(system) => system.to_string(),
+        other => other.to_string(),
+    }
+}

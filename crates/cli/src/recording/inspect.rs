@@ -1,0 +1,205 @@
+//! What is inside a recording.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::error::RecordingError;
+use super::scan::{Piece, scan};
+
+/// Contents of a recording, found by reading all of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Inspection {
+    /// What wrote it.
+    pub library: String,
+    /// Size of the file [octets].
+    pub size_bytes: u64,
+    /// Where it is broken; absent from a sound file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<Damage>,
+    /// Topics by name.
+    pub topics: Vec<Topic>,
+    /// Number of messages that can be read.
+    pub messages: u64,
+    /// Earliest simulated time of a message [s]; absent without messages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_s: Option<f64>,
+    /// Latest simulated time of a message [s]; absent without messages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_s: Option<f64>,
+    /// Attachments in the order of the file.
+    pub attachments: Vec<AttachmentInfo>,
+    /// Metadata records by name.
+    pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+/// Where and why the reading of a file ended before its end.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Damage {
+    /// How far the file was read [octets].
+    pub at_byte: u64,
+    /// Messages before the damage.
+    pub messages: u64,
+    /// What is wrong there.
+    pub why: String,
+}
+
+/// A topic of a recording.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Topic {
+    /// Its name.
+    pub topic: String,
+    /// Name of its message type.
+    pub schema: String,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// Number of its messages.
+    pub messages: u64,
+}
+
+/// A file within a recording.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AttachmentInfo {
+    /// Its name.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    /// Its size [octets].
+    pub size_bytes: u64,
+}
+
+/// Reads all of the recording `path` and tells what is inside, of a broken one as far as it is sound.
+///
+/// # Errors
+/// If the file cannot be read or is of another format.
+pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
+    let size_bytes = std::fs::metadata(path)
+        .map_err(|why| RecordingError::read(path, why))?
+        .len();
+    let mut inspection = Inspection {
+        library: String::new(),
+        size_bytes,
+        damage: None,
+        topics: Vec::new(),
+        messages: 0,
+        start_s: None,
+        end_s: None,
+        attachments: Vec::new(),
+        metadata: BTreeMap::new(),
+    };
+    let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
+    let mut span: Option<(u64, u64)> = None;
+    inspection.damage = scan(path, &mut |piece| {
+        match piece {
+            Piece::Header { library } => inspection.library = library.to_owned(),
+            Piece::Message {
+                channel, header, ..
+            } => {
+                let topic = topics.entry(channel.id).or_insert_with(|| Topic {
+                    topic: channel.topic.clone(),
+                    schema: channel
+                        .schema
+                        .as_ref()
+                        .map(|schema| schema.name.clone())
+                        .unwrap_or_default(),
+                    encoding: channel.message_encoding.clone(),
+                    messages: 0,
+                });
+                topic.messages += 1;
+                inspection.messages += 1;
+                let time = header.log_time;
+                span = Some(span.map_or((time, time), |(start, end)| {
+                    (start.min(time), end.max(time))
+                }));
+            }
+            Piece::Attachment {
+                name,
+                media_type,
+                data,
+            } => inspection.attachments.push(AttachmentInfo {
+                name: name.to_owned(),
+                media_type: media_type.to_owned(),
+                size_bytes: data.len() as u64,
+            }),
+            Piece::Metadata(record) => {
+                inspection
+                    .metadata
+                    .insert(record.name.clone(), record.metadata.clone());
+            }
+        }
+        Ok(())
+    })?;
+    let seconds = |nanos| sextant_kernel::SimTime::from_nanos(nanos).as_secs_f64();
+    inspection.start_s = span.map(|(start, _)| seconds(start));
+    inspection.end_s = span.map(|(_, end)| seconds(end));
+    inspection.topics = topics.into_values().collect();
+    inspection.topics.sort_by(|a, b| a.topic.cmp(&b.topic));
+    Ok(inspection)
+}
+
+impl fmt::Display for Inspection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.damage {
+            None => writeln!(
+                f,
+                "complete, {} bytes, written by {}",
+                self.size_bytes, self.library
+            )?,
+            Some(damage) => writeln!(
+                f,
+                "BROKEN at byte {} of {}: {}; `sextant recover` restores what comes before",
+                damage.at_byte, self.size_bytes, damage.why
+            )?,
+        }
+        if let (Some(start_s), Some(end_s)) = (self.start_s, self.end_s) {
+            writeln!(
+                f,
+                "{} messages from {start_s:.3} s to {end_s:.3} s of simulated time",
+                self.messages
+            )?;
+        }
+        let width = self
+            .topics
+            .iter()
+            .map(|topic| topic.topic.chars().count())
+            .max()
+            .unwrap_or(0)
+            .max(5);
+        let schema_width = self
+            .topics
+            .iter()
+            .map(|topic| topic.schema.chars().count())
+            .max()
+            .unwrap_or(0);
+        for Topic {
+            topic,
+            schema,
+            messages,
+            ..
+        } in &self.topics
+        {
+            writeln!(
+                f,
+                "  {topic:<width$}  {schema:<schema_width$}  {messages:>9}"
+            )?;
+        }
+        for AttachmentInfo {
+            name,
+            media_type,
+            size_bytes,
+        } in &self.attachments
+        {
+            writeln!(f, "attachment {name} ({media_type}, {size_bytes} bytes)")?;
+        }
+        for (name, values) in &self.metadata {
+            let values: Vec<String> = values
+                .iter()
+                .map(|(key, value)| format!("{key} = {value}"))
+                .collect();
+            writeln!(f, "metadata {name}: {}", values.join(", "))?;
+        }
+        Ok(())
+    }
+}

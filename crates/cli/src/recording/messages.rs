@@ -1,0 +1,175 @@
+//! Sextant's own message types, as they stand in a recording. Field numbers are for ever: a field may be
+//! added under a new number and never renumbered. `docs/recording.md` gives their meaning and units.
+
+use foxglove::{Encode, Schema};
+use prost::bytes::BufMut;
+
+use super::descriptor::{self, Declaration};
+
+/// Names of nodes that the robot knows of, heard or not; no places.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Nodes {
+    /// Index of the first of `names`.
+    #[prost(uint32, tag = "1")]
+    pub first: u32,
+    /// Names of the nodes `first`, `first + 1`, ...
+    #[prost(string, repeated, tag = "2")]
+    pub names: Vec<String>,
+}
+
+/// A place where a robot listened.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Stop {
+    /// Index of the stop in the recording, from 0 without gaps.
+    #[prost(uint32, tag = "1")]
+    pub stop: u32,
+    /// When listening began [ns of simulated time].
+    #[prost(uint64, tag = "2")]
+    pub time_ns: u64,
+    /// East [m].
+    #[prost(double, tag = "3")]
+    pub x_m: f64,
+    /// North [m].
+    #[prost(double, tag = "4")]
+    pub y_m: f64,
+    /// Up [m].
+    #[prost(double, tag = "5")]
+    pub z_m: f64,
+    /// Name of the robot.
+    #[prost(string, tag = "6")]
+    pub robot: String,
+    /// Number of `Reception` messages of this stop, which follow it: tells a whole stop from a cut one.
+    #[prost(uint32, tag = "7")]
+    pub receptions: u32,
+}
+
+/// What was heard of one node at one stop.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Reception {
+    /// Index of the node.
+    #[prost(uint32, tag = "1")]
+    pub node: u32,
+    /// Index of the stop.
+    #[prost(uint32, tag = "2")]
+    pub stop: u32,
+    /// Packets received, at most `sent`.
+    #[prost(uint32, tag = "3")]
+    pub received: u32,
+    /// Packets sent while the robot listened; 0 of 0: no evidence either way.
+    #[prost(uint32, tag = "4")]
+    pub sent: u32,
+    /// Antenna sector of best reception, 0 to 255.
+    #[prost(uint32, optional, tag = "5")]
+    pub sector: Option<u32>,
+    /// Mean received signal strength [dBm].
+    #[prost(double, optional, tag = "6")]
+    pub rssi_dbm: Option<f64>,
+}
+
+/// A point of an obstacle that a robot's range sensor met.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Contact {
+    /// When [ns of simulated time].
+    #[prost(uint64, tag = "1")]
+    pub time_ns: u64,
+    /// East [m].
+    #[prost(double, tag = "2")]
+    pub x_m: f64,
+    /// North [m].
+    #[prost(double, tag = "3")]
+    pub y_m: f64,
+    /// Up [m].
+    #[prost(double, tag = "4")]
+    pub z_m: f64,
+}
+
+/// A frame that was on air.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Frame {
+    /// First symbol on air [ns of simulated time].
+    #[prost(uint64, tag = "1")]
+    pub start_ns: u64,
+    /// Time on air [ns].
+    #[prost(uint64, tag = "2")]
+    pub airtime_ns: u64,
+    /// Index of the station that sent it.
+    #[prost(uint32, tag = "3")]
+    pub source: u32,
+    /// The MAC frame, its check sequence included.
+    #[prost(bytes = "vec", tag = "4")]
+    pub mpdu: Vec<u8>,
+    /// The best that became of it at any robot: `received`, `collided`, `weak`, `out_of_range`, `not_listened`.
+    #[prost(string, tag = "5")]
+    pub outcome: String,
+    /// Power at that robot [dBm], where a signal was measured.
+    #[prost(double, optional, tag = "6")]
+    pub power_dbm: Option<f64>,
+}
+
+/// One value of a time series.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Metric {
+    /// When [ns of simulated time].
+    #[prost(uint64, tag = "1")]
+    pub time_ns: u64,
+    /// Name, ending in its unit: `path_length_m`.
+    #[prost(string, tag = "2")]
+    pub name: String,
+    /// Value in the unit of `name`.
+    #[prost(double, tag = "3")]
+    pub value: f64,
+}
+
+/// Gives a message type its stable name and its descriptor.
+macro_rules! recorded {
+    ($($message:ident: [$($field:literal = $number:literal $kind:ident),+ $(,)?];)+) => {
+        /// What the recording says of each own message type: the same numbers as the structs above
+        /// (a test holds them together, an independent reader decodes them).
+        pub(super) const DECLARATIONS: &[Declaration] = &[$(Declaration {
+            name: stringify!($message),
+            fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::Kind::$kind }),+],
+        }),+];
+
+        $(impl Encode for $message {
+            type Error = prost::EncodeError;
+
+            fn get_schema() -> Option<Schema> {
+                Some(Schema::new(
+                    concat!("sextant.", stringify!($message)),
+                    "protobuf",
+                    descriptor::file_set(DECLARATIONS),
+                ))
+            }
+
+            fn get_message_encoding() -> String {
+                "protobuf".to_owned()
+            }
+
+            fn encode(&self, buffer: &mut impl BufMut) -> Result<(), prost::EncodeError> {
+                prost::Message::encode(self, buffer)
+            }
+
+            fn encoded_len(&self) -> Option<usize> {
+                Some(prost::Message::encoded_len(self))
+            }
+        })+
+    };
+}
+
+recorded! {
+    Nodes: ["first" = 1 Uint32, "names" = 2 Strings];
+    Stop: [
+        "stop" = 1 Uint32, "time_ns" = 2 Uint64, "x_m" = 3 Double, "y_m" = 4 Double, "z_m" = 5 Double,
+        "robot" = 6 String, "receptions" = 7 Uint32,
+    ];
+    Reception: [
+        "node" = 1 Uint32, "stop" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,
+        "sector" = 5 OptionalUint32, "rssi_dbm" = 6 OptionalDouble,
+    ];
+    Contact: ["time_ns" = 1 Uint64, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
+    Frame: [
+        "start_ns" = 1 Uint64, "airtime_ns" = 2 Uint64, "source" = 3 Uint32, "mpdu" = 4 Bytes, "outcome" = 5 String,
+        "power_dbm" = 6 OptionalDouble,
+    ];
+    Metric: ["time_ns" = 1 Uint64, "name" = 2 String, "value" = 3 Double];
+}

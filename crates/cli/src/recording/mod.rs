@@ -1,0 +1,49 @@
+//! Recordings: MCAP files with all that a run did, for viewers, mappers and people.
+//!
+//! Goes in: what happened, call by call, to a [`FileRecorder`]. Comes out: a file that Foxglove and Rerun draw, that
+//! [`read_log`] turns back into the reception log of the run, [`inspect`] describes and [`recover`] saves after a crash.
+//! Topics, types and units are in `docs/recording.md`.
+//!
+//! ```
+//! use sextant::recording::{FileRecorder, read_log};
+//! use sextant_channel::{Position, Reception, Stop};
+//! use sextant_kernel::{NodeId, SimTime};
+//!
+//! let path = std::env::temp_dir().join(format!("sextant-doc-{}.mcap", std::process::id()));
+//! let mut recorder = FileRecorder::create(&path)?;
+//! recorder.nodes(&["a".to_owned(), "b".to_owned()])?;
+//! let stop = Stop { time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0) };
+//! let heard = Reception { node: NodeId(1), stop: 0, received: 3, sent: 5, sector: None, rssi_dbm: None };
+//! recorder.stop("surveyor", 0, &stop, &[heard])?;
+//! recorder.finish()?;
+//!
+//! assert_eq!(read_log(&path)?.log.receptions(), [heard]);
+//! # std::fs::remove_file(&path).ok();
+//! # Ok::<(), sextant::recording::RecordingError>(())
+//! ```
+
+mod descriptor;
+mod drawing;
+mod error;
+mod inspect;
+pub mod messages;
+mod reader;
+mod recorder;
+mod recover;
+mod scan;
+mod sink;
+
+pub use drawing::{LikelihoodPlane, PlacedNode, Solid};
+pub use error::RecordingError;
+pub use foxglove::messages::log::Level;
+pub use inspect::{AttachmentInfo, Damage, Inspection, Topic, inspect};
+pub use reader::{Attachment, RecordedRun, read_attachment, read_log, read_truth};
+pub use recorder::{
+    FileRecorder, ORIGIN_METADATA, Origin, Recorder, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
+};
+pub use recover::{Recovery, recover};
+
+/// Topic of the true nodes.
+const WORLD_NODES_TOPIC: &str = "/world/nodes";
+/// Name of the metadata record that a recovered recording has.
+const RECOVERED_METADATA: &str = "recovered";

@@ -1,0 +1,301 @@
+//! Reading back what a mapper, a metric or a report needs of a recording.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use foxglove::messages::PointCloud;
+use prost::Message as _;
+use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, SimTime};
+
+use super::drawing;
+use super::error::RecordingError;
+use super::messages;
+use super::scan::{Piece, scan};
+
+/// The reception log of a recording, and what the recording says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedRun {
+    /// The reception log.
+    pub log: ReceptionLog,
+    /// Stops that were left out, 0 or 1: the last stop of a recovered recording may lack receptions, and a
+    /// reception that is absent would mean that nothing was heard.
+    pub cut_stops: usize,
+    /// Metadata records by name; a recording of `run` has [`super::ORIGIN_METADATA`].
+    pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// Attachments in the order of the file.
+    pub attachments: Vec<Attachment>,
+}
+
+/// A file within a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name.
+    pub name: String,
+    /// Its media type.
+    pub media_type: String,
+    /// Its octets.
+    pub data: Vec<u8>,
+}
+
+/// The reception log in the recording `path`, with the names of unheard nodes. Drawings, frames and the true places
+/// of the nodes are passed over. Needs memory for the log and one chunk.
+///
+/// # Errors
+/// If the file cannot be read, is damaged, or holds no reception log.
+pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
+    let mut draft = LogDraft::default();
+    let mut topics = Vec::new();
+    let mut metadata = BTreeMap::new();
+    let mut attachments = Vec::new();
+    sound(path, &mut |piece| {
+        match piece {
+            Piece::Header { .. } => {}
+            Piece::Message { channel, data, .. } => {
+                if !topics.contains(&channel.topic) {
+                    topics.push(channel.topic.clone());
+                }
+                let schema = channel
+                    .schema
+                    .as_ref()
+                    .map_or("", |schema| schema.name.as_str());
+                draft
+                    .add(schema, data)
+                    .map_err(|problem| RecordingError::message(path, &channel.topic, problem))?;
+            }
+            Piece::Attachment {
+                name,
+                media_type,
+                data,
+            } => attachments.push(Attachment {
+                name: name.to_owned(),
+                media_type: media_type.to_owned(),
+                data: data.to_vec(),
+            }),
+            Piece::Metadata(record) => {
+                metadata.insert(record.name.clone(), record.metadata.clone());
+            }
+        }
+        Ok(())
+    })?;
+    if draft.stops.is_empty() {
+        let topics = if topics.is_empty() {
+            "none".to_owned()
+        } else {
+            topics.join(", ")
+        };
+        return Err(RecordingError::NoLog {
+            path: path.to_owned(),
+            topics,
+        });
+    }
+    let cut_stops = draft.cut_last_stop();
+    let log = ReceptionLog::new(draft.names, draft.stops, draft.receptions, draft.contacts)
+        .map_err(|why| RecordingError::Log {
+            path: path.to_owned(),
+            why,
+        })?;
+    Ok(RecordedRun {
+        log,
+        cut_stops,
+        metadata,
+        attachments,
+    })
+}
+
+/// Where the nodes of the recording `path` really are, by name [m]; `None` if it does not tell.
+///
+/// # Errors
+/// If the file cannot be read or is damaged.
+pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, RecordingError> {
+    let mut names = LogDraft::default();
+    let mut places: Option<Vec<(NodeId, Position)>> = None;
+    sound(path, &mut |piece| {
+        let Piece::Message { channel, data, .. } = piece else {
+            return Ok(());
+        };
+        let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
+        match (
+            channel.topic.as_str(),
+            channel.schema.as_ref().map(|schema| schema.name.as_str()),
+        ) {
+            (_, Some("sextant.Nodes")) => names.add("sextant.Nodes", data).map_err(wrong),
+            (super::WORLD_NODES_TOPIC, Some("foxglove.PointCloud")) => {
+                let cloud = PointCloud::decode(data).map_err(|why| wrong(why.to_string()))?;
+                places = Some(drawing::nodes_of(&cloud).map_err(wrong)?);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    })?;
+    let Some(places) = places else {
+        return Ok(None);
+    };
+    let named = places.into_iter().map(|(node, position)| {
+        let name = names.names.get(node.index()).ok_or_else(|| {
+            let problem = format!(
+                "node {} has no name; there are {} names",
+                node.0,
+                names.names.len()
+            );
+            RecordingError::message(path, super::WORLD_NODES_TOPIC, problem)
+        })?;
+        Ok((name.clone(), position))
+    });
+    named.collect::<Result<_, _>>().map(Some)
+}
+
+/// The attachment `name` of the recording `path`, the last one of this name.
+///
+/// # Errors
+/// If the file cannot be read or is damaged.
+pub fn read_attachment(path: &Path, name: &str) -> Result<Option<Attachment>, RecordingError> {
+    let mut found = None;
+    sound(path, &mut |piece| {
+        if let Piece::Attachment {
+            name: this,
+            media_type,
+            data,
+        } = piece
+            && this == name
+        {
+            found = Some(Attachment {
+                name: name.to_owned(),
+                media_type: media_type.to_owned(),
+                data: data.to_vec(),
+            });
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// Scans a file that must be whole.
+fn sound(
+    path: &Path,
+    visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
+) -> Result<(), RecordingError> {
+    match scan(path, visit)? {
+        None => Ok(()),
+        Some(damage) => Err(RecordingError::Broken {
+            path: path.to_owned(),
+            at_byte: damage.at_byte,
+            messages: damage.messages,
+            why: damage.why,
+        }),
+    }
+}
+
+/// A reception log in the making.
+#[derive(Default)]
+struct LogDraft {
+    names: Vec<String>,
+    stops: Vec<Stop>,
+    receptions: Vec<Reception>,
+    contacts: Vec<Contact>,
+    /// Receptions that the last stop still lacks.
+    owed: u32,
+}
+
+impl LogDraft {
+    /// Takes a message of the given schema in, if it is part of a reception log; says what is wrong with it.
+    fn add(&mut self, schema: &str, data: &[u8]) -> Result<(), String> {
+        match schema {
+            "sextant.Nodes" => self.add_nodes(decode(data)?),
+            "sextant.Stop" => self.add_stop(&decode(data)?),
+            "sextant.Reception" => self.add_reception(&decode(data)?),
+            "sextant.Contact" => {
+                let messages::Contact {
+                    time_ns,
+                    x_m,
+                    y_m,
+                    z_m,
+                } = decode(data)?;
+                let position = Position::new(x_m, y_m, z_m);
+                self.contacts.push(Contact {
+                    time: SimTime::from_nanos(time_ns),
+                    position,
+                });
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn add_nodes(&mut self, message: messages::Nodes) -> Result<(), String> {
+        if message.first as usize != self.names.len() {
+            return Err(format!(
+                "names begin at node {}; allowed: {}, the next one",
+                message.first,
+                self.names.len()
+            ));
+        }
+        self.names.extend(message.names);
+        Ok(())
+    }
+
+    fn add_stop(&mut self, message: &messages::Stop) -> Result<(), String> {
+        self.settled()?;
+        if message.stop as usize != self.stops.len() {
+            return Err(format!(
+                "stop {} where stop {} is due",
+                message.stop,
+                self.stops.len()
+            ));
+        }
+        self.owed = message.receptions;
+        let position = Position::new(message.x_m, message.y_m, message.z_m);
+        self.stops.push(Stop {
+            time: SimTime::from_nanos(message.time_ns),
+            position,
+        });
+        Ok(())
+    }
+
+    fn add_reception(&mut self, message: &messages::Reception) -> Result<(), String> {
+        self.owed = self
+            .owed
+            .checked_sub(1)
+            .ok_or("more receptions than the stop before them announces")?;
+        let sector = message.sector.map(|sector| {
+            u8::try_from(sector)
+                .map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
+        });
+        self.receptions.push(Reception {
+            node: NodeId(message.node),
+            stop: message.stop,
+            received: message.received,
+            sent: message.sent,
+            sector: sector.transpose()?,
+            rssi_dbm: message.rssi_dbm,
+        });
+        Ok(())
+    }
+
+    fn settled(&self) -> Result<(), String> {
+        if self.owed == 0 {
+            return Ok(());
+        }
+        Err(format!(
+            "{} receptions are missing before stop {}",
+            self.owed,
+            self.stops.len()
+        ))
+    }
+
+    /// Takes the last stop out if it is not whole; returns how many were.
+    fn cut_last_stop(&mut self) -> usize {
+        if self.owed == 0 {
+            return 0;
+        }
+        self.stops.pop();
+        let stops = self.stops.len();
+        self.receptions
+            .retain(|reception| (reception.stop as usize) < stops);
+        1
+    }
+}
+
+fn decode<M: prost::Message + Default>(data: &[u8]) -> Result<M, String> {
+    M::decode(data).map_err(|why| why.to_string())
+}

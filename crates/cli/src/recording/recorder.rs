@@ -1,0 +1,449 @@
+//! Writing a recording.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use foxglove::Encode;
+use foxglove::messages::{Log, log::Level};
+use mcap::Attachment;
+use mcap::records::{MessageHeader, Metadata};
+use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
+use sextant_kernel::SimTime;
+
+use super::drawing::{self, LikelihoodPlane, PlacedNode, Solid};
+use super::error::RecordingError;
+use super::messages;
+use super::sink::{Draft, Sink};
+
+/// Name of the attachment with the scenario as it was read.
+pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
+/// Name of the attachment with the summary.
+pub const SUMMARY_ATTACHMENT: &str = "summary.json";
+/// Name of the metadata record with `seed`, `version` and `scenario`.
+pub const ORIGIN_METADATA: &str = "sextant";
+
+/// Stops after which a chunk is closed, however few messages they have.
+const STOPS_PER_CHUNK: u32 = 32;
+
+/// From what a recording comes: with the scenario all that its bytes depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Origin<'a> {
+    /// Name of the scenario.
+    pub scenario: &'a str,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Version of the program.
+    pub version: &'a str,
+}
+
+/// Writes a recording. Each call may fail, and after the first failure every call returns that failure again.
+/// Only [`Recorder::finish`] makes a recording whole; without it, what was written stays in `PATH.part`.
+pub struct Recorder<W: Write> {
+    sink: Sink<W>,
+    /// Channel and number of messages so far, by topic.
+    topics: BTreeMap<String, (u16, u32)>,
+    encoded: Vec<u8>,
+    stops_in_chunk: u32,
+}
+
+/// A recorder that writes `PATH.part` and makes it `PATH` in the end.
+pub struct FileRecorder {
+    recorder: Recorder<BufWriter<File>>,
+    draft: Draft,
+}
+
+impl FileRecorder {
+    /// A recording that is to be the file `path`; a file of this name is replaced when the recording is finished.
+    ///
+    /// # Errors
+    /// If the file `PATH.part` cannot be created, or `path` is a folder.
+    pub fn create(path: &Path) -> Result<Self, RecordingError> {
+        let draft = Draft::new(path, ".part");
+        let sink = draft.create()?;
+        Ok(Self {
+            recorder: Recorder::from_sink(sink),
+            draft,
+        })
+    }
+
+    /// Writes the summary section, syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
+    ///
+    /// # Errors
+    /// If any write failed, now or before. The file `PATH.part` then stays.
+    pub fn finish(self) -> Result<(), RecordingError> {
+        self.draft.publish(self.recorder.sink)
+    }
+}
+
+impl std::ops::Deref for FileRecorder {
+    type Target = Recorder<BufWriter<File>>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.recorder
+    }
+}
+
+impl std::ops::DerefMut for FileRecorder {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.recorder
+    }
+}
+
+impl<W: Write> Recorder<W> {
+    /// A recording into `output`, which errors call `name`.
+    ///
+    /// # Errors
+    /// If the header cannot be written.
+    pub fn new(output: W, name: &Path) -> Result<Self, RecordingError> {
+        Sink::new(output, name).map(Self::from_sink)
+    }
+
+    fn from_sink(sink: Sink<W>) -> Self {
+        Self {
+            sink,
+            topics: BTreeMap::new(),
+            encoded: Vec::new(),
+            stops_in_chunk: 0,
+        }
+    }
+
+    /// Writes the summary section and hands the output back.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn into_output(self) -> Result<W, RecordingError> {
+        self.sink.finish()
+    }
+
+    /// Where the recording comes from: the first record after the header.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn origin(&mut self, origin: Origin<'_>) -> Result<(), RecordingError> {
+        let Origin {
+            scenario,
+            seed,
+            version,
+        } = origin;
+        let values = [
+            ("scenario", scenario.to_owned()),
+            ("seed", seed.to_string()),
+            ("version", version.to_owned()),
+        ];
+        self.sink.metadata(&Metadata {
+            name: ORIGIN_METADATA.to_owned(),
+            metadata: values.map(|(key, value)| (key.to_owned(), value)).into(),
+        })
+    }
+
+    /// The scenario as it was read, overrides applied [TOML].
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn scenario(&mut self, toml: &str) -> Result<(), RecordingError> {
+        self.attach(SCENARIO_ATTACHMENT, "application/toml", toml.as_bytes())
+    }
+
+    /// The summary [JSON]. A recording is a function of scenario, seed and version only if the summary is: leave out
+    /// its `timing`.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn summary(&mut self, json: &str) -> Result<(), RecordingError> {
+        self.attach(SUMMARY_ATTACHMENT, "application/json", json.as_bytes())
+    }
+
+    fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), RecordingError> {
+        self.sink.attach(&Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            data: data.into(),
+        })
+    }
+
+    /// Names of all nodes that the robots know of (index = `NodeId`), before the first stop.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn nodes(&mut self, names: &[String]) -> Result<(), RecordingError> {
+        self.write(
+            SimTime::ZERO,
+            "/nodes",
+            &messages::Nodes {
+                first: 0,
+                names: names.to_vec(),
+            },
+        )
+    }
+
+    /// A stop and all that was heard there. Stops are numbered from 0 in the order of the calls; `receptions`
+    /// name the stop by that number. A chunk ends between stops only, so that a crash loses whole stops.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    ///
+    /// # Panics
+    /// If there are 2³² receptions.
+    pub fn stop(
+        &mut self,
+        robot: &str,
+        index: u32,
+        stop: &Stop,
+        receptions: &[Reception],
+    ) -> Result<(), RecordingError> {
+        let Position { x_m, y_m, z_m } = stop.position;
+        let message = messages::Stop {
+            stop: index,
+            time_ns: stop.time.as_nanos(),
+            x_m,
+            y_m,
+            z_m,
+            robot: robot.to_owned(),
+            receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
+        };
+        self.append(stop.time, "/stops", &message)?;
+        for &Reception {
+            node,
+            stop: at,
+            received,
+            sent,
+            sector,
+            rssi_dbm,
+        } in receptions
+        {
+            let message = messages::Reception {
+                node: node.0,
+                stop: at,
+                received,
+                sent,
+                sector: sector.map(u32::from),
+                rssi_dbm,
+            };
+            self.append(stop.time, "/receptions", &message)?;
+        }
+        self.stops_in_chunk += 1;
+        if self.stops_in_chunk >= STOPS_PER_CHUNK {
+            self.stops_in_chunk = 0;
+            return self.sink.end_chunk();
+        }
+        self.sink.settle()
+    }
+
+    /// A point of an obstacle that the range sensor of `robot` met.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn contact(&mut self, robot: &str, contact: &Contact) -> Result<(), RecordingError> {
+        let Position { x_m, y_m, z_m } = contact.position;
+        let message = messages::Contact {
+            time_ns: contact.time.as_nanos(),
+            x_m,
+            y_m,
+            z_m,
+        };
+        self.write(contact.time, &format!("/robot/{robot}/contacts"), &message)
+    }
+
+    /// A whole reception log of one robot: names, stops with receptions, contacts.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    ///
+    /// # Panics
+    /// If the log has 2³² stops.
+    pub fn log(&mut self, robot: &str, log: &ReceptionLog) -> Result<(), RecordingError> {
+        self.nodes(log.names())?;
+        let mut by_stop = log.receptions().to_vec();
+        by_stop.sort_by_key(|reception| (reception.stop, reception.node));
+        let mut rest = by_stop.as_slice();
+        for (index, stop) in log.stops().iter().enumerate() {
+            let index = u32::try_from(index).expect("fewer than 2^32 stops");
+            let (here, later) =
+                rest.split_at(rest.partition_point(|reception| reception.stop <= index));
+            self.stop(robot, index, stop, here)?;
+            rest = later;
+        }
+        log.contacts()
+            .iter()
+            .try_for_each(|contact| self.contact(robot, contact))
+    }
+
+    /// Where `robot` is, and where it looks [rad, counterclockwise from x].
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn robot(
+        &mut self,
+        time: SimTime,
+        robot: &str,
+        position: Position,
+        heading_rad: f64,
+    ) -> Result<(), RecordingError> {
+        self.write(
+            time,
+            "/tf",
+            &drawing::transform(time, robot, position, heading_rad),
+        )
+    }
+
+    /// The places that `robot` has passed, from its start to now [m].
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn path(
+        &mut self,
+        time: SimTime,
+        robot: &str,
+        places: &[Position],
+    ) -> Result<(), RecordingError> {
+        self.write(
+            time,
+            &format!("/robot/{robot}/path"),
+            &drawing::path(time, places),
+        )
+    }
+
+    /// The obstacles of the world.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn obstacles(&mut self, time: SimTime, solids: &[Solid]) -> Result<(), RecordingError> {
+        self.write(time, "/world/obstacles", &drawing::scene(time, solids))
+    }
+
+    /// Where the nodes really are: for viewers and metrics, never for a mapper.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn world_nodes(
+        &mut self,
+        time: SimTime,
+        nodes: &[PlacedNode],
+    ) -> Result<(), RecordingError> {
+        self.write(time, super::WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
+    }
+
+    /// Where `algorithm` places the nodes; those that it does not place are absent.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn map(
+        &mut self,
+        time: SimTime,
+        algorithm: &str,
+        nodes: &[PlacedNode],
+    ) -> Result<(), RecordingError> {
+        self.write(
+            time,
+            &format!("/map/{algorithm}"),
+            &drawing::cloud(time, nodes),
+        )
+    }
+
+    /// The likelihood of `node` as `algorithm` sees it.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn likelihood(
+        &mut self,
+        time: SimTime,
+        algorithm: &str,
+        node: &str,
+        plane: &LikelihoodPlane,
+    ) -> Result<(), RecordingError> {
+        self.write(
+            time,
+            &format!("/likelihood/{algorithm}/{node}"),
+            &drawing::grid(time, plane),
+        )
+    }
+
+    /// A frame that was on air, at its end.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn frame(&mut self, frame: &messages::Frame) -> Result<(), RecordingError> {
+        self.write(
+            SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)),
+            "/mac/frames",
+            frame,
+        )
+    }
+
+    /// One value of the time series `name`, which ends in its unit.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn metric(&mut self, time: SimTime, name: &str, value: f64) -> Result<(), RecordingError> {
+        self.write(
+            time,
+            "/metrics",
+            &messages::Metric {
+                time_ns: time.as_nanos(),
+                name: name.to_owned(),
+                value,
+            },
+        )
+    }
+
+    /// A message for people, from the part of the program called `source`.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn note(
+        &mut self,
+        time: SimTime,
+        level: Level,
+        source: &str,
+        message: &str,
+    ) -> Result<(), RecordingError> {
+        let log = Log {
+            timestamp: Some(drawing::timestamp(time)),
+            level: level.into(),
+            message: message.to_owned(),
+            name: source.to_owned(),
+            ..Log::default()
+        };
+        self.write(time, "/log", &log)
+    }
+
+    /// A message after which a chunk may end.
+    fn write<M: Encode + prost::Message>(
+        &mut self,
+        time: SimTime,
+        topic: &str,
+        message: &M,
+    ) -> Result<(), RecordingError> {
+        self.append(time, topic, message)?;
+        self.sink.settle()
+    }
+
+    fn append<M: Encode + prost::Message>(
+        &mut self,
+        time: SimTime,
+        topic: &str,
+        message: &M,
+    ) -> Result<(), RecordingError> {
+        if !self.topics.contains_key(topic) {
+            let schema = M::get_schema().expect("every recorded message has a schema");
+            let channel = self.sink.channel(topic, &schema)?;
+            self.topics.insert(topic.to_owned(), (channel, 0));
+        }
+        let (channel_id, sequence) = self.topics.get_mut(topic).expect("a topic that is there");
+        let time_ns = time.as_nanos();
+        let header = MessageHeader {
+            channel_id: *channel_id,
+            sequence: *sequence,
+            log_time: time_ns,
+            publish_time: time_ns,
+        };
+        *sequence = sequence.wrapping_add(1);
+        self.encoded.clear();
+        prost::Message::encode(message, &mut self.encoded).expect("a vector that grows");
+        self.sink.message(&header, &self.encoded)
+    }
+}

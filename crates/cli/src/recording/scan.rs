@@ -1,0 +1,179 @@
+//! Reading a container from front to back, as far as it is sound, one chunk in memory.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+use mcap::records::{MessageHeader, Metadata, Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{Channel, McapError, Schema, parse_record};
+
+use super::error::{RecordingError, cause};
+use super::inspect::Damage;
+
+/// No record or chunk of a recording is longer [octets]; a damaged length is refused before memory is asked for.
+const LONGEST_RECORD: usize = 1 << 29;
+
+/// What a container holds, in the order of the file.
+pub(super) enum Piece<'a> {
+    Header {
+        library: &'a str,
+    },
+    Message {
+        channel: &'a Channel<'static>,
+        header: MessageHeader,
+        data: &'a [u8],
+    },
+    Attachment {
+        name: &'a str,
+        media_type: &'a str,
+        data: &'a [u8],
+    },
+    Metadata(&'a Metadata),
+}
+
+/// Shows every piece of the file `path` to `visit`. Messages of a chunk whose check sum is wrong, or which is cut,
+/// are not shown. Returns the damage that ended the reading, if any.
+pub(super) fn scan(
+    path: &Path,
+    visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
+) -> Result<Option<Damage>, RecordingError> {
+    let unreadable = |why: std::io::Error| RecordingError::read(path, why);
+    let file = File::open(path).map_err(unreadable)?;
+    if file.metadata().map_err(unreadable)?.is_dir() {
+        return Err(RecordingError::read(path, "it is a folder"));
+    }
+    let mut source = BufReader::new(file);
+    let options = LinearReaderOptions::default()
+        .with_prevalidate_chunk_crcs(true)
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true)
+        .with_record_length_limit(LONGEST_RECORD);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut state = Scan::default();
+    let mut at_byte = 0_u64;
+    while let Some(event) = reader.next_event() {
+        let step = match event {
+            Ok(LinearReadEvent::ReadRequest(need)) => {
+                let read = loop {
+                    match source.read(reader.insert(need)) {
+                        Err(why) if why.kind() == std::io::ErrorKind::Interrupted => {}
+                        answer => break answer.map_err(unreadable)?,
+                    }
+                };
+                reader.notify_read(read);
+                at_byte += read as u64;
+                Ok(())
+            }
+            Ok(LinearReadEvent::Record { opcode, data }) => match parse_record(opcode, data) {
+                Ok(record) => state.show(record, opcode, visit)?,
+                Err(why) => Err(why),
+            },
+            Err(McapError::BadMagic) if state.messages == 0 && !state.begun => {
+                return Err(RecordingError::NotMcap {
+                    path: path.to_owned(),
+                });
+            }
+            Err(why) => Err(why),
+        };
+        if let Err(why) = step {
+            let why = match why {
+                McapError::UnexpectedEof => "it ends in the middle of a record".to_owned(),
+                McapError::RecordTooLarge { len, .. } | McapError::ChunkTooLarge(len) => {
+                    format!("a record claims to have {len} octets; allowed: {LONGEST_RECORD}")
+                }
+                why => cause(&why),
+            };
+            return Ok(Some(Damage {
+                at_byte,
+                messages: state.messages,
+                why,
+            }));
+        }
+    }
+    Ok(None)
+}
+
+/// What was read of a container so far.
+#[derive(Default)]
+struct Scan {
+    schemas: BTreeMap<u16, Arc<Schema<'static>>>,
+    channels: BTreeMap<u16, Channel<'static>>,
+    messages: u64,
+    begun: bool,
+    past_data: bool,
+}
+
+impl Scan {
+    /// Shows a record; the inner error is damage, the outer one ends the reading.
+    fn show(
+        &mut self,
+        record: Record<'_>,
+        opcode: u8,
+        visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
+    ) -> Result<Result<(), McapError>, RecordingError> {
+        self.begun = true;
+        // The summary section repeats what has been shown.
+        self.past_data |= opcode == op::DATA_END;
+        if self.past_data {
+            return Ok(Ok(()));
+        }
+        match record {
+            Record::Header(header) => visit(Piece::Header {
+                library: &header.library,
+            })?,
+            Record::Schema { header, data } => {
+                let schema = Schema {
+                    id: header.id,
+                    name: header.name,
+                    encoding: header.encoding,
+                    data: data.into_owned().into(),
+                };
+                self.schemas.insert(header.id, Arc::new(schema));
+            }
+            Record::Channel(channel) => {
+                let schema = self.schemas.get(&channel.schema_id).cloned();
+                if channel.schema_id != 0 && schema.is_none() {
+                    return Ok(Err(McapError::UnknownSchema(
+                        channel.topic,
+                        channel.schema_id,
+                    )));
+                }
+                let linked = Channel {
+                    id: channel.id,
+                    topic: channel.topic,
+                    schema,
+                    message_encoding: channel.message_encoding,
+                    metadata: channel.metadata,
+                };
+                self.channels.insert(channel.id, linked);
+            }
+            Record::Message { header, data } => {
+                let Some(channel) = self.channels.get(&header.channel_id) else {
+                    return Ok(Err(McapError::UnknownChannel(
+                        header.sequence,
+                        header.channel_id,
+                    )));
+                };
+                visit(Piece::Message {
+                    channel,
+                    header,
+                    data: &data,
+                })?;
+                self.messages += 1;
+            }
+            Record::Attachment { header, data, .. } => {
+                visit(Piece::Attachment {
+                    name: &header.name,
+                    media_type: &header.media_type,
+                    data: &data,
+                })?;
+            }
+            Record::Metadata(metadata) => visit(Piece::Metadata(&metadata))?,
+            _ => {}
+        }
+        Ok(Ok(()))
+    }
+}

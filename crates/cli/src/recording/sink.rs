@@ -1,0 +1,225 @@
+//! The file under a recording: chunks closed by count, the first error latched, a name given at the end.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{Attachment, Compression, WriteOptions, Writer};
+
+use super::error::RecordingError;
+
+/// Name of the writer in the header of a recording: fixed, so that equal runs give equal bytes.
+const LIBRARY: &str = concat!("sextant ", env!("CARGO_PKG_VERSION"));
+
+/// Messages after which a chunk is closed: what a killed process loses at most. Never by wall clock.
+const MESSAGES_PER_CHUNK: u32 = 4096;
+
+/// Uncompressed octets after which the container closes a chunk by itself.
+const OCTETS_PER_CHUNK: u64 = 1 << 20;
+
+/// A container being written. It does not seek, so that a killed process leaves whole chunks and at most one that is cut.
+pub(super) struct Sink<W: Write> {
+    /// None after the first failure.
+    writer: Option<Writer<NoSeek<W>>>,
+    failure: Option<RecordingError>,
+    path: PathBuf,
+    in_chunk: u32,
+}
+
+impl<W: Write> Sink<W> {
+    /// A sink that writes to `output`; `path` is its name in errors.
+    pub(super) fn new(output: W, path: &Path) -> Result<Self, RecordingError> {
+        let writer = WriteOptions::new()
+            .compression(Some(Compression::Zstd))
+            .compression_threads(0)
+            .chunk_size(Some(OCTETS_PER_CHUNK))
+            .library(LIBRARY)
+            .profile("")
+            .disable_seeking(true)
+            .create(NoSeek::new(output))
+            .map_err(|why| RecordingError::write(path, &why))?;
+        Ok(Self {
+            writer: Some(writer),
+            failure: None,
+            path: path.to_owned(),
+            in_chunk: 0,
+        })
+    }
+
+    /// One act on the container, unless an earlier one failed. A failed container is let go at once: a later
+    /// write to it might succeed, and dropping it would put a summary behind the hole.
+    fn act<T>(
+        &mut self,
+        act: impl FnOnce(&mut Writer<NoSeek<W>>) -> Result<T, mcap::McapError>,
+    ) -> Result<T, RecordingError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        let writer = self
+            .writer
+            .as_mut()
+            .expect("a writer until the first failure");
+        act(writer).map_err(|why| {
+            let failure = RecordingError::write(&self.path, &why);
+            self.failure = Some(failure.clone());
+            if let Some(writer) = self.writer.take() {
+                drop(writer.into_inner());
+            }
+            failure
+        })
+    }
+
+    /// The channel `topic` with messages of `schema`, both with ids in the order of their first use.
+    pub(super) fn channel(
+        &mut self,
+        topic: &str,
+        schema: &foxglove::Schema,
+    ) -> Result<u16, RecordingError> {
+        self.act(|writer| {
+            let schema = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
+            writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())
+        })
+    }
+
+    /// The same channel as in another container, id included.
+    pub(super) fn copied_channel(
+        &mut self,
+        channel: &mcap::Channel<'_>,
+    ) -> Result<(), RecordingError> {
+        self.act(|writer| {
+            let schema = match &channel.schema {
+                Some(schema) => writer.add_schema_with_id(
+                    schema.id,
+                    &schema.name,
+                    &schema.encoding,
+                    &schema.data,
+                )?,
+                None => 0,
+            };
+            let encoding = &channel.message_encoding;
+            writer.add_channel_with_id(
+                channel.id,
+                schema,
+                &channel.topic,
+                encoding,
+                &channel.metadata,
+            )?;
+            Ok(())
+        })
+    }
+
+    /// A message; call [`Sink::settle`] where a chunk may end.
+    pub(super) fn message(
+        &mut self,
+        header: &MessageHeader,
+        data: &[u8],
+    ) -> Result<(), RecordingError> {
+        self.in_chunk += 1;
+        self.act(|writer| writer.write_to_known_channel(header, data))
+    }
+
+    /// Ends the chunk if it has enough messages: a place where what follows does not depend on what came before.
+    pub(super) fn settle(&mut self) -> Result<(), RecordingError> {
+        if self.in_chunk >= MESSAGES_PER_CHUNK {
+            self.end_chunk()
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Ends the chunk and hands it to the system.
+    pub(super) fn end_chunk(&mut self) -> Result<(), RecordingError> {
+        self.in_chunk = 0;
+        self.act(Writer::flush)
+    }
+
+    pub(super) fn attach(&mut self, attachment: &Attachment<'_>) -> Result<(), RecordingError> {
+        self.in_chunk = 0;
+        self.act(|writer| writer.attach(attachment))
+    }
+
+    pub(super) fn metadata(&mut self, metadata: &Metadata) -> Result<(), RecordingError> {
+        self.in_chunk = 0;
+        self.act(|writer| writer.write_metadata(metadata))
+    }
+
+    /// Writes the summary section and hands the output back, flushed.
+    pub(super) fn finish(mut self) -> Result<W, RecordingError> {
+        self.act(Writer::finish)?;
+        let writer = self
+            .writer
+            .take()
+            .expect("a writer until the first failure");
+        let mut output = writer.into_inner().into_inner();
+        output
+            .flush()
+            .map_err(|why| RecordingError::write(&self.path, &why.into()))?;
+        Ok(output)
+    }
+}
+
+/// A file that bears another name until it is whole.
+pub(super) struct Draft {
+    /// Name until then.
+    pub(super) part: PathBuf,
+    /// Name from then on.
+    pub(super) path: PathBuf,
+}
+
+impl Draft {
+    /// The file `path`, called `path` + `suffix` until it is whole.
+    pub(super) fn new(path: &Path, suffix: &str) -> Self {
+        let mut part = path.as_os_str().to_owned();
+        part.push(suffix);
+        Self {
+            part: part.into(),
+            path: path.to_owned(),
+        }
+    }
+
+    /// Creates it and a container in it.
+    pub(super) fn create(&self) -> Result<Sink<BufWriter<File>>, RecordingError> {
+        if self.path.is_dir() {
+            return Err(RecordingError::create(&self.path, "it is a folder"));
+        }
+        let file =
+            File::create(&self.part).map_err(|why| RecordingError::create(&self.part, why))?;
+        Sink::new(BufWriter::new(file), &self.part)
+    }
+
+    /// Finishes the container, syncs the file, names it, and syncs the folder, in this order: whoever
+    /// sees the name sees a whole file, even after a power cut.
+    pub(super) fn publish(&self, sink: Sink<BufWriter<File>>) -> Result<(), RecordingError> {
+        let written = |why: std::io::Error| RecordingError::write(&self.part, &why.into());
+        let file = sink
+            .finish()?
+            .into_inner()
+            .map_err(|why| written(why.into_error()))?;
+        file.sync_all().map_err(written)?;
+        drop(file);
+        std::fs::rename(&self.part, &self.path).map_err(|why| RecordingError::Rename {
+            part: self.part.clone(),
+            path: self.path.clone(),
+            why: why.to_string(),
+        })?;
+        sync_folder_of(&self.path).map_err(|why| RecordingError::write(&self.path, &why.into()))
+    }
+}
+
+#[cfg(unix)]
+fn sync_folder_of(path: &Path) -> std::io::Result<()> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    File::open(folder)?.sync_all()
+}
+
+/// Other systems cannot open a folder as a file; they order renames by themselves.
+#[cfg(not(unix))]
+fn sync_folder_of(_path: &Path) -> std::io::Result<()> {
+    Ok(())
+}

@@ -1,0 +1,284 @@
+//! The folder of a survey: `stops.csv`, `receptions.csv`, `contacts.csv`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_channel::{Contact, Reception, ReceptionLog, Stop};
+use sextant_kernel::NodeId;
+
+use super::error::RobotLogError;
+use super::output::Output;
+use super::table::{Row, Table};
+
+const STOPS: &str = "stops.csv";
+const RECEPTIONS: &str = "receptions.csv";
+const CONTACTS: &str = "contacts.csv";
+
+/// The log in `folder`. Stops are numbered in the order of `stops.csv`, nodes in the order of their first row in
+/// `receptions.csv`; a row with nothing received makes a node known that was not heard.
+///
+/// # Errors
+/// If a file is missing, cannot be read, or has a row that is wrong; the error names file, line and column.
+pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
+    let (stops, stop_ids) = read_stops(&folder.join(STOPS))?;
+    if stops.is_empty() {
+        return Err(RobotLogError::NoStops {
+            path: folder.to_owned(),
+        });
+    }
+    let (names, receptions) = read_receptions(&folder.join(RECEPTIONS), &stop_ids)?;
+    let contacts = folder.join(CONTACTS);
+    let contacts = if contacts.exists() {
+        read_contacts(&contacts)?
+    } else {
+        Vec::new()
+    };
+    ReceptionLog::new(names, stops, receptions, contacts).map_err(|why| RobotLogError::Log {
+        path: folder.to_owned(),
+        why,
+    })
+}
+
+/// The stops, and the index of each by its identity in the files.
+fn read_stops(path: &Path) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLogError> {
+    let table = Table::read(path, &["stop", "t_s", "x_m", "y_m"], &["z_m"])?;
+    let (id, time) = (table.column("stop"), table.column("t_s"));
+    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
+    let mut stops = Vec::new();
+    let mut ids = BTreeMap::new();
+    table.rows(|row| {
+        let name = row
+            .filled(id)
+            .ok_or_else(|| row.wrong(id, "a number or a name, other than those above"))?;
+        let index = NodeId::from_index(stops.len()).0;
+        if ids.insert(name.to_owned(), index).is_some() {
+            return Err(row.wrong(id, "each stop once; this one is given above"));
+        }
+        stops.push(Stop {
+            time: row.instant(time)?,
+            position: row.position(place)?,
+        });
+        Ok(())
+    })?;
+    Ok((stops, ids))
+}
+
+/// Names of the nodes and what was heard of them.
+fn read_receptions(
+    path: &Path,
+    stop_ids: &BTreeMap<String, u32>,
+) -> Result<(Vec<String>, Vec<Reception>), RobotLogError> {
+    let table = Table::read(
+        path,
+        &["node", "stop", "received"],
+        &["sent", "sector", "rssi_dbm"],
+    )?;
+    let [node, stop, received, sent] =
+        ["node", "stop", "received", "sent"].map(|name| table.column(name));
+    let [sector, rssi] = ["sector", "rssi_dbm"].map(|name| table.column(name));
+    let mut names = Vec::new();
+    let mut nodes = BTreeMap::new();
+    let mut receptions: Vec<Reception> = Vec::new();
+    let mut pairs = Vec::new();
+    table.rows(|row| {
+        let name = row.text(node);
+        if name.is_empty() {
+            return Err(row.wrong(node, "the name of a node"));
+        }
+        let node = *nodes.entry(name.to_owned()).or_insert_with(|| {
+            names.push(name.to_owned());
+            NodeId::from_index(names.len() - 1)
+        });
+        let id = row.filled(stop).unwrap_or("");
+        let stop = *stop_ids
+            .get(id)
+            .ok_or_else(|| row.wrong(stop, known_stops(stop_ids)))?;
+        let count = |column| row.whole(column, u32::MAX);
+        let reception = Reception {
+            node,
+            stop,
+            received: count(received)?
+                .ok_or_else(|| row.wrong(received, "a whole number, 0 or above"))?,
+            sent: count(sent)?.unwrap_or(1),
+            sector: row
+                .whole(sector, u32::from(u8::MAX))?
+                .and_then(|sector| u8::try_from(sector).ok()),
+            rssi_dbm: row.finite(rssi)?,
+        };
+        if reception.received > reception.sent {
+            let default = if row.filled(sent).is_some() {
+                ""
+            } else {
+                ", which is 1 where `sent` is absent"
+            };
+            return Err(row.wrong(
+                received,
+                format!("at most {}, the packets sent{default}", reception.sent),
+            ));
+        }
+        pairs.push((node, stop, row.offset));
+        // Listening to one packet in vain is what an absent pair means.
+        if (
+            reception.received,
+            reception.sent,
+            reception.sector,
+            reception.rssi_dbm,
+        ) != (0, 1, None, None)
+        {
+            receptions.push(reception);
+        }
+        Ok(())
+    })?;
+    pairs.sort_unstable();
+    match pairs
+        .windows(2)
+        .filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 == pair[1].1)
+        .min_by_key(|pair| pair[1].2)
+    {
+        Some(pair) => Err(twice(
+            path,
+            &table,
+            &names,
+            [pair[0].2, pair[1].2],
+            pair[0].0,
+        )),
+        None => Ok((names, receptions)),
+    }
+}
+
+fn twice(
+    path: &Path,
+    table: &Table,
+    names: &[String],
+    offsets: [usize; 2],
+    node: NodeId,
+) -> RobotLogError {
+    let [first, second] = offsets.map(|offset| table.line(offset));
+    let name = &names[node.index()];
+    let problem = format!(
+        "node `{name}` at this stop is already on line {first}; give each pair of node and stop once"
+    );
+    RobotLogError::Row {
+        path: path.to_owned(),
+        line: second,
+        problem,
+    }
+}
+
+fn known_stops(ids: &BTreeMap<String, u32>) -> String {
+    let mut by_index: Vec<(&u32, &String)> = ids.iter().map(|(id, index)| (index, id)).collect();
+    by_index.sort_unstable();
+    match by_index.as_slice() {
+        [(_, first), .., (_, last)] => {
+            format!(
+                "one of the {} stops of {STOPS}, the first of which is `{first}`, the last `{last}`",
+                ids.len()
+            )
+        }
+        _ => format!(
+            "the only stop of {STOPS}: {}",
+            by_index
+                .iter()
+                .map(|(_, id)| id.as_str())
+                .collect::<String>()
+        ),
+    }
+}
+
+fn read_contacts(path: &Path) -> Result<Vec<Contact>, RobotLogError> {
+    let table = Table::read(path, &["t_s", "x_m", "y_m"], &["z_m"])?;
+    let time = table.column("t_s");
+    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
+    let mut contacts = Vec::new();
+    table.rows(|row: &Row<'_>| {
+        contacts.push(Contact {
+            time: row.instant(time)?,
+            position: row.position(place)?,
+        });
+        Ok(())
+    })?;
+    Ok(contacts)
+}
+
+/// Writes `log` as a folder that [`read`] turns back into the same log; the folder is created if it is not there.
+/// Receptions of 0 of 1 packets are left out, because an absent pair means the same.
+///
+/// # Errors
+/// If the log has no stops, or a file cannot be written.
+pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
+    if log.stops().is_empty() {
+        return Err(RobotLogError::NoStops {
+            path: folder.to_owned(),
+        });
+    }
+    std::fs::create_dir_all(folder).map_err(|why| RobotLogError::write(folder, why))?;
+    let mut stops = Output::new(&["stop", "t_s", "x_m", "y_m", "z_m"]);
+    for (index, stop) in log.stops().iter().enumerate() {
+        stops
+            .text(&index.to_string())
+            .instant(stop.time)
+            .position(stop.position)
+            .end();
+    }
+    stops.save(&folder.join(STOPS))?;
+
+    let sectors = log
+        .receptions()
+        .iter()
+        .any(|reception| reception.sector.is_some());
+    let strengths = log
+        .receptions()
+        .iter()
+        .any(|reception| reception.rssi_dbm.is_some());
+    let mut header = vec!["node", "stop", "received", "sent"];
+    header.extend(sectors.then_some("sector"));
+    header.extend(strengths.then_some("rssi_dbm"));
+    let mut receptions = Output::new(&header);
+    for (index, name) in log.names().iter().enumerate() {
+        let heard = log.of(NodeId::from_index(index));
+        let in_vain = Reception {
+            node: NodeId::from_index(index),
+            stop: 0,
+            received: 0,
+            sent: 1,
+            sector: None,
+            rssi_dbm: None,
+        };
+        // Nodes keep their order only if each has a row; in vain at the first stop is what no row means as well.
+        let unheard = heard.is_empty().then_some(&in_vain);
+        for reception in heard.iter().chain(unheard) {
+            receptions.text(name);
+            for count in [reception.stop, reception.received, reception.sent] {
+                receptions.text(&count.to_string());
+            }
+            if sectors {
+                receptions.text(
+                    &reception
+                        .sector
+                        .map_or_else(String::new, |sector| sector.to_string()),
+                );
+            }
+            if strengths {
+                receptions.text(
+                    &reception
+                        .rssi_dbm
+                        .map_or_else(String::new, |rssi| rssi.to_string()),
+                );
+            }
+            receptions.end();
+        }
+    }
+    receptions.save(&folder.join(RECEPTIONS))?;
+
+    if log.contacts().is_empty() {
+        return Ok(());
+    }
+    let mut contacts = Output::new(&["t_s", "x_m", "y_m", "z_m"]);
+    for contact in log.contacts() {
+        contacts
+            .instant(contact.time)
+            .position(contact.position)
+            .end();
+    }
+    contacts.save(&folder.join(CONTACTS))
+}

@@ -1,0 +1,97 @@
+//! Instants as decimal seconds, exact to the nanosecond both ways.
+
+use std::time::Duration;
+
+use sextant_kernel::SimTime;
+
+/// What a cell of seconds may say.
+pub(super) const ALLOWED: &str = "seconds as a decimal number, 0 or above and below 18446744073";
+
+const SECOND_NS: u64 = 1_000_000_000;
+
+/// The instant `text` seconds after the start, to the nearest nanosecond. Plain decimals do not pass through floating
+/// point: seconds since 1970 have too many digits for it.
+pub(super) fn parse(text: &str) -> Option<SimTime> {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let plain = |digits: &str| digits.bytes().all(|byte| byte.is_ascii_digit());
+    if !plain(whole) || !plain(fraction) || whole.len() + fraction.len() == 0 {
+        let span = Duration::try_from_secs_f64(text.parse().ok()?).ok()?;
+        return u64::try_from(span.as_nanos()).ok().map(SimTime::from_nanos);
+    }
+    let seconds: u64 = if whole.is_empty() {
+        0
+    } else {
+        whole.parse().ok()?
+    };
+    let digit = |place: usize| {
+        fraction
+            .as_bytes()
+            .get(place)
+            .map_or(0, |byte| u64::from(byte - b'0'))
+    };
+    let mut nanos = (0..9).fold(0, |sum, place| sum * 10 + digit(place));
+    nanos += u64::from(digit(9) >= 5);
+    seconds
+        .checked_mul(SECOND_NS)?
+        .checked_add(nanos)
+        .map(SimTime::from_nanos)
+}
+
+/// The shortest decimal that [`parse`] turns back into `time`.
+pub(super) fn format(time: SimTime) -> String {
+    let (seconds, nanos) = (time.as_nanos() / SECOND_NS, time.as_nanos() % SECOND_NS);
+    if nanos == 0 {
+        return seconds.to_string();
+    }
+    format!("{seconds}.{nanos:09}")
+        .trim_end_matches('0')
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_since_1970_keep_their_nanoseconds() {
+        let time = SimTime::from_nanos(1_764_000_000_123_456_789);
+        assert_eq!(parse("1764000000.123456789"), Some(time));
+        assert_eq!(format(time), "1764000000.123456789");
+    }
+
+    #[test]
+    fn decimals_are_rounded_to_the_nearest_nanosecond() {
+        for (text, nanos) in [
+            ("0", 0),
+            ("1", SECOND_NS),
+            (".5", SECOND_NS / 2),
+            ("2.", 2 * SECOND_NS),
+            ("0.0000000005", 1),
+            ("0.00000000049", 0),
+            ("0.9999999999", SECOND_NS),
+            ("1e-3", 1_000_000),
+            ("18446744073.709551615", u64::MAX),
+        ] {
+            assert_eq!(parse(text), Some(SimTime::from_nanos(nanos)), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_time_is_refused() {
+        for text in [
+            "",
+            ".",
+            "-1",
+            "nan",
+            "inf",
+            "1,5",
+            "12:30",
+            "18446744073.709551616",
+            "1e300",
+            "1.2.3",
+            "0x10",
+        ] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! A topology map as a CSV file.
+
+use std::path::Path;
+
+use sextant_mapper::TopologyMap;
+
+use super::error::RobotLogError;
+use super::output::Output;
+
+/// Rows and columns of the covariance that are written: it is symmetric.
+const COVARIANCE: [(usize, usize, &str); 6] = [
+    (0, 0, "cov_xx_m2"),
+    (0, 1, "cov_xy_m2"),
+    (0, 2, "cov_xz_m2"),
+    (1, 1, "cov_yy_m2"),
+    (1, 2, "cov_yz_m2"),
+    (2, 2, "cov_zz_m2"),
+];
+
+/// Writes the nodes that `map` places to the file `path`: `node,x_m,y_m,z_m,ties,infeasible`, then the covariance [m²]
+/// if the map has one. Nodes that it does not place have no row. `names` are those of the log.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(), RobotLogError> {
+    let with_covariance = map
+        .estimates
+        .iter()
+        .flatten()
+        .any(|estimate| estimate.covariance.is_some());
+    let mut header = vec!["node", "x_m", "y_m", "z_m", "ties", "infeasible"];
+    if with_covariance {
+        header.extend(COVARIANCE.map(|(_, _, name)| name));
+    }
+    let mut output = Output::new(&header);
+    for (name, estimate) in names.iter().zip(&map.estimates) {
+        let Some(estimate) = estimate else { continue };
+        output
+            .text(name)
+            .position(estimate.position)
+            .text(&estimate.ties.to_string());
+        output.text(if estimate.infeasible { "1" } else { "0" });
+        for (row, column, _) in COVARIANCE.iter().filter(|_| with_covariance) {
+            match estimate.covariance {
+                Some(covariance) => output.number(covariance[*row][*column]),
+                None => output.text(""),
+            };
+        }
+        output.end();
+    }
+    output.save(path)
+}

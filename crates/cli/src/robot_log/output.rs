@@ -1,0 +1,77 @@
+//! A CSV file being written.
+
+use std::path::Path;
+
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+
+use super::error::RobotLogError;
+use super::instant;
+
+/// Rows in memory, quoted where a cell needs it, lines ended by a line feed.
+pub(super) struct Output {
+    content: Vec<u8>,
+    begun: bool,
+}
+
+impl Output {
+    /// A file with this header.
+    pub(super) fn new(header: &[&str]) -> Self {
+        let mut output = Self {
+            content: Vec::new(),
+            begun: false,
+        };
+        for name in header {
+            output.text(name);
+        }
+        output.end();
+        output
+    }
+
+    /// A cell of text, as it is.
+    pub(super) fn text(&mut self, text: &str) -> &mut Self {
+        if std::mem::replace(&mut self.begun, true) {
+            self.content.push(b',');
+        }
+        if text.contains(['"', ',', '\n', '\r']) || text.is_empty() {
+            self.content.push(b'"');
+            self.content.extend(text.replace('"', "\"\"").bytes());
+            self.content.push(b'"');
+        } else {
+            self.content.extend(text.bytes());
+        }
+        self
+    }
+
+    /// A cell with a number, in as many digits as it takes to read the same number back.
+    pub(super) fn number(&mut self, number: f64) -> &mut Self {
+        self.text(&number.to_string())
+    }
+
+    /// A cell with an instant [s].
+    pub(super) fn instant(&mut self, time: SimTime) -> &mut Self {
+        self.text(&instant::format(time))
+    }
+
+    /// Three cells with a place [m].
+    pub(super) fn position(&mut self, position: Position) -> &mut Self {
+        self.number(position.x_m)
+            .number(position.y_m)
+            .number(position.z_m)
+    }
+
+    /// Ends the row.
+    pub(super) fn end(&mut self) {
+        self.content.push(b'\n');
+        self.begun = false;
+    }
+
+    /// Writes the file `path`, whole or not at all.
+    pub(super) fn save(&self, path: &Path) -> Result<(), RobotLogError> {
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        std::fs::write(&part, &self.content)
+            .and_then(|()| std::fs::rename(&part, path))
+            .map_err(|why| RobotLogError::write(path, why))
+    }
+}

@@ -1,0 +1,47 @@
+//! Where nodes really are: `nodes.csv`, for metrics and never for a mapper.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_channel::Position;
+
+use super::error::RobotLogError;
+use super::output::Output;
+use super::table::Table;
+
+/// The places in the file `path` (`node,x_m,y_m[,z_m]`) by name of node [m].
+///
+/// # Errors
+/// If the file cannot be read, or has a row that is wrong; the error names file, line and column.
+pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
+    let table = Table::read(path, &["node", "x_m", "y_m"], &["z_m"])?;
+    let node = table.column("node");
+    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
+    let mut places = BTreeMap::new();
+    table.rows(|row| {
+        let name = row.text(node);
+        if name.is_empty() {
+            return Err(row.wrong(node, "the name of a node"));
+        }
+        if places
+            .insert(name.to_owned(), row.position(place)?)
+            .is_some()
+        {
+            return Err(row.wrong(node, "each node once; this one is given above"));
+        }
+        Ok(())
+    })?;
+    Ok(places)
+}
+
+/// Writes `places` as a file that [`read_truth`] reads.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_truth(path: &Path, places: &BTreeMap<String, Position>) -> Result<(), RobotLogError> {
+    let mut nodes = Output::new(&["node", "x_m", "y_m", "z_m"]);
+    for (name, &position) in places {
+        nodes.text(name).position(position).end();
+    }
+    nodes.save(path)
+}

@@ -1,0 +1,142 @@
+//! The simulation, recorded while it runs.
+
+use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_sim::{Frame, FrameOutcome, Observer, Progress};
+
+use crate::interrupt::Interrupt;
+use crate::recording::{FileRecorder, RecordingError, messages};
+use crate::terminal;
+
+/// Records a simulation while it runs, shows how far it is, and ends it when the user or the disk says so.
+pub(super) struct Gathering<'a> {
+    recorder: &'a mut FileRecorder,
+    frames: bool,
+    interrupt: &'a Interrupt,
+    progress: terminal::Progress,
+    robots: Vec<Track>,
+    failure: Option<RecordingError>,
+}
+
+/// Where a robot was.
+pub(super) struct Track {
+    pub(super) name: String,
+    pub(super) places: Vec<Position>,
+    heading_rad: f64,
+}
+
+impl<'a> Gathering<'a> {
+    /// A gathering by the robots `names` among `nodes` nodes; every frame is recorded if `frames`.
+    pub(super) fn new(
+        recorder: &'a mut FileRecorder,
+        frames: bool,
+        interrupt: &'a Interrupt,
+        progress: terminal::Progress,
+        names: impl Iterator<Item = String>,
+    ) -> Self {
+        let robots = names
+            .map(|name| Track {
+                name,
+                places: Vec::new(),
+                heading_rad: 0.0,
+            })
+            .collect();
+        Self {
+            recorder,
+            frames,
+            interrupt,
+            progress,
+            robots,
+            failure: None,
+        }
+    }
+
+    /// Where the robots were, or the first failure to record.
+    pub(super) fn finish(self) -> Result<Vec<Track>, RecordingError> {
+        self.progress.clear();
+        self.failure.map_or(Ok(self.robots), Err)
+    }
+
+    fn record(
+        &mut self,
+        write: impl FnOnce(&mut FileRecorder, &[Track]) -> Result<(), RecordingError>,
+    ) {
+        if self.failure.is_none() {
+            self.failure = write(self.recorder, &self.robots).err();
+        }
+    }
+}
+
+impl Observer for Gathering<'_> {
+    fn moved(&mut self, robot: usize, time: SimTime, position: Position) {
+        let track = &mut self.robots[robot];
+        if let Some(&last) = track.places.last()
+            && last != position
+        {
+            track.heading_rad = (position.y_m - last.y_m).atan2(position.x_m - last.x_m);
+        }
+        if track.places.last() != Some(&position) {
+            track.places.push(position);
+        }
+        self.record(|recorder, robots| {
+            recorder.robot(
+                time,
+                &robots[robot].name,
+                position,
+                robots[robot].heading_rad,
+            )
+        });
+    }
+
+    fn met(&mut self, robot: usize, contact: Contact) {
+        self.record(|recorder, robots| recorder.contact(&robots[robot].name, &contact));
+    }
+
+    fn stopped(
+        &mut self,
+        robot: usize,
+        index: u32,
+        stop: &Stop,
+        _end: SimTime,
+        receptions: &[Reception],
+    ) {
+        self.record(|recorder, robots| recorder.stop(&robots[robot].name, index, stop, receptions));
+    }
+
+    fn framed(&mut self, frame: Frame<'_>) {
+        let NodeId(source) = frame.source;
+        let message = messages::Frame {
+            start_ns: frame.start.as_nanos(),
+            airtime_ns: (SimTime::ZERO + frame.airtime).as_nanos(),
+            source,
+            mpdu: frame.bytes.to_vec(),
+            outcome: outcome(frame.outcome).to_owned(),
+            power_dbm: frame.power.map(|power| power.0),
+        };
+        self.record(|recorder, _| recorder.frame(&message));
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.frames
+    }
+
+    fn goes_on(&mut self, progress: Progress) -> bool {
+        let note = format!(
+            "nodes heard, {} stops, {:.0} s simulated",
+            progress.stops,
+            progress.time.as_secs_f64()
+        );
+        self.progress.set(progress.nodes_heard as u64, note);
+        self.failure.is_none() && !self.interrupt.is_requested()
+    }
+}
+
+fn outcome(outcome: FrameOutcome) -> &'static str {
+    match outcome {
+        FrameOutcome::Received => "received",
+        FrameOutcome::Collided => "collided",
+        FrameOutcome::Weak => "weak",
+        FrameOutcome::OutOfRange => "out_of_range",
+        FrameOutcome::NotListened => "not_listened",
+    }
+}

@@ -1,0 +1,340 @@
+//! The pipeline of `run`: simulate, record, map, measure, sum up.
+
+mod gather;
+
+use std::io::{self, Write};
+use std::time::Instant;
+
+use sextant_apps::ControllerConfig;
+use sextant_channel::Position;
+use sextant_kernel::{NodeId, SimTime};
+use sextant_mapper::{Mapper, Surface, TopologyMap};
+use sextant_sim::{Ending, Simulation, Survey};
+
+use crate::commands::Format;
+use crate::commands::run::Arguments;
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::measure::measure;
+use crate::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
+use crate::scenario::{NamedMap, Scenario};
+use crate::summary::{
+    EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary, Timing,
+    peak_rss_bytes,
+};
+use crate::table;
+use crate::terminal;
+
+use gather::{Gathering, Track};
+
+#[expect(clippy::disallowed_methods, reason = "the cli times whole stages")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+/// Runs `scenario` as `arguments` say.
+///
+/// # Errors
+/// If the simulation or a file fails, or the user interrupts.
+pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure> {
+    let start = now();
+    let interrupt = Interrupt::install()?;
+    let simulation =
+        Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let mut recorder = FileRecorder::create(&arguments.recording())?;
+    open(&mut recorder, scenario)?;
+    let (survey, tracks) = gather(
+        simulation,
+        &mut recorder,
+        scenario,
+        &interrupt,
+        arguments.quiet,
+    )?;
+    let gather_s = start.elapsed().as_secs_f64();
+    for track in &tracks {
+        recorder.path(survey.end, &track.name, &track.places)?;
+    }
+    let map_start = now();
+    let maps = if survey.interrupted {
+        Vec::new()
+    } else {
+        map(scenario, &survey, &mut recorder)?
+    };
+    let map_s = map_start.elapsed().as_secs_f64();
+    let mut summary = sum_up(scenario, &survey, maps);
+    recorder.summary(&summary.to_json()?)?;
+    recorder.finish()?;
+    #[expect(clippy::cast_precision_loss, reason = "a rate for people")]
+    let events_per_s = survey.events as f64 / gather_s;
+    summary.timing = Some(Timing {
+        wall_s: start.elapsed().as_secs_f64(),
+        gather_s: Some(gather_s),
+        map_s: Some(map_s),
+        events_per_s: Some(events_per_s),
+        peak_rss_bytes: peak_rss_bytes(),
+    });
+    if let Some(path) = &arguments.summary {
+        summary.write(path)?;
+    }
+    print(&summary, arguments)?;
+    if survey.interrupted {
+        Err(Failure::Interrupted)
+    } else {
+        Ok(())
+    }
+}
+
+/// What a recording holds before the first event.
+fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure> {
+    let world = scenario.world();
+    recorder.origin(Origin {
+        scenario: scenario.name(),
+        seed: scenario.seed().0,
+        version: env!("CARGO_PKG_VERSION"),
+    })?;
+    recorder.scenario(scenario.text())?;
+    let names: Vec<_> = world.nodes.iter().map(|node| node.name.clone()).collect();
+    recorder.nodes(&names)?;
+    let solids: Vec<_> = world
+        .obstacles
+        .obstacles()
+        .iter()
+        .enumerate()
+        .map(|(i, obstacle)| Solid::of(obstacle, i))
+        .collect();
+    if !solids.is_empty() {
+        recorder.obstacles(SimTime::ZERO, &solids)?;
+    }
+    let place = |(i, position)| PlacedNode {
+        node: NodeId::from_index(i),
+        position,
+        error_m: None,
+    };
+    let nodes: Vec<_> = world
+        .nodes
+        .iter()
+        .map(|node| node.position)
+        .enumerate()
+        .map(place)
+        .collect();
+    recorder.world_nodes(SimTime::ZERO, &nodes)?;
+    Ok(())
+}
+
+fn gather(
+    simulation: Simulation,
+    recorder: &mut FileRecorder,
+    scenario: &Scenario,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<(Survey, Vec<Track>), Failure> {
+    let progress = terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet);
+    let names = scenario
+        .config()
+        .robots
+        .iter()
+        .map(|robot| robot.name.clone());
+    let mut gathering = Gathering::new(
+        recorder,
+        scenario.recording().frames,
+        interrupt,
+        progress,
+        names,
+    );
+    let survey = simulation.run(&mut gathering);
+    let tracks = gathering.finish()?;
+    Ok((survey, tracks))
+}
+
+/// Computes, records and measures the maps of the scenario.
+fn map(
+    scenario: &Scenario,
+    survey: &Survey,
+    recorder: &mut FileRecorder,
+) -> Result<Vec<MapSummary>, Failure> {
+    let truth: Vec<Position> = scenario
+        .world()
+        .nodes
+        .iter()
+        .map(|node| node.position)
+        .collect();
+    let mut summaries = Vec::new();
+    for named in scenario.maps() {
+        let map = named
+            .mapper
+            .map(&survey.log)
+            .map_err(|error| Failure::bad_input(error.to_string()))?;
+        let summary = measure(&named.name, &map, Some(&truth), scenario.metrics());
+        recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
+        for (what, value) in [
+            (
+                "position_error_mean_m",
+                summary.position_error_m.map(|error| error.mean),
+            ),
+            ("connectivity_error", summary.connectivity_error),
+        ] {
+            if let Some(value) = value {
+                recorder.metric(survey.end, &format!("{}/{what}", named.name), value)?;
+            }
+        }
+        if map.unmapped() > 0 {
+            let note = format!(
+                "{} of {} nodes were never heard and are not mapped",
+                map.unmapped(),
+                truth.len()
+            );
+            recorder.note(survey.end, Level::Warning, &named.name, &note)?;
+        }
+        record_likelihoods(scenario, named, survey, recorder)?;
+        summaries.push(summary);
+    }
+    Ok(summaries)
+}
+
+fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
+    let place = |(i, (mapped, truth)): (usize, (Option<Position>, &Position))| {
+        let position = mapped?;
+        Some(PlacedNode {
+            node: NodeId::from_index(i),
+            position,
+            error_m: Some(position.distance_m(*truth)),
+        })
+    };
+    map.positions()
+        .into_iter()
+        .zip(truth)
+        .enumerate()
+        .filter_map(place)
+        .collect()
+}
+
+/// Records the likelihood surfaces of the chosen nodes: of each the plane through its maximum.
+fn record_likelihoods(
+    scenario: &Scenario,
+    named: &NamedMap,
+    survey: &Survey,
+    recorder: &mut FileRecorder,
+) -> Result<(), Failure> {
+    let Mapper::MlTm(ml_tm) = &named.mapper else {
+        return Ok(());
+    };
+    for name in &scenario.recording().likelihood {
+        let at = survey
+            .log
+            .names()
+            .iter()
+            .position(|other| other == name)
+            .expect("the scenario was checked");
+        if survey.log.of(NodeId::from_index(at)).is_empty() {
+            let note = format!("node {name} was never heard: it has no likelihood");
+            recorder.note(survey.end, Level::Warning, &named.name, &note)?;
+            continue;
+        }
+        let surface = ml_tm
+            .surface(&survey.log, NodeId::from_index(at))
+            .map_err(|error| Failure::bad_input(error.to_string()))?;
+        recorder.likelihood(survey.end, &named.name, name, &plane(&surface))?;
+    }
+    Ok(())
+}
+
+/// The plane of a surface through its maximum.
+fn plane(surface: &Surface) -> LikelihoodPlane {
+    let lattice = &surface.lattice;
+    let [columns, rows, _] = lattice.counts();
+    let (maximum, _) = surface.maximum();
+    let height = |layer: usize| (lattice.position([0, 0, layer]).z_m - maximum.z_m).abs();
+    let layer = (0..lattice.counts()[2])
+        .min_by(|&a, &b| height(a).total_cmp(&height(b)))
+        .unwrap_or(0);
+    let size = columns * rows;
+    LikelihoodPlane {
+        first: lattice.position([0, 0, layer]),
+        step_m: lattice.step_m(),
+        columns: u32::try_from(columns).expect("a window of less than 2^32 columns"),
+        log_likelihood: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
+    }
+}
+
+fn sum_up(scenario: &Scenario, survey: &Survey, maps: Vec<MapSummary>) -> Summary {
+    let packets = survey.packets;
+    let robots = survey
+        .robots
+        .iter()
+        .zip(&scenario.config().robots)
+        .map(|(record, config)| RobotSummary {
+            name: record.name.clone(),
+            stops: record.stops,
+            path_length_m: record.path_length_m,
+            ending: record.ending.map(|ending| match ending {
+                Ending::Complete => "complete",
+                Ending::StepsExhausted => "steps_exhausted",
+                Ending::Stuck => "stuck",
+            }),
+            unreached: unreached(
+                &record.packets,
+                wanted(&config.controller),
+                survey.log.names(),
+            ),
+        });
+    Summary {
+        scenario: Some(scenario.summary()),
+        simulation: Some(SimulationSummary {
+            sim_time_s: survey.end.as_secs_f64(),
+            events: survey.events,
+            nodes: scenario.world().nodes.len(),
+            obstacles: scenario.world().obstacles.len(),
+        }),
+        gathering: Some(GatheringSummary {
+            stops: survey.log.stops().len(),
+            path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
+            duration_s: Some(survey.end.as_secs_f64()),
+            packets_offered: Some(packets.offered),
+            packets_sent: Some(packets.sent),
+            packets_received: packets.received,
+            lost_collision: Some(packets.lost_collision),
+            lost_channel_access: Some(packets.lost_channel_access),
+            lost_signal: Some(packets.lost_signal),
+            lost_queue: Some(packets.lost_queue),
+            out_of_range: Some(packets.out_of_range),
+            not_listened: Some(packets.not_listened),
+            pending: Some(packets.pending),
+            energy_j: Some(EnergySummary {
+                tx: survey.energy.tx_j,
+                rx: survey.energy.rx_j,
+                idle: survey.energy.idle_j + survey.energy.sleep_j,
+            }),
+            robots: robots.collect(),
+            interrupted: survey.interrupted,
+        }),
+        maps,
+        ..Summary::default()
+    }
+}
+
+/// How many packets of each node a robot is to hear.
+fn wanted(controller: &ControllerConfig) -> u32 {
+    match controller {
+        ControllerConfig::AutomatedS(automated) => automated.packets_per_node,
+        ControllerConfig::SPath(_) | ControllerConfig::Waypoints(_) => 1,
+    }
+}
+
+/// Names of the nodes of which fewer packets were heard than wanted.
+fn unreached(packets: &[u32], wanted: u32, names: &[String]) -> Vec<String> {
+    packets
+        .iter()
+        .zip(names)
+        .filter(|&(&heard, _)| heard < wanted)
+        .map(|(_, name)| name.clone())
+        .collect()
+}
+
+fn print(summary: &Summary, arguments: &Arguments) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match arguments.format {
+        Format::Text => table::write(summary, &mut out)?,
+        Format::Json => out.write_all(summary.to_json()?.as_bytes())?,
+    }
+    Ok(())
+}

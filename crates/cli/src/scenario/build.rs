@@ -1,0 +1,373 @@
+//! From a scenario as written to one that can run: everything is checked before anything starts.
+
+use std::path::{Path, PathBuf};
+
+use sextant_apps::{ControllerConfig, Surroundings};
+use sextant_channel::{Channel, ObstacleField};
+use sextant_kernel::{Seed, SettingError};
+use sextant_mac::csma::CsmaSettings;
+use sextant_mac::{Phy, RadioStates};
+use sextant_mapper::{MapConfig, Mapper};
+use sextant_sim::{
+    Body, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World,
+};
+use sha2::{Digest, Sha256};
+
+use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
+use super::deserialize::deserialize;
+use super::document::Document;
+use super::error::{ScenarioError, ScenarioErrors};
+use super::layers;
+use crate::summary::ScenarioSummary;
+use crate::table::counted;
+
+/// A scenario that was read and checked.
+#[derive(Debug)]
+pub struct Scenario {
+    config: ScenarioConfig,
+    file: PathBuf,
+    text: String,
+    parts: Parts,
+    maps: Vec<NamedMap>,
+}
+
+/// A map to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedMap {
+    /// Its name in tables and recordings; no two maps share one.
+    pub name: String,
+    /// How it is computed.
+    pub mapper: Mapper,
+}
+
+/// The checked parts of a simulation that can be copied.
+#[derive(Clone, Debug)]
+struct Parts {
+    world: World,
+    radio: Radio,
+    reception: ReceptionModel,
+    csma: CsmaSettings,
+    traffic: Traffic,
+    radio_states: RadioStates,
+}
+
+impl Scenario {
+    /// Reads the scenario at `path`, lays the flags `set` (each `path.to.key=value`) and `seed` over it, and
+    /// checks the whole.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or anything in it is wrong: everything that was found.
+    pub fn load(path: &Path, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        let mut document = layers::read(path, set, seed)?;
+        let text = std::mem::take(&mut document.text);
+        document.rebase_files(path.parent().unwrap_or(Path::new("")));
+        let config: ScenarioConfig = deserialize(&document)?;
+        let mut errors = Errors {
+            document: &document,
+            found: Vec::new(),
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let (parts, maps) = check(&config, folder, &mut errors);
+        ScenarioErrors::check(errors.found)?;
+        let parts = parts.expect("what has no errors has all its parts");
+        Ok(Self {
+            config,
+            file: path.to_path_buf(),
+            text,
+            parts,
+            maps,
+        })
+    }
+
+    /// The scenario as written, all layers merged.
+    #[must_use]
+    pub fn config(&self) -> &ScenarioConfig {
+        &self.config
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    /// The seed of all randomness.
+    #[must_use]
+    pub fn seed(&self) -> Seed {
+        Seed(self.config.seed)
+    }
+
+    /// One text that says all: the file as read, or, if it extends another or flags override it, what they
+    /// amount to. The seed of `--seed` is not in it.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Name of the file, without its folder.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        self.file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    }
+
+    /// The world.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.parts.world
+    }
+
+    /// The maps to compute.
+    #[must_use]
+    pub fn maps(&self) -> &[NamedMap] {
+        &self.maps
+    }
+
+    /// How maps are compared with the truth.
+    #[must_use]
+    pub fn metrics(&self) -> &MetricsConfig {
+        &self.config.metrics
+    }
+
+    /// What is recorded beside what a mapper needs.
+    #[must_use]
+    pub fn recording(&self) -> &RecordingConfig {
+        &self.config.recording
+    }
+
+    /// Everything that the simulation needs; the robots start afresh with each call.
+    #[must_use]
+    pub fn setup(&self) -> Setup {
+        let obstacles = &self.parts.world.obstacles;
+        let robot = |config| {
+            robot(config, obstacles).expect("the robots were checked when the scenario was read")
+        };
+        setup(
+            &self.config,
+            self.parts.clone(),
+            self.config.robots.iter().map(robot).collect(),
+        )
+    }
+
+    /// What the results say of the scenario.
+    #[must_use]
+    pub fn summary(&self) -> ScenarioSummary {
+        ScenarioSummary {
+            name: self.config.name.clone(),
+            file: self.file_name(),
+            sha256: Sha256::digest(&self.text)
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
+            seed: self.config.seed,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+
+    /// What it has, in a few words: `496 nodes, 3 obstacles, 1 robot, 1 map`.
+    #[must_use]
+    pub fn outline(&self) -> String {
+        let world = &self.parts.world;
+        [
+            counted(world.nodes.len(), "node"),
+            counted(world.obstacles.len(), "obstacle"),
+            counted(self.config.robots.len(), "robot"),
+            counted(self.maps.len(), "map"),
+        ]
+        .join(", ")
+    }
+}
+
+/// Collects what is wrong.
+pub(super) struct Errors<'a> {
+    pub(super) document: &'a Document,
+    pub(super) found: Vec<ScenarioError>,
+}
+
+impl Errors<'_> {
+    fn refuse(&mut self, error: &SettingError) {
+        self.found
+            .push(ScenarioError::setting(self.document, error));
+    }
+
+    /// The value, or none and a refusal within `table`.
+    pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
+        result
+            .map_err(|error| self.refuse(&error.within(table)))
+            .ok()
+    }
+}
+
+/// Checks each part of the scenario on its own, then the whole.
+fn check(
+    config: &ScenarioConfig,
+    folder: &Path,
+    errors: &mut Errors<'_>,
+) -> (Option<Parts>, Vec<NamedMap>) {
+    if config.name.trim().is_empty() {
+        errors.refuse(&SettingError::new(
+            "name",
+            "empty",
+            "a name of at least one letter",
+        ));
+    }
+    let world = errors.take("world", config.world.build(Seed(config.seed), folder));
+    let radio = errors.take("radio", Radio::try_from(config.radio));
+    errors.take(
+        "channel",
+        Channel::new(config.channel, ObstacleField::default(), Seed(config.seed)),
+    );
+    let csma = errors.take("mac", CsmaSettings::try_from(config.mac));
+    let traffic = errors.take("traffic", Traffic::try_from(config.traffic));
+    let reception = errors.take("reception", ReceptionModel::try_from(config.reception));
+    let radio_states = errors.take("energy", RadioStates::try_from(config.energy));
+    let robots = check_robots(config, world.as_ref(), errors);
+    let maps = check_maps(&config.maps, errors);
+    errors.take("metrics", config.metrics.check());
+    let (Some(world), Some(radio), Some(csma), Some(traffic), Some(reception), Some(radio_states)) =
+        (world, radio, csma, traffic, reception, radio_states)
+    else {
+        return (None, maps);
+    };
+    for (i, name) in config.recording.likelihood.iter().enumerate() {
+        if !world.nodes.iter().any(|node| node.name == *name) {
+            let key = format!("recording.likelihood[{i}]");
+            errors.refuse(&SettingError::new(
+                key,
+                format!("`{name}`"),
+                "the name of a node",
+            ));
+        }
+    }
+    let parts = Parts {
+        world,
+        radio,
+        reception,
+        csma,
+        traffic,
+        radio_states,
+    };
+    if errors.found.is_empty() {
+        // What depends on several parts, the size of frames and addresses, the simulation checks itself.
+        if let Err(error) = Simulation::new(setup(config, parts.clone(), robots)) {
+            errors.refuse(&error);
+        }
+    }
+    (Some(parts), maps)
+}
+
+fn check_robots(
+    config: &ScenarioConfig,
+    world: Option<&World>,
+    errors: &mut Errors<'_>,
+) -> Vec<Robot> {
+    let mut robots: Vec<Robot> = Vec::new();
+    if config.robots.is_empty() {
+        errors.refuse(&SettingError::new(
+            "robots",
+            "empty",
+            "at least one robot, to listen",
+        ));
+    }
+    for (i, robot_config) in config.robots.iter().enumerate() {
+        let table = format!("robots[{i}]");
+        let robot = robot(
+            robot_config,
+            world.map_or(&ObstacleField::default(), |world| &world.obstacles),
+        );
+        let Some(robot) = errors.take(&table, robot) else {
+            continue;
+        };
+        if robots
+            .iter()
+            .any(|other| other.body.name == robot.body.name)
+        {
+            let found = format!("`{}`, as of a robot before", robot.body.name);
+            errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));
+        }
+        robots.push(robot);
+    }
+    robots
+}
+
+pub(super) fn check_maps(configs: &[MapConfig], errors: &mut Errors<'_>) -> Vec<NamedMap> {
+    let mut maps: Vec<NamedMap> = Vec::new();
+    for (i, config) in configs.iter().enumerate() {
+        let table = format!("maps[{i}]");
+        let mapper =
+            Mapper::try_from(config.algorithm.clone()).map_err(|error| error.within("algorithm"));
+        let Some(mapper) = errors.take(&table, mapper) else {
+            continue;
+        };
+        let name = config
+            .name
+            .clone()
+            .unwrap_or_else(|| mapper.name().to_owned());
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        if name.is_empty() || !name.chars().all(is_plain) {
+            let allowed = "letters, digits, `-`, `_` and `.`, at least one";
+            errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(&table));
+        }
+        if maps.iter().any(|map| map.name == name) {
+            let found = format!("`{name}`, as of a map before");
+            errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));
+        }
+        maps.push(NamedMap { name, mapper });
+    }
+    maps
+}
+
+fn robot(
+    config: &RobotConfig<ControllerConfig>,
+    obstacles: &ObstacleField,
+) -> Result<Robot, SettingError> {
+    let body = Body::try_from(config)?;
+    if let Some(inside) = obstacles.containing(body.start) {
+        let [x, y, z] = body.start.into();
+        let name = obstacles.obstacles()[inside]
+            .name()
+            .map_or_else(|| inside.to_string(), |name| format!("`{name}`"));
+        let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
+        return Err(SettingError::new(
+            "start_m",
+            found,
+            "a place outside all obstacles",
+        ));
+    }
+    let surroundings = Surroundings {
+        obstacles,
+        start: body.start,
+        radius_m: body.radius_m,
+    };
+    let controller = config
+        .controller
+        .build(&surroundings)
+        .map_err(|error| error.within("controller"))?;
+    Ok(Robot { body, controller })
+}
+
+fn setup(config: &ScenarioConfig, parts: Parts, robots: Vec<Robot>) -> Setup {
+    let Parts {
+        world,
+        radio,
+        reception,
+        csma,
+        traffic,
+        radio_states,
+    } = parts;
+    Setup {
+        world,
+        channel: config.channel,
+        radio,
+        reception,
+        phy: Phy::default(),
+        csma,
+        traffic,
+        radio_states,
+        robots,
+        seed: Seed(config.seed),
+    }
+}

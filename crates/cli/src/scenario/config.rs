@@ -1,0 +1,115 @@
+//! A scenario as written: the whole of the file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_apps::ControllerConfig;
+use sextant_channel::ChannelConfig;
+use sextant_kernel::SettingError;
+use sextant_mac::EnergyConfig;
+use sextant_mac::csma::{CsmaConfig, CsmaSettings};
+use sextant_mapper::MapConfig;
+use sextant_sim::{RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig};
+
+/// A scenario: the world, the radios, what the robots do in it, and which maps are made of what they hear.
+/// Lengths are in metres, times in seconds, powers in dBm; each key says so.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioConfig {
+    /// Name of the scenario, in tables and recordings.
+    pub name: String,
+    /// Seed of all randomness: the same seed gives the same results.
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// The nodes, and what stands in the way of radio and robots.
+    pub world: WorldConfig,
+    /// The radios of nodes and robots.
+    pub radio: RadioConfig,
+    /// What happens to radio power on its way; suburban, without a hard radius, if absent.
+    #[serde(default)]
+    pub channel: ChannelConfig,
+    /// How nodes share the channel; unslotted CSMA-CA as in the standard if absent.
+    #[serde(default)]
+    pub mac: MacConfig,
+    /// What the nodes send, and when.
+    pub traffic: TrafficConfig,
+    /// When a frame that arrives is received; a threshold of 3 dB if absent.
+    #[serde(default)]
+    pub reception: ReceptionConfig,
+    /// The radio chip whose energy is counted.
+    #[serde(default)]
+    pub energy: EnergyConfig,
+    /// The robots that drive and listen: at least one.
+    pub robots: Vec<RobotConfig<ControllerConfig>>,
+    /// The maps to compute from what was heard.
+    #[serde(default)]
+    pub maps: Vec<MapConfig>,
+    /// How maps are compared with the truth.
+    #[serde(default)]
+    pub metrics: MetricsConfig,
+    /// What is recorded beside what a mapper needs.
+    #[serde(default)]
+    pub recording: RecordingConfig,
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+/// How nodes share the channel, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum MacConfig {
+    /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
+    CsmaUnslotted(CsmaConfig),
+}
+
+impl Default for MacConfig {
+    fn default() -> Self {
+        Self::CsmaUnslotted(CsmaConfig::default())
+    }
+}
+
+impl TryFrom<MacConfig> for CsmaSettings {
+    type Error = SettingError;
+
+    fn try_from(config: MacConfig) -> Result<Self, SettingError> {
+        let MacConfig::CsmaUnslotted(csma) = config;
+        Self::try_from(csma).map_err(|error| error.within("csma_unslotted"))
+    }
+}
+
+/// How maps are compared with the truth, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MetricsConfig {
+    /// Radii of the neighbourhood of the connectivity error [m]; the first one goes into the table.
+    pub neighbourhood_m: Vec<f64>,
+}
+
+impl Default for MetricsConfig {
+    fn default() -> Self {
+        Self {
+            neighbourhood_m: vec![5.0, 3.0, 10.0],
+        }
+    }
+}
+
+impl MetricsConfig {
+    /// Refuses radii that are none.
+    pub(crate) fn check(&self) -> Result<(), SettingError> {
+        for (i, &radius_m) in self.neighbourhood_m.iter().enumerate() {
+            SettingError::positive(&format!("neighbourhood_m[{i}]"), radius_m)?;
+        }
+        Ok(())
+    }
+}
+
+/// What is recorded beside what a mapper needs, as written in a scenario.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecordingConfig {
+    /// Whether every frame on air is recorded.
+    pub frames: bool,
+    /// Names of the nodes whose likelihood surface is recorded, for each map that has one.
+    pub likelihood: Vec<String>,
+}

@@ -1,0 +1,239 @@
+//! A scenario as a tree of settings, each of which knows where it was written.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use toml::de::{DeTable, DeValue};
+
+use super::error::ScenarioError;
+use super::key_path::{KeyPath, Step};
+
+/// A text that settings were read from: a file, or one flag of the command line.
+#[derive(Clone, Debug)]
+pub(crate) struct Source {
+    /// What messages call it: the path as given, or the flag.
+    pub(crate) name: String,
+    /// The whole text.
+    pub(crate) text: Arc<str>,
+    /// Relative paths in it are meant from here.
+    pub(crate) folder: PathBuf,
+}
+
+/// Where a setting was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Origin {
+    /// Index of the source.
+    pub(crate) source: usize,
+    /// The bytes of its key; none in an array.
+    pub(crate) key: Option<Range<usize>>,
+    /// The bytes of its value; of a table, its header.
+    pub(crate) value: Range<usize>,
+}
+
+impl Origin {
+    /// The bytes that stand for the setting as a whole: its key, or its value where it has none.
+    pub(crate) fn head(&self) -> Range<usize> {
+        self.key.clone().unwrap_or_else(|| self.value.clone())
+    }
+}
+
+/// A setting and where it was written.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    pub(crate) value: Value,
+    pub(crate) origin: Origin,
+    /// The latest source that wrote this or anything in it.
+    pub(crate) layer: usize,
+}
+
+/// A table of settings.
+pub(crate) type Table = BTreeMap<String, Entry>;
+
+/// The value of a setting.
+#[derive(Clone, Debug)]
+pub(crate) enum Value {
+    Boolean(bool),
+    /// Within i64 or u64.
+    Integer(i128),
+    Float(f64),
+    String(String),
+    Datetime(String),
+    Array(Vec<Entry>),
+    Table(Table),
+}
+
+/// All settings of a scenario, merged, and the sources that they come from.
+#[derive(Clone, Debug)]
+pub(crate) struct Document {
+    pub(crate) root: Entry,
+    pub(crate) sources: Vec<Source>,
+    /// One text that says the same: the file as read, or what all layers but `--seed` amount to.
+    pub(crate) text: String,
+}
+
+impl Document {
+    /// The entry at `path`, or the deepest one above it that exists; true if it is the very one.
+    pub(crate) fn nearest(&self, path: &KeyPath) -> (&Entry, bool) {
+        let mut entry = &self.root;
+        for step in &path.0 {
+            match entry.child(step) {
+                Some(child) => entry = child,
+                None => return (entry, false),
+            }
+        }
+        (entry, true)
+    }
+}
+
+impl Entry {
+    /// The entry one step down.
+    pub(crate) fn child(&self, step: &Step) -> Option<&Self> {
+        match (&self.value, step) {
+            (Value::Table(table), Step::Key(key)) => table.get(key),
+            (Value::Array(items), step) => items.get(step.index()?),
+            _ => None,
+        }
+    }
+
+    /// Lays `over` on this entry: tables are merged key by key, everything else is replaced.
+    pub(crate) fn overlay(&mut self, over: Self) {
+        match (&mut self.value, over.value) {
+            (Value::Table(under), Value::Table(table)) => {
+                for (key, entry) in table {
+                    match under.get_mut(&key) {
+                        Some(existing) => existing.overlay(entry),
+                        None => {
+                            under.insert(key, entry);
+                        }
+                    }
+                }
+                self.origin = over.origin;
+                self.layer = over.layer;
+            }
+            (_, value) => *self = Self { value, ..over },
+        }
+    }
+}
+
+/// Parses the text of `sources[index]`.
+pub(crate) fn parse(sources: &[Source], index: usize) -> Result<Entry, ScenarioError> {
+    let source = &sources[index];
+    let root =
+        DeTable::parse(&source.text).map_err(|error| ScenarioError::syntax(source, &error))?;
+    let reader = Reader {
+        sources,
+        index,
+        shift: 0,
+    };
+    let origin = Origin {
+        source: index,
+        key: None,
+        value: 0..0,
+    };
+    Ok(Entry {
+        value: reader.table(root.get_ref())?,
+        origin,
+        layer: index,
+    })
+}
+
+/// Parses one value that stands at byte `shift` of `sources[index]`; none if it is no TOML value.
+pub(crate) fn parse_value(
+    sources: &[Source],
+    index: usize,
+    shift: usize,
+    text: &str,
+) -> Result<Option<Value>, ScenarioError> {
+    match DeValue::parse(text) {
+        Ok(value) => {
+            let span = value.span();
+            Reader {
+                sources,
+                index,
+                shift,
+            }
+            .value(value.get_ref(), &span)
+            .map(Some)
+        }
+        Err(_) => Ok(None),
+    }
+}
+
+/// Turns the parser's tree into ours.
+struct Reader<'a> {
+    sources: &'a [Source],
+    index: usize,
+    shift: usize,
+}
+
+impl Reader<'_> {
+    fn moved(&self, span: &Range<usize>) -> Range<usize> {
+        span.start + self.shift..span.end + self.shift
+    }
+
+    fn table(&self, table: &DeTable<'_>) -> Result<Value, ScenarioError> {
+        let mut entries = Table::new();
+        for (key, value) in table {
+            let span = value.span();
+            let origin = Origin {
+                source: self.index,
+                key: Some(self.moved(&key.span())),
+                value: self.moved(&span),
+            };
+            let value = self.value(value.get_ref(), &span)?;
+            entries.insert(
+                key.get_ref().to_string(),
+                Entry {
+                    value,
+                    origin,
+                    layer: self.index,
+                },
+            );
+        }
+        Ok(Value::Table(entries))
+    }
+
+    fn value(&self, value: &DeValue<'_>, span: &Range<usize>) -> Result<Value, ScenarioError> {
+        Ok(match value {
+            DeValue::String(text) => Value::String(text.to_string()),
+            DeValue::Integer(integer) => {
+                let number = i128::from_str_radix(integer.as_str(), integer.radix()).ok();
+                let allowed = i128::from(i64::MIN)..=i128::from(u64::MAX);
+                let Some(number) = number.filter(|number| allowed.contains(number)) else {
+                    return Err(self.refuse(span, "this integer does not fit into 64 bits"));
+                };
+                Value::Integer(number)
+            }
+            DeValue::Float(float) => match float.as_str().parse() {
+                Ok(number) => Value::Float(number),
+                Err(_) => return Err(self.refuse(span, "this is not a number")),
+            },
+            DeValue::Boolean(boolean) => Value::Boolean(*boolean),
+            DeValue::Datetime(datetime) => Value::Datetime(datetime.to_string()),
+            DeValue::Array(items) => {
+                let mut entries = Vec::with_capacity(items.len());
+                for item in items {
+                    let span = item.span();
+                    let origin = Origin {
+                        source: self.index,
+                        key: None,
+                        value: self.moved(&span),
+                    };
+                    entries.push(Entry {
+                        value: self.value(item.get_ref(), &span)?,
+                        origin,
+                        layer: self.index,
+                    });
+                }
+                Value::Array(entries)
+            }
+            DeValue::Table(table) => self.table(table)?,
+        })
+    }
+
+    fn refuse(&self, span: &Range<usize>, message: &str) -> ScenarioError {
+        ScenarioError::new(message).at(&self.sources[self.index], self.moved(span), "here")
+    }
+}

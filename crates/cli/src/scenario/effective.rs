@@ -1,0 +1,114 @@
+//! What the layers of a scenario amount to, as one TOML text.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use super::document::{Document, Entry, Source, Value};
+use super::key_path::{KeyPath, Step};
+
+/// Where a scenario names files, `*` for every index of an array.
+const FILES: [&[&str]; 2] = [
+    &["world", "nodes", "csv", "file"],
+    &["world", "obstacles", "*", "shape", "mesh", "file"],
+];
+
+/// A text that reads as the settings in `root`: one line `path.to.key = value` for each.
+pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
+    let mut text = "# What these amount to:".to_owned();
+    for (i, source) in sources.iter().enumerate() {
+        // File names without folders: the same scenario gives the same text wherever it lies.
+        let name = Path::new(&source.name)
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy();
+        let sep = if i > 0 { "," } else { "" };
+        let flag = if name.starts_with("--") {
+            format!(" {:?}", source.text)
+        } else {
+            String::new()
+        };
+        // Writing to a string never fails.
+        let _ = write!(text, "{sep} {name}{flag}");
+    }
+    text.push('\n');
+    settings(root, &KeyPath::default(), &mut text);
+    text
+}
+
+fn settings(entry: &Entry, path: &KeyPath, text: &mut String) {
+    match &entry.value {
+        Value::Table(table) if !table.is_empty() || path.0.is_empty() => {
+            for (key, entry) in table {
+                settings(entry, &path.child(Step::Key(key.clone())), text);
+            }
+        }
+        value => {
+            let _ = writeln!(text, "{path} = {}", inline(value));
+        }
+    }
+}
+
+fn inline(value: &Value) -> String {
+    match value {
+        Value::Boolean(boolean) => boolean.to_string(),
+        Value::Integer(integer) => integer.to_string(),
+        Value::Float(float) if float.is_nan() => "nan".to_owned(),
+        Value::Float(float) => format!("{float:?}"),
+        Value::String(text) => toml::Value::String(text.clone()).to_string(),
+        Value::Datetime(text) => text.clone(),
+        Value::Array(items) => {
+            format!(
+                "[{}]",
+                items
+                    .iter()
+                    .map(|item| inline(&item.value))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            )
+        }
+        Value::Table(table) => {
+            let settings = table.iter().map(|(key, entry)| {
+                format!(
+                    "{} = {}",
+                    KeyPath(vec![Step::Key(key.clone())]),
+                    inline(&entry.value)
+                )
+            });
+            format!("{{ {} }}", settings.collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
+impl Document {
+    /// Paths of files are meant from the folder of the layer that names them; rewrites those of layers in
+    /// other folders than `folder`, from where they will be looked up.
+    pub(super) fn rebase_files(&mut self, folder: &Path) {
+        for steps in FILES {
+            rebase(&mut self.root, steps, &self.sources, folder);
+        }
+    }
+}
+
+fn rebase(entry: &mut Entry, steps: &[&str], sources: &[Source], folder: &Path) {
+    match (&mut entry.value, steps) {
+        (Value::String(file), []) => {
+            let from = &sources[entry.origin.source].folder;
+            if from != folder
+                && let Ok(path) = std::path::absolute(from.join(&*file))
+            {
+                *file = path.to_string_lossy().into_owned();
+            }
+        }
+        (Value::Table(table), [key, rest @ ..]) => {
+            if let Some(child) = table.get_mut(*key) {
+                rebase(child, rest, sources, folder);
+            }
+        }
+        (Value::Array(items), ["*", rest @ ..]) => {
+            items
+                .iter_mut()
+                .for_each(|item| rebase(item, rest, sources, folder));
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,173 @@
+//! Where a setting lies in a scenario: `world.obstacles[2].shape.box.size_m`.
+
+use std::fmt;
+use std::ops::Range;
+
+/// One step down from a table or an array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Into a table, by key. Digits may also mean an index: `robots.0`.
+    Key(String),
+    /// Into an array, by index from 0.
+    Index(usize),
+}
+
+impl Step {
+    /// The step as an index into an array, if it can be one.
+    pub(crate) fn index(&self) -> Option<usize> {
+        match self {
+            Self::Key(key) => key.parse().ok(),
+            Self::Index(index) => Some(*index),
+        }
+    }
+}
+
+/// The steps from the top of a scenario to a setting. Printed as people write it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct KeyPath(pub(crate) Vec<Step>);
+
+/// Why a text is no key path: the bytes at fault and what was expected there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct PathError {
+    pub(crate) span: Range<usize>,
+    pub(crate) message: &'static str,
+}
+
+impl KeyPath {
+    /// Parses `a.b[2].c`, `a.b.2.c` or `a."odd key".c`.
+    pub(crate) fn parse(text: &str) -> Result<Self, PathError> {
+        Ok(Self(
+            Self::parse_spanned(text)?
+                .into_iter()
+                .map(|(step, _)| step)
+                .collect(),
+        ))
+    }
+
+    /// Parses a path; each step comes with the bytes where it was written.
+    pub(crate) fn parse_spanned(text: &str) -> Result<Vec<(Step, Range<usize>)>, PathError> {
+        let mut steps = Vec::new();
+        let mut at = 0;
+        loop {
+            let rest = &text[at..];
+            let fail = |length: usize, message| {
+                Err(PathError {
+                    span: at..at + length,
+                    message,
+                })
+            };
+            if rest.starts_with('[') && !steps.is_empty() {
+                let Some(close) = rest.find(']') else {
+                    return fail(rest.len(), "`[` without `]`");
+                };
+                let Ok(index) = rest[1..close].trim().parse() else {
+                    return fail(close + 1, "an index is a whole number, 0 or above");
+                };
+                steps.push((Step::Index(index), at..at + close + 1));
+                at += close + 1;
+            } else if let Some(quoted) = rest.strip_prefix('"') {
+                let Some(length) = quoted.find('"') else {
+                    return fail(rest.len(), "a quote that does not end");
+                };
+                steps.push((Step::Key(quoted[..length].to_owned()), at..at + length + 2));
+                at += length + 2;
+            } else {
+                let length = rest.find(['.', '[']).unwrap_or(rest.len());
+                let key = rest[..length].trim();
+                if key.is_empty() {
+                    return fail(
+                        length.max(usize::from(!rest.is_empty())),
+                        "a key is missing here",
+                    );
+                }
+                steps.push((Step::Key(key.to_owned()), at..at + length));
+                at += length;
+            }
+            match text[at..].chars().next() {
+                None => return Ok(steps),
+                Some('[') => {}
+                Some('.') => at += 1,
+                Some(other) => {
+                    let span = at..at + other.len_utf8();
+                    return Err(PathError {
+                        span,
+                        message: "expected `.` between keys",
+                    });
+                }
+            }
+        }
+    }
+
+    /// The path one step further down.
+    pub(crate) fn child(&self, step: Step) -> Self {
+        let mut steps = self.0.clone();
+        steps.push(step);
+        Self(steps)
+    }
+}
+
+impl fmt::Display for KeyPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, step) in self.0.iter().enumerate() {
+            match step {
+                Step::Index(index) => write!(f, "[{index}]")?,
+                Step::Key(key) => {
+                    let dot = if i > 0 { "." } else { "" };
+                    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+                    if !key.is_empty() && key.chars().all(bare) {
+                        write!(f, "{dot}{key}")?;
+                    } else {
+                        write!(f, "{dot}\"{key}\"")?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_prints_as_it_was_written() {
+        for text in [
+            "seed",
+            "world.obstacles[2].shape.box.size_m",
+            "a.\"odd key\".c[0][1]",
+        ] {
+            assert_eq!(KeyPath::parse(text).unwrap().to_string(), text);
+        }
+        assert_eq!(
+            KeyPath::parse("robots.0.speed").unwrap().0[1].index(),
+            Some(0)
+        );
+    }
+
+    #[test]
+    fn each_step_knows_its_bytes() {
+        let text = "a.bc[10].d";
+        let spans: Vec<_> = KeyPath::parse_spanned(text)
+            .unwrap()
+            .into_iter()
+            .map(|(_, span)| &text[span])
+            .collect();
+        assert_eq!(spans, ["a", "bc", "[10]", "d"]);
+    }
+
+    #[test]
+    fn broken_paths_are_refused_where_they_break() {
+        for (text, span) in [
+            ("", 0..0),
+            (".a", 0..1),
+            ("a..b", 2..3),
+            ("a.", 2..2),
+            ("a[x]", 1..4),
+            ("a[1", 1..3),
+        ] {
+            assert_eq!(KeyPath::parse(text).unwrap_err().span, span, "{text}");
+        }
+        assert_eq!(KeyPath::parse("a[0]b").unwrap_err().span, 4..5);
+    }
+}

@@ -1,0 +1,29 @@
+//! Scenario files: reading, layering, checking; every refusal points at the key in the text.
+
+mod build;
+mod config;
+mod deserialize;
+mod document;
+mod effective;
+mod error;
+mod key_path;
+mod layers;
+mod map_settings;
+
+pub use build::{NamedMap, Scenario};
+pub use config::{MacConfig, MetricsConfig, RecordingConfig, ScenarioConfig};
+pub use error::{ScenarioError, ScenarioErrors};
+pub use map_settings::MapSettings;
+
+use deserialize::Refusal;
+
+/// The form of a `--set` flag, checked before anything is read.
+pub(crate) fn flag(text: &str) -> Result<String, &'static str> {
+    match text.split_once('=') {
+        Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("expected path.to.key=value, for example robots.0.speed_m_per_s=2"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

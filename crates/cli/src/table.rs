@@ -1,0 +1,284 @@
+//! The results of a command as a table for people.
+
+use std::io::{self, Write};
+
+use crate::summary::{ErrorSummary, GatheringSummary, MapSummary, Summary, Timing};
+
+/// Writes `summary` as a table.
+///
+/// # Errors
+/// If `out` cannot be written.
+pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
+    if let Some(scenario) = &summary.scenario {
+        write!(out, "{} (seed {})", scenario.name, scenario.seed)?;
+        if let Some(simulation) = &summary.simulation {
+            let (nodes, obstacles) = (simulation.nodes, simulation.obstacles);
+            write!(
+                out,
+                ": {}, {}",
+                counted(nodes, "node"),
+                counted(obstacles, "obstacle")
+            )?;
+        }
+        writeln!(out, "\n")?;
+    }
+    if let Some(gathering) = &summary.gathering {
+        columns(
+            &gathering_rows(gathering),
+            &[Align::Left, Align::Right, Align::Left],
+            out,
+        )?;
+        writeln!(out)?;
+    }
+    if !summary.maps.is_empty() {
+        maps(&summary.maps, out)?;
+        writeln!(out)?;
+    }
+    for application in &summary.applications {
+        let captured = if application.captured == Some(true) {
+            "captured"
+        } else {
+            "not captured"
+        };
+        let time = application
+            .time_s
+            .map(|time_s| format!(" after {time_s:.1} s"))
+            .unwrap_or_default();
+        writeln!(out, "{}: {captured}{time}", application.algorithm)?;
+    }
+    if let Some(timing) = &summary.timing {
+        writeln!(out, "{}", timing_line(timing))?;
+    }
+    Ok(())
+}
+
+/// `1 node`, `2 nodes`.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, value: Option<String>, note: &str| {
+        if let Some(value) = value {
+            rows.push(vec![name.to_owned(), value, note.to_owned()]);
+        }
+    };
+    let count = |count: Option<u64>| count.map(|count| count.to_string());
+    row("stops", Some(gathering.stops.to_string()), "");
+    row(
+        "path length",
+        gathering
+            .path_length_m
+            .map(|length_m| format!("{length_m:.1}")),
+        "m",
+    );
+    row(
+        "duration",
+        gathering
+            .duration_s
+            .map(|duration_s| format!("{duration_s:.1}")),
+        "s",
+    );
+    row("packets offered", count(gathering.packets_offered), "");
+    row("packets sent", count(gathering.packets_sent), "");
+    row(
+        "packets received",
+        Some(gathering.packets_received.to_string()),
+        "",
+    );
+    row("lost to collisions", count(gathering.lost_collision), "");
+    row(
+        "lost to a busy channel",
+        count(gathering.lost_channel_access),
+        "",
+    );
+    row("lost to a weak signal", count(gathering.lost_signal), "");
+    row("sent out of range", count(gathering.out_of_range), "");
+    row(
+        "sent while nobody listened",
+        count(gathering.not_listened),
+        "",
+    );
+    if let Some(energy) = &gathering.energy_j {
+        row(
+            "energy of the nodes",
+            Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)),
+            "J",
+        );
+    }
+    rows
+}
+
+fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    let measured = maps.iter().any(|map| map.position_error_m.is_some());
+    let mut header = vec!["map", "mapped"];
+    let errors = [
+        "mean",
+        "median",
+        "p90",
+        "p95",
+        "max",
+        "aligned mean",
+        "connectivity error",
+        "false neighbours",
+    ];
+    if measured {
+        header.extend(errors);
+    }
+    let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    for map in maps {
+        let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
+        let mut row = vec![
+            name,
+            format!("{}/{}", map.mapped, map.mapped + map.unmapped),
+        ];
+        if measured {
+            let metres = |pick: fn(&ErrorSummary) -> f64, error: &Option<ErrorSummary>| {
+                error
+                    .as_ref()
+                    .map_or_else(|| "-".to_owned(), |error| format!("{:.2} m", pick(error)))
+            };
+            let share = |share: Option<f64>| {
+                share.map_or_else(|| "-".to_owned(), |x| format!("{:.1} %", 100.0 * x))
+            };
+            row.push(metres(|error| error.mean, &map.position_error_m));
+            row.push(metres(|error| error.median, &map.position_error_m));
+            row.push(metres(|error| error.p90, &map.position_error_m));
+            row.push(metres(|error| error.p95, &map.position_error_m));
+            row.push(metres(|error| error.max, &map.position_error_m));
+            row.push(metres(|error| error.mean, &map.aligned_error_m));
+            row.push(share(map.connectivity_error));
+            row.push(share(map.false_neighbour_rate));
+        }
+        rows.push(row);
+    }
+    let mut align = vec![Align::Right; rows[0].len()];
+    align[0] = Align::Left;
+    columns(&rows, &align, out)
+}
+
+fn timing_line(timing: &Timing) -> String {
+    let mut parts = Vec::new();
+    if let Some(gather_s) = timing.gather_s {
+        parts.push(format!("gathering {gather_s:.2} s"));
+    }
+    if let Some(map_s) = timing.map_s {
+        parts.push(format!("mapping {map_s:.2} s"));
+    }
+    if let Some(events_per_s) = timing.events_per_s {
+        parts.push(format!("{:.2} million events/s", events_per_s / 1e6));
+    }
+    let parts = if parts.is_empty() {
+        String::new()
+    } else {
+        format!(" ({})", parts.join(", "))
+    };
+    format!("time {:.2} s{parts}", timing.wall_s)
+}
+
+/// Which edge the texts of a column share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Align {
+    Left,
+    Right,
+}
+
+/// Writes `rows` in columns as wide as their longest text, two spaces between them.
+pub(crate) fn columns(
+    rows: &[Vec<String>],
+    align: &[Align],
+    out: &mut impl Write,
+) -> io::Result<()> {
+    let width = |column: usize| {
+        rows.iter()
+            .filter_map(|row| row.get(column))
+            .map(|text| text.chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<_> = (0..align.len()).map(width).collect();
+    for row in rows {
+        let mut line = String::new();
+        for ((text, width), align) in row.iter().zip(&widths).zip(align) {
+            match align {
+                Align::Left => line += &format!("{text:<width$}  "),
+                Align::Right => line += &format!("{text:>width$}  "),
+            }
+        }
+        writeln!(out, "{}", line.trim_end())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::{ScenarioSummary, SimulationSummary};
+
+    #[test]
+    fn a_person_can_read_the_table() {
+        let error = ErrorSummary {
+            mean: 0.71,
+            median: 0.6,
+            p90: 1.4,
+            p95: 1.75,
+            max: 12.25,
+        };
+        let summary = Summary {
+            scenario: Some(ScenarioSummary {
+                name: "circular".into(),
+                seed: 1,
+                ..ScenarioSummary::default()
+            }),
+            simulation: Some(SimulationSummary {
+                nodes: 496,
+                obstacles: 1,
+                ..SimulationSummary::default()
+            }),
+            gathering: Some(GatheringSummary {
+                stops: 444,
+                path_length_m: Some(443.96),
+                packets_offered: Some(481_120),
+                packets_received: 10_234,
+                ..GatheringSummary::default()
+            }),
+            maps: vec![
+                MapSummary {
+                    algorithm: "ml-tm".into(),
+                    mapped: 490,
+                    unmapped: 6,
+                    position_error_m: Some(error),
+                    connectivity_error: Some(0.051),
+                    ..MapSummary::default()
+                },
+                MapSummary {
+                    name: Some("coarse".into()),
+                    ..MapSummary::default()
+                },
+            ],
+            timing: Some(Timing {
+                wall_s: 1.234,
+                gather_s: Some(0.6),
+                ..Timing::default()
+            }),
+            ..Summary::default()
+        };
+        let mut out = Vec::new();
+        write(&summary, &mut out).unwrap();
+        insta::assert_snapshot!(String::from_utf8(out).unwrap(), @r"
+        circular (seed 1): 496 nodes, 1 obstacle
+
+        stops                444
+        path length        444.0  m
+        packets offered   481120
+        packets received   10234
+
+        map      mapped    mean  median     p90     p95      max  aligned mean  connectivity error  false neighbours
+        ml-tm   490/496  0.71 m  0.60 m  1.40 m  1.75 m  12.25 m             -               5.1 %                 -
+        coarse      0/0       -       -       -       -        -             -                   -                 -
+
+        time 1.23 s (gathering 0.60 s)
+        ");
+    }
+}

@@ -1,0 +1,194 @@
+//! The words of the command line, and what goes to standard output.
+
+use std::process::{Command, Stdio};
+
+use assert_cmd::cargo::cargo_bin_cmd;
+
+fn stdout(words: &[&str]) -> String {
+    let output = cargo_bin_cmd!("sextant")
+        .args(words)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn wrong_usage_exits_with_two_and_help_with_zero() {
+    let code = |words: &[&str], code: i32| {
+        cargo_bin_cmd!("sextant").args(words).assert().code(code);
+    };
+    code(&[], 2);
+    code(&["fly"], 2);
+    code(&["run"], 2);
+    code(&["run", "a.toml", "--seed", "-1"], 2);
+    code(&["run", "a.toml", "--threads", "0"], 2);
+    code(&["run", "a.toml", "--set", "seed"], 2);
+    code(&["run", "a.toml", "--format", "xml"], 2);
+    code(&["check"], 2);
+    code(&["recover", "a.mcap"], 2);
+    code(&["completions", "basic"], 2);
+    code(&["--help"], 0);
+    code(&["run", "--help"], 0);
+    code(&["--version"], 0);
+}
+
+#[test]
+fn files_that_do_not_exist_exit_with_two() {
+    for words in [
+        &["run", "none.toml"][..],
+        &["check", "none.toml"],
+        &["inspect", "none.mcap"],
+        &["recover", "none.mcap", "--out", "good.mcap"],
+        &["map", "none.mcap"],
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = cargo_bin_cmd!("sextant")
+            .args(words)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert_eq!(
+            (output.status.code(), output.stdout.as_slice()),
+            (Some(2), &b""[..]),
+            "{words:?}"
+        );
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            message.contains("none.") && !message.contains("panicked"),
+            "{message}"
+        );
+        assert_eq!(
+            std::fs::read_dir(folder.path()).unwrap().count(),
+            0,
+            "{words:?} leaves nothing behind"
+        );
+    }
+}
+
+#[test]
+fn shells_get_completions_that_know_all_commands() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = stdout(&["completions", shell]);
+        for command in [
+            "run",
+            "map",
+            "check",
+            "inspect",
+            "recover",
+            "schema",
+            "completions",
+            "man",
+        ] {
+            assert!(script.contains(command), "{shell}: {command}");
+        }
+    }
+}
+
+#[test]
+fn the_manual_page_has_every_command_and_flag() {
+    let page = stdout(&["man"]);
+    assert!(page.contains(".TH sextant 1"), "{page}");
+    for command in [
+        "RUN",
+        "MAP",
+        "CHECK",
+        "INSPECT",
+        "RECOVER",
+        "SCHEMA",
+        "COMPLETIONS",
+        "MAN",
+    ] {
+        assert!(
+            page.contains(&format!(".SH \"SEXTANT {command}\"")),
+            "{command}"
+        );
+    }
+    for flag in [
+        "out", "summary", "seed", "threads", "set", "format", "quiet", "profile", "truth",
+    ] {
+        assert!(page.contains(&format!("\\-\\-{flag}")), "{flag}");
+    }
+    assert!(page.contains(".SH \"EXIT STATUS\""));
+}
+
+#[test]
+fn the_schema_documents_every_key() {
+    let schema: serde_json::Value = serde_json::from_str(&stdout(&["schema"])).unwrap();
+    assert_eq!(
+        schema["$schema"],
+        "https://json-schema.org/draft/2020-12/schema"
+    );
+    let properties = schema["properties"].as_object().unwrap();
+    let keys: Vec<_> = properties.keys().map(String::as_str).collect();
+    for key in [
+        "name",
+        "seed",
+        "world",
+        "radio",
+        "channel",
+        "mac",
+        "traffic",
+        "reception",
+        "robots",
+        "maps",
+    ] {
+        assert!(keys.contains(&key), "{key} is not in {keys:?}");
+    }
+    let mut undocumented = Vec::new();
+    find_undocumented(&schema, "", &mut undocumented);
+    assert!(
+        undocumented.is_empty(),
+        "keys without a description: {undocumented:#?}"
+    );
+}
+
+/// Collects the properties without a description.
+fn find_undocumented(schema: &serde_json::Value, path: &str, found: &mut Vec<String>) {
+    match schema {
+        serde_json::Value::Object(object) => {
+            // The one property of a choice is described by the choice.
+            let is_choice = object.contains_key("description") && object.get("required").is_some();
+            if let Some(properties) = object
+                .get("properties")
+                .and_then(|properties| properties.as_object())
+            {
+                for (key, property) in properties {
+                    if property.get("description").is_none()
+                        && !(is_choice && properties.len() == 1)
+                    {
+                        found.push(format!("{path}/{key}"));
+                    }
+                }
+            }
+            for (key, value) in object {
+                find_undocumented(value, &format!("{path}/{key}"), found);
+            }
+        }
+        serde_json::Value::Array(items) => items
+            .iter()
+            .for_each(|item| find_undocumented(item, path, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_failure() {
+    for words in [&["schema"][..], &["man"], &["completions", "bash"]] {
+        let mut child = Command::new(assert_cmd::cargo::cargo_bin!("sextant"))
+            .args(words)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{words:?}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{words:?}");
+    }
+}

@@ -1,0 +1,158 @@
+//! A reception log with everything in it: unheard nodes, counts, sectors, strengths, empty stops, contacts.
+
+use std::path::Path;
+
+use sextant::recording::messages::Frame;
+use sextant::recording::{
+    FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid,
+};
+use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, SimTime};
+
+/// Numbers that look random and are the same everywhere (splitmix64).
+pub(crate) struct Numbers(pub(crate) u64);
+
+impl Numbers {
+    pub(crate) fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (bits ^ (bits >> 31)) % bound
+    }
+
+    fn small(&mut self, bound: u32) -> u32 {
+        u32::try_from(self.below(u64::from(bound))).expect("below 2^32")
+    }
+
+    /// A coordinate with no short decimal form [m].
+    fn coordinate(&mut self) -> f64 {
+        f64::from(self.small(1 << 30)) / 3.0e7 - 10.0
+    }
+
+    fn position(&mut self) -> Position {
+        Position::new(self.coordinate(), self.coordinate(), self.coordinate())
+    }
+}
+
+/// A log of `nodes` nodes and `stops` stops.
+pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
+    let mut numbers = Numbers(seed);
+    let names = (0..nodes).map(|node| {
+        format!(
+            "node {node}, \"quoted\" and {}",
+            if node % 2 == 0 { "é" } else { "x" }
+        )
+    });
+    let places = (0..stops).map(|stop| {
+        let time = SimTime::from_nanos(u64::from(stop) * 1_200_000_001 + numbers.below(1_000_000));
+        Stop {
+            time,
+            position: numbers.position(),
+        }
+    });
+    let places: Vec<Stop> = places.collect();
+    let mut receptions = Vec::new();
+    for stop in 0..stops {
+        for node in 0..nodes {
+            // The last node is never heard; some pairs have no reception.
+            if node + 1 == nodes || numbers.below(3) == 0 {
+                continue;
+            }
+            let sent = numbers.small(7);
+            let received = numbers.small(sent + 1);
+            let sector = (numbers.below(2) == 0)
+                .then(|| u8::try_from(numbers.below(256)).expect("below 256"));
+            let rssi_dbm = (numbers.below(2) == 0).then(|| -90.0 + numbers.coordinate());
+            // 0 of 1 is what an absent pair means: a CSV folder does not keep it.
+            let received = if sent == 1 { 1 } else { received };
+            receptions.push(Reception {
+                node: NodeId(node),
+                stop,
+                received,
+                sent,
+                sector,
+                rssi_dbm,
+            });
+        }
+    }
+    let contacts = (0..stops / 5).map(|i| Contact {
+        time: SimTime::from_nanos(u64::from(i) * 7),
+        position: numbers.position(),
+    });
+    let contacts = contacts.collect();
+    ReceptionLog::new(names.collect(), places, receptions, contacts).expect("a sound log")
+}
+
+/// Where the sample's nodes really are.
+pub(crate) fn truth(log: &ReceptionLog) -> Vec<PlacedNode> {
+    let mut numbers = Numbers(99);
+    (0..log.node_count())
+        .map(|i| PlacedNode {
+            node: NodeId::from_index(i),
+            position: numbers.position(),
+            error_m: None,
+        })
+        .collect()
+}
+
+/// Calls every method of the recorder.
+pub(crate) fn record_all<W: std::io::Write>(
+    recorder: &mut Recorder<W>,
+    log: &ReceptionLog,
+) -> Result<(), RecordingError> {
+    let at = |nanos| SimTime::from_nanos(nanos);
+    recorder.origin(Origin {
+        scenario: "sample",
+        seed: 42,
+        version: "1.2.3",
+    })?;
+    recorder.scenario("name = \"sample\"\n")?;
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| Position::new(x, y, 0.0));
+    let solid = Solid {
+        name: "wall".to_owned(),
+        vertices: corners.into(),
+        triangles: vec![[0, 1, 2]],
+    };
+    recorder.obstacles(at(0), &[solid])?;
+    recorder.world_nodes(at(0), &truth(log))?;
+    recorder.log("surveyor", log)?;
+    recorder.robot(
+        at(5),
+        "surveyor",
+        Position::new(1.0, 2.0, 3.0),
+        std::f64::consts::PI,
+    )?;
+    recorder.path(at(6), "surveyor", &corners)?;
+    recorder.metric(at(7), "path_length_m", 12.5)?;
+    recorder.note(at(8), Level::Warning, "survey", "nobody heard")?;
+    recorder.frame(&Frame {
+        start_ns: 9,
+        airtime_ns: 1_000,
+        source: 3,
+        mpdu: vec![0x41, 0x88, 0x00],
+        outcome: "received".to_owned(),
+        power_dbm: Some(-71.5),
+    })?;
+    let placed = PlacedNode {
+        node: NodeId(1),
+        position: Position::new(4.0, 5.0, 6.0),
+        error_m: Some(0.25),
+    };
+    recorder.map(at(10), "ml-tm", &[placed])?;
+    let plane = LikelihoodPlane {
+        first: Position::new(-1.0, -2.0, 0.0),
+        step_m: 0.5,
+        columns: 2,
+        log_likelihood: vec![-1.0, -2.0, f64::NEG_INFINITY, -4.0],
+    };
+    recorder.likelihood(at(11), "ml-tm", "n12", &plane)?;
+    recorder.summary("{\"maps\": []}")
+}
+
+/// Records everything into the file `path`.
+pub(crate) fn record_file(path: &Path, log: &ReceptionLog) {
+    let mut recorder = FileRecorder::create(path).expect("a folder for it");
+    record_all(&mut recorder, log).expect("room on the disk");
+    recorder.finish().expect("room on the disk");
+}

@@ -1,0 +1,292 @@
+//! Bad scenarios as a new user writes them: each is refused with exit code 2 and points at what is wrong.
+
+use std::path::Path;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use insta::assert_snapshot;
+
+/// A scenario without fault; tests change one line of it.
+const GOOD: &str = r#"name = "good"
+seed = 1
+
+[world.nodes.explicit]
+positions_m = [[0.0, 0.0], [1.0, 0.0]]
+
+[[world.obstacles]]
+name = "wall"
+material = "concrete"
+[world.obstacles.shape.box]
+center_m = [5.0, 5.0, 0.0]
+size_m = [2.0, 1.0, 3.0]
+
+[radio]
+tx_power_dbm = -50.0
+sensitivity_dbm = -90.0
+
+[channel]
+environment = "suburban"
+
+[channel.path_loss.log_distance]
+exponent = 3.0
+
+[traffic.beacon]
+interval_s = 1.0
+
+[[robots]]
+name = "surveyor"
+start_m = [-3.0, 0.0]
+[robots.controller.automated_s]
+step_m = 1.0
+lane_spacing_m = 5.0
+
+[[maps]]
+[maps.algorithm.ml_tm]
+grid_step_m = 0.25
+[maps.algorithm.ml_tm.profile.trapezoid]
+p0 = 0.95
+plateau_m = 2.0
+range_m = 10.0
+"#;
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new(files: &[(&str, &str)]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        Self(folder)
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// Runs `sextant` there; exit code, standard output, standard error.
+    fn sextant(&self, words: &[&str]) -> (i32, String, String) {
+        let output = cargo_bin_cmd!("sextant")
+            .args(words)
+            .current_dir(self.path())
+            .env("NO_COLOR", "1")
+            .output()
+            .unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (
+            output.status.code().unwrap(),
+            text(output.stdout),
+            text(output.stderr),
+        )
+    }
+
+    /// What `check` of `words` prints when it refuses them.
+    fn refusal(&self, words: &[&str]) -> String {
+        let (code, stdout, stderr) = self.sextant(&[&["check"], words].concat());
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        stderr
+    }
+}
+
+/// What is printed about the good scenario with `from` replaced by `to`.
+fn refused(from: &str, to: &str) -> String {
+    assert_eq!(GOOD.matches(from).count(), 1, "{from}");
+    Folder::new(&[("a.toml", &GOOD.replace(from, to))]).refusal(&["a.toml"])
+}
+
+fn refused_flag(flag: &str) -> String {
+    Folder::new(&[("a.toml", GOOD)]).refusal(&["a.toml", "--set", flag])
+}
+
+#[test]
+fn the_scenario_that_the_others_are_made_of_is_good() {
+    let (code, stdout, stderr) = Folder::new(&[("a.toml", GOOD)]).sextant(&["check", "a.toml"]);
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert_eq!(stdout, "ok good: 2 nodes, 1 obstacle, 1 robot, 1 map\n");
+}
+
+#[test]
+fn a_missing_file() {
+    assert_snapshot!(Folder::new(&[]).refusal(&["none.toml"]));
+}
+
+#[test]
+fn a_folder() {
+    assert_snapshot!(Folder::new(&[("folder/a.toml", GOOD)]).refusal(&["folder"]));
+}
+
+#[test]
+fn broken_toml() {
+    assert_snapshot!(refused("seed = 1", "seed = = 1"));
+}
+
+#[test]
+fn a_typo_in_a_key() {
+    assert_snapshot!(refused("sensitivity_dbm", "sensitivty_dbm"));
+}
+
+#[test]
+fn a_typo_in_a_table() {
+    assert_snapshot!(refused("[radio]", "[radios]"));
+}
+
+#[test]
+fn a_typo_in_a_choice() {
+    assert_snapshot!(refused("[world.nodes.explicit]", "[world.nodes.explicite]"));
+}
+
+#[test]
+fn an_unknown_environment() {
+    assert_snapshot!(refused("\"suburban\"", "\"suburb\""));
+}
+
+#[test]
+fn a_missing_key() {
+    assert_snapshot!(refused("tx_power_dbm = -50.0\n", ""));
+}
+
+#[test]
+fn a_wrong_type() {
+    assert_snapshot!(refused("grid_step_m = 0.25", "grid_step_m = \"fine\""));
+}
+
+#[test]
+fn a_negative_exponent() {
+    assert_snapshot!(refused("exponent = 3.0", "exponent = -3.0"));
+}
+
+#[test]
+fn a_number_that_is_none() {
+    assert_snapshot!(refused("tx_power_dbm = -50.0", "tx_power_dbm = nan"));
+}
+
+#[test]
+fn no_nodes() {
+    assert_snapshot!(refused("[[0.0, 0.0], [1.0, 0.0]]", "[]"));
+}
+
+#[test]
+fn a_node_in_an_obstacle() {
+    assert_snapshot!(refused("[1.0, 0.0]]", "[5.0, 5.0]]"));
+}
+
+#[test]
+fn a_robot_in_an_obstacle() {
+    assert_snapshot!(refused("start_m = [-3.0, 0.0]", "start_m = [5.0, 5.0]"));
+}
+
+#[test]
+fn an_obstacle_without_volume() {
+    assert_snapshot!(refused(
+        "size_m = [2.0, 1.0, 3.0]",
+        "size_m = [2.0, 0.0, 3.0]"
+    ));
+}
+
+#[test]
+fn an_unknown_material() {
+    let text = refused("\"concrete\"", "\"cheese\"");
+    assert!(
+        text.contains("`world.obstacles[0].material` is \"cheese\""),
+        "{text}"
+    );
+    assert!(text.contains("a.toml:9:12"), "{text}");
+    assert!(text.contains("concrete"), "{text}");
+}
+
+#[test]
+fn an_array_that_is_too_short() {
+    assert_snapshot!(refused("size_m = [2.0, 1.0, 3.0]", "size_m = [2.0, 1.0]"));
+}
+
+#[test]
+fn several_faults_are_told_at_once() {
+    let text = GOOD
+        .replace("exponent = 3.0", "exponent = 0.0")
+        .replace("p0 = 0.95", "p0 = 1.5");
+    let text = text.replace("interval_s = 1.0", "interval_s = 0.0");
+    let text = Folder::new(&[("a.toml", &text)]).refusal(&["a.toml"]);
+    for place in ["a.toml:22:12", "a.toml:25:14", "a.toml:38:6"] {
+        assert!(text.contains(place), "{place}: {text}");
+    }
+}
+
+#[test]
+fn good_files_are_told_beside_bad_ones() {
+    let folder = Folder::new(&[("a.toml", GOOD), ("b.toml", "nam = 1"), ("c.toml", GOOD)]);
+    let (code, stdout, stderr) =
+        folder.sextant(&["check", "a.toml", "b.toml", "none.toml", "c.toml"]);
+    assert_eq!(code, 2);
+    assert_eq!(stdout.lines().count(), 2, "{stdout}");
+    assert!(
+        stderr.contains("b.toml:1:1") && stderr.contains("`none.toml`"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn a_flag_with_a_bad_path() {
+    assert_snapshot!(refused_flag("robots.1.speed_m_per_s=2"));
+}
+
+#[test]
+fn a_flag_with_a_bad_value() {
+    assert_snapshot!(refused_flag("channel.path_loss.log_distance.exponent=-1"));
+}
+
+#[test]
+fn a_flag_with_a_typo() {
+    assert_snapshot!(refused_flag("radio.tx_power=-40"));
+}
+
+#[test]
+fn a_circle_of_files() {
+    let folder = Folder::new(&[
+        ("a.toml", "extends = \"b.toml\""),
+        ("b.toml", "extends = \"a.toml\""),
+    ]);
+    assert_snapshot!(folder.refusal(&["a.toml"]));
+}
+
+#[test]
+fn a_fault_in_the_file_that_is_extended() {
+    let base = GOOD.replace("exponent = 3.0", "exponent = inf");
+    let folder = Folder::new(&[
+        ("base/base.toml", &base),
+        ("a.toml", "extends = \"base/base.toml\"\nseed = 2"),
+    ]);
+    let text = folder.refusal(&["a.toml"]);
+    assert!(text.contains("base/base.toml:22:12"), "{text}");
+}
+
+#[test]
+fn files_are_looked_up_beside_the_layer_that_names_them() {
+    let base = GOOD.replace("[world.nodes.explicit]", "[world.nodes.csv]");
+    let base = base.replace(
+        "positions_m = [[0.0, 0.0], [1.0, 0.0]]",
+        "file = \"nodes.csv\"",
+    );
+    let folder = Folder::new(&[
+        ("base/base.toml", &base),
+        ("base/nodes.csv", "node,x_m,y_m\na,0,0\nb,1,0\nc,2,0\n"),
+        ("top/a.toml", "extends = \"../base/base.toml\""),
+    ]);
+    for file in ["base/base.toml", "top/a.toml"] {
+        let (_, stdout, stderr) = folder.sextant(&["check", file]);
+        assert_eq!(
+            stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n",
+            "{stderr}"
+        );
+    }
+    std::fs::write(
+        folder.path().join("base/nodes.csv"),
+        "node,x_m,y_m\na,0,zero\n",
+    )
+    .unwrap();
+    let text = folder.refusal(&["base/base.toml"]);
+    assert!(
+        text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"),
+        "{text}"
+    );
+}

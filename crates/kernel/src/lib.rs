@@ -1,0 +1,27 @@
+//! The kernel of Sextant: what every stage shares and what knows no radio.
+//!
+//! Goes in: instants, events, a seed. Comes out: events in their stated order ([`EventQueue`]),
+//! random numbers that have an address ([`Seed`]), identities ([`NodeId`]).
+//!
+//! ```
+//! use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
+//! use std::time::Duration;
+//!
+//! let mut queue = EventQueue::new();
+//! let noon = SimTime::ZERO + Duration::from_micros(320);
+//! queue.push(noon, Rank::new(4, NodeId(7)), "start of CCA");
+//! queue.push(noon, Rank::new(1, NodeId(9)), "end of transmission");
+//! assert_eq!(queue.pop(), Some((noon, "end of transmission")));
+//! ```
+
+mod node;
+mod queue;
+mod random;
+mod setting;
+mod time;
+
+pub use node::NodeId;
+pub use queue::{EventKey, EventQueue, Rank};
+pub use random::{Purpose, Seed, Stream};
+pub use setting::SettingError;
+pub use time::SimTime;

@@ -1,0 +1,188 @@
+//! Settings of CSMA-CA.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use crate::RadioState;
+
+/// Unslotted CSMA-CA of IEEE 802.15.4, as written in a scenario. Defaults are the standard's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CsmaConfig {
+    /// First backoff exponent (macMinBE): 0 to max_be.
+    pub min_be: u8,
+    /// Largest backoff exponent (macMaxBE): 3 to 8.
+    pub max_be: u8,
+    /// Further backoffs after a first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
+    pub max_backoffs: u8,
+    /// Further transmissions of a frame whose acknowledgement does not come (macMaxFrameRetries): 0 to 7.
+    pub max_retries: u8,
+    /// Whether the receiver stays on between frames and during backoff (macRxOnWhenIdle).
+    pub rx_on_when_idle: bool,
+}
+
+impl Default for CsmaConfig {
+    fn default() -> Self {
+        Self {
+            min_be: 3,
+            max_be: 5,
+            max_backoffs: 4,
+            max_retries: 3,
+            rx_on_when_idle: false,
+        }
+    }
+}
+
+/// Unslotted CSMA-CA, settings checked (IEEE 802.15.4-2006, table 86).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CsmaSettings {
+    min_be: u8,
+    max_be: u8,
+    max_backoffs: u8,
+    max_retries: u8,
+    resting_state: RadioState,
+}
+
+impl CsmaSettings {
+    /// First backoff exponent.
+    #[must_use]
+    pub const fn min_be(&self) -> u8 {
+        self.min_be
+    }
+
+    /// Largest backoff exponent.
+    #[must_use]
+    pub const fn max_be(&self) -> u8 {
+        self.max_be
+    }
+
+    /// Busy channels that are borne with; one more ends the frame.
+    #[must_use]
+    pub const fn max_backoffs(&self) -> u8 {
+        self.max_backoffs
+    }
+
+    /// Transmissions after the first.
+    #[must_use]
+    pub const fn max_retries(&self) -> u8 {
+        self.max_retries
+    }
+
+    /// State of the radio between frames and during backoff.
+    #[must_use]
+    pub const fn resting_state(&self) -> RadioState {
+        self.resting_state
+    }
+}
+
+impl Default for CsmaSettings {
+    /// The defaults of the standard, receiver off between frames.
+    fn default() -> Self {
+        Self {
+            min_be: 3,
+            max_be: 5,
+            max_backoffs: 4,
+            max_retries: 3,
+            resting_state: RadioState::Idle,
+        }
+    }
+}
+
+impl TryFrom<CsmaConfig> for CsmaSettings {
+    type Error = SettingError;
+
+    fn try_from(config: CsmaConfig) -> Result<Self, SettingError> {
+        let CsmaConfig {
+            min_be,
+            max_be,
+            max_backoffs,
+            max_retries,
+            rx_on_when_idle,
+        } = config;
+        let max_be = within("max_be", max_be, 3, 8)?;
+        if min_be > max_be {
+            return Err(SettingError::new(
+                "min_be",
+                min_be,
+                format!("0 to max_be, which is {max_be}"),
+            ));
+        }
+        Ok(Self {
+            min_be,
+            max_be,
+            max_backoffs: within("max_backoffs", max_backoffs, 0, 5)?,
+            max_retries: within("max_retries", max_retries, 0, 7)?,
+            resting_state: if rx_on_when_idle {
+                RadioState::Receive
+            } else {
+                RadioState::Idle
+            },
+        })
+    }
+}
+
+fn within(key: &str, value: u8, low: u8, high: u8) -> Result<u8, SettingError> {
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(SettingError::new(key, value, format!("{low} to {high}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_as_written_are_the_defaults_as_used() {
+        assert_eq!(
+            CsmaSettings::try_from(CsmaConfig::default()),
+            Ok(CsmaSettings::default())
+        );
+    }
+
+    #[test]
+    fn each_setting_is_held_to_the_range_of_the_standard() {
+        let good = CsmaConfig::default();
+        let key = |config: CsmaConfig| CsmaSettings::try_from(config).err().map(|error| error.key);
+        assert_eq!(
+            key(CsmaConfig { min_be: 6, ..good }).as_deref(),
+            Some("min_be")
+        );
+        assert_eq!(
+            key(CsmaConfig { max_be: 2, ..good }).as_deref(),
+            Some("max_be")
+        );
+        assert_eq!(
+            key(CsmaConfig { max_be: 9, ..good }).as_deref(),
+            Some("max_be")
+        );
+        assert_eq!(
+            key(CsmaConfig {
+                max_backoffs: 6,
+                ..good
+            })
+            .as_deref(),
+            Some("max_backoffs")
+        );
+        assert_eq!(
+            key(CsmaConfig {
+                max_retries: 8,
+                ..good
+            })
+            .as_deref(),
+            Some("max_retries")
+        );
+        assert_eq!(
+            key(CsmaConfig {
+                min_be: 0,
+                max_be: 8,
+                max_backoffs: 5,
+                max_retries: 7,
+                ..good
+            }),
+            None
+        );
+    }
+}

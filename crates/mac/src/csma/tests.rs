@@ -1,0 +1,484 @@
+//! Laws of the machine, with a scripted radio.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use sextant_kernel::SimTime;
+
+use super::*;
+use crate::{EnergyMeter, RadioStates};
+
+/// A command of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Draw { max: u32 },
+    Cca,
+    Transmit,
+    Cancel,
+    Enter(RadioState),
+}
+
+/// A radio whose draws, channel and acknowledgements are given beforehand. When a list is at its
+/// end, draws are 0, the channel is idle and no acknowledgement comes.
+struct Script {
+    phy: Phy,
+    now: SimTime,
+    draws: VecDeque<u32>,
+    busy: VecDeque<bool>,
+    /// For each transmission the sequence number of the acknowledgement that follows, if any.
+    acks: VecDeque<Option<u8>>,
+    timer: Option<(SimTime, Event)>,
+    air: Vec<(SimTime, Event)>,
+    /// What was commanded, and when [us].
+    log: Vec<(u64, Step)>,
+    meter: EnergyMeter,
+}
+
+impl Script {
+    fn new(draws: &[u32], busy: &[bool], acks: &[Option<u8>]) -> Self {
+        Self {
+            phy: Phy::Oqpsk2450,
+            now: SimTime::ZERO,
+            draws: draws.iter().copied().collect(),
+            busy: busy.iter().copied().collect(),
+            acks: acks.iter().copied().collect(),
+            timer: None,
+            air: Vec::new(),
+            log: Vec::new(),
+            meter: EnergyMeter::new(RadioState::Idle, SimTime::ZERO),
+        }
+    }
+
+    fn now_us(&self) -> u64 {
+        self.now.as_nanos() / 1000
+    }
+
+    fn note(&mut self, step: Step) {
+        self.log.push((self.now_us(), step));
+    }
+
+    /// Goes to the next event; `None` if nothing is pending.
+    fn next(&mut self) -> Option<Event> {
+        let due = |&(at, event): &(SimTime, Event)| (at, event.class());
+        let from_air = self.air.iter().copied().min_by_key(due);
+        let next = self.timer.into_iter().chain(from_air).min_by_key(due)?;
+        if self.timer == Some(next) {
+            self.timer = None;
+        } else {
+            self.air.retain(|pending| *pending != next);
+        }
+        self.now = next.0;
+        Some(next.1)
+    }
+
+    /// Runs until the frame under way has ended.
+    fn report(&mut self, csma: &mut Csma) -> Report {
+        loop {
+            let event = self.next().expect("the machine waits for something");
+            if let Some(report) = csma.handle(event, self) {
+                self.meter.enter(self.meter.state(), self.now);
+                return report;
+            }
+        }
+    }
+
+    /// When [us] this step was commanded.
+    fn instants(&self, step: Step) -> Vec<u64> {
+        self.log
+            .iter()
+            .filter(|entry| entry.1 == step)
+            .map(|entry| entry.0)
+            .collect()
+    }
+
+    fn windows(&self) -> Vec<u32> {
+        let window = |&(_, step): &(u64, Step)| {
+            if let Step::Draw { max } = step {
+                Some(max)
+            } else {
+                None
+            }
+        };
+        self.log.iter().filter_map(window).collect()
+    }
+}
+
+impl Radio for Script {
+    fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
+        self.note(Step::Draw { max: max_inclusive });
+        self.draws.pop_front().unwrap_or(0)
+    }
+
+    fn after(&mut self, span: Duration, event: Event) {
+        assert_eq!(self.timer, None, "there is one timer");
+        self.timer = Some((self.now + span, event));
+    }
+
+    fn cancel_timer(&mut self) {
+        assert!(self.timer.take().is_some(), "a timer is pending");
+        self.note(Step::Cancel);
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.meter.enter(state, self.now);
+        self.note(Step::Enter(state));
+    }
+
+    fn start_cca(&mut self) {
+        assert_eq!(self.meter.state(), RadioState::Receive);
+        self.note(Step::Cca);
+        let busy = self.busy.pop_front().unwrap_or(false);
+        self.air
+            .push((self.now + self.phy.cca(), Event::CcaEnded { busy }));
+    }
+
+    fn start_transmission(&mut self, frame: Transmission) {
+        assert_eq!(self.meter.state(), RadioState::Transmit);
+        self.note(Step::Transmit);
+        let end = self.now + self.phy.airtime(frame.mpdu_octets);
+        self.air.push((end, Event::TransmissionEnded));
+        if let Some(sequence) = self.acks.pop_front().flatten() {
+            let heard = end + self.phy.turnaround() + self.phy.ack_airtime();
+            self.air.push((heard, Event::AckReceived { sequence }));
+        }
+    }
+}
+
+const BROADCAST: Transmission = Transmission {
+    mpdu_octets: 20,
+    ack_request: false,
+    sequence: 7,
+};
+const UNICAST: Transmission = Transmission {
+    ack_request: true,
+    ..BROADCAST
+};
+const BUSY: [bool; 5] = [true; 5];
+
+fn machine() -> Csma {
+    Csma::new(CsmaSettings::default(), Phy::Oqpsk2450)
+}
+
+fn machine_with(config: CsmaConfig) -> Csma {
+    Csma::new(
+        CsmaSettings::try_from(config).expect("good settings"),
+        Phy::Oqpsk2450,
+    )
+}
+
+#[test]
+fn a_frame_on_an_idle_channel_goes_out_after_backoff_cca_and_turnaround() {
+    let mut radio = Script::new(&[5], &[], &[]);
+    let mut csma = machine();
+    csma.start(BROADCAST, &mut radio);
+    let report = radio.report(&mut csma);
+    let expected = [
+        (0, Step::Enter(RadioState::Idle)),
+        (0, Step::Draw { max: 7 }),
+        (1600, Step::Enter(RadioState::Receive)),
+        (1600, Step::Cca),
+        (1728, Step::Enter(RadioState::Turnaround)),
+        (1920, Step::Enter(RadioState::Transmit)),
+        (1920, Step::Transmit),
+        (2752, Step::Enter(RadioState::Idle)),
+    ];
+    assert_eq!(radio.log, expected);
+    assert_eq!(
+        report,
+        Report {
+            frame: BROADCAST,
+            outcome: Outcome::Sent,
+            ccas: 1,
+            transmissions: 1
+        }
+    );
+}
+
+#[test]
+fn a_busy_channel_is_given_up_after_five_ccas() {
+    let mut radio = Script::new(&[2, 15, 0, 31, 1], &BUSY, &[]);
+    let mut csma = machine();
+    csma.start(BROADCAST, &mut radio);
+    let report = radio.report(&mut csma);
+    assert_eq!(radio.windows(), [7, 15, 31, 31, 31]);
+    // Each backoff starts at the end of the CCA before it.
+    assert_eq!(radio.instants(Step::Cca), [640, 5568, 5696, 15_744, 16_192]);
+    assert_eq!(radio.now_us(), 16_192 + 128);
+    let outcome = Outcome::ChannelAccessFailure;
+    assert_eq!(
+        report,
+        Report {
+            frame: BROADCAST,
+            outcome,
+            ccas: 5,
+            transmissions: 0
+        }
+    );
+    // Nothing was sent, so no silence is owed.
+    csma.start(BROADCAST, &mut radio);
+    assert_eq!(radio.windows().len(), 6);
+    assert_eq!(radio.report(&mut csma).outcome, Outcome::Sent);
+}
+
+#[test]
+fn the_fifth_cca_can_still_find_the_channel_idle() {
+    let mut radio = Script::new(&[], &BUSY[..4], &[]);
+    let mut csma = machine();
+    csma.start(BROADCAST, &mut radio);
+    let report = radio.report(&mut csma);
+    assert_eq!(
+        (report.outcome, report.ccas, report.transmissions),
+        (Outcome::Sent, 5, 1)
+    );
+}
+
+#[test]
+fn the_settings_bound_backoffs_and_exponents() {
+    let config = CsmaConfig {
+        min_be: 0,
+        max_be: 3,
+        max_backoffs: 5,
+        ..CsmaConfig::default()
+    };
+    let mut radio = Script::new(&[], &[true; 6], &[]);
+    let mut csma = machine_with(config);
+    csma.start(BROADCAST, &mut radio);
+    assert_eq!(radio.report(&mut csma).ccas, 6);
+    assert_eq!(radio.windows(), [0, 1, 3, 7, 7, 7]);
+
+    let config = CsmaConfig {
+        min_be: 8,
+        max_be: 8,
+        max_backoffs: 0,
+        ..config
+    };
+    let mut radio = Script::new(&[255], &BUSY, &[]);
+    let mut csma = machine_with(config);
+    csma.start(BROADCAST, &mut radio);
+    assert_eq!(radio.report(&mut csma).ccas, 1);
+    assert_eq!(radio.windows(), [255]);
+    assert_eq!(radio.now_us(), 255 * 320 + 128);
+}
+
+#[test]
+fn the_receiver_is_ready_when_the_acknowledgement_starts_and_the_frame_ends_with_it() {
+    let mut radio = Script::new(&[0], &[], &[Some(7)]);
+    let mut csma = machine();
+    csma.start(UNICAST, &mut radio);
+    let report = radio.report(&mut csma);
+    let end = 128 + 192 + 832;
+    let expected = [
+        (end, Step::Enter(RadioState::Turnaround)),
+        (end + 192, Step::Enter(RadioState::Receive)),
+        (end + 192 + 352, Step::Cancel),
+        (end + 192 + 352, Step::Enter(RadioState::Idle)),
+    ];
+    assert_eq!(radio.log[radio.log.len() - 4..], expected);
+    assert_eq!(
+        report,
+        Report {
+            frame: UNICAST,
+            outcome: Outcome::Acknowledged,
+            ccas: 1,
+            transmissions: 1
+        }
+    );
+    assert_eq!(Event::ReceiveReady.class(), Class::EndOfSignal);
+    assert!(Event::ReceiveReady.class() < Class::StartOfSignal);
+}
+
+#[test]
+fn a_frame_without_acknowledgement_is_sent_four_times() {
+    let mut radio = Script::new(&[], &[], &[]);
+    let mut csma = machine();
+    csma.start(UNICAST, &mut radio);
+    let report = radio.report(&mut csma);
+    // Backoff 0, CCA, turnaround, frame; the wait is 864 us from the end of the frame.
+    let period = 128 + 192 + 832 + 864;
+    assert_eq!(
+        radio.instants(Step::Transmit),
+        [0, 1, 2, 3].map(|i| 320 + i * period)
+    );
+    assert_eq!(radio.now_us(), 4 * period);
+    assert_eq!(radio.windows(), [7; 4]);
+    assert_eq!(
+        report,
+        Report {
+            frame: UNICAST,
+            outcome: Outcome::NoAck,
+            ccas: 4,
+            transmissions: 4
+        }
+    );
+}
+
+#[test]
+fn a_late_acknowledgement_ends_the_retries() {
+    let mut radio = Script::new(&[], &[], &[None, None, Some(7)]);
+    let mut csma = machine();
+    csma.start(UNICAST, &mut radio);
+    let report = radio.report(&mut csma);
+    assert_eq!(
+        (report.outcome, report.transmissions),
+        (Outcome::Acknowledged, 3)
+    );
+}
+
+#[test]
+fn an_acknowledgement_of_another_frame_does_not_count() {
+    let config = CsmaConfig {
+        max_retries: 0,
+        ..CsmaConfig::default()
+    };
+    let mut radio = Script::new(&[], &[], &[Some(8)]);
+    let mut csma = machine_with(config);
+    csma.start(UNICAST, &mut radio);
+    assert_eq!(radio.report(&mut csma).outcome, Outcome::NoAck);
+}
+
+#[test]
+fn an_acknowledgement_that_nobody_waits_for_changes_nothing() {
+    let stray = Event::AckReceived { sequence: 7 };
+    let mut radio = Script::new(&[], &[], &[]);
+    let mut csma = machine();
+    assert_eq!(csma.handle(stray, &mut radio), None);
+    csma.start(UNICAST, &mut radio);
+    let log = radio.log.clone();
+    assert_eq!(csma.handle(stray, &mut radio), None);
+    assert_eq!(radio.log, log);
+    assert!(csma.is_busy());
+}
+
+#[test]
+fn a_channel_access_failure_in_a_retry_ends_the_frame() {
+    let busy = [&[false][..], &BUSY].concat();
+    let mut radio = Script::new(&[], &busy, &[]);
+    let mut csma = machine();
+    csma.start(UNICAST, &mut radio);
+    let report = radio.report(&mut csma);
+    let outcome = Outcome::ChannelAccessFailure;
+    assert_eq!(
+        report,
+        Report {
+            frame: UNICAST,
+            outcome,
+            ccas: 6,
+            transmissions: 1
+        }
+    );
+}
+
+#[test]
+fn each_retry_starts_again_with_the_first_exponent_and_all_backoffs() {
+    let busy = [&BUSY[..4], &[false], &BUSY[..4], &[false]].concat();
+    let mut radio = Script::new(&[], &busy, &[None, Some(7)]);
+    let mut csma = machine();
+    csma.start(UNICAST, &mut radio);
+    let report = radio.report(&mut csma);
+    assert_eq!(radio.windows(), [7, 15, 31, 31, 31, 7, 15, 31, 31, 31]);
+    assert_eq!(
+        (report.outcome, report.ccas, report.transmissions),
+        (Outcome::Acknowledged, 10, 2)
+    );
+}
+
+#[test]
+fn the_next_frame_waits_for_the_end_of_the_interframe_spacing() {
+    // Until the next draw, from the end of the frame or of its acknowledgement.
+    for (mpdu_octets, spacing) in [(5, 192), (18, 192), (19, 640), (127, 640)] {
+        for ack_request in [false, true] {
+            let frame = Transmission {
+                mpdu_octets,
+                ack_request,
+                sequence: 7,
+            };
+            let mut radio = Script::new(&[], &[], &[ack_request.then_some(7)]);
+            let mut csma = machine();
+            csma.start(frame, &mut radio);
+            radio.report(&mut csma);
+            let end = radio.now_us();
+            assert!(!csma.is_busy());
+            csma.start(frame, &mut radio);
+            assert!(csma.is_busy());
+            let event = radio.next().expect("the spacing ends");
+            assert_eq!(
+                (event, radio.now_us()),
+                (Event::InterframeSpaceEnded, end + spacing)
+            );
+            assert_eq!(csma.handle(event, &mut radio), None);
+            assert_eq!(radio.instants(Step::Draw { max: 7 }), [0, end + spacing]);
+        }
+    }
+}
+
+#[test]
+fn after_the_interframe_spacing_a_frame_starts_at_once() {
+    let mut radio = Script::new(&[], &[], &[]);
+    let mut csma = machine();
+    csma.start(BROADCAST, &mut radio);
+    radio.report(&mut csma);
+    let event = radio.next().expect("the spacing ends");
+    csma.handle(event, &mut radio);
+    assert_eq!(radio.next(), None);
+    csma.start(BROADCAST, &mut radio);
+    assert_eq!(radio.windows().len(), 2);
+}
+
+#[test]
+fn a_wait_for_an_acknowledgement_that_is_shorter_than_the_spacing_is_filled_up() {
+    // ASK at 868 MHz: the wait has 38 symbols of 80 us, the long spacing 40.
+    let mut radio = Script::new(&[], &[], &[]);
+    radio.phy = Phy::Ask868;
+    let mut csma = Csma::new(CsmaSettings::default(), Phy::Ask868);
+    csma.start(UNICAST, &mut radio);
+    radio.report(&mut csma);
+    let airtime = 272 + 20 * 32;
+    let period = (8 + 12 + 40) * 80 + airtime;
+    assert_eq!(
+        radio.instants(Step::Transmit),
+        [0, 1, 2, 3].map(|i| 20 * 80 + i * period)
+    );
+}
+
+#[test]
+fn a_receiver_that_stays_on_rests_in_receive() {
+    let config = CsmaConfig {
+        rx_on_when_idle: true,
+        ..CsmaConfig::default()
+    };
+    let mut radio = Script::new(&[3], &[true], &[]);
+    let mut csma = machine_with(config);
+    assert_eq!(csma.resting_state(), RadioState::Receive);
+    csma.start(BROADCAST, &mut radio);
+    radio.report(&mut csma);
+    assert!(radio.instants(Step::Enter(RadioState::Idle)).is_empty());
+    assert_eq!(
+        radio.meter.span(RadioState::Receive),
+        Duration::from_micros(3 * 320 + 2 * 128)
+    );
+}
+
+#[test]
+fn a_broadcast_of_a_lone_node_costs_63_microjoules_and_an_acknowledged_frame_94() {
+    // The mean backoff is 3.5 periods: the mean of one of 3 and one of 4.
+    let microjoules = |frame| {
+        let one = |draw| {
+            let mut radio = Script::new(&[draw], &[], &[Some(7)]);
+            let mut csma = machine();
+            csma.start(frame, &mut radio);
+            radio.report(&mut csma);
+            1e6 * radio
+                .meter
+                .spent(&RadioStates::cc2420(), sextant_channel::Dbm(0.0))
+                .total_j()
+        };
+        (one(3) + one(4)) / 2.0
+    };
+    assert!((microjoules(BROADCAST) - 62.9).abs() < 0.05);
+    assert!((microjoules(UNICAST) - 93.6).abs() < 0.05);
+}
+
+#[test]
+fn an_event_fits_in_eight_octets() {
+    assert!(size_of::<Event>() <= 8);
+}

@@ -1,0 +1,91 @@
+//! Addresses of stations.
+
+use sextant_kernel::NodeId;
+
+use super::ParseError;
+use super::cursor::Cursor;
+
+/// PAN identifier of all PANs.
+pub const BROADCAST_PAN: u16 = 0xFFFF;
+
+/// Largest short address of a station: 0xFFFE says that there is none, 0xFFFF is the broadcast.
+const MAX_SHORT: u32 = 0xFFFD;
+
+/// Address within a PAN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Address {
+    /// Given by the coordinator.
+    Short(u16),
+    /// Given by the manufacturer (EUI-64).
+    Extended(u64),
+}
+
+/// A PAN and an address in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Endpoint {
+    /// PAN identifier.
+    pub pan: u16,
+    /// Address.
+    pub address: Address,
+}
+
+/// How much room an address takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Width {
+    Short,
+    Extended,
+}
+
+impl Address {
+    /// Every station.
+    pub const BROADCAST: Self = Self::Short(0xFFFF);
+
+    /// The address of a node: short as far as short addresses go (n0 to n65533), extended beyond.
+    #[must_use]
+    pub fn of(node: NodeId) -> Self {
+        match u16::try_from(node.0) {
+            Ok(short) if node.0 <= MAX_SHORT => Self::Short(short),
+            _ => Self::Extended(u64::from(node.0)),
+        }
+    }
+
+    /// The node that has this address; `None` if no node has.
+    #[must_use]
+    pub fn node(self) -> Option<NodeId> {
+        let node = match self {
+            Self::Short(short) => NodeId(u32::from(short)),
+            Self::Extended(extended) => NodeId(u32::try_from(extended).ok()?),
+        };
+        (Self::of(node) == self).then_some(node)
+    }
+
+    /// Room that the address takes [octets].
+    #[must_use]
+    pub const fn octets(self) -> u8 {
+        match self {
+            Self::Short(_) => 2,
+            Self::Extended(_) => 8,
+        }
+    }
+
+    pub(super) const fn width(self) -> Width {
+        match self {
+            Self::Short(_) => Width::Short,
+            Self::Extended(_) => Width::Extended,
+        }
+    }
+
+    pub(super) fn write(self, mpdu: &mut Vec<u8>) {
+        match self {
+            Self::Short(short) => mpdu.extend(short.to_le_bytes()),
+            Self::Extended(extended) => mpdu.extend(extended.to_le_bytes()),
+        }
+    }
+
+    pub(super) fn parse(width: Width, cursor: &mut Cursor<'_>) -> Result<Self, ParseError> {
+        match width {
+            Width::Short => cursor.u16("addresses").map(Self::Short),
+            Width::Extended => cursor.u64("addresses").map(Self::Extended),
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Protocol machines without i/o: IEEE 802.15.4 channel access, frames, airtimes, bit errors, energy.
+//!
+//! Goes in: frames to send, and what happened to timers and radio. Comes out: commands to a radio
+//! ([`csma::Radio`], [`responder::Radio`]), the octets of frames ([`frame::Frame`]), their spans on the
+//! air ([`Phy`]), the joules that they cost ([`EnergyMeter`]). No machine owns a clock, a channel
+//! or a random generator: whoever runs it does.
+//!
+//! One frame of a lone station; this radio is all that there is of a world:
+//!
+//! ```
+//! use std::time::Duration;
+//! use sextant_mac::csma::{Csma, CsmaSettings, Event, Outcome, Radio, Transmission};
+//! use sextant_mac::{Phy, RadioState};
+//!
+//! struct Alone {
+//!     now: Duration,
+//!     next: Option<(Duration, Event)>,
+//! }
+//!
+//! impl Radio for Alone {
+//!     fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
+//!         max_inclusive // a fair radio would draw
+//!     }
+//!     fn after(&mut self, span: Duration, event: Event) {
+//!         self.next = Some((self.now + span, event));
+//!     }
+//!     fn cancel_timer(&mut self) {
+//!         self.next = None;
+//!     }
+//!     fn enter(&mut self, _: RadioState) {}
+//!     fn start_cca(&mut self) {
+//!         self.after(Phy::Oqpsk2450.cca(), Event::CcaEnded { busy: false });
+//!     }
+//!     fn start_transmission(&mut self, frame: Transmission) {
+//!         self.after(Phy::Oqpsk2450.airtime(frame.mpdu_octets), Event::TransmissionEnded);
+//!     }
+//! }
+//!
+//! let mut radio = Alone { now: Duration::ZERO, next: None };
+//! let mut csma = Csma::new(CsmaSettings::default(), Phy::Oqpsk2450);
+//! csma.start(Transmission { mpdu_octets: 20, ack_request: false, sequence: 0 }, &mut radio);
+//! let report = loop {
+//!     let (now, event) = radio.next.take().expect("something is pending");
+//!     radio.now = now;
+//!     if let Some(report) = csma.handle(event, &mut radio) {
+//!         break report;
+//!     }
+//! };
+//! assert_eq!(report.outcome, Outcome::Sent);
+//! // Backoff of 7 periods, CCA, turnaround, frame.
+//! assert_eq!(radio.now, Duration::from_micros(7 * 320 + 128 + 192 + 832));
+//! ```
+
+pub mod csma;
+pub mod frame;
+pub mod oqpsk;
+pub mod responder;
+
+mod class;
+mod energy;
+mod fcs;
+mod timing;
+
+pub use class::Class;
+pub use energy::{
+    CustomRadioConfig, EnergyConfig, EnergyMeter, EnergySpent, RadioState, RadioStates,
+};
+pub use fcs::fcs;
+pub use timing::{ACK_MPDU_OCTETS, MAX_MPDU_OCTETS, Phy};

@@ -1,0 +1,148 @@
+//! Finding the points near a place.
+
+use sextant_channel::Position;
+
+use crate::lattice::whole;
+
+/// Points sorted into cubic cells, each cell's points side by side in memory.
+#[derive(Debug)]
+pub(crate) struct CellIndex {
+    low: [f64; 3],
+    per_m: f64,
+    counts: [usize; 3],
+    first: Vec<usize>,
+    points: Vec<(Position, u32)>,
+}
+
+impl CellIndex {
+    /// The index of `points` in cells about `cell_m` wide: wider where points are few in a large space, so that
+    /// there are never more than a few times as many cells as points.
+    pub(crate) fn new(points: &[Position], cell_m: f64) -> Self {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for &point in points {
+            for (axis, value) in <[f64; 3]>::from(point).into_iter().enumerate() {
+                low[axis] = low[axis].min(value);
+                high[axis] = high[axis].max(value);
+            }
+        }
+        let most = 4 * points.len() + 64;
+        let mut per_m = 1.0 / cell_m;
+        let counts = loop {
+            let counts = [0, 1, 2]
+                .map(|axis| whole(((high[axis] - low[axis]) * per_m).floor()).saturating_add(1));
+            if counts
+                .iter()
+                .fold(1_usize, |product, &count| product.saturating_mul(count))
+                <= most
+            {
+                break counts;
+            }
+            per_m *= 0.5;
+        };
+        let mut index = Self {
+            low,
+            per_m,
+            counts,
+            first: vec![0; counts.iter().product::<usize>() + 1],
+            points: Vec::new(),
+        };
+        let cells: Vec<usize> = points
+            .iter()
+            .map(|&point| index.cell(point.into()))
+            .collect();
+        for &cell in &cells {
+            index.first[cell + 1] += 1;
+        }
+        for cell in 1..index.first.len() {
+            index.first[cell] += index.first[cell - 1];
+        }
+        let mut next = index.first.clone();
+        index.points = vec![(Position::ORIGIN, 0); points.len()];
+        for (id, (&point, &cell)) in (0..).zip(points.iter().zip(&cells)) {
+            index.points[next[cell]] = (point, id);
+            next[cell] += 1;
+        }
+        index
+    }
+
+    /// The layer of cells along `axis` that holds `value`, or the nearest one.
+    fn layer(&self, axis: usize, value: f64) -> usize {
+        whole((value - self.low[axis]) * self.per_m).min(self.counts[axis] - 1)
+    }
+
+    fn cell(&self, point: [f64; 3]) -> usize {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.layer(axis, point[axis]));
+        (z * self.counts[1] + y) * self.counts[0] + x
+    }
+
+    /// The points in the cells that touch the box from `low` to `high`, in slices: a superset of those in the
+    /// box, in a fixed order.
+    pub(crate) fn near_box(
+        &self,
+        low: [f64; 3],
+        high: [f64; 3],
+    ) -> impl Iterator<Item = &[(Position, u32)]> {
+        let [x0, y0, z0] = [0, 1, 2].map(|axis| self.layer(axis, low[axis]));
+        let [x1, y1, z1] = [0, 1, 2].map(|axis| self.layer(axis, high[axis]));
+        (z0..=z1)
+            .flat_map(move |z| (y0..=y1).map(move |y| (z * self.counts[1] + y) * self.counts[0]))
+            .map(move |row| &self.points[self.first[row + x0]..self.first[row + x1 + 1]])
+    }
+
+    /// Calls `found` with each point within `radius_m` of `place`, itself included.
+    pub(crate) fn within(&self, place: Position, radius_m: f64, mut found: impl FnMut(u32)) {
+        let reach = Position::new(radius_m, radius_m, radius_m);
+        for &(point, id) in self
+            .near_box((place - reach).into(), (place + reach).into())
+            .flatten()
+        {
+            let apart = point - place;
+            if apart.dot(apart) <= radius_m * radius_m {
+                found(id);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_kernel::{Purpose, Seed};
+
+    #[test]
+    fn the_points_within_a_radius_are_those_of_a_full_scan() {
+        let draw = |i: u64, axis| 20.0 * Seed(3).uniform(Purpose::Mapper, [i, axis, 0]) - 10.0;
+        let points: Vec<Position> = (0..300)
+            .map(|i| Position::new(draw(i, 0), draw(i, 1), draw(i, 2)))
+            .collect();
+        for cell_m in [0.01, 1.0, 3.0, 100.0] {
+            let index = CellIndex::new(&points, cell_m);
+            for (i, &place) in points.iter().enumerate().step_by(17) {
+                for radius_m in [0.0, 2.5, 7.0, 60.0] {
+                    let mut found = Vec::new();
+                    index.within(place, radius_m, |id| found.push(id as usize));
+                    found.sort_unstable();
+                    let scan = |&j: &usize| points[j].distance_m(points[i]) <= radius_m;
+                    let expected: Vec<usize> = (0..points.len()).filter(scan).collect();
+                    assert_eq!(
+                        found, expected,
+                        "cells of {cell_m} m, radius {radius_m} m, point {i}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_points_and_coinciding_points_are_fine() {
+        let none = CellIndex::new(&[], 1.0);
+        none.within(Position::ORIGIN, 5.0, |_| {
+            panic!("there is nothing to find")
+        });
+        let same = CellIndex::new(&[Position::ORIGIN; 5], 1.0);
+        let mut count = 0;
+        same.within(Position::ORIGIN, 0.0, |_| count += 1);
+        assert_eq!(count, 5);
+    }
+}

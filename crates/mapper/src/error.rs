@@ -1,0 +1,41 @@
+//! Why a map cannot be computed.
+
+/// Why a map or a likelihood surface cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MapError {
+    /// The part of the lattice that a node may need does not fit the memory allowed.
+    #[error(
+        "a grid of {vertices:.3e} vertices {step_m} m apart needs {} MB for one node; allowed: {} MB; \
+         a grid_step_m of {suggested_step_m} fits, or allow more with max_memory_mb",
+        .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000
+    )]
+    GridTooLarge {
+        /// Vertices of the whole lattice (beyond 2⁵³ rounded).
+        vertices: f64,
+        /// Memory that the window of one node needs at most [octets].
+        bytes: u64,
+        /// Memory allowed [octets].
+        allowed_bytes: u64,
+        /// The step asked for [m].
+        step_m: f64,
+        /// A step that fits [m].
+        suggested_step_m: f64,
+    },
+    /// A lattice round no stops.
+    #[error("the log has no stops; a grid needs at least one place where the robot listened")]
+    NoStops,
+    /// A node that the log does not have.
+    #[error("node {node} is not in the log, which has {nodes} nodes (0 to {})", .nodes.saturating_sub(1))]
+    UnknownNode {
+        /// The node asked for.
+        node: u32,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// A node without a likelihood: never heard, or heard only where no grid vertex is in range.
+    #[error("node `{name}` cannot be placed: it was never heard within range of the grid")]
+    NotHeard {
+        /// Name of the node.
+        name: String,
+    },
+}

@@ -1,0 +1,47 @@
+//! Reception log in, topology map out; and how good a map is.
+//!
+//! Goes in: a [`ReceptionLog`](sextant_channel::ReceptionLog), which is all that robots recorded, and a
+//! [`ReceptionProfile`], which says how likely a packet is received over a distance. Comes out: a
+//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. The crate knows no simulation and
+//! no ground truth; its metrics compare whatever two lists of places they are given.
+//!
+//! ```
+//! use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+//! use sextant_kernel::{NodeId, SimTime};
+//! use sextant_mapper::{MlTm, MlTmConfig, ProfileConfig, TrapezoidConfig};
+//!
+//! // A robot drives 8 m east and hears a node from the third to the fifth of its nine stops.
+//! let stops = (0..9).map(|i| Stop { time: SimTime::ZERO, position: Position::new(f64::from(i), 0.0, 0.0) });
+//! let heard = |stop| Reception { node: NodeId(0), stop, received: 1, sent: 1, sector: None, rssi_dbm: None };
+//! let log = ReceptionLog::new(vec!["n0".into()], stops.collect(), (3..6).map(heard).collect(), Vec::new())?;
+//!
+//! let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 3.0));
+//! let map = MlTm::try_from(MlTmConfig::new(0.25, profile))?.map(&log)?;
+//! let place = map.estimates[0].as_ref().expect("the node was heard").position;
+//! assert!((place.x_m - 4.0).abs() < 0.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod algorithm;
+mod alignment;
+mod cells;
+mod error;
+mod lattice;
+mod metrics;
+mod ml_tm;
+mod profile;
+mod solver;
+mod surface;
+mod topology_map;
+
+pub use algorithm::{AlgorithmConfig, MapConfig, Mapper};
+pub use alignment::{AlignmentError, Reflection, Similarity};
+pub use error::MapError;
+pub use lattice::Lattice;
+pub use metrics::{
+    ConnectivityError, MetricError, NeighbourhoodRule, PositionError, connectivity_error,
+};
+pub use ml_tm::{EstimateKind, MlTm, MlTmConfig, TieRule};
+pub use profile::{ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig};
+pub use surface::Surface;
+pub use topology_map::{Estimate, TopologyMap};

@@ -1,0 +1,395 @@
+//! One-hop connectivity error: whether neighbours stay neighbours on the map.
+
+use sextant_channel::Position;
+
+use super::ellipse::{Affine, Axes};
+use crate::cells::CellIndex;
+
+/// What a neighbourhood, a ball on the ground, becomes on the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NeighbourhoodRule {
+    /// One ellipse for all nodes: the image of the ball under the affine map from ground to map that fits
+    /// best (least squares).
+    Affine,
+    /// One ellipse for all nodes: its half-axes are the ball's radius times the ratios of map to ground of the
+    /// lines that cross the network through its middle (the thesis' ratios for the network as a whole).
+    EndPoints,
+    /// An ellipse for each node, its half-axes from the node's own distances to the lines that cross the network
+    /// (Gunathillake 2018, eq. 3.6 to 3.8, read so that it can be computed: the distance along an axis scales that
+    /// axis; axes may be oblique; ratios of nodes within a tenth of the half-extent of an axis, and those
+    /// beyond half or twice the network's, are replaced or limited).
+    PerNode,
+}
+
+/// Why a connectivity error cannot be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MetricError {
+    /// Lists of different lengths.
+    #[error("{truth} true places but {map} mapped ones; each node needs one of both")]
+    Length {
+        /// Number of true places.
+        truth: usize,
+        /// Number of entries of the map.
+        map: usize,
+    },
+    /// A radius that is no radius.
+    #[error("the neighbourhood radius is {0} m; allowed: a finite number above 0")]
+    Radius(f64),
+    /// Places from which no ellipse follows.
+    #[error("{0}, so that a neighbourhood has no image on the map")]
+    Degenerate(&'static str),
+}
+
+/// How many neighbours are lost and gained on the map. Pairs are ordered: each pair of neighbours counts twice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConnectivityError {
+    /// Radius of the neighbourhood on the ground [m].
+    pub radius_m: f64,
+    /// Pairs of neighbours on the ground.
+    pub physical: u64,
+    /// Those that are no neighbours on the map, or have a node that is not mapped.
+    pub lost: u64,
+    /// Pairs of neighbours on the map that are none on the ground.
+    pub gained: u64,
+    /// Nodes without a neighbour on the ground.
+    pub isolated: usize,
+    /// Share of its neighbours that each node has lost; `None` for a node that has none.
+    pub per_node: Vec<Option<f64>>,
+}
+
+impl ConnectivityError {
+    /// The one-hop connectivity error, 0 to 1: share of the pairs of neighbours that are lost (the thesis' `E_total`);
+    /// 0 if there are none.
+    #[must_use]
+    pub fn connectivity_error(&self) -> f64 {
+        share(self.lost, self.physical)
+    }
+
+    /// Share of the neighbours on the map that are none on the ground.
+    #[must_use]
+    pub fn false_neighbour_rate(&self) -> f64 {
+        share(self.gained, self.physical - self.lost + self.gained)
+    }
+
+    /// 1 − F₁ of the map's neighbours: counts lost and gained ones alike, so that a map collapsed to a
+    /// point is not perfect.
+    #[must_use]
+    pub fn symmetric_loss(&self) -> f64 {
+        share(
+            self.lost + self.gained,
+            2 * self.physical - self.lost + self.gained,
+        )
+    }
+
+    /// Share of the nodes with neighbours that have lost at most the share `limit` of them: the distribution function
+    /// of the error of a node.
+    #[must_use]
+    pub fn share_of_nodes_within(&self, limit: f64) -> f64 {
+        let errors = || self.per_node.iter().flatten();
+        share(
+            errors().filter(|&&error| error <= limit).count() as u64,
+            errors().count() as u64,
+        )
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
+fn share(part: u64, whole: u64) -> f64 {
+    if whole == 0 {
+        0.0
+    } else {
+        part as f64 / whole as f64
+    }
+}
+
+/// The one-hop connectivity error of a map at one neighbourhood radius on the ground.
+///
+/// Two nodes are neighbours on the ground if they are at most `radius_m` apart, whatever stands between them. They
+/// are neighbours on the map if the second lies in the ellipse (ellipsoid) round the first that `rule` makes of that
+/// ball. If all true places share one height, everything happens in the plane. Ellipses follow from the mapped
+/// nodes alone; a node that is not mapped has lost all its neighbours, and they have lost it.
+///
+/// # Errors
+/// If the lists differ in length, the radius is no positive number, or the mapped nodes lie so that no ellipse follows.
+pub fn connectivity_error(
+    truth: &[Position],
+    map: &[Option<Position>],
+    radius_m: f64,
+    rule: NeighbourhoodRule,
+) -> Result<ConnectivityError, MetricError> {
+    if truth.len() != map.len() {
+        return Err(MetricError::Length {
+            truth: truth.len(),
+            map: map.len(),
+        });
+    }
+    if !(radius_m.is_finite() && radius_m > 0.0) {
+        return Err(MetricError::Radius(radius_m));
+    }
+    let pairs: Vec<(Position, Position)> = truth
+        .iter()
+        .zip(map)
+        .filter_map(|(&truth, image)| image.map(|image| (truth, image)))
+        .collect();
+    // Images in coordinates in which the neighbourhood of each node is a box-aligned ellipsoid, and its half-axes in
+    // units of the radius.
+    let (images, half_axes): (Vec<Position>, Vec<[f64; 3]>) = match rule {
+        NeighbourhoodRule::Affine => {
+            let affine = Affine::fit(&pairs)?;
+            pairs
+                .iter()
+                .map(|&(_, image)| (affine.to_ground(image), [1.0; 3]))
+                .unzip()
+        }
+        NeighbourhoodRule::EndPoints => {
+            let axes = Axes::through(&pairs)?;
+            pairs
+                .iter()
+                .map(|&(_, image)| (axes.scaled(image), [1.0; 3]))
+                .unzip()
+        }
+        NeighbourhoodRule::PerNode => {
+            let axes = Axes::through(&pairs)?;
+            pairs
+                .iter()
+                .map(|&(truth, image)| (axes.scaled(image), axes.half_axes(truth, image)))
+                .unzip()
+        }
+    };
+    Ok(count(truth, map, radius_m, &images, &half_axes))
+}
+
+/// Counts neighbours, given the mapped nodes' images and half-axes.
+fn count(
+    truth: &[Position],
+    map: &[Option<Position>],
+    radius_m: f64,
+    images: &[Position],
+    half_axes: &[[f64; 3]],
+) -> ConnectivityError {
+    let ground = CellIndex::new(truth, radius_m);
+    let mapped = CellIndex::new(images, radius_m);
+    let nodes: Vec<usize> = (0..truth.len())
+        .filter(|&node| map[node].is_some())
+        .collect();
+    let mut image_of = vec![None; truth.len()];
+    for (image, &node) in nodes.iter().enumerate() {
+        image_of[node] = Some(image);
+    }
+    let mut error = ConnectivityError {
+        radius_m,
+        physical: 0,
+        lost: 0,
+        gained: 0,
+        isolated: 0,
+        per_node: Vec::with_capacity(truth.len()),
+    };
+    let mut is_neighbour = vec![false; truth.len()];
+    let mut neighbours = Vec::new();
+    for (node, &place) in truth.iter().enumerate() {
+        neighbours.clear();
+        ground.within(place, radius_m, |other| neighbours.push(other as usize));
+        neighbours.retain(|&other| other != node);
+        for &other in &neighbours {
+            is_neighbour[other] = true;
+        }
+        let physical = neighbours.len() as u64;
+        let mut kept = 0;
+        if let Some(image) = image_of[node] {
+            let [a, b, c] = half_axes[image].map(|half_axis| half_axis * radius_m);
+            let centre = images[image];
+            mapped.within(centre, a.max(b).max(c), |other| {
+                let apart = images[other as usize] - centre;
+                let other = nodes[other as usize];
+                let inside =
+                    (apart.x_m / a).powi(2) + (apart.y_m / b).powi(2) + (apart.z_m / c).powi(2)
+                        <= 1.0;
+                if other != node && inside {
+                    if is_neighbour[other] {
+                        kept += 1
+                    } else {
+                        error.gained += 1
+                    }
+                }
+            });
+        }
+        for &other in &neighbours {
+            is_neighbour[other] = false;
+        }
+        error.physical += physical;
+        error.lost += physical - kept;
+        error.isolated += usize::from(physical == 0);
+        error
+            .per_node
+            .push((physical > 0).then(|| share(physical - kept, physical)));
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_kernel::{Purpose, Seed};
+
+    const RULES: [NeighbourhoodRule; 3] = [
+        NeighbourhoodRule::Affine,
+        NeighbourhoodRule::EndPoints,
+        NeighbourhoodRule::PerNode,
+    ];
+
+    fn square(side: u32, layers: u32) -> Vec<Position> {
+        let sites = (0..layers)
+            .flat_map(|z| (0..side).flat_map(move |y| (0..side).map(move |x| [x, y, z])));
+        sites.map(|site| site.map(f64::from).into()).collect()
+    }
+
+    fn images(truth: &[Position], image: impl Fn(Position) -> Position) -> Vec<Option<Position>> {
+        truth.iter().map(|&place| Some(image(place))).collect()
+    }
+
+    #[test]
+    fn a_perfect_map_has_no_error_and_as_many_pairs_as_the_lattice() {
+        // Unit square lattice, radius 1: each of the 2 · 5 · 4 edges is two ordered pairs.
+        let truth = square(5, 1);
+        for rule in RULES {
+            let error =
+                connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, rule).unwrap();
+            assert_eq!(
+                (error.physical, error.lost, error.gained, error.isolated),
+                (80, 0, 0, 0),
+                "{rule:?}"
+            );
+            assert!(error.symmetric_loss().abs() < 1e-15);
+            assert!((error.share_of_nodes_within(0.0) - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn stretching_shearing_and_mirroring_the_map_changes_nothing() {
+        let sheared =
+            |p: Position| Position::new(3.0 - 0.5 * p.x_m + 0.2 * p.y_m, 4.0 * p.y_m, p.z_m);
+        let turned =
+            |p: Position| Position::new(0.5 * p.z_m, 2.0 * p.x_m, -3.0 * p.y_m + 0.4 * p.z_m);
+        for rule in RULES {
+            let truth = square(5, 1);
+            let error = connectivity_error(&truth, &images(&truth, sheared), 1.5, rule).unwrap();
+            assert_eq!((error.lost, error.gained), (0, 0), "{rule:?}");
+            let truth = square(5, 5);
+            let error = connectivity_error(&truth, &images(&truth, turned), 1.5, rule).unwrap();
+            assert_eq!((error.lost, error.gained), (0, 0), "{rule:?} in 3D");
+        }
+    }
+
+    #[test]
+    fn a_node_far_from_its_place_loses_its_neighbours_and_they_lose_it() {
+        // The middle of a 9 × 9 lattice moves onto a node one lane away: it has lost its four neighbours.
+        let truth = square(9, 1);
+        let mut map = images(&truth, |p| p);
+        map[40] = None;
+        let error = connectivity_error(&truth, &map, 1.001, NeighbourhoodRule::Affine).unwrap();
+        assert_eq!((error.physical, error.lost, error.gained), (288, 8, 0));
+        assert!((error.connectivity_error() - 8.0 / 288.0).abs() < 1e-15);
+        assert!((error.symmetric_loss() - 8.0 / 568.0).abs() < 1e-15);
+        assert_eq!(error.per_node[40], Some(1.0));
+        assert_eq!(error.per_node[41], Some(0.25));
+        assert!((error.share_of_nodes_within(0.1) - 76.0 / 81.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_node_that_moves_gains_false_neighbours() {
+        // A far pair comes together; the others are so many that the affine map hardly changes.
+        let truth = square(20, 1);
+        let mut map = images(&truth, |p| p);
+        map[210] = Some(Position::new(2.5, 2.5, 0.0));
+        let error = connectivity_error(&truth, &map, 1.05, NeighbourhoodRule::Affine).unwrap();
+        assert_eq!((error.lost, error.gained), (8, 8));
+        let expected = 8.0 / f64::from(u32::try_from(error.physical).unwrap());
+        assert!((error.false_neighbour_rate() - expected).abs() < 1e-12);
+        assert!((error.connectivity_error() - expected).abs() < 1e-12);
+        assert!((error.symmetric_loss() - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn counts_agree_with_a_scan_of_all_pairs() {
+        let draw = |i, axis, what| Seed(6).normal(Purpose::Mapper, [i, axis, what]);
+        let truth: Vec<Position> = (0..150)
+            .map(|i| {
+                Position::new(
+                    10.0 * draw(i, 0, 0),
+                    6.0 * draw(i, 1, 0),
+                    2.0 * draw(i, 2, 0),
+                )
+            })
+            .collect();
+        let map: Vec<Option<Position>> = (0..)
+            .zip(&truth)
+            .map(|(i, &p)| {
+                (i % 13 != 5)
+                    .then(|| p + Position::new(draw(i, 0, 1), draw(i, 1, 1), draw(i, 2, 1)))
+            })
+            .collect();
+        let pairs: Vec<_> = truth
+            .iter()
+            .zip(&map)
+            .filter_map(|(&p, image)| image.map(|q| (p, q)))
+            .collect();
+        let affine = Affine::fit(&pairs).unwrap();
+        for radius_m in [1.0, 3.0, 8.0] {
+            let (mut physical, mut lost, mut gained) = (0, 0, 0);
+            for (i, a) in truth.iter().enumerate() {
+                for (j, b) in truth.iter().enumerate().filter(|&(j, _)| j != i) {
+                    let near = a.distance_m(*b) <= radius_m;
+                    let near_on_map = map[i].zip(map[j]).is_some_and(|(a, b)| {
+                        affine.to_ground(a).distance_m(affine.to_ground(b)) <= radius_m
+                    });
+                    physical += u64::from(near);
+                    lost += u64::from(near && !near_on_map);
+                    gained += u64::from(!near && near_on_map);
+                }
+            }
+            let error =
+                connectivity_error(&truth, &map, radius_m, NeighbourhoodRule::Affine).unwrap();
+            assert_eq!(
+                (error.physical, error.lost, error.gained),
+                (physical, lost, gained)
+            );
+        }
+    }
+
+    #[test]
+    fn inputs_without_an_ellipse_are_refused() {
+        let truth = square(3, 1);
+        let map = images(&truth, |_| Position::ORIGIN);
+        for rule in RULES {
+            let collapsed = connectivity_error(&truth, &map, 1.0, rule);
+            assert!(
+                matches!(collapsed, Err(MetricError::Degenerate(_))),
+                "{rule:?}: {collapsed:?}"
+            );
+            let nobody = connectivity_error(&truth, &vec![None; 9], 1.0, rule);
+            assert!(
+                matches!(nobody, Err(MetricError::Degenerate(_))),
+                "{rule:?}: {nobody:?}"
+            );
+        }
+        let line: Vec<Position> = (0..6)
+            .map(|i| Position::new(f64::from(i), 0.0, 0.0))
+            .collect();
+        let error =
+            connectivity_error(&line, &images(&line, |p| p), 1.0, NeighbourhoodRule::Affine);
+        assert!(matches!(error, Err(MetricError::Degenerate(_))));
+        assert_eq!(
+            connectivity_error(&truth, &[], 1.0, NeighbourhoodRule::Affine),
+            Err(MetricError::Length { truth: 9, map: 0 })
+        );
+        assert_eq!(
+            connectivity_error(
+                &truth,
+                &images(&truth, |p| p),
+                -1.0,
+                NeighbourhoodRule::Affine
+            ),
+            Err(MetricError::Radius(-1.0))
+        );
+    }
+}

@@ -1,0 +1,285 @@
+//! ML-TM: maximum-likelihood topology maps on a grid (Gunathillake 2018, chapter 3).
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::{NodeId, SettingError};
+
+use crate::solver::{Moments, Peak, Scratch, Solver};
+use crate::{Estimate, Lattice, MapError, ProfileConfig, ReceptionProfile, Surface, TopologyMap};
+
+/// ML-TM as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MlTmConfig {
+    /// Distance of neighbouring grid vertices [m].
+    pub grid_step_m: f64,
+    /// How likely a packet is received over a distance.
+    pub profile: ProfileConfig,
+    /// Which place is taken from the likelihood.
+    #[serde(default)]
+    pub estimate: EstimateKind,
+    /// Which place `argmax` takes if several vertices have the highest likelihood.
+    #[serde(default)]
+    pub ties: TieRule,
+    /// Lowest and highest height of a node [m]. Without it a log with all stops at one height is mapped in the
+    /// plane of the stops, any other from `range_m` below to `range_m` above them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_range_m: Option<[f64; 2]>,
+    /// Memory that the grid window of one node may need [MB]; 512 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_memory_mb: Option<u32>,
+}
+
+/// Memory allowed for the window of one node [MB].
+const DEFAULT_MEMORY_MB: u32 = 512;
+
+/// Which place is taken from the likelihood of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EstimateKind {
+    /// The vertex of highest likelihood.
+    #[default]
+    Argmax,
+    /// The mean of the vertices weighted by their likelihoods, with a covariance.
+    PosteriorMean,
+}
+
+/// Which place stands for several vertices that share the highest likelihood.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TieRule {
+    /// Their mean, if the vertex nearest to it is one of them; otherwise, that is if they lie in
+    /// separate places, the one of them that is nearest to the mean.
+    #[default]
+    Mean,
+    /// The one with the lowest linear index.
+    First,
+}
+
+impl MlTmConfig {
+    /// The argmax on a grid of `grid_step_m`, everything else as by default.
+    #[must_use]
+    pub fn new(grid_step_m: f64, profile: ProfileConfig) -> Self {
+        Self {
+            grid_step_m,
+            profile,
+            estimate: EstimateKind::default(),
+            ties: TieRule::default(),
+            z_range_m: None,
+            max_memory_mb: None,
+        }
+    }
+}
+
+/// The ML-TM algorithm.
+///
+/// The likelihood of node i at vertex g is the product over all stops of S(d) for each packet received and of
+/// 1 − S(d) for each packet missed, a stop without an entry in the log counting as one packet missed, and `0` of
+/// `0` as no evidence.
+///
+/// **Search set.** The vertices nearer than R to every stop that received from the node, as far as their
+/// likelihood is above zero. If there are none, the node is *infeasible*: its estimate says so, and the search set
+/// is all vertices nearer than R to any such stop, under the profile clamped at least to `[10⁻⁶, 1 − 10⁻⁶]`.
+/// Within the search set the answer is exact: the same vertex and the same number of ties as a scan of every vertex
+/// with the product over every stop.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MlTm {
+    grid_step_m: f64,
+    profile: ReceptionProfile,
+    estimate: EstimateKind,
+    ties: TieRule,
+    z_range_m: Option<[f64; 2]>,
+    allowed_bytes: u64,
+}
+
+impl MlTm {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "ml-tm";
+
+    /// The reception profile that the likelihood uses.
+    #[must_use]
+    pub fn profile(&self) -> &ReceptionProfile {
+        &self.profile
+    }
+
+    /// The lattice on which the nodes of `log` are sought.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
+    pub fn lattice(&self, log: &ReceptionLog) -> Result<Lattice, MapError> {
+        Lattice::covering(
+            log.stops(),
+            self.profile.range_m(),
+            self.grid_step_m,
+            self.z_range_m,
+            self.allowed_bytes,
+        )
+    }
+
+    /// The map of the nodes in `log`, computed on the current rayon pool; the same bits for any number of threads.
+    /// Nodes that were never heard are not placed; nor are nodes heard only where no vertex is in range.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`].
+    pub fn map(&self, log: &ReceptionLog) -> Result<TopologyMap, MapError> {
+        let mut map = TopologyMap {
+            algorithm: Self::NAME,
+            estimates: vec![None; log.node_count()],
+            grid_step_m: Some(self.grid_step_m),
+            vertices_evaluated: 0,
+        };
+        if log.receptions().is_empty() {
+            return Ok(map);
+        }
+        let lattice = self.lattice(log)?;
+        let solver = Solver::new(&lattice, log.stops(), &self.profile);
+        let solved: Vec<(Option<Estimate>, u64)> = (0..log.node_count())
+            .into_par_iter()
+            .with_min_len(32)
+            .map_init(
+                || solver.scratch(),
+                |scratch, node| self.estimate(&solver, scratch, log, NodeId::from_index(node)),
+            )
+            .collect();
+        for (slot, (estimate, evaluated)) in map.estimates.iter_mut().zip(solved) {
+            *slot = estimate;
+            map.vertices_evaluated += evaluated;
+        }
+        Ok(map)
+    }
+
+    /// The likelihood of one node over its whole search set, for pictures.
+    ///
+    /// # Errors
+    /// [`MapError::UnknownNode`] and [`MapError::NotHeard`] if there is no such likelihood;
+    /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
+    pub fn surface(&self, log: &ReceptionLog, node: NodeId) -> Result<Surface, MapError> {
+        let name = log.names().get(node.index()).ok_or(MapError::UnknownNode {
+            node: node.0,
+            nodes: log.node_count(),
+        })?;
+        let lattice = self.lattice(log)?;
+        let solver = Solver::new(&lattice, log.stops(), &self.profile);
+        let mut vertices = Vec::new();
+        let search = solver.search(
+            &mut solver.scratch(),
+            log.of(node),
+            f64::INFINITY,
+            &mut vertices,
+        );
+        Surface::of_vertices(&lattice, &vertices, search.infeasible)
+            .ok_or_else(|| MapError::NotHeard { name: name.clone() })
+    }
+
+    fn estimate(
+        &self,
+        solver: &Solver<'_>,
+        scratch: &mut Scratch,
+        log: &ReceptionLog,
+        node: NodeId,
+    ) -> (Option<Estimate>, u64) {
+        let receptions = log.of(node);
+        let lattice = solver.lattice();
+        let mut peak = Peak::default();
+        let (search, moments) = match self.estimate {
+            EstimateKind::Argmax => (solver.search(scratch, receptions, 0.0, &mut peak), None),
+            EstimateKind::PosteriorMean => {
+                let mut both = (peak, Moments::new(lattice));
+                let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut both);
+                peak = both.0;
+                (search, Some(both.1))
+            }
+        };
+        let estimate = peak.vertices().first().map(|&(first, _)| Estimate {
+            position: match &moments {
+                Some(moments) => moments.mean(),
+                None => self.place(lattice, &peak, first),
+            },
+            log_likelihood: peak.highest(),
+            ties: u32::try_from(peak.vertices().len()).unwrap_or(u32::MAX),
+            covariance: moments.map(|moments| moments.covariance()),
+            infeasible: search.infeasible,
+        });
+        (estimate, search.evaluated)
+    }
+
+    /// The place that stands for the maximisers of which `first` has the lowest index.
+    fn place(&self, lattice: &Lattice, peak: &Peak, first: u64) -> Position {
+        let place = |index| lattice.position(lattice.vertex(index));
+        let vertices = peak.vertices();
+        if self.ties == TieRule::First || vertices.len() == 1 {
+            return place(first);
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a number of vertices")]
+        let share = 1.0 / vertices.len() as f64;
+        let offset = vertices.iter().fold(Position::ORIGIN, |sum, &(index, _)| {
+            sum + (place(index) - place(first))
+        });
+        let mean = place(first) + offset * share;
+        let half_step_m = 0.5 * lattice.step_m() * (1.0 + 1e-9);
+        let mut nearest = (first, f64::INFINITY);
+        let mut is_one_of_them = false;
+        for &(index, _) in vertices {
+            let offset: [f64; 3] = (place(index) - mean).into();
+            is_one_of_them |= offset.iter().all(|along| along.abs() <= half_step_m);
+            let distance_m = place(index).distance_m(mean);
+            if distance_m < nearest.1 - 1e-9 * lattice.step_m() {
+                nearest = (index, distance_m);
+            }
+        }
+        if is_one_of_them {
+            mean
+        } else {
+            place(nearest.0)
+        }
+    }
+}
+
+impl TryFrom<MlTmConfig> for MlTm {
+    type Error = SettingError;
+
+    fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
+        let MlTmConfig {
+            grid_step_m,
+            profile,
+            estimate,
+            ties,
+            z_range_m,
+            max_memory_mb,
+        } = config;
+        SettingError::positive("grid_step_m", grid_step_m)?;
+        let profile =
+            ReceptionProfile::try_from(profile).map_err(|error| error.within("profile"))?;
+        if grid_step_m > profile.range_m() {
+            let allowed = format!(
+                "above 0, at most the range of the profile ({} m)",
+                profile.range_m()
+            );
+            return Err(SettingError::new("grid_step_m", grid_step_m, allowed));
+        }
+        if let Some([low, high]) = z_range_m
+            && !(low.is_finite() && high.is_finite() && low <= high)
+        {
+            return Err(SettingError::new(
+                "z_range_m",
+                format!("[{low}, {high}]"),
+                "two finite heights, the lower one first",
+            ));
+        }
+        let memory_mb = max_memory_mb.unwrap_or(DEFAULT_MEMORY_MB);
+        if memory_mb == 0 {
+            return Err(SettingError::new("max_memory_mb", 0, "1 or more"));
+        }
+        let allowed_bytes = u64::from(memory_mb) * 1_000_000;
+        Ok(Self {
+            grid_step_m,
+            profile,
+            estimate,
+            ties,
+            z_range_m,
+            allowed_bytes,
+        })
+    }
+}

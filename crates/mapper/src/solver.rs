@@ -1,0 +1,194 @@
+//! The grid solver: which vertices a node may be at, and how likely each is.
+//!
+//! The likelihood of a node at vertex g is `Π S(d)^received (1 − S(d))^missed` over all stops. Only stops within R
+//! of g carry information; the others multiply every vertex by the same constant. The work is kept small in this
+//! order: the bounding box of the places within R of every reception; for each lattice row in it, the span that
+//! lies within R of the receptions on the rim (those whose ball does not hold the whole box); for the vertices
+//! that survive, the product over the receptions and the stops in range that heard nothing. Nothing is stored
+//! per vertex of the lattice, so that memory does not grow with it.
+//!
+//! If no vertex survives, outliers are admitted: a good place found near the median of the receptions bounds
+//! how many receptions the best vertex can contradict, and the same box and rows, relaxed by that number,
+//! hold every vertex that can be as good. A coarse-to-fine branch and bound was slower wherever it was tried.
+
+mod curve;
+mod evidence;
+mod rows;
+mod score;
+mod sink;
+
+use sextant_channel::{Position, Reception, Stop};
+
+use crate::cells::CellIndex;
+use crate::{Lattice, ReceptionProfile};
+use curve::Curve;
+use evidence::Evidence;
+use rows::Rows;
+pub(crate) use score::Survivors;
+use score::{Admission, Scorer};
+pub(crate) use sink::{Moments, Peak, Sink};
+
+/// A survey ready to be searched for any of its nodes.
+#[derive(Debug)]
+pub(crate) struct Solver<'a> {
+    lattice: &'a Lattice,
+    stops: &'a [Stop],
+    cells: CellIndex,
+    /// The profile as set.
+    curve: Curve,
+    /// The profile with a floor and a ceiling, for nodes that no vertex explains.
+    clamped: Curve,
+}
+
+/// Memory that a thread uses again for each node.
+#[derive(Debug)]
+pub(crate) struct Scratch {
+    evidence: Evidence,
+    rows: Rows,
+    survivors: Survivors,
+}
+
+/// What became of a search.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Search {
+    /// Whether no vertex explains all that was heard.
+    pub(crate) infeasible: bool,
+    /// Vertices whose likelihood was computed.
+    pub(crate) evaluated: u64,
+}
+
+impl<'a> Solver<'a> {
+    pub(crate) fn new(lattice: &'a Lattice, stops: &'a [Stop], profile: &ReceptionProfile) -> Self {
+        let curve = Curve::new(profile);
+        let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
+        let cells = CellIndex::new(&places, 0.25 * profile.range_m());
+        Self {
+            lattice,
+            stops,
+            cells,
+            clamped: curve.clamped(),
+            curve,
+        }
+    }
+
+    pub(crate) fn lattice(&self) -> &'a Lattice {
+        self.lattice
+    }
+
+    pub(crate) fn scratch(&self) -> Scratch {
+        Scratch {
+            evidence: Evidence::new(self.stops.len()),
+            rows: Rows::default(),
+            survivors: Survivors::default(),
+        }
+    }
+
+    /// Gives `sink` the log-likelihood of every vertex of the search set, but for those certain to lie more than
+    /// `margin` below the highest. Nothing is given if the node was not heard or no vertex is in range.
+    pub(crate) fn search(
+        &self,
+        scratch: &mut Scratch,
+        receptions: &[Reception],
+        margin: f64,
+        sink: &mut impl Sink,
+    ) -> Search {
+        let Scratch {
+            evidence,
+            rows,
+            survivors,
+        } = scratch;
+        let mut search = Search::default();
+        evidence.read(receptions, self.stops);
+        if evidence.heard_packets() > 0 {
+            let mut scorer = self.scorer(&self.curve, Admission::WithinAll, evidence, survivors);
+            if rows.intersection(
+                self.lattice,
+                self.curve.range_m,
+                scorer.evidence.receptions(),
+            ) {
+                rows.each_span(self.lattice, self.curve.range_m, |row, span| {
+                    scorer.push(row, span, sink)
+                });
+            }
+            scorer.flush(sink);
+            search.evaluated = scorer.evaluated;
+            if !scorer.any_admitted {
+                search.infeasible = true;
+                search.evaluated += self.admit_outliers(evidence, rows, survivors, margin, sink);
+            }
+        }
+        evidence.clear(receptions);
+        search
+    }
+
+    /// The search for a node that no vertex explains.
+    fn admit_outliers(
+        &self,
+        evidence: &Evidence,
+        rows: &mut Rows,
+        survivors: &mut Survivors,
+        margin: f64,
+        sink: &mut impl Sink,
+    ) -> u64 {
+        let mut scorer = self.scorer(&self.clamped, Admission::WithinAny, evidence, survivors);
+        let mut known = Peak::default();
+        let centre = rows.centre(scorer.evidence.receptions());
+        for seed in [centre, rows.median(scorer.evidence.receptions())] {
+            for (row, span) in neighbourhood(self.lattice, seed) {
+                scorer.push(row, span, &mut known);
+            }
+        }
+        scorer.flush(&mut known);
+        let cap = self
+            .clamped
+            .most_outliers(scorer.evidence, known.highest() - margin - Peak::TOLERANCE);
+        if rows.relaxed(
+            self.lattice,
+            self.clamped.range_m,
+            scorer.evidence.receptions(),
+            cap,
+        ) {
+            rows.each_covered(self.lattice, self.clamped.range_m, cap, |row, vertex| {
+                scorer.push(row, vertex..vertex + 1, sink);
+            });
+        }
+        scorer.flush(sink);
+        scorer.evaluated
+    }
+
+    fn scorer<'s>(
+        &'s self,
+        curve: &'s Curve,
+        admission: Admission,
+        evidence: &'s Evidence,
+        survivors: &'s mut Survivors,
+    ) -> Scorer<'s> {
+        Scorer {
+            lattice: self.lattice,
+            cells: &self.cells,
+            curve,
+            admission,
+            evidence,
+            survivors,
+            any_admitted: false,
+            evaluated: 0,
+        }
+    }
+}
+
+/// A lattice row: its indices along y and z.
+pub(crate) type Row = [usize; 2];
+
+/// The vertices round the one nearest to `place`, by rows.
+fn neighbourhood(lattice: &Lattice, place: Position) -> Vec<(Row, std::ops::Range<usize>)> {
+    let place: [f64; 3] = place.into();
+    let reach = 1.5 * lattice.step_m();
+    let [x, y, z] = [0, 1, 2].map(|axis| {
+        let top = lattice.coordinate(axis, lattice.counts()[axis] - 1);
+        let value = place[axis].clamp(lattice.coordinate(axis, 0), top);
+        lattice.span(axis, value - reach, value + reach)
+    });
+    z.flat_map(|k| y.clone().map(move |j| [j, k]))
+        .map(|row| (row, x.clone()))
+        .collect()
+}

@@ -1,0 +1,119 @@
+//! What the log says about one node, sorted by how it enters the likelihood.
+
+use sextant_channel::{Position, Reception, Stop};
+
+/// A stop that received from the node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Receiver {
+    pub(crate) place: Position,
+    /// Packets received there, above zero.
+    pub(crate) packets: u32,
+}
+
+/// A stop with an entry other than one packet received of one sent.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Count {
+    pub(crate) place: Position,
+    pub(crate) received: u32,
+    pub(crate) missed: u32,
+}
+
+/// What the log says about one node.
+#[derive(Debug)]
+pub(crate) struct Evidence {
+    /// Every stop that received.
+    receivers: Vec<Receiver>,
+    /// Stops that received one of one.
+    pub(crate) heard: Vec<Position>,
+    /// Stops with any other entry but `0` of `0`.
+    pub(crate) counts: Vec<Count>,
+    /// One bit a stop: whether the log has an entry for it.
+    listed: Vec<u64>,
+    stops: usize,
+    entries: usize,
+    received: u64,
+    missed: u64,
+}
+
+impl Evidence {
+    pub(crate) fn new(stops: usize) -> Self {
+        Self {
+            receivers: Vec::new(),
+            heard: Vec::new(),
+            counts: Vec::new(),
+            listed: vec![0; stops.div_ceil(64)],
+            stops,
+            entries: 0,
+            received: 0,
+            missed: 0,
+        }
+    }
+
+    /// Reads the entries of one node. [`clear`](Self::clear) them before the next.
+    pub(crate) fn read(&mut self, receptions: &[Reception], stops: &[Stop]) {
+        self.receivers.clear();
+        self.heard.clear();
+        self.counts.clear();
+        self.entries = receptions.len();
+        (self.received, self.missed) = (0, 0);
+        for &Reception {
+            stop,
+            received,
+            sent,
+            ..
+        } in receptions
+        {
+            let stop = stop as usize;
+            self.listed[stop / 64] |= 1 << (stop % 64);
+            let place = stops[stop].position;
+            let missed = sent - received;
+            self.received += u64::from(received);
+            self.missed += u64::from(missed);
+            if received > 0 {
+                self.receivers.push(Receiver {
+                    place,
+                    packets: received,
+                });
+            }
+            if (received, missed) == (1, 0) {
+                self.heard.push(place);
+            } else if sent > 0 {
+                self.counts.push(Count {
+                    place,
+                    received,
+                    missed,
+                });
+            }
+        }
+    }
+
+    pub(crate) fn clear(&mut self, receptions: &[Reception]) {
+        for reception in receptions {
+            self.listed[reception.stop as usize / 64] = 0;
+        }
+    }
+
+    /// Whether the log has an entry for a stop; if not, one packet was missed there.
+    pub(crate) fn is_listed(&self, stop: u32) -> bool {
+        self.listed[stop as usize / 64] >> (stop % 64) & 1 == 1
+    }
+
+    /// Stops without an entry.
+    pub(crate) fn silent_stops(&self) -> usize {
+        self.stops - self.entries
+    }
+
+    pub(crate) fn receptions(&self) -> &[Receiver] {
+        &self.receivers
+    }
+
+    /// Packets received at all stops.
+    pub(crate) fn heard_packets(&self) -> u64 {
+        self.received
+    }
+
+    /// Packets missed at all stops, one at each stop without an entry.
+    pub(crate) fn missed_packets(&self) -> u64 {
+        self.missed + self.silent_stops() as u64
+    }
+}

@@ -1,0 +1,260 @@
+//! Which vertices lie within R of the receptions: a box, then spans of rows.
+
+use std::ops::Range;
+
+use sextant_channel::Position;
+
+use super::Row;
+use super::evidence::Receiver;
+use crate::Lattice;
+
+/// The part of the lattice to look at, and the receptions that cut it.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    /// Index ranges along x, y, z.
+    span: [Range<usize>; 3],
+    /// Receptions whose ball does not hold the whole box.
+    rim: Vec<Receiver>,
+    /// Packets of the receptions on the rim.
+    rim_packets: u64,
+    /// The rim's receptions in reach of a layer of the box.
+    layer: Vec<Receiver>,
+    /// Changes along a row of the packets in range.
+    steps: Vec<i64>,
+    /// Coordinates along an axis, to be sorted.
+    sorted: Vec<(f64, u32)>,
+}
+
+impl Rows {
+    /// Sets the box to the bounding box of the places within `range_m` of every reception.
+    /// Returns whether it holds a vertex.
+    pub(crate) fn intersection(
+        &mut self,
+        lattice: &Lattice,
+        range_m: f64,
+        receivers: &[Receiver],
+    ) -> bool {
+        let (low, high) = bounds(receivers);
+        self.span =
+            [0, 1, 2].map(|axis| lattice.span(axis, high[axis] - range_m, low[axis] + range_m));
+        self.find_rim(lattice, range_m, receivers)
+    }
+
+    /// Sets the box to hold every place within `range_m` of all receptions but `cap` packets' worth.
+    /// Returns whether it holds a vertex.
+    pub(crate) fn relaxed(
+        &mut self,
+        lattice: &Lattice,
+        range_m: f64,
+        receivers: &[Receiver],
+        cap: u64,
+    ) -> bool {
+        for axis in 0..3 {
+            self.sorted.clear();
+            self.sorted.extend(
+                receivers
+                    .iter()
+                    .map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)),
+            );
+            self.sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            // Of the receptions up to the one at which `cap` is exceeded, at least one is in range.
+            let high = beyond(self.sorted.iter(), cap) + range_m;
+            let low = beyond(self.sorted.iter().rev(), cap) - range_m;
+            self.span[axis] = lattice.span(axis, low, high);
+        }
+        self.find_rim(lattice, range_m, receivers)
+    }
+
+    fn find_rim(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver]) -> bool {
+        self.rim.clear();
+        self.rim_packets = 0;
+        if self.span.iter().any(Range::is_empty) {
+            return false;
+        }
+        let low = [0, 1, 2].map(|axis| lattice.coordinate(axis, self.span[axis].start));
+        let high = [0, 1, 2].map(|axis| lattice.coordinate(axis, self.span[axis].end - 1));
+        let inside = range_m * range_m * (1.0 - 1e-9);
+        for receiver in receivers {
+            let place: [f64; 3] = receiver.place.into();
+            let mut farthest = 0.0;
+            for axis in 0..3 {
+                let along = (place[axis] - low[axis]).max(high[axis] - place[axis]);
+                farthest += along * along;
+            }
+            if farthest >= inside {
+                self.rim.push(*receiver);
+                self.rim_packets += u64::from(receiver.packets);
+            }
+        }
+        true
+    }
+
+    /// Calls `visit` with the span of each row of the box that lies within `range_m` of every reception, rows in
+    /// the order of their indices. Vertices at `range_m` but for rounding may be among them.
+    pub(crate) fn each_span(
+        &mut self,
+        lattice: &Lattice,
+        range_m: f64,
+        mut visit: impl FnMut(Row, Range<usize>),
+    ) {
+        let reach = range_m * range_m * (1.0 + 1e-12);
+        let box_low = lattice.coordinate(0, self.span[0].start);
+        let box_high = lattice.coordinate(0, self.span[0].end - 1);
+        for k in self.span[2].clone() {
+            let z = lattice.coordinate(2, k);
+            for j in self.span[1].clone() {
+                let y = lattice.coordinate(1, j);
+                let (mut low, mut high) = (box_low, box_high);
+                for Receiver { place, .. } in &self.rim {
+                    let (dy, dz) = (y - place.y_m, z - place.z_m);
+                    // Not a number, and so neither bound, if the row is out of reach.
+                    let half = (reach - dy * dy - dz * dz).sqrt();
+                    low = if place.x_m - half > low {
+                        place.x_m - half
+                    } else {
+                        low
+                    };
+                    high = if place.x_m + half < high {
+                        place.x_m + half
+                    } else {
+                        high
+                    };
+                    if half.is_nan() {
+                        high = f64::NEG_INFINITY;
+                    }
+                    if low > high {
+                        break;
+                    }
+                }
+                let span = lattice.span(0, low, high);
+                if low <= high && !span.is_empty() {
+                    visit([j, k], span);
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with each vertex of the box that lies within `range_m` of all receptions but `cap` packets'
+    /// worth, in the order of their indices. Vertices that miss this by rounding may be among them.
+    pub(crate) fn each_covered(
+        &mut self,
+        lattice: &Lattice,
+        range_m: f64,
+        cap: u64,
+        mut visit: impl FnMut(Row, usize),
+    ) {
+        let reach = range_m * range_m * (1.0 + 1e-12);
+        let least = self.rim_packets.saturating_sub(cap);
+        let [along, ys, zs] = self.span.clone();
+        for k in zs {
+            let z = lattice.coordinate(2, k);
+            self.layer.clear();
+            self.layer.extend(
+                self.rim
+                    .iter()
+                    .filter(|r| (z - r.place.z_m).powi(2) <= reach),
+            );
+            if packets(&self.layer) < least {
+                continue;
+            }
+            for j in ys.clone() {
+                let y = lattice.coordinate(1, j);
+                self.steps.clear();
+                self.steps.resize(along.len() + 1, 0);
+                let mut in_reach = 0;
+                for Receiver { place, packets } in &self.layer {
+                    let (dy, dz) = (y - place.y_m, z - place.z_m);
+                    let square = reach - dy * dy - dz * dz;
+                    if square >= 0.0 {
+                        let half = square.sqrt();
+                        let span = lattice.span(0, place.x_m - half, place.x_m + half);
+                        let (start, end) = (span.start.max(along.start), span.end.min(along.end));
+                        if start < end {
+                            in_reach += u64::from(*packets);
+                            self.steps[start - along.start] += i64::from(*packets);
+                            self.steps[end - along.start] -= i64::from(*packets);
+                        }
+                    }
+                }
+                if in_reach < least {
+                    continue;
+                }
+                let mut covered = 0;
+                for (i, step) in along.clone().zip(&self.steps) {
+                    covered += step;
+                    if covered.unsigned_abs() >= least {
+                        visit([j, k], i);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The middle of the bounding box of the receptions.
+    pub(crate) fn centre(&self, receivers: &[Receiver]) -> Position {
+        let (low, high) = bounds(receivers);
+        (Position::from(low) + Position::from(high)) * 0.5
+    }
+
+    /// The median of the receptions along each axis.
+    pub(crate) fn median(&mut self, receivers: &[Receiver]) -> Position {
+        [0, 1, 2]
+            .map(|axis| {
+                self.sorted.clear();
+                self.sorted.extend(
+                    receivers
+                        .iter()
+                        .map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)),
+                );
+                let middle = self.sorted.len() / 2;
+                self.sorted
+                    .select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0))
+                    .1
+                    .0
+            })
+            .into()
+    }
+}
+
+fn packets(receivers: &[Receiver]) -> u64 {
+    receivers
+        .iter()
+        .map(|receiver| u64::from(receiver.packets))
+        .sum()
+}
+
+/// The corners of the bounding box of the receptions.
+fn bounds(receivers: &[Receiver]) -> ([f64; 3], [f64; 3]) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for receiver in receivers {
+        let place: [f64; 3] = receiver.place.into();
+        for axis in 0..3 {
+            low[axis] = if place[axis] < low[axis] {
+                place[axis]
+            } else {
+                low[axis]
+            };
+            high[axis] = if place[axis] > high[axis] {
+                place[axis]
+            } else {
+                high[axis]
+            };
+        }
+    }
+    (low, high)
+}
+
+/// The first coordinate at which the packets seen so far exceed `cap`; the last one if they never do.
+fn beyond<'a>(sorted: impl Iterator<Item = &'a (f64, u32)>, cap: u64) -> f64 {
+    let mut seen = 0;
+    let mut coordinate = f64::NAN;
+    for &(value, packets) in sorted {
+        coordinate = value;
+        seen += u64::from(packets);
+        if seen > cap {
+            break;
+        }
+    }
+    coordinate
+}

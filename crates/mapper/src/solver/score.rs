@@ -1,0 +1,318 @@
+//! The likelihood at a list of vertices, eight at a time.
+
+use std::ops::Range;
+
+use sextant_channel::Position;
+
+use super::curve::Curve;
+use super::evidence::{Count, Evidence};
+use super::{Row, Sink};
+use crate::Lattice;
+use crate::cells::CellIndex;
+
+/// Vertices scored side by side, so that the compiler fills the vector registers.
+const LANES: usize = 8;
+
+/// Vertices collected before they are scored: bounds the memory.
+const BATCH: usize = 2048;
+
+/// Which vertices are in the search set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Admission {
+    /// Those within R of every stop that received.
+    WithinAll,
+    /// Those within R of any stop that received.
+    WithinAny,
+}
+
+/// Vertices to be scored.
+#[derive(Debug, Default)]
+pub(crate) struct Survivors {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+    index: Vec<u64>,
+    /// Stops in range that have no entry for the node.
+    silent: Vec<Position>,
+}
+
+/// Scores the vertices of one node.
+pub(crate) struct Scorer<'s> {
+    pub(crate) lattice: &'s Lattice,
+    pub(crate) cells: &'s CellIndex,
+    pub(crate) curve: &'s Curve,
+    pub(crate) admission: Admission,
+    pub(crate) evidence: &'s Evidence,
+    pub(crate) survivors: &'s mut Survivors,
+    /// Whether a vertex with a likelihood above zero was found.
+    pub(crate) any_admitted: bool,
+    pub(crate) evaluated: u64,
+}
+
+impl Scorer<'_> {
+    /// Adds the vertices `span` of a row.
+    pub(crate) fn push(&mut self, row: Row, span: Range<usize>, sink: &mut impl Sink) {
+        let first = self.lattice.index([0, row[0], row[1]]);
+        let (y, z) = (
+            self.lattice.coordinate(1, row[0]),
+            self.lattice.coordinate(2, row[1]),
+        );
+        for i in span {
+            self.survivors.x.push(self.lattice.coordinate(0, i));
+            self.survivors.y.push(y);
+            self.survivors.z.push(z);
+            self.survivors.index.push(first + i as u64);
+            if self.survivors.index.len() == BATCH {
+                self.flush(sink);
+            }
+        }
+    }
+
+    /// Scores the vertices added since the last time and gives them to `sink`.
+    pub(crate) fn flush(&mut self, sink: &mut impl Sink) {
+        let count = self.survivors.index.len();
+        if count == 0 {
+            return;
+        }
+        self.evaluated += count as u64;
+        let constant = self.find_silent();
+        let Survivors {
+            x,
+            y,
+            z,
+            index,
+            silent,
+        } = &mut *self.survivors;
+        // The last block is filled up with copies of its last vertex, which nobody looks at.
+        let full = count.next_multiple_of(LANES);
+        for values in [&mut *x, y, z] {
+            let last = values[count - 1];
+            values.resize(full, last);
+        }
+        let (x, y, z) = (
+            x.as_chunks::<LANES>().0,
+            y.as_chunks::<LANES>().0,
+            z.as_chunks::<LANES>().0,
+        );
+        for (block, indices) in index.chunks(LANES).enumerate() {
+            let mut lanes = Lanes::new(&x[block], &y[block], &z[block]);
+            lanes.multiply_all(self.curve, self.evidence, silent, self.admission);
+            for (lane, &vertex) in indices.iter().enumerate() {
+                let value = lanes.log_likelihood(lane);
+                if value > f64::NEG_INFINITY {
+                    self.any_admitted = true;
+                    let place = Position::new(x[block][lane], y[block][lane], z[block][lane]);
+                    sink.take(vertex, place, value + constant);
+                }
+            }
+        }
+        self.survivors.clear();
+    }
+
+    /// Finds the silent stops that are in range of a survivor. Returns what the others add to every
+    /// log-likelihood.
+    fn find_silent(&mut self) -> f64 {
+        let Survivors {
+            x, y, z, silent, ..
+        } = &mut *self.survivors;
+        let (x0, x1) = bounds(x);
+        let (y0, y1) = bounds(y);
+        let (z0, z1) = bounds(z);
+        let reach = self.curve.range_m;
+        silent.clear();
+        for points in self.cells.near_box(
+            [x0 - reach, y0 - reach, z0 - reach],
+            [x1 + reach, y1 + reach, z1 + reach],
+        ) {
+            for &(place, stop) in points {
+                let dx = place.x_m - place.x_m.clamp(x0, x1);
+                let dy = place.y_m - place.y_m.clamp(y0, y1);
+                let dz = place.z_m - place.z_m.clamp(z0, z1);
+                if dx * dx + dy * dy + dz * dz < self.curve.range_squared
+                    && !self.evidence.is_listed(stop)
+                {
+                    silent.push(place);
+                }
+            }
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
+        let afar = (self.evidence.silent_stops() - silent.len()) as f64;
+        afar * self.curve.ln_missed_afar
+    }
+}
+
+impl Survivors {
+    fn clear(&mut self) {
+        for values in [&mut self.x, &mut self.y, &mut self.z] {
+            values.clear();
+        }
+        self.index.clear();
+    }
+}
+
+fn bounds(values: &[f64]) -> (f64, f64) {
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
+            (low.min(value), high.max(value))
+        })
+}
+
+/// Running products at eight vertices: `mantissa · 2^exponent · exp(logarithm)`, so that no product underflows.
+/// A factor of zero is kept as a mantissa of zero.
+struct Lanes<'v> {
+    x: &'v [f64; LANES],
+    y: &'v [f64; LANES],
+    z: &'v [f64; LANES],
+    mantissa: [f64; LANES],
+    exponent: [i64; LANES],
+    logarithm: [f64; LANES],
+}
+
+impl<'v> Lanes<'v> {
+    fn new(x: &'v [f64; LANES], y: &'v [f64; LANES], z: &'v [f64; LANES]) -> Self {
+        Self {
+            x,
+            y,
+            z,
+            mantissa: [1.0; LANES],
+            exponent: [0; LANES],
+            logarithm: [0.0; LANES],
+        }
+    }
+
+    #[inline(always)]
+    fn distance_squared(&self, place: Position, lane: usize) -> f64 {
+        let (dx, dy, dz) = (
+            self.x[lane] - place.x_m,
+            self.y[lane] - place.y_m,
+            self.z[lane] - place.z_m,
+        );
+        dx * dx + dy * dy + dz * dz
+    }
+
+    /// Multiplies by the factors of all evidence in range: what was heard, and the `silent` stops.
+    fn multiply_all(
+        &mut self,
+        curve: &Curve,
+        evidence: &Evidence,
+        silent: &[Position],
+        admission: Admission,
+    ) {
+        match admission {
+            Admission::WithinAll => {
+                let within = |square| {
+                    if square < curve.range_squared {
+                        curve.at(square)
+                    } else {
+                        0.0
+                    }
+                };
+                self.multiply(curve, &evidence.heard, within);
+            }
+            Admission::WithinAny => {
+                self.multiply(curve, &evidence.heard, |square| curve.at(square));
+                self.keep_near(
+                    evidence.receptions().iter().map(|receiver| receiver.place),
+                    curve.range_squared,
+                );
+            }
+        }
+        self.multiply(curve, silent, |square| 1.0 - curve.at(square));
+        for count in &evidence.counts {
+            self.multiply_count(curve, count, admission);
+        }
+    }
+
+    /// Multiplies by `factor` of the squared distance to each of `places`.
+    #[inline(always)]
+    fn multiply(&mut self, curve: &Curve, places: &[Position], factor: impl Fn(f64) -> f64) {
+        for chunk in places.chunks(curve.chunk) {
+            let mut product = self.mantissa;
+            for &place in chunk {
+                for (lane, product) in product.iter_mut().enumerate() {
+                    *product *= factor(self.distance_squared(place, lane));
+                }
+            }
+            self.mantissa = product;
+            self.normalise();
+        }
+    }
+
+    /// Multiplies by the factors of a stop that received some packets and missed others.
+    fn multiply_count(&mut self, curve: &Curve, count: &Count, admission: Admission) {
+        let mut received = [0.0; LANES];
+        for (lane, s) in received.iter_mut().enumerate() {
+            let square = self.distance_squared(count.place, lane);
+            *s = curve.at(square);
+            if count.received > 0
+                && admission == Admission::WithinAll
+                && square >= curve.range_squared
+            {
+                self.mantissa[lane] = 0.0;
+            }
+        }
+        self.raise(curve, received, count.received);
+        self.raise(curve, received.map(|s| 1.0 - s), count.missed);
+    }
+
+    /// Multiplies by `factors` to the power `times`.
+    fn raise(&mut self, curve: &Curve, factors: [f64; LANES], times: u32) {
+        for (lane, factor) in factors.into_iter().enumerate() {
+            if times as usize <= curve.chunk {
+                for _ in 0..times {
+                    self.mantissa[lane] *= factor;
+                }
+            } else if factor > 0.0 {
+                self.logarithm[lane] += f64::from(times) * libm::log(factor);
+            } else {
+                self.mantissa[lane] = 0.0;
+            }
+        }
+        self.normalise();
+    }
+
+    /// Sets the product to zero where none of `places` is within range.
+    fn keep_near(&mut self, places: impl Iterator<Item = Position>, range_squared: f64) {
+        let mut nearest = [f64::INFINITY; LANES];
+        for place in places {
+            for (lane, nearest) in nearest.iter_mut().enumerate() {
+                let square = self.distance_squared(place, lane);
+                *nearest = if square < *nearest { square } else { *nearest };
+            }
+        }
+        for (mantissa, nearest) in self.mantissa.iter_mut().zip(nearest) {
+            *mantissa = if nearest < range_squared {
+                *mantissa
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// Moves the powers of two of the mantissas (normal numbers, or zero) to the exponents.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_wrap, reason = "an exponent has eleven bits")]
+    fn normalise(&mut self) {
+        const FRACTION: u64 = (1 << 52) - 1;
+        const ONE: u64 = 1023 << 52;
+        for (mantissa, exponent) in self.mantissa.iter_mut().zip(&mut self.exponent) {
+            let bits = mantissa.to_bits();
+            *exponent += (bits >> 52) as i64 - 1023;
+            let fraction = f64::from_bits(bits & FRACTION | ONE);
+            *mantissa = if *mantissa > 0.0 { fraction } else { 0.0 };
+        }
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "exponents are far below 2^53")]
+    fn log_likelihood(&self, lane: usize) -> f64 {
+        if self.mantissa[lane] > 0.0 {
+            let exponent = self.exponent[lane] as f64;
+            libm::log(self.mantissa[lane])
+                + exponent * std::f64::consts::LN_2
+                + self.logarithm[lane]
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+}

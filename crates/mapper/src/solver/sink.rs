@@ -1,0 +1,142 @@
+//! What is made of the likelihoods as they come: a peak, moments, a list.
+
+use sextant_channel::Position;
+
+use crate::Lattice;
+
+/// Takes the log-likelihoods of vertices, each once, in no particular order.
+pub(crate) trait Sink {
+    /// The vertex `index` at `place` has the finite log-likelihood `value`.
+    fn take(&mut self, index: u64, place: Position, value: f64);
+}
+
+/// The vertices of highest likelihood.
+#[derive(Debug)]
+pub(crate) struct Peak {
+    highest: f64,
+    vertices: Vec<(u64, f64)>,
+}
+
+impl Default for Peak {
+    fn default() -> Self {
+        Self {
+            highest: f64::NEG_INFINITY,
+            vertices: Vec::new(),
+        }
+    }
+}
+
+impl Peak {
+    /// How far below the highest log-likelihood a vertex counts as equal to it.
+    pub(crate) const TOLERANCE: f64 = 1e-9;
+
+    /// The highest log-likelihood, minus infinity if there is none.
+    pub(crate) fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    /// The vertices that share it, the one with the lowest index first.
+    pub(crate) fn vertices(&self) -> &[(u64, f64)] {
+        &self.vertices
+    }
+}
+
+impl Sink for Peak {
+    fn take(&mut self, index: u64, _: Position, value: f64) {
+        if value < self.highest - Self::TOLERANCE {
+            return;
+        }
+        if value > self.highest {
+            self.highest = value;
+            self.vertices
+                .retain(|&(_, other)| other >= value - Self::TOLERANCE);
+        }
+        let place = self.vertices.partition_point(|&(other, _)| other < index);
+        self.vertices.insert(place, (index, value));
+    }
+}
+
+/// Mean and covariance of the vertices weighted by their likelihoods, under a uniform prior on the search set.
+#[derive(Debug)]
+pub(crate) struct Moments {
+    /// The place from which offsets are measured: keeps the sums small.
+    reference: Option<Position>,
+    fallback: Position,
+    highest: f64,
+    weight: f64,
+    sum: [f64; 3],
+    /// xx, yy, zz, xy, xz, yz.
+    products: [f64; 6],
+}
+
+impl Moments {
+    /// How far below the highest log-likelihood a vertex no longer counts: even 10⁹ of them weigh 10⁻¹⁷.
+    pub(crate) const NEGLIGIBLE: f64 = 60.0;
+
+    pub(crate) fn new(lattice: &Lattice) -> Self {
+        Self {
+            reference: None,
+            fallback: lattice.origin(),
+            highest: f64::NEG_INFINITY,
+            weight: 0.0,
+            sum: [0.0; 3],
+            products: [0.0; 6],
+        }
+    }
+
+    pub(crate) fn mean(&self) -> Position {
+        let [x, y, z] = self.sum.map(|sum| sum / self.weight);
+        self.reference.unwrap_or(self.fallback) + Position::new(x, y, z)
+    }
+
+    pub(crate) fn covariance(&self) -> [[f64; 3]; 3] {
+        let [x, y, z] = self.sum.map(|sum| sum / self.weight);
+        let [xx, yy, zz, xy, xz, yz] = self.products.map(|sum| sum / self.weight);
+        let (xy, xz, yz) = (xy - x * y, xz - x * z, yz - y * z);
+        [
+            [(xx - x * x).max(0.0), xy, xz],
+            [xy, (yy - y * y).max(0.0), yz],
+            [xz, yz, (zz - z * z).max(0.0)],
+        ]
+    }
+}
+
+impl Sink for Moments {
+    fn take(&mut self, _: u64, place: Position, value: f64) {
+        let reference = *self.reference.get_or_insert(place);
+        if value > self.highest {
+            // Weights are relative to the highest likelihood so far.
+            let fade = libm::exp(self.highest - value);
+            self.weight *= fade;
+            self.sum = self.sum.map(|sum| sum * fade);
+            self.products = self.products.map(|sum| sum * fade);
+            self.highest = value;
+        }
+        let weight = libm::exp(value - self.highest);
+        let [x, y, z]: [f64; 3] = (place - reference).into();
+        self.weight += weight;
+        for (sum, term) in self.sum.iter_mut().zip([x, y, z]) {
+            *sum += weight * term;
+        }
+        for (sum, term) in self
+            .products
+            .iter_mut()
+            .zip([x * x, y * y, z * z, x * y, x * z, y * z])
+        {
+            *sum += weight * term;
+        }
+    }
+}
+
+impl<A: Sink, B: Sink> Sink for (A, B) {
+    fn take(&mut self, index: u64, place: Position, value: f64) {
+        self.0.take(index, place, value);
+        self.1.take(index, place, value);
+    }
+}
+
+impl Sink for Vec<(u64, f64)> {
+    fn take(&mut self, index: u64, _: Position, value: f64) {
+        self.push((index, value));
+    }
+}

@@ -1,0 +1,51 @@
+//! What happens in a simulation.
+
+use sextant_kernel::{NodeId, Rank};
+use sextant_mac::{Class, csma, responder};
+
+/// What happens in a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Event {
+    /// A node's application has a frame to send.
+    FrameDue(NodeId),
+    /// Something happened to the MAC of a node.
+    Mac(NodeId, csma::Event),
+    /// Something happened to a robot.
+    Robot(u32, RobotEvent),
+}
+
+/// What happens to a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RobotEvent {
+    /// It is where it drove to, or starts.
+    Arrived,
+    /// It has listened long enough.
+    SlotEnded,
+    /// Something happened to its acknowledgement.
+    Responder(responder::Event),
+}
+
+impl Event {
+    /// Where the event stands among those of the same instant; robots are numbered after the `nodes`.
+    pub(crate) fn rank(self, nodes: u32) -> Rank {
+        match self {
+            Self::FrameDue(node) => Class::Application.rank(node),
+            Self::Mac(node, event) => event.class().rank(node),
+            Self::Robot(robot, event) => {
+                let class = match event {
+                    RobotEvent::Arrived | RobotEvent::SlotEnded => Class::Application,
+                    RobotEvent::Responder(event) => event.class(),
+                };
+                class.rank(NodeId(nodes + robot))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn an_event_fits_in_eight_bytes() {
+        assert!(size_of::<super::Event>() <= 8, "{} bytes", size_of::<super::Event>());
+    }
+}

@@ -1,0 +1,56 @@
+//! Nodes at listed places.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{ObstacleField, Position};
+use sextant_kernel::SettingError;
+
+use super::PlacedNode;
+use super::nodes::{fault, twin};
+
+/// Nodes at listed places, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExplicitConfig {
+    /// The places, each `[x, y]` or `[x, y, z]` [m].
+    pub positions_m: Vec<Position>,
+    /// Their names, in the same order; `n0`, `n1` and so on if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub names: Option<Vec<String>>,
+}
+
+impl ExplicitConfig {
+    /// The nodes, in the order listed.
+    pub(super) fn place(&self, obstacles: &ObstacleField) -> Result<Vec<PlacedNode>, SettingError> {
+        if self.positions_m.is_empty() {
+            return Err(SettingError::new("positions_m", "an empty list", "at least one place"));
+        }
+        for (i, &position) in self.positions_m.iter().enumerate() {
+            if let Some((found, allowed)) = fault(position, obstacles) {
+                return Err(SettingError::new(format!("positions_m[{i}]"), found, allowed));
+            }
+        }
+        let names = match &self.names {
+            Some(names) => self.checked(names)?.to_vec(),
+            None => (0..self.positions_m.len()).map(|i| format!("n{i}")).collect(),
+        };
+        let named = names.into_iter().zip(&self.positions_m);
+        Ok(named.map(|(name, &position)| PlacedNode { name, position }).collect())
+    }
+
+    fn checked<'a>(&self, names: &'a [String]) -> Result<&'a [String], SettingError> {
+        let wanted = self.positions_m.len();
+        if names.len() != wanted {
+            let found = format!("a list of {} names", names.len());
+            return Err(SettingError::new("names", found, format!("{wanted} names, one for each place")));
+        }
+        if let Some(i) = names.iter().position(|name| name.trim().is_empty()) {
+            return Err(SettingError::new(format!("names[{i}]"), "empty", "a name with at least one letter or digit"));
+        }
+        if let Some((before, i)) = twin(names.iter().map(String::as_str)) {
+            let found = format!("`{}`, as names[{before}]", names[i]);
+            return Err(SettingError::new(format!("names[{i}]"), found, "a name that no other node has"));
+        }
+        Ok(names)
+    }
+}

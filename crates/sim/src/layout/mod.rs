@@ -1,0 +1,18 @@
+//! Where the nodes are: layouts, from a list, a lattice, at random, or from a file.
+//!
+//! Goes in: a [`NodesConfig`] and the obstacles. Comes out: a name and a place for each node. Each place
+//! is drawn at an address of its own, so that further nodes move nobody.
+
+mod explicit;
+mod file;
+mod lattice;
+mod nodes;
+mod random;
+mod region;
+
+pub use explicit::ExplicitConfig;
+pub use file::CsvConfig;
+pub use lattice::LatticeConfig;
+pub use nodes::{NodesConfig, PlacedNode};
+pub use random::RandomConfig;
+pub use region::{Region, RegionConfig};

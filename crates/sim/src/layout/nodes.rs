@@ -1,0 +1,81 @@
+//! The nodes of a world.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{ObstacleField, Position};
+use sextant_kernel::{Seed, SettingError};
+
+use super::{CsvConfig, ExplicitConfig, LatticeConfig, RandomConfig};
+
+/// Where the nodes are, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum NodesConfig {
+    /// A list of places.
+    Explicit(ExplicitConfig),
+    /// The sites of a square or cubic lattice within a region, each moved a little.
+    Lattice(LatticeConfig),
+    /// Uniform at random within a region.
+    Random(RandomConfig),
+    /// A table in a file.
+    Csv(CsvConfig),
+}
+
+/// A node that has its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedNode {
+    /// Its name: unique in the network.
+    pub name: String,
+    /// Where it is [m].
+    pub position: Position,
+}
+
+impl NodesConfig {
+    /// Places the nodes among `obstacles`; a relative path is looked up from `base_dir`. The same seed gives the
+    /// same places.
+    ///
+    /// # Errors
+    /// If a value is outside its domain, a node stands in an obstacle, two have one name, there is no node at all,
+    /// fewer fit than wanted, or a file cannot be read. The key is relative to the table of the nodes.
+    pub fn place(
+        &self,
+        obstacles: &ObstacleField,
+        seed: Seed,
+        base_dir: &Path,
+    ) -> Result<Vec<PlacedNode>, SettingError> {
+        match self {
+            Self::Explicit(config) => config.place(obstacles).map_err(|error| error.within("explicit")),
+            Self::Lattice(config) => config.place(obstacles, seed).map(numbered).map_err(|error| error.within("lattice")),
+            Self::Random(config) => config.place(obstacles, seed).map(numbered).map_err(|error| error.within("random")),
+            Self::Csv(config) => config.place(obstacles, base_dir).map_err(|error| error.within("csv")),
+        }
+    }
+}
+
+/// Nodes at `positions`, named by their index: `n0`, `n1` and so on.
+fn numbered(positions: Vec<Position>) -> Vec<PlacedNode> {
+    positions.into_iter().enumerate().map(|(i, position)| PlacedNode { name: format!("n{i}"), position }).collect()
+}
+
+/// What is wrong with a node at `position`, if anything: what was found, and what is allowed.
+pub(super) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
+    let [x, y, z] = position.into();
+    if !position.is_finite() {
+        return Some((format!("[{x}, {y}, {z}]"), "finite coordinates in metres"));
+    }
+    let inside = obstacles.containing(position)?;
+    let obstacle = match obstacles.obstacles().get(inside).and_then(|obstacle| obstacle.name()) {
+        Some(name) => format!("obstacle `{name}`"),
+        None => format!("obstacle {inside}"),
+    };
+    Some((format!("[{x}, {y}, {z}], inside {obstacle}"), "a place outside all obstacles"))
+}
+
+/// The two indices of the first name that appears twice.
+pub(super) fn twin<'a>(names: impl Iterator<Item = &'a str>) -> Option<(usize, usize)> {
+    let mut first = BTreeMap::new();
+    names.enumerate().find_map(|(i, name)| first.insert(name, i).map(|before| (before, i)))
+}

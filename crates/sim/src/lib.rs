@@ -1,0 +1,37 @@
+//! The simulator: world, medium, robots, and the only event loop.
+//!
+//! Goes in: a [`Setup`] (world, channel, radios, channel access, traffic, robots, seed). Comes out: a [`Survey`]: what
+//! the robots heard and where, and what became of the packets. An [`Observer`] watches while it runs.
+//!
+//! The same setup gives the same survey: events of one instant have a stated order (end of a signal, end of carrier
+//! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
+//! has an address.
+
+mod air;
+mod cells;
+mod controller;
+mod event;
+mod medium;
+mod node;
+mod observer;
+mod pilot;
+mod radio;
+mod receiver;
+mod reception_model;
+mod robot;
+mod simulation;
+mod survey;
+mod traffic;
+mod world;
+
+pub mod layout;
+
+pub use controller::{Command, Controller, Ending, Heard, Outcome, Situation};
+pub use observer::{Frame, FrameOutcome, Observer, Progress, Unobserved};
+pub use radio::{Radio, RadioConfig};
+pub use reception_model::{ReceptionConfig, ReceptionModel, SinrThresholdConfig};
+pub use robot::{Body, Robot, RobotConfig};
+pub use simulation::{Setup, Simulation};
+pub use survey::{Packets, RobotRecord, Survey};
+pub use traffic::{BeaconConfig, QueryConfig, Traffic, TrafficConfig};
+pub use world::{World, WorldConfig};

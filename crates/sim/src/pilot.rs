@@ -1,0 +1,212 @@
+//! Robots under way: they drive, stop, listen for a slot, and drive on.
+
+use std::time::Duration;
+
+use sextant_channel::{Milliwatts, ObstacleField, Position, Reception, Stop};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_mac::responder::Responder;
+
+use crate::survey::RobotRecord;
+use crate::{Command, Ending, Heard, Outcome, Robot, Situation};
+
+/// How near to an obstacle a blocked robot halts, beyond the radius of its hull [m].
+const HALT_M: f64 = 1e-3;
+
+/// Commands in a row that take no time, at most: a controller that gives more is stuck.
+const IDLE_COMMANDS: u32 = 1000;
+
+/// What a robot does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Activity {
+    Driving { to: Position, blocked_at: Option<Position> },
+    Listening { since: SimTime },
+    Finished,
+}
+
+/// What a robot decided: what it does now, and until when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Decision {
+    /// It drives; met an obstacle ahead if `contact`.
+    Drive { span: Duration, contact: Option<Position> },
+    /// It listens.
+    Listen { span: Duration },
+    /// It has finished.
+    Finish,
+}
+
+/// A robot under way.
+pub(crate) struct Pilot {
+    robot: Robot,
+    position: Position,
+    activity: Activity,
+    pub(crate) responder: Responder,
+    pub(crate) slot_is_over: bool,
+    tally: Tally,
+    stops: usize,
+    path_length_m: f64,
+    ending: Option<Ending>,
+}
+
+/// What was heard in a slot, by node.
+struct Tally {
+    packets: Vec<u32>,
+    rssi_sum_dbm: Vec<f64>,
+    heard: Vec<NodeId>,
+    /// Packets of all slots before.
+    total: Vec<u32>,
+}
+
+impl Pilot {
+    pub(crate) fn new(robot: Robot, responder: Responder, nodes: usize) -> Self {
+        let position = robot.body.start;
+        Self {
+            robot,
+            position,
+            activity: Activity::Driving { to: position, blocked_at: None },
+            responder,
+            slot_is_over: false,
+            tally: Tally {
+                packets: vec![0; nodes],
+                rssi_sum_dbm: vec![0.0; nodes],
+                heard: Vec::new(),
+                total: vec![0; nodes],
+            },
+            stops: 0,
+            path_length_m: 0.0,
+            ending: None,
+        }
+    }
+
+    pub(crate) fn position(&self) -> Position {
+        self.position
+    }
+
+    pub(crate) fn is_finished(&self) -> bool {
+        self.activity == Activity::Finished
+    }
+
+    /// A packet of `node` was received in this slot.
+    pub(crate) fn note(&mut self, node: NodeId, power: Milliwatts) {
+        let i = node.index();
+        if self.tally.packets[i] == 0 {
+            self.tally.heard.push(node);
+        }
+        self.tally.packets[i] += 1;
+        self.tally.rssi_sum_dbm[i] += power.to_dbm().0;
+    }
+
+    /// The drive is over: the robot is where it was sent, or before an obstacle.
+    pub(crate) fn arrive(&mut self, now: SimTime, obstacles: &ObstacleField, first: bool) -> Decision {
+        let Activity::Driving { to, blocked_at } = self.activity else {
+            unreachable!("a robot arrives only from a drive");
+        };
+        self.path_length_m += self.position.distance_m(to);
+        self.position = to;
+        let outcome = match blocked_at {
+            Some(place) => Outcome::Blocked(place),
+            None if first => Outcome::Started,
+            None => Outcome::Arrived,
+        };
+        self.decide(now, outcome, obstacles)
+    }
+
+    /// The slot is over: the stop, what was heard, and what comes next.
+    pub(crate) fn end_slot(
+        &mut self,
+        now: SimTime,
+        obstacles: &ObstacleField,
+        index: u32,
+    ) -> (Stop, Vec<Reception>, Decision) {
+        let Activity::Listening { since } = self.activity else {
+            unreachable!("a slot ends only while the robot listens");
+        };
+        self.slot_is_over = false;
+        self.stops += 1;
+        let heard = self.tally.take();
+        let stop = Stop { time: since, position: self.position };
+        let reception = |heard: &Heard| Reception {
+            node: heard.node,
+            stop: index,
+            received: 1,
+            sent: 1,
+            sector: None,
+            rssi_dbm: Some(heard.rssi_dbm),
+        };
+        let receptions = heard.iter().map(reception).collect();
+        let decision = self.decide(now, Outcome::Listened(&heard), obstacles);
+        (stop, receptions, decision)
+    }
+
+    fn decide(&mut self, now: SimTime, outcome: Outcome<'_>, obstacles: &ObstacleField) -> Decision {
+        let mut outcome = outcome;
+        let node_count = self.tally.packets.len();
+        for _ in 0..IDLE_COMMANDS {
+            let radius_m = self.robot.body.radius_m;
+            let situation = Situation::new(now, self.position, outcome, node_count, obstacles, radius_m);
+            match self.robot.controller.decide(&situation) {
+                Command::Drive(to) => {
+                    let (to, contact) = self.way(to, obstacles);
+                    let length_m = self.position.distance_m(to);
+                    if length_m > 0.0 {
+                        self.activity = Activity::Driving { to, blocked_at: contact };
+                        let span = Duration::from_secs_f64(length_m / self.robot.body.speed_m_per_s);
+                        return Decision::Drive { span, contact };
+                    }
+                    outcome = contact.map_or(Outcome::Arrived, Outcome::Blocked);
+                }
+                Command::Listen => {
+                    self.activity = Activity::Listening { since: now };
+                    return Decision::Listen { span: self.robot.body.listen };
+                }
+                Command::Finish(ending) => return self.finish(ending),
+            }
+        }
+        self.finish(Ending::Stuck)
+    }
+
+    fn finish(&mut self, ending: Ending) -> Decision {
+        self.activity = Activity::Finished;
+        self.ending = Some(ending);
+        Decision::Finish
+    }
+
+    /// How far towards `to` the robot gets, and the point of the obstacle that it meets there.
+    fn way(&self, to: Position, obstacles: &ObstacleField) -> (Position, Option<Position>) {
+        let length_m = self.position.distance_m(to);
+        if length_m <= 0.0 {
+            return (self.position, None);
+        }
+        let direction = (to - self.position) * (1.0 / length_m);
+        let radius_m = self.robot.body.radius_m;
+        let clear_m = obstacles.clearance_m(self.position, direction, length_m, radius_m);
+        if clear_m >= length_m {
+            return (to, None);
+        }
+        let halt = self.position + direction * (clear_m - HALT_M).max(0.0);
+        (halt, Some(self.position + direction * (clear_m + radius_m)))
+    }
+
+    pub(crate) fn into_record(self) -> RobotRecord {
+        RobotRecord {
+            name: self.robot.body.name,
+            stops: self.stops,
+            path_length_m: self.path_length_m,
+            ending: self.ending,
+            packets: self.tally.total,
+        }
+    }
+}
+
+impl Tally {
+    /// What was heard, by node; the tally is empty afterwards.
+    fn take(&mut self) -> Vec<Heard> {
+        self.heard.sort_unstable();
+        let heard = self.heard.drain(..).map(|node| {
+            let packets = std::mem::take(&mut self.packets[node.index()]);
+            self.total[node.index()] += packets;
+            let sum_dbm = std::mem::take(&mut self.rssi_sum_dbm[node.index()]);
+            Heard { node, packets, rssi_dbm: sum_dbm / f64::from(packets) }
+        });
+        heard.collect()
+    }
+}

@@ -1,0 +1,81 @@
+//! The radios of the stations: what they send with and from which power on they hear.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Db, Dbm};
+use sextant_kernel::SettingError;
+use sextant_mac::oqpsk;
+
+/// From the sensitivity up to the threshold of carrier sense (IEEE 802.15.4-2006, 6.9.9: at most 10 dB).
+const CCA_MARGIN: Db = Db(10.0);
+
+/// The radios of all stations, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RadioConfig {
+    /// Transmit power, as received at the reference distance of the path loss without shadowing [dBm].
+    pub tx_power_dbm: f64,
+    /// Least power of a frame that can be received [dBm].
+    pub sensitivity_dbm: f64,
+    /// Mean power over the window of carrier sense from which on the channel is busy [dBm];
+    /// 10 dB above the sensitivity if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cca_threshold_dbm: Option<f64>,
+    /// Noise in the bandwidth of the receiver [dBm]; 0.403 dB below the sensitivity if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_floor_dbm: Option<f64>,
+}
+
+/// The radios of all stations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radio {
+    tx_power: Dbm,
+    sensitivity: Dbm,
+    cca_threshold: Dbm,
+    noise_floor: Dbm,
+}
+
+impl TryFrom<RadioConfig> for Radio {
+    type Error = SettingError;
+
+    fn try_from(config: RadioConfig) -> Result<Self, SettingError> {
+        let level = |key, dbm| SettingError::in_range(key, dbm, -200.0, 100.0).map(Dbm);
+        let tx_power = level("tx_power_dbm", config.tx_power_dbm)?;
+        let sensitivity = level("sensitivity_dbm", config.sensitivity_dbm)?;
+        let cca_threshold = match config.cca_threshold_dbm {
+            Some(dbm) => level("cca_threshold_dbm", dbm)?,
+            None => sensitivity + CCA_MARGIN,
+        };
+        let noise_floor = match config.noise_floor_dbm {
+            Some(dbm) => level("noise_floor_dbm", dbm)?,
+            None => oqpsk::noise_floor(sensitivity),
+        };
+        Ok(Self { tx_power, sensitivity, cca_threshold, noise_floor })
+    }
+}
+
+impl Radio {
+    /// Transmit power at the reference distance.
+    #[must_use]
+    pub fn tx_power(&self) -> Dbm {
+        self.tx_power
+    }
+
+    /// Least power of a frame that can be received.
+    #[must_use]
+    pub fn sensitivity(&self) -> Dbm {
+        self.sensitivity
+    }
+
+    /// Power from which on carrier sense finds the channel busy.
+    #[must_use]
+    pub fn cca_threshold(&self) -> Dbm {
+        self.cca_threshold
+    }
+
+    /// Noise in the bandwidth of the receiver.
+    #[must_use]
+    pub fn noise_floor(&self) -> Dbm {
+        self.noise_floor
+    }
+}

@@ -1,0 +1,190 @@
+//! One radio that listens: which signals are at its antenna, which of them it follows, what survives.
+//!
+//! Rules of the `lock` receiver (ns-3 `lr-wpan` has the same): a signal above the sensitivity that starts while the
+//! radio is free is tracked; at the end of its preamble, if the radio is still free and the signal stands
+//! out by more than -5 dB, the radio locks on to it until its end. Whatever else arrives is interference.
+//! Interference is constant between changes, so the receiver settles its accounts at each change only.
+
+use std::time::Duration;
+
+use sextant_channel::{Db, Milliwatts};
+use sextant_kernel::SimTime;
+use sextant_mac::oqpsk;
+
+use crate::ReceptionModel;
+
+/// Least ratio of signal to interference and noise at the end of the preamble.
+const LOCK_THRESHOLD: Db = Db(-5.0);
+
+/// What became of a frame at a receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Fate {
+    /// Nobody listened when it started, or not until its end.
+    NotListened,
+    /// The receiver was beyond the radius of communication.
+    OutOfRange,
+    /// Too weak, or drowned by noise alone.
+    Weak,
+    /// Lost to another signal.
+    Collided,
+    /// Received.
+    Received,
+}
+
+/// What every receiver of a simulation has in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reception {
+    pub(crate) model: ReceptionModel,
+    pub(crate) sensitivity: Milliwatts,
+    pub(crate) noise: Milliwatts,
+    pub(crate) preamble: Duration,
+    /// Bits per second on air.
+    pub(crate) bit_rate_hz: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Incoming {
+    packet: u64,
+    power: Milliwatts,
+    preamble_end: SimTime,
+    /// Began while the receiver listened and was free, strong enough to be followed.
+    tracked: bool,
+    /// Began while the receiver listened.
+    whole: bool,
+    /// Shared the antenna with another audible signal (model `overlap`) or any other signal.
+    disturbed: bool,
+    /// Least ratio of signal to interference and noise so far, as a factor.
+    least_sinr: f64,
+    /// Natural logarithm of the probability that no bit is wrong so far.
+    log_intact: f64,
+}
+
+/// One radio that listens.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Receiver {
+    listening: bool,
+    signals: Vec<Incoming>,
+    locked: Option<u64>,
+    settled: SimTime,
+}
+
+impl Receiver {
+    /// Whether the radio listens.
+    pub(crate) fn is_listening(&self) -> bool {
+        self.listening
+    }
+
+    /// Starts to listen; signals that are on air already are added with [`Receiver::begin`] as not `whole`.
+    pub(crate) fn start(&mut self, now: SimTime) {
+        self.listening = true;
+        self.settled = now;
+    }
+
+    /// Stops to listen; what was being received is lost.
+    pub(crate) fn stop(&mut self) {
+        self.listening = false;
+        self.signals.clear();
+        self.locked = None;
+    }
+
+    /// A signal of `power` is at the antenna from `now` on; `whole` if its start was not missed.
+    pub(crate) fn begin(&mut self, now: SimTime, packet: u64, power: Milliwatts, whole: bool, rules: &Reception) {
+        self.settle(now, rules);
+        let audible = power >= rules.sensitivity;
+        let counts = |other: Milliwatts| match rules.model {
+            ReceptionModel::Overlap => audible && other >= rules.sensitivity,
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::Ber => true,
+        };
+        let mut disturbed = false;
+        for other in &mut self.signals {
+            let mutual = counts(other.power);
+            other.disturbed |= mutual;
+            disturbed |= mutual;
+        }
+        self.signals.push(Incoming {
+            packet,
+            power,
+            preamble_end: now + rules.preamble,
+            tracked: whole && audible && self.locked.is_none(),
+            whole,
+            disturbed,
+            least_sinr: f64::INFINITY,
+            log_intact: 0.0,
+        });
+    }
+
+    /// The signal of `packet` ends at `now`: its power and what became of it, or `None` if it never was at the
+    /// antenna while the radio listened. `luck` is uniform in (0, 1).
+    pub(crate) fn end(
+        &mut self,
+        now: SimTime,
+        packet: u64,
+        rules: &Reception,
+        luck: impl FnOnce() -> f64,
+    ) -> Option<(Milliwatts, Fate)> {
+        let place = self.signals.iter().position(|signal| signal.packet == packet)?;
+        self.settle(now, rules);
+        let signal = self.signals.remove(place);
+        let locked = self.locked == Some(packet);
+        if locked {
+            self.locked = None;
+        }
+        let drowned = |least: f64| if signal.power.ratio(rules.noise) < least { Fate::Weak } else { Fate::Collided };
+        let fate = if !signal.whole {
+            Fate::NotListened
+        } else if signal.power < rules.sensitivity {
+            Fate::Weak
+        } else {
+            match rules.model {
+                ReceptionModel::Overlap if signal.disturbed => Fate::Collided,
+                ReceptionModel::Overlap => Fate::Received,
+                ReceptionModel::SinrThreshold { least } if locked && signal.least_sinr >= least => Fate::Received,
+                ReceptionModel::SinrThreshold { least } => drowned(least),
+                ReceptionModel::Ber if locked && luck() < libm::exp(signal.log_intact) => Fate::Received,
+                ReceptionModel::Ber if signal.disturbed => Fate::Collided,
+                ReceptionModel::Ber => Fate::Weak,
+            }
+        };
+        Some((signal.power, fate))
+    }
+
+    /// Brings the accounts of all tracked signals up to `now`, under the signals present until now.
+    fn settle(&mut self, now: SimTime, rules: &Reception) {
+        let since = std::mem::replace(&mut self.settled, now);
+        if now == since || matches!(rules.model, ReceptionModel::Overlap) {
+            return;
+        }
+        let total: Milliwatts = self.signals.iter().map(|signal| signal.power).sum();
+        let sinr = |power: Milliwatts| {
+            let mut rest = total + rules.noise;
+            rest -= power;
+            power.ratio(rest)
+        };
+        for i in 0..self.signals.len() {
+            let Incoming { packet, power, preamble_end, tracked, .. } = self.signals[i];
+            if tracked && self.locked.is_none() && preamble_end <= now {
+                if sinr(power) > LOCK_THRESHOLD.to_factor() {
+                    self.locked = Some(packet);
+                } else {
+                    self.signals[i].tracked = false;
+                }
+            }
+        }
+        for signal in &mut self.signals {
+            if let Some(locked) = self.locked
+                && locked != signal.packet
+            {
+                signal.tracked = false;
+            }
+            if signal.tracked {
+                let ratio = sinr(signal.power);
+                signal.least_sinr = signal.least_sinr.min(ratio);
+                if matches!(rules.model, ReceptionModel::Ber) {
+                    let span = now.saturating_since(since.max(signal.preamble_end));
+                    let bits = span.as_secs_f64() * rules.bit_rate_hz;
+                    signal.log_intact += bits * libm::log1p(-oqpsk::bit_error_rate(ratio));
+                }
+            }
+        }
+    }
+}

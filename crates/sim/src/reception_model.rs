@@ -1,0 +1,69 @@
+//! When a frame that arrives is received.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Db;
+use sextant_kernel::SettingError;
+
+/// When a frame that arrives is received, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum ReceptionConfig {
+    /// Any two signals above the sensitivity that overlap at the receiver destroy each other: the model of
+    /// most analytic work on CSMA-CA.
+    Overlap {},
+    /// The ratio of signal to interference and noise stays at or above a threshold during the whole frame
+    /// (capture).
+    SinrThreshold(SinrThresholdConfig),
+    /// Bits are lost at the rate of O-QPSK with DSSS (IEEE 802.15.4-2006 annex E); the frame survives with
+    /// the probability that none is.
+    Ber {},
+}
+
+/// A capture threshold, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SinrThresholdConfig {
+    /// Least ratio of the signal to interference and noise [dB].
+    #[serde(default = "default_threshold_db")]
+    pub threshold_db: f64,
+}
+
+fn default_threshold_db() -> f64 {
+    3.0
+}
+
+impl Default for ReceptionConfig {
+    fn default() -> Self {
+        Self::SinrThreshold(SinrThresholdConfig { threshold_db: default_threshold_db() })
+    }
+}
+
+/// When a frame that arrives is received.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReceptionModel {
+    /// Two audible signals that overlap destroy each other.
+    Overlap,
+    /// Received if signal over interference and noise never falls below this factor.
+    SinrThreshold {
+        /// Least ratio, as a factor.
+        least: f64,
+    },
+    /// Received with the probability that no bit is wrong.
+    Ber,
+}
+
+impl TryFrom<ReceptionConfig> for ReceptionModel {
+    type Error = SettingError;
+
+    fn try_from(config: ReceptionConfig) -> Result<Self, SettingError> {
+        Ok(match config {
+            ReceptionConfig::Overlap {} => Self::Overlap,
+            ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db }) => {
+                let threshold_db = SettingError::in_range("sinr_threshold.threshold_db", threshold_db, -30.0, 60.0)?;
+                Self::SinrThreshold { least: Db(threshold_db).to_factor() }
+            }
+            ReceptionConfig::Ber {} => Self::Ber,
+        })
+    }
+}

@@ -1,0 +1,90 @@
+//! The bodies of robots: how fast they drive, how long they listen.
+
+use std::time::Duration;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::SettingError;
+
+use crate::Controller;
+
+/// A robot, as written in a scenario; `C` says what drives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotConfig<C> {
+    /// Name, also of its topics in the recording.
+    pub name: String,
+    /// Where it starts [m].
+    pub start_m: Position,
+    /// How fast it drives [m/s].
+    #[serde(default = "default_speed_m_per_s")]
+    pub speed_m_per_s: f64,
+    /// Radius of its hull: how near it comes to obstacles [m].
+    #[serde(default = "default_radius_m")]
+    pub radius_m: f64,
+    /// How long it listens at each stop [s].
+    #[serde(default = "default_listen_s")]
+    pub listen_s: f64,
+    /// What drives it.
+    pub controller: C,
+}
+
+fn default_speed_m_per_s() -> f64 {
+    1.0
+}
+
+fn default_radius_m() -> f64 {
+    0.2
+}
+
+fn default_listen_s() -> f64 {
+    1.2
+}
+
+/// The body of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Where it starts [m].
+    pub start: Position,
+    /// How fast it drives [m/s].
+    pub speed_m_per_s: f64,
+    /// Radius of its hull [m].
+    pub radius_m: f64,
+    /// How long it listens at each stop.
+    pub listen: Duration,
+}
+
+/// A robot: a body and what drives it.
+pub struct Robot {
+    /// The body.
+    pub body: Body,
+    /// What drives it.
+    pub controller: Box<dyn Controller>,
+}
+
+impl<C> TryFrom<&RobotConfig<C>> for Body {
+    type Error = SettingError;
+
+    fn try_from(config: &RobotConfig<C>) -> Result<Self, SettingError> {
+        let name_is_plain = !config.name.is_empty()
+            && config.name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'));
+        if !name_is_plain {
+            let allowed = "letters, digits, `-`, `_` and `.`, at least one";
+            return Err(SettingError::new("name", format!("`{}`", config.name), allowed));
+        }
+        if !config.start_m.is_finite() {
+            let [x, y, z] = config.start_m.into();
+            return Err(SettingError::new("start_m", format!("[{x}, {y}, {z}]"), "finite coordinates"));
+        }
+        Ok(Self {
+            name: config.name.clone(),
+            start: config.start_m,
+            speed_m_per_s: SettingError::in_range("speed_m_per_s", config.speed_m_per_s, 1e-3, 1e3)?,
+            radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
+            listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),
+        })
+    }
+}

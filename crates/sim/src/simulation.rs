@@ -1,0 +1,456 @@
+//! The only event loop.
+
+use std::time::Duration;
+
+use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, Reception as Heard, ReceptionLog, Stop};
+use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SettingError, SimTime};
+use sextant_mac::csma::{Csma, CsmaSettings, Outcome};
+use sextant_mac::frame::{Address, Body, Frame as MacFrame, NodeFrame};
+use sextant_mac::responder::{self, Responder, Verdict};
+use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
+
+use crate::air::{Air, AirSettings, Arrival, Transmission};
+use crate::event::{Event, RobotEvent};
+use crate::node::{Network, Node};
+use crate::pilot::{Decision, Pilot};
+use crate::receiver::{Fate, Reception};
+use crate::survey::{Packets, Survey};
+use crate::{Frame, FrameOutcome, Observer, Progress, Radio, ReceptionModel, Robot, Traffic, World};
+
+/// PAN that all stations belong to.
+const PAN: u16 = 0x5E87;
+
+/// How far below the noise a signal may be neglected.
+const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
+
+/// Everything that a simulation needs.
+pub struct Setup {
+    /// The world.
+    pub world: World,
+    /// What links do to power.
+    pub channel: ChannelConfig,
+    /// The radios.
+    pub radio: Radio,
+    /// When frames are received.
+    pub reception: ReceptionModel,
+    /// The physical layer.
+    pub phy: Phy,
+    /// Channel access of the nodes.
+    pub csma: CsmaSettings,
+    /// What the nodes send, and when.
+    pub traffic: Traffic,
+    /// What the nodes' radios draw.
+    pub radio_states: RadioStates,
+    /// The robots.
+    pub robots: Vec<Robot>,
+    /// The seed of all randomness.
+    pub seed: Seed,
+}
+
+/// A simulation: it runs once, to its end.
+pub struct Simulation {
+    world: World,
+    network: Network,
+    macs: Vec<Csma>,
+    pilots: Vec<Pilot>,
+    traffic: Traffic,
+    sink: Option<NodeId>,
+    radio_states: RadioStates,
+    power: sextant_channel::Dbm,
+    packets: Packets,
+    stops: Vec<Stop>,
+    receptions: Vec<Heard>,
+    contacts: Vec<Contact>,
+    heard: Vec<bool>,
+    nodes_heard: usize,
+    arrivals: Vec<Arrival>,
+    mpdu: Vec<u8>,
+    events: u64,
+}
+
+impl Simulation {
+    /// A simulation, ready to run.
+    ///
+    /// # Errors
+    /// If the channel's settings are out of their domain, or the frames have no room for the addresses.
+    pub fn new(setup: Setup) -> Result<Self, SettingError> {
+        let Setup { world, channel, radio, reception, phy, csma, traffic, radio_states, robots, seed } = setup;
+        let nodes = world.nodes.len();
+        let last = NodeId::from_index((nodes + robots.len()).saturating_sub(1));
+        let longest = if traffic.is_acknowledged() {
+            NodeFrame::acknowledged(PAN, last, last, traffic.mpdu_octets())
+        } else {
+            NodeFrame::broadcast(PAN, last, traffic.mpdu_octets())
+        };
+        longest.map_err(|error| error.within(traffic.key()))?;
+        let channel = Channel::new(channel, world.obstacles.clone(), seed).map_err(|error| error.within("channel"))?;
+        let places = || world.nodes.iter().map(|node| node.position);
+        let air = Air::new(
+            AirSettings {
+                channel,
+                power: radio.tx_power(),
+                floor: radio.noise_floor() - NEGLECTED_BELOW_NOISE,
+                rules: Reception {
+                    model: reception,
+                    sensitivity: radio.sensitivity().to_milliwatts(),
+                    noise: radio.noise_floor().to_milliwatts(),
+                    preamble: phy.synchronisation_header() - phy.octet(),
+                    bit_rate_hz: phy.bit_rate_per_s(),
+                },
+                sensing: phy.cca(),
+                seed,
+            },
+            places(),
+            nodes,
+            robots.len(),
+        );
+        let resting = csma.resting_state();
+        let new_node = |(i, position): (usize, Position)| {
+            let bits = seed.bits(Purpose::Sequence, [i as u64, 0, 0]);
+            Node::new(position, resting, (bits >> 56) as u8)
+        };
+        let acknowledgements = vec![None; robots.len()];
+        let network = Network {
+            acknowledgements,
+            now: SimTime::ZERO,
+            queue: EventQueue::new(),
+            nodes: places().enumerate().map(new_node).collect(),
+            air,
+            phy,
+            seed,
+            cca_threshold: radio.cca_threshold().to_milliwatts(),
+            resting,
+        };
+        let address = |robot: usize| Address::of(NodeId::from_index(nodes + robot));
+        let sink = (traffic.is_acknowledged() && !robots.is_empty()).then(|| NodeId::from_index(nodes));
+        let pilots = (robots.into_iter().enumerate())
+            .map(|(i, robot)| Pilot::new(robot, Responder::new(phy, PAN, address(i)), nodes))
+            .collect();
+        Ok(Self {
+            macs: vec![Csma::new(csma, phy); nodes],
+            network,
+            pilots,
+            traffic,
+            sink,
+            radio_states,
+            power: radio.tx_power(),
+            packets: Packets::default(),
+            stops: Vec::new(),
+            receptions: Vec::new(),
+            contacts: Vec::new(),
+            heard: vec![false; nodes],
+            nodes_heard: 0,
+            arrivals: Vec::new(),
+            mpdu: Vec::with_capacity(127),
+            events: 0,
+            world,
+        })
+    }
+
+    /// Runs until the last robot has finished, or the observer ends it.
+    pub fn run(mut self, observer: &mut impl Observer) -> Survey {
+        self.begin();
+        let mut interrupted = false;
+        while !interrupted && !self.pilots.iter().all(Pilot::is_finished) {
+            let Some((now, event)) = self.network.queue.pop() else { break };
+            self.network.now = now;
+            self.events += 1;
+            match event {
+                Event::FrameDue(node) => self.offer(node),
+                Event::Mac(node, event) => self.handle_mac(node, event, observer),
+                Event::Robot(robot, event) => interrupted = !self.handle_robot(robot as usize, event, observer),
+            }
+        }
+        self.finish(interrupted)
+    }
+
+    fn begin(&mut self) {
+        for i in 0..self.macs.len() {
+            let node = NodeId::from_index(i);
+            self.schedule_frame(node);
+            if self.network.resting == RadioState::Receive {
+                let place = self.network.nodes[i].position;
+                self.network.air.listen(SimTime::ZERO, node, place);
+            }
+        }
+        for robot in 0..self.pilots.len() {
+            self.network.after(Duration::ZERO, Event::Robot(NodeId::from_index(robot).0, RobotEvent::Arrived));
+        }
+    }
+
+    /// The next frame of a node's application is due in its time.
+    fn schedule_frame(&mut self, node: NodeId) {
+        let count = self.network.nodes[node.index()].frames;
+        if let Some(due) = self.traffic.due(self.network.seed, node, count) {
+            self.network.after(due.saturating_since(self.network.now), Event::FrameDue(node));
+        }
+    }
+
+    /// A node's application hands a frame to its MAC.
+    fn offer(&mut self, node: NodeId) {
+        let state = &mut self.network.nodes[node.index()];
+        state.frames += 1;
+        self.packets.offered += 1;
+        let mac = &mut self.macs[node.index()];
+        if mac.is_busy() {
+            self.packets.lost_queue += 1;
+        } else {
+            state.sequence = state.sequence.wrapping_add(1);
+            state.fate = Fate::NotListened;
+            let frame = csma::Transmission {
+                mpdu_octets: self.traffic.mpdu_octets(),
+                ack_request: self.sink.is_some(),
+                sequence: state.sequence,
+            };
+            mac.start(frame, &mut self.network.radio(node, false));
+        }
+        self.schedule_frame(node);
+    }
+
+    fn handle_mac(&mut self, node: NodeId, event: csma::Event, observer: &mut impl Observer) {
+        let event = match event {
+            csma::Event::CcaEnded { .. } => csma::Event::CcaEnded { busy: self.network.senses_busy(node) },
+            csma::Event::TransmissionEnded => {
+                self.end_frame(node, observer);
+                event
+            }
+            _ => event,
+        };
+        let awaits_ack = event == csma::Event::ReceiveReady;
+        let report = self.macs[node.index()].handle(event, &mut self.network.radio(node, awaits_ack));
+        if let Some(report) = report {
+            self.count(node, report);
+        }
+    }
+
+    /// The last symbol of a node's frame is on air: who got it?
+    fn end_frame(&mut self, node: NodeId, observer: &mut impl Observer) {
+        let state = &mut self.network.nodes[node.index()];
+        let transmission = state.transmission.take().expect("only a frame on air ends");
+        let best = self.network.air.end(self.network.now, &transmission, &mut self.arrivals);
+        let state = &mut self.network.nodes[node.index()];
+        state.fate = state.fate.max(best);
+        let first_robot = self.macs.len();
+        let is_received = |arrival: &Arrival| arrival.fate == Fate::Received && arrival.station.index() >= first_robot;
+        if !observer.wants_frames() && !self.arrivals.iter().any(is_received) {
+            return;
+        }
+        self.write_frame(node);
+        if observer.wants_frames() {
+            self.tell_frame(&transmission, node, best, observer);
+        }
+        for i in 0..self.arrivals.len() {
+            if is_received(&self.arrivals[i]) {
+                self.deliver(self.arrivals[i]);
+            }
+        }
+    }
+
+    fn write_frame(&mut self, node: NodeId) {
+        let sequence = self.network.nodes[node.index()].sequence;
+        let octets = self.traffic.mpdu_octets();
+        let frame = match self.sink {
+            None => NodeFrame::broadcast(PAN, node, octets),
+            Some(sink) => NodeFrame::acknowledged(PAN, node, sink, octets),
+        };
+        frame.expect("the size was checked at the start").write(sequence, &mut self.mpdu);
+    }
+
+    fn tell_frame(&self, transmission: &Transmission, node: NodeId, best: Fate, observer: &mut impl Observer) {
+        let heard = |a: &&Arrival| a.station.index() >= self.macs.len() && a.fate == best;
+        let power = self.arrivals.iter().find(heard).map(|arrival| arrival.power.to_dbm());
+        observer.framed(Frame {
+            start: transmission.start(),
+            airtime: self.network.now - transmission.start(),
+            source: node,
+            bytes: &self.mpdu,
+            outcome: match best {
+                Fate::Received => FrameOutcome::Received,
+                Fate::Collided => FrameOutcome::Collided,
+                Fate::Weak => FrameOutcome::Weak,
+                Fate::OutOfRange => FrameOutcome::OutOfRange,
+                Fate::NotListened => FrameOutcome::NotListened,
+            },
+            power,
+        });
+    }
+
+    /// A robot has received the frame in `mpdu`.
+    fn deliver(&mut self, arrival: Arrival) {
+        let robot = arrival.station.index() - self.macs.len();
+        let frame = MacFrame::parse(&self.mpdu).expect("stations write what they can read");
+        let source = frame.source.and_then(|source| source.address.node());
+        let is_data = matches!(frame.body, Body::Data(_));
+        let pilot = &mut self.pilots[robot];
+        let mut radio = RobotRadio { network: &mut self.network, robot, place: pilot.position() };
+        let verdict = pilot.responder.receive(&frame, &mut radio);
+        if let (Verdict::Deliver, true, Some(node)) = (verdict, is_data, source) {
+            pilot.note(node, arrival.power);
+        }
+    }
+
+    fn count(&mut self, node: NodeId, report: csma::Report) {
+        let fate = self.network.nodes[node.index()].fate;
+        let packets = &mut self.packets;
+        packets.sent += u64::from(report.transmissions > 0);
+        packets.channel_access_failures += u64::from(report.outcome == Outcome::ChannelAccessFailure);
+        if report.transmissions == 0 {
+            debug_assert_eq!(report.outcome, Outcome::ChannelAccessFailure);
+            packets.lost_channel_access += 1;
+        } else {
+            *match fate {
+                Fate::Received => &mut packets.received,
+                Fate::Collided => &mut packets.lost_collision,
+                Fate::Weak => &mut packets.lost_signal,
+                Fate::OutOfRange => &mut packets.out_of_range,
+                Fate::NotListened => &mut packets.not_listened,
+            } += 1;
+        }
+    }
+
+    /// Whether the simulation goes on.
+    fn handle_robot(&mut self, robot: usize, event: RobotEvent, observer: &mut impl Observer) -> bool {
+        let now = self.network.now;
+        match event {
+            RobotEvent::Arrived => {
+                let first = now == SimTime::ZERO;
+                let decision = self.pilots[robot].arrive(now, &self.world.obstacles, first);
+                observer.moved(robot, now, self.pilots[robot].position());
+                self.act(robot, decision, observer);
+            }
+            RobotEvent::SlotEnded if self.pilots[robot].responder.is_responding() => {
+                self.pilots[robot].slot_is_over = true;
+            }
+            RobotEvent::SlotEnded => return self.end_slot(robot, observer),
+            RobotEvent::Responder(event) => {
+                self.handle_responder(robot, event);
+                if self.pilots[robot].slot_is_over && !self.pilots[robot].responder.is_responding() {
+                    return self.end_slot(robot, observer);
+                }
+            }
+        }
+        true
+    }
+
+    fn handle_responder(&mut self, robot: usize, event: responder::Event) {
+        if event == responder::Event::TransmissionEnded {
+            let on_air = self.network.acknowledgements[robot].take();
+            let (ack, sequence) = on_air.expect("only an acknowledgement on air ends");
+            self.network.air.end(self.network.now, &ack, &mut self.arrivals);
+            let nodes = self.macs.len();
+            for arrival in std::mem::take(&mut self.arrivals) {
+                if arrival.fate == Fate::Received && arrival.station.index() < nodes {
+                    let event = csma::Event::AckReceived { sequence };
+                    let mac = &mut self.macs[arrival.station.index()];
+                    if let Some(report) = mac.handle(event, &mut self.network.radio(arrival.station, false)) {
+                        self.count(arrival.station, report);
+                    }
+                }
+            }
+        }
+        let pilot = &mut self.pilots[robot];
+        let mut radio = RobotRadio { network: &mut self.network, robot, place: pilot.position() };
+        pilot.responder.handle(event, &mut radio);
+    }
+
+    fn end_slot(&mut self, robot: usize, observer: &mut impl Observer) -> bool {
+        let now = self.network.now;
+        let station = NodeId::from_index(self.macs.len() + robot);
+        let pilot = &mut self.pilots[robot];
+        self.network.air.deafen(station, pilot.position());
+        let index = NodeId::from_index(self.stops.len()).0;
+        let (stop, receptions, decision) = pilot.end_slot(now, &self.world.obstacles, index);
+        observer.stopped(robot, index, &stop, now, &receptions);
+        self.stops.push(stop);
+        for reception in &receptions {
+            let known = &mut self.heard[reception.node.index()];
+            self.nodes_heard += usize::from(!std::mem::replace(known, true));
+        }
+        self.receptions.extend(receptions);
+        self.act(robot, decision, observer);
+        let (stops, nodes_heard, nodes) = (self.stops.len(), self.nodes_heard, self.macs.len());
+        observer.goes_on(Progress { time: now, stops, nodes_heard, nodes })
+    }
+
+    fn act(&mut self, robot: usize, decision: Decision, observer: &mut impl Observer) {
+        let now = self.network.now;
+        let number = NodeId::from_index(robot).0;
+        match decision {
+            Decision::Drive { span, contact } => {
+                observer.moved(robot, now, self.pilots[robot].position());
+                if let Some(position) = contact {
+                    let contact = Contact { time: now + span, position };
+                    observer.met(robot, contact);
+                    self.contacts.push(contact);
+                }
+                self.network.after(span, Event::Robot(number, RobotEvent::Arrived));
+            }
+            Decision::Listen { span } => {
+                let station = NodeId::from_index(self.macs.len() + robot);
+                self.network.air.listen(now, station, self.pilots[robot].position());
+                self.network.after(span, Event::Robot(number, RobotEvent::SlotEnded));
+            }
+            Decision::Finish => {}
+        }
+    }
+
+    fn finish(mut self, interrupted: bool) -> Survey {
+        let mut energy = EnergySpent::default();
+        for (node, mac) in self.network.nodes.iter_mut().zip(&self.macs) {
+            let state = node.meter.state();
+            node.meter.enter(state, self.network.now);
+            energy += node.meter.spent(&self.radio_states, self.power);
+            self.packets.pending += u64::from(mac.is_busy());
+        }
+        let names = self.world.nodes.into_iter().map(|node| node.name).collect();
+        let log = ReceptionLog::new(names, self.stops, self.receptions, self.contacts)
+            .expect("a simulation hears each node at most once a stop");
+        Survey {
+            log,
+            robots: self.pilots.into_iter().map(Pilot::into_record).collect(),
+            packets: self.packets,
+            energy,
+            end: self.network.now,
+            events: self.events,
+            interrupted,
+        }
+    }
+}
+
+/// The radio of a robot, as its responder sees it.
+struct RobotRadio<'a> {
+    network: &'a mut Network,
+    robot: usize,
+    place: Position,
+}
+
+impl RobotRadio<'_> {
+    fn station(&self) -> NodeId {
+        NodeId::from_index(self.network.nodes.len() + self.robot)
+    }
+}
+
+impl responder::Radio for RobotRadio<'_> {
+    fn after(&mut self, span: Duration, event: responder::Event) {
+        let robot = NodeId::from_index(self.robot).0;
+        self.network.after(span, Event::Robot(robot, RobotEvent::Responder(event)));
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        let (now, station) = (self.network.now, self.station());
+        if state == RadioState::Receive {
+            self.network.air.listen(now, station, self.place);
+        } else {
+            self.network.air.deafen(station, self.place);
+        }
+    }
+
+    fn start_acknowledgement(&mut self, sequence: u8) {
+        let (now, station, airtime) = (self.network.now, self.station(), self.network.phy.ack_airtime());
+        let transmission = self.network.air.begin(now, station, self.place, airtime);
+        self.network.acknowledgements[self.robot] = Some((transmission, sequence));
+        let robot = NodeId::from_index(self.robot).0;
+        let event = Event::Robot(robot, RobotEvent::Responder(responder::Event::TransmissionEnded));
+        self.network.after(airtime, event);
+    }
+}

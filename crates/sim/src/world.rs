@@ -1,0 +1,45 @@
+//! The world as it is, which no robot and no mapper knows.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField};
+use sextant_kernel::{Seed, SettingError};
+
+use crate::layout::{NodesConfig, PlacedNode};
+
+/// The world, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WorldConfig {
+    /// Where the nodes are.
+    pub nodes: NodesConfig,
+    /// What stands in the way of radio and robots.
+    #[serde(default)]
+    pub obstacles: Vec<ObstacleConfig>,
+}
+
+/// The world as it is.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The nodes; the index is the identity.
+    pub nodes: Vec<PlacedNode>,
+    /// The obstacles.
+    pub obstacles: ObstacleField,
+}
+
+impl WorldConfig {
+    /// Sets up the world: the obstacles first, the nodes between them. Paths are relative to `folder`.
+    ///
+    /// # Errors
+    /// If an obstacle has no volume, a node stands in an obstacle, or the nodes do not fit.
+    pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
+        let obstacles = (self.obstacles.iter().enumerate())
+            .map(|(i, config)| Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]"))))
+            .collect::<Result<Vec<_>, _>>()?;
+        let obstacles = ObstacleField::new(obstacles);
+        let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;
+        Ok(World { nodes, obstacles })
+    }
+}
