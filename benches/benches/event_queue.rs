@@ -64,17 +64,9 @@ impl Load {
         };
         let gaps = (0..DRAWS).map(gap).collect();
         let cancels = (0..DRAWS)
-            .map(|_| {
-                (cancelled && draw.random_range(0..10) == 0)
-                    .then(|| NodeId(draw.random_range(0..pending)))
-            })
+            .map(|_| (cancelled && draw.random_range(0..10) == 0).then(|| NodeId(draw.random_range(0..pending))))
             .collect();
-        Self {
-            pending,
-            starts,
-            gaps,
-            cancels,
-        }
+        Self { pending, starts, gaps, cancels }
     }
 }
 
@@ -94,12 +86,7 @@ impl<'a, Q: Queue<Event>> Hold<'a, Q> {
             queue.push(at, 0, node, Event { node, class: 0, _data: [0; 4] })
         };
         let keys = (0..).zip(&load.starts).map(&mut push).collect();
-        let mut hold = Self {
-            load,
-            queue,
-            keys,
-            draws: 0,
-        };
+        let mut hold = Self { load, queue, keys, draws: 0 };
         hold.run(u64::from(2 * load.pending));
         hold
     }

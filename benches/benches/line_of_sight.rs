@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sextant_channel::{
-    BoxConfig, Channel, ChannelConfig, CorrelationConfig, CylinderConfig, Dbm, Obstacle, ObstacleConfig, ObstacleField,
-    Position, PrismConfig, ShadowingConfig, ShapeConfig, SpatialConfig,
+    BoxConfig, Channel, ChannelConfig, CorrelationConfig, CylinderConfig, Dbm, Obstacle, ObstacleConfig,
+    ObstacleField, Position, PrismConfig, ShadowingConfig, ShapeConfig, SpatialConfig,
 };
 use sextant_kernel::{NodeId, Purpose, Seed};
 
@@ -94,7 +94,8 @@ fn link(c: &mut Criterion) {
     group.throughput(Throughput::Elements(LINES));
     let channel = |correlation, obstacles| {
         let shadowing = Some(ShadowingConfig { sigma_db: None, correlation });
-        Channel::new(ChannelConfig { shadowing, ..ChannelConfig::default() }, obstacles, SEED).expect("a good channel")
+        Channel::new(ChannelConfig { shadowing, ..ChannelConfig::default() }, obstacles, SEED)
+            .expect("a good channel")
     };
     let nodes = |i: usize| (NodeId(u32::try_from(i).expect("few lines")), NodeId(7));
     let lines = lines(1_000);

@@ -15,12 +15,7 @@ pub struct Calendar {
 
 impl Default for Calendar {
     fn default() -> Self {
-        Self {
-            days: vec![Vec::new(); 2],
-            shift: 20,
-            today: 0,
-            len: 0,
-        }
+        Self { days: vec![Vec::new(); 2], shift: 20, today: 0, len: 0 }
     }
 }
 
@@ -66,9 +61,8 @@ impl Calendar {
         let gaps = || sample.windows(2).map(|pair| (pair[1].time - pair[0].time).as_nanos());
         let count = (sample.len() as u128).saturating_sub(1).max(1);
         let mean = gaps().sum::<u128>() / count;
-        let (sum, count) = gaps()
-            .filter(|&gap| gap <= 2 * mean)
-            .fold((0, 0), |(sum, count), gap| (sum + gap, count + 1));
+        let (sum, count) =
+            gaps().filter(|&gap| gap <= 2 * mean).fold((0, 0), |(sum, count), gap| (sum + gap, count + 1));
         self.shift = (3 * sum / count.max(1)).max(1).ilog2();
         self.today = sample.first().map_or(0, |entry| self.day_of(entry));
         self.len = 0;

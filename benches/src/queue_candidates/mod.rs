@@ -27,14 +27,17 @@ pub trait Queue<E>: Default {
 impl<E> Queue<E> for EventQueue<E> {
     type Key = sextant_kernel::EventKey;
 
+    #[inline]
     fn push(&mut self, at: SimTime, class: u8, node: NodeId, event: E) -> Self::Key {
         self.push(at, Rank::new(class, node), event)
     }
 
+    #[inline]
     fn pop(&mut self) -> Option<(SimTime, E)> {
         self.pop()
     }
 
+    #[inline]
     fn cancel(&mut self, key: Self::Key) -> Option<E> {
         self.cancel(key)
     }
@@ -69,12 +72,7 @@ pub struct Candidate<E, O> {
 
 impl<E, O: Order> Default for Candidate<E, O> {
     fn default() -> Self {
-        Self {
-            order: O::default(),
-            slots: Vec::new(),
-            vacant: Vec::new(),
-            insertions: 0,
-        }
+        Self { order: O::default(), slots: Vec::new(), vacant: Vec::new(), insertions: 0 }
     }
 }
 
@@ -96,10 +94,7 @@ impl<E, O: Order> Queue<E> for Candidate<E, O> {
             self.slots.push(filled);
             u32::try_from(self.slots.len() - 1).expect("fewer than 2^32 pending events")
         };
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the lower half; the upper one is in `rank`"
-        )]
+        #[expect(clippy::cast_possible_truncation, reason = "the lower half; the upper one is in `rank`")]
         let insertion_low = insertion as u32;
         self.order.push(Entry {
             time: at,
@@ -143,9 +138,8 @@ mod tests {
         let draw = |place| Seed(3).bits(Purpose::Traffic, [place, 0, 0]);
         let gap = |place| Duration::from_micros(64 * (draw(place) % 40).pow(3));
         let mut queue = Q::default();
-        let mut keys: Vec<_> = (0..500)
-            .map(|node| queue.push(SimTime::ZERO, 0, NodeId(node), NodeId(node)))
-            .collect();
+        let mut keys: Vec<_> =
+            (0..500).map(|node| queue.push(SimTime::ZERO, 0, NodeId(node), NodeId(node))).collect();
         let mut left = Vec::new();
         for step in 0..20_000 {
             let (at, node) = queue.pop().expect("as many events as nodes");

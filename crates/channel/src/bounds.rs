@@ -15,10 +15,7 @@ impl Bounds {
     /// The least box round `points`; `None` if there are none.
     #[must_use]
     pub fn of(points: impl IntoIterator<Item = Position>) -> Option<Self> {
-        points
-            .into_iter()
-            .map(|p| Self { min: p, max: p })
-            .reduce(Self::union)
+        points.into_iter().map(|p| Self { min: p, max: p }).reduce(Self::union)
     }
 
     /// The least box round this and `other`.
@@ -27,20 +24,14 @@ impl Bounds {
         let (a, b) = (self.min, other.min);
         let min = Position::new(a.x_m.min(b.x_m), a.y_m.min(b.y_m), a.z_m.min(b.z_m));
         let (a, b) = (self.max, other.max);
-        Self {
-            min,
-            max: Position::new(a.x_m.max(b.x_m), a.y_m.max(b.y_m), a.z_m.max(b.z_m)),
-        }
+        Self { min, max: Position::new(a.x_m.max(b.x_m), a.y_m.max(b.y_m), a.z_m.max(b.z_m)) }
     }
 
     /// This box with `margin_m` more on each side.
     #[must_use]
     pub fn grown(self, margin_m: f64) -> Self {
         let margin = Position::new(margin_m, margin_m, margin_m);
-        Self {
-            min: self.min - margin,
-            max: self.max + margin,
-        }
+        Self { min: self.min - margin, max: self.max + margin }
     }
 
     /// Middle of the box [m].

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{NodeId, Seed, SettingError};
 
 use crate::{
-    Db, Dbm, Environment, LogDistance, LogDistanceConfig, ObstacleField, PathLossConfig, Position,
-    Shadowing, ShadowingConfig,
+    Db, Dbm, Environment, LogDistance, LogDistanceConfig, ObstacleField, PathLossConfig, Position, Shadowing,
+    ShadowingConfig,
 };
 
 /// The radio channel as written in a scenario.
@@ -63,11 +63,7 @@ impl Channel {
     ///
     /// # Errors
     /// If a value is outside its domain, or neither environment nor path loss is given.
-    pub fn new(
-        config: ChannelConfig,
-        obstacles: ObstacleField,
-        seed: Seed,
-    ) -> Result<Self, SettingError> {
+    pub fn new(config: ChannelConfig, obstacles: ObstacleField, seed: Seed) -> Result<Self, SettingError> {
         let environment = config.environment;
         let mut law = match config.path_loss {
             Some(PathLossConfig::LogDistance(law)) => law,
@@ -85,10 +81,8 @@ impl Channel {
         };
         shadowing.sigma_db = shadowing.sigma_db.or(inherited);
         Ok(Self {
-            path_loss: LogDistance::try_from(law)
-                .map_err(|error| error.within("path_loss.log_distance"))?,
-            shadowing: Shadowing::new(shadowing, seed)
-                .map_err(|error| error.within("shadowing"))?,
+            path_loss: LogDistance::try_from(law).map_err(|error| error.within("path_loss.log_distance"))?,
+            shadowing: Shadowing::new(shadowing, seed).map_err(|error| error.within("shadowing"))?,
             max_range_m: match config.max_range_m {
                 Some(range_m) => SettingError::positive("max_range_m", range_m)?,
                 None => f64::INFINITY,
@@ -130,11 +124,7 @@ impl Channel {
             return None;
         }
         let mean = tx - self.path_loss.loss(distance_m);
-        Some(if self.obstacles_attenuate {
-            mean - self.obstacles.loss(from, to)
-        } else {
-            mean
-        })
+        Some(if self.obstacles_attenuate { mean - self.obstacles.loss(from, to) } else { mean })
     }
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.
@@ -155,8 +145,7 @@ impl Channel {
         pb: Position,
         packet: u64,
     ) -> Option<Dbm> {
-        self.mean_power(tx, pa, pb)
-            .map(|mean| mean + self.shadowing(a, pa, b, pb, packet))
+        self.mean_power(tx, pa, pb).map(|mean| mean + self.shadowing(a, pa, b, pb, packet))
     }
 
     /// Distance beyond which a power of `floor` is out of reach even four standard deviations above the mean
@@ -170,13 +159,7 @@ impl Channel {
     /// Probability that `tx` arrives with at least `sensitivity` over `distance_m` behind obstacles that take
     /// `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
     #[must_use]
-    pub fn reception_probability(
-        &self,
-        tx: Dbm,
-        sensitivity: Dbm,
-        distance_m: f64,
-        obstacle_loss: Db,
-    ) -> f64 {
+    pub fn reception_probability(&self, tx: Dbm, sensitivity: Dbm, distance_m: f64, obstacle_loss: Db) -> f64 {
         if distance_m > self.max_range_m {
             return 0.0;
         }

@@ -36,11 +36,7 @@ impl ObstacleField {
     #[must_use]
     pub fn new(obstacles: Vec<Obstacle>) -> Self {
         let boxes = || obstacles.iter().map(|obstacle| obstacle.shape().bounds());
-        Self {
-            tree: Tree::new(boxes()),
-            bounds: boxes().reduce(Bounds::union),
-            obstacles,
-        }
+        Self { tree: Tree::new(boxes()), bounds: boxes().reduce(Bounds::union), obstacles }
     }
 
     /// The obstacles, in the order given.
@@ -64,17 +60,11 @@ impl ObstacleField {
     /// The obstacles that the straight line between two places runs through, in no order that means anything.
     fn lengths(&self, from: Position, to: Position) -> impl Iterator<Item = Crossing> + '_ {
         let key = |p: Position| [p.x_m, p.y_m, p.z_m];
-        let (from, to) = if key(from) <= key(to) {
-            (from, to)
-        } else {
-            (to, from)
-        };
-        self.tree
-            .along(Span::new(from, to), 0.0)
-            .filter_map(move |obstacle| {
-                let length_m = self.obstacles[obstacle].shape().length_inside_m(from, to);
-                (length_m > 0.0).then_some(Crossing { obstacle, length_m })
-            })
+        let (from, to) = if key(from) <= key(to) { (from, to) } else { (to, from) };
+        self.tree.along(Span::new(from, to), 0.0).filter_map(move |obstacle| {
+            let length_m = self.obstacles[obstacle].shape().length_inside_m(from, to);
+            (length_m > 0.0).then_some(Crossing { obstacle, length_m })
+        })
     }
 
     /// Replaces `crossings` by those of the straight line from `from` to `to`, by obstacle. A line that only touches an
@@ -89,19 +79,18 @@ impl ObstacleField {
     /// d the length inside (Lambert-Bouguer law; thesis eq. 3.16).
     #[must_use]
     pub fn loss(&self, from: Position, to: Position) -> Db {
-        let nepers = |crossing: Crossing| {
-            self.obstacles[crossing.obstacle].absorption_per_m() * crossing.length_m
-        };
-        Db(DB_PER_NEPER * self.lengths(from, to).map(nepers).sum::<f64>())
+        if self.obstacles.is_empty() {
+            return Db(0.0);
+        }
+        let nepers = |crossing: Crossing| self.obstacles[crossing.obstacle].absorption_per_m() * crossing.length_m;
+        let total = self.lengths(from, to).map(nepers).fold(0.0, |sum, part| sum + part);
+        Db(DB_PER_NEPER * total)
     }
 
     /// The first obstacle that `p` is inside of.
     #[must_use]
     pub fn containing(&self, p: Position) -> Option<usize> {
-        self.tree
-            .holding(p)
-            .filter(|&obstacle| self.obstacles[obstacle].shape().contains(p))
-            .min()
+        self.tree.holding(p).filter(|&obstacle| self.obstacles[obstacle].shape().contains(p)).min()
     }
 
     /// How far a ball of `radius_m` with its middle at `from` can travel straight in `direction` (any length above 0)
@@ -111,18 +100,9 @@ impl ObstacleField {
     /// obstacle is missed. A ball that touches at the start may slide along the obstacle or leave it, but not go deeper; one with its
     /// middle inside an obstacle, and one without a direction, goes nowhere. Radii below 1 µm count as 1 µm.
     #[must_use]
-    pub fn clearance_m(
-        &self,
-        from: Position,
-        direction: Position,
-        range_m: f64,
-        radius_m: f64,
-    ) -> f64 {
+    pub fn clearance_m(&self, from: Position, direction: Position, range_m: f64, radius_m: f64) -> f64 {
         let length = direction.length_m();
-        let (true, Some(bounds)) = (
-            range_m > 0.0 && length > 0.0 && length.is_finite(),
-            self.bounds,
-        ) else {
+        let (true, Some(bounds)) = (range_m > 0.0 && length > 0.0 && length.is_finite(), self.bounds) else {
             let free = range_m > 0.0 && length > 0.0 && length.is_finite();
             return if free { range_m } else { 0.0 };
         };
@@ -130,12 +110,7 @@ impl ObstacleField {
         // Beyond all obstacles nothing can be touched; a finite search, whatever the range.
         let end_m = from.distance_m(bounds.center()) + bounds.min.distance_m(bounds.max) + radius_m;
         let direction = direction * (1.0 / length);
-        let sweep = Sweep {
-            from,
-            direction,
-            range_m: range_m.min(end_m),
-            radius_m,
-        };
+        let sweep = Sweep { from, direction, range_m: range_m.min(end_m), radius_m };
         let span = Span::new(from, sweep.at(sweep.range_m));
         self.tree
             .along(span, radius_m)
@@ -146,8 +121,7 @@ impl ObstacleField {
     /// Distance from `p` to the nearest obstacle [m]: 0 inside one, infinite if there is none.
     #[must_use]
     pub fn distance_m(&self, p: Position) -> f64 {
-        self.tree
-            .nearest_m(p, |obstacle| self.obstacles[obstacle].shape().distance_m(p))
+        self.tree.nearest_m(p, |obstacle| self.obstacles[obstacle].shape().distance_m(p))
     }
 
     /// The least box round all obstacles; `None` without any.

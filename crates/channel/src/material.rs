@@ -24,46 +24,14 @@ impl Material {
             source: "chosen: 20 dB a metre (10 α log10(e) = 19.98 dB), since the thesis names concrete but no coefficient; \
                      light, dry concrete; see itu-concrete for dense concrete",
         },
-        Self {
-            name: "itu-concrete",
-            absorption_per_m: 15.297,
-            source: P2040,
-        },
-        Self {
-            name: "brick",
-            absorption_per_m: 5.233,
-            source: P2040,
-        },
-        Self {
-            name: "plasterboard",
-            absorption_per_m: 4.497,
-            source: P2040,
-        },
-        Self {
-            name: "wood",
-            absorption_per_m: 3.280,
-            source: P2040,
-        },
-        Self {
-            name: "chipboard",
-            absorption_per_m: 10.222,
-            source: P2040,
-        },
-        Self {
-            name: "glass",
-            absorption_per_m: 1.793,
-            source: P2040,
-        },
-        Self {
-            name: "marble",
-            absorption_per_m: 1.787,
-            source: P2040,
-        },
-        Self {
-            name: "metal",
-            absorption_per_m: 622_090.0,
-            source: P2040,
-        },
+        Self { name: "itu-concrete", absorption_per_m: 15.297, source: P2040 },
+        Self { name: "brick", absorption_per_m: 5.233, source: P2040 },
+        Self { name: "plasterboard", absorption_per_m: 4.497, source: P2040 },
+        Self { name: "wood", absorption_per_m: 3.280, source: P2040 },
+        Self { name: "chipboard", absorption_per_m: 10.222, source: P2040 },
+        Self { name: "glass", absorption_per_m: 1.793, source: P2040 },
+        Self { name: "marble", absorption_per_m: 1.787, source: P2040 },
+        Self { name: "metal", absorption_per_m: 622_090.0, source: P2040 },
         Self {
             name: "wet-ground",
             absorption_per_m: 39.437,
@@ -97,11 +65,7 @@ impl Material {
 
     /// All names, for messages.
     pub(crate) fn names() -> String {
-        Self::ALL
-            .iter()
-            .map(|material| format!("\"{}\"", material.name))
-            .collect::<Vec<_>>()
-            .join(", ")
+        Self::ALL.iter().map(|material| format!("\"{}\"", material.name)).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -119,10 +83,7 @@ mod tests {
 
     fn assert_listed(name: &str, expected: f64) {
         let listed = Material::named(name).unwrap().absorption_per_m;
-        assert!(
-            (listed / expected - 1.0).abs() < 1e-3,
-            "{name}: listed {listed}, computed {expected}"
-        );
+        assert!((listed / expected - 1.0).abs() < 1e-3, "{name}: listed {listed}, computed {expected}");
     }
 
     #[test]
@@ -156,12 +117,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_a_metre_of_concrete_takes_twenty_decibels() {
         for (i, material) in Material::ALL.iter().enumerate() {
-            assert_eq!(
-                Material::ALL
-                    .iter()
-                    .position(|other| other.name == material.name),
-                Some(i)
-            );
+            assert_eq!(Material::ALL.iter().position(|other| other.name == material.name), Some(i));
             assert!(material.absorption_per_m > 0.0 && !material.source.is_empty());
         }
         let concrete = Material::named("concrete").unwrap();

@@ -50,9 +50,7 @@ impl Obstacle {
         let absorption_per_m = match (config.material, config.absorption_per_m) {
             (Some(name), None) => {
                 Material::named(&name)
-                    .ok_or_else(|| {
-                        SettingError::new("material", format!("{name:?}"), Material::names())
-                    })?
+                    .ok_or_else(|| SettingError::new("material", format!("{name:?}"), Material::names()))?
                     .absorption_per_m
             }
             (None, Some(alpha)) => SettingError::not_negative("absorption_per_m", alpha)?,
@@ -62,19 +60,11 @@ impl Obstacle {
             }
             (Some(name), Some(alpha)) => {
                 let found = format!("{alpha} beside material {name:?}");
-                return Err(SettingError::new(
-                    "absorption_per_m",
-                    found,
-                    "either `material` or `absorption_per_m`",
-                ));
+                return Err(SettingError::new("absorption_per_m", found, "either `material` or `absorption_per_m`"));
             }
         };
         let shape = Shape::read(config.shape, folder).map_err(|error| error.within("shape"))?;
-        Ok(Self {
-            name: config.name,
-            shape,
-            absorption_per_m,
-        })
+        Ok(Self { name: config.name, shape, absorption_per_m })
     }
 
     /// What it is called, if it has a name.

@@ -63,18 +63,11 @@ impl TryFrom<LogDistanceConfig> for LogDistance {
 
     fn try_from(config: LogDistanceConfig) -> Result<Self, SettingError> {
         let exponent = config.exponent.ok_or_else(|| {
-            SettingError::new(
-                "exponent",
-                "absent",
-                "a finite number above 0, or an environment that has one",
-            )
+            SettingError::new("exponent", "absent", "a finite number above 0, or an environment that has one")
         })?;
         Ok(Self {
             exponent: SettingError::positive("exponent", exponent)?,
-            reference_distance_m: SettingError::positive(
-                "reference_distance_m",
-                config.reference_distance_m,
-            )?,
+            reference_distance_m: SettingError::positive("reference_distance_m", config.reference_distance_m)?,
             min_distance_m: SettingError::positive("min_distance_m", config.min_distance_m)?,
         })
     }
@@ -90,9 +83,7 @@ impl LogDistance {
     /// Loss over `distance_m` relative to the reference distance; negative if nearer than it.
     #[must_use]
     pub fn loss(&self, distance_m: f64) -> Db {
-        Db(10.0
-            * self.exponent
-            * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
+        Db(10.0 * self.exponent * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
     }
 
     /// The largest distance at which the loss is at most `loss` [m]; 0 if it is more everywhere.
@@ -110,12 +101,7 @@ mod tests {
     use super::*;
 
     fn law(exponent: f64) -> LogDistance {
-        LogDistanceConfig {
-            exponent: Some(exponent),
-            ..LogDistanceConfig::default()
-        }
-        .try_into()
-        .unwrap()
+        LogDistanceConfig { exponent: Some(exponent), ..LogDistanceConfig::default() }.try_into().unwrap()
     }
 
     #[test]
@@ -132,11 +118,7 @@ mod tests {
         // 40 dB of budget: 30.3, 12.9, 7.4 m in the three environments of the thesis (Table 3.4).
         for (exponent, range_m) in [(2.7, 30.302_711), (3.6, 12.915_497), (4.6, 7.405_685)] {
             let law = law(exponent);
-            assert!(
-                (law.distance_m(Db(40.0)) - range_m).abs() < 1e-3,
-                "{}",
-                law.distance_m(Db(40.0))
-            );
+            assert!((law.distance_m(Db(40.0)) - range_m).abs() < 1e-3, "{}", law.distance_m(Db(40.0)));
             assert!((law.loss(law.distance_m(Db(40.0))).0 - 40.0).abs() < 1e-10);
         }
         assert!(law(2.0).distance_m(Db(-20.001)) <= 0.0);
@@ -145,46 +127,13 @@ mod tests {
 
     #[test]
     fn a_bad_law_names_its_key() {
-        let good = LogDistanceConfig {
-            exponent: Some(2.0),
-            ..LogDistanceConfig::default()
-        };
+        let good = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
         for (config, key) in [
-            (
-                LogDistanceConfig {
-                    exponent: None,
-                    ..good
-                },
-                "exponent",
-            ),
-            (
-                LogDistanceConfig {
-                    exponent: Some(-2.0),
-                    ..good
-                },
-                "exponent",
-            ),
-            (
-                LogDistanceConfig {
-                    exponent: Some(f64::NAN),
-                    ..good
-                },
-                "exponent",
-            ),
-            (
-                LogDistanceConfig {
-                    reference_distance_m: 0.0,
-                    ..good
-                },
-                "reference_distance_m",
-            ),
-            (
-                LogDistanceConfig {
-                    min_distance_m: f64::INFINITY,
-                    ..good
-                },
-                "min_distance_m",
-            ),
+            (LogDistanceConfig { exponent: None, ..good }, "exponent"),
+            (LogDistanceConfig { exponent: Some(-2.0), ..good }, "exponent"),
+            (LogDistanceConfig { exponent: Some(f64::NAN), ..good }, "exponent"),
+            (LogDistanceConfig { reference_distance_m: 0.0, ..good }, "reference_distance_m"),
+            (LogDistanceConfig { min_distance_m: f64::INFINITY, ..good }, "min_distance_m"),
         ] {
             assert_eq!(LogDistance::try_from(config).unwrap_err().key, key);
         }

@@ -97,11 +97,7 @@ impl Add for Position {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self::new(
-            self.x_m + other.x_m,
-            self.y_m + other.y_m,
-            self.z_m + other.z_m,
-        )
+        Self::new(self.x_m + other.x_m, self.y_m + other.y_m, self.z_m + other.z_m)
     }
 }
 
@@ -109,11 +105,7 @@ impl Sub for Position {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        Self::new(
-            self.x_m - other.x_m,
-            self.y_m - other.y_m,
-            self.z_m - other.z_m,
-        )
+        Self::new(self.x_m - other.x_m, self.y_m - other.y_m, self.z_m - other.z_m)
     }
 }
 

@@ -17,9 +17,7 @@ use serde::{Deserialize, Serialize};
 pub struct Dbm(pub f64);
 
 /// A power ratio [dB]: a gain if positive, a loss where a name says so.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize, JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Db(pub f64);
 

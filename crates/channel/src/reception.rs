@@ -73,9 +73,7 @@ pub enum LogError {
         stops: usize,
     },
     /// More packets received than sent.
-    #[error(
-        "node `{node}` at stop {stop}: {received} packets received of {sent} sent; at most as many as sent"
-    )]
+    #[error("node `{node}` at stop {stop}: {received} packets received of {sent} sent; at most as many as sent")]
     MoreThanSent {
         /// Name of the node.
         node: String,
@@ -123,62 +121,29 @@ impl ReceptionLog {
     ) -> Result<Self, LogError> {
         for (stop, &Stop { position: p, .. }) in stops.iter().enumerate() {
             if !p.is_finite() {
-                return Err(LogError::NotFinite {
-                    stop,
-                    x_m: p.x_m,
-                    y_m: p.y_m,
-                    z_m: p.z_m,
-                });
+                return Err(LogError::NotFinite { stop, x_m: p.x_m, y_m: p.y_m, z_m: p.z_m });
             }
         }
         receptions.sort_by_key(|r| (r.node, r.stop));
         let mut first = vec![0; names.len() + 1];
         let mut previous = None;
-        for &Reception {
-            node,
-            stop,
-            received,
-            sent,
-            ..
-        } in &receptions
-        {
-            let name = names.get(node.index()).ok_or(LogError::UnknownNode {
-                node: node.0,
-                nodes: names.len(),
-            })?;
+        for &Reception { node, stop, received, sent, .. } in &receptions {
+            let name = names.get(node.index()).ok_or(LogError::UnknownNode { node: node.0, nodes: names.len() })?;
             if stop as usize >= stops.len() {
-                return Err(LogError::UnknownStop {
-                    node: name.clone(),
-                    stop,
-                    stops: stops.len(),
-                });
+                return Err(LogError::UnknownStop { node: name.clone(), stop, stops: stops.len() });
             }
             if received > sent {
-                return Err(LogError::MoreThanSent {
-                    node: name.clone(),
-                    stop,
-                    received,
-                    sent,
-                });
+                return Err(LogError::MoreThanSent { node: name.clone(), stop, received, sent });
             }
             if previous.replace((node, stop)) == Some((node, stop)) {
-                return Err(LogError::Twice {
-                    node: name.clone(),
-                    stop,
-                });
+                return Err(LogError::Twice { node: name.clone(), stop });
             }
             first[node.index() + 1] += 1;
         }
         for i in 1..first.len() {
             first[i] += first[i - 1];
         }
-        Ok(Self {
-            names,
-            stops,
-            receptions,
-            first,
-            contacts,
-        })
+        Ok(Self { names, stops, receptions, first, contacts })
     }
 
     /// Number of nodes, heard or not.
@@ -226,24 +191,11 @@ mod tests {
     use super::*;
 
     fn heard(node: u32, stop: u32) -> Reception {
-        Reception {
-            node: NodeId(node),
-            stop,
-            received: 1,
-            sent: 1,
-            sector: None,
-            rssi_dbm: None,
-        }
+        Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None }
     }
 
     fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {
-        let stops = vec![
-            Stop {
-                time: SimTime::ZERO,
-                position: Position::ORIGIN
-            };
-            3
-        ];
+        let stops = vec![Stop { time: SimTime::ZERO, position: Position::ORIGIN }; 3];
         ReceptionLog::new(vec!["a".into(), "b".into()], stops, receptions, Vec::new())
     }
 
@@ -256,32 +208,12 @@ mod tests {
 
     #[test]
     fn impossible_receptions_are_refused() {
+        assert!(matches!(log(vec![heard(2, 0)]), Err(LogError::UnknownNode { node: 2, nodes: 2 })));
+        assert!(matches!(log(vec![heard(1, 3)]), Err(LogError::UnknownStop { stop: 3, stops: 3, .. })));
+        assert!(matches!(log(vec![heard(1, 1), heard(1, 1)]), Err(LogError::Twice { stop: 1, .. })));
         assert!(matches!(
-            log(vec![heard(2, 0)]),
-            Err(LogError::UnknownNode { node: 2, nodes: 2 })
-        ));
-        assert!(matches!(
-            log(vec![heard(1, 3)]),
-            Err(LogError::UnknownStop {
-                stop: 3,
-                stops: 3,
-                ..
-            })
-        ));
-        assert!(matches!(
-            log(vec![heard(1, 1), heard(1, 1)]),
-            Err(LogError::Twice { stop: 1, .. })
-        ));
-        assert!(matches!(
-            log(vec![Reception {
-                received: 2,
-                ..heard(0, 0)
-            }]),
-            Err(LogError::MoreThanSent {
-                received: 2,
-                sent: 1,
-                ..
-            })
+            log(vec![Reception { received: 2, ..heard(0, 0) }]),
+            Err(LogError::MoreThanSent { received: 2, sent: 1, .. })
         ));
     }
 }

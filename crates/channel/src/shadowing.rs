@@ -72,11 +72,7 @@ impl Shadowing {
     /// If the standard deviation is absent, negative or not finite, or the distance not above zero.
     pub fn new(config: ShadowingConfig, seed: Seed) -> Result<Self, SettingError> {
         let sigma_db = config.sigma_db.ok_or_else(|| {
-            SettingError::new(
-                "sigma_db",
-                "absent",
-                "a finite number, 0 or above, or an environment that has one",
-            )
+            SettingError::new("sigma_db", "absent", "a finite number, 0 or above, or an environment that has one")
         })?;
         Ok(Self {
             sigma_db: SettingError::not_negative("sigma_db", sigma_db)?,
@@ -108,15 +104,11 @@ impl Shadowing {
         let unit = match &self.correlation {
             Correlation::PerPacket => {
                 let pair = (u64::from(a.0.min(b.0)) << 32) | u64::from(a.0.max(b.0));
-                self.seed
-                    .normal(Purpose::Shadowing, [PER_PACKET, pair, packet])
+                self.seed.normal(Purpose::Shadowing, [PER_PACKET, pair, packet])
             }
             Correlation::PerLink => {
                 let (first, second) = (self.station(a, pa), self.station(b, pb));
-                self.seed.normal(
-                    Purpose::Shadowing,
-                    [PER_LINK, first.min(second), first.max(second)],
-                )
+                self.seed.normal(Purpose::Shadowing, [PER_LINK, first.min(second), first.max(second)])
             }
             Correlation::Spatial(field) => field.value(pa, pb),
         };
@@ -131,14 +123,8 @@ impl Shadowing {
             reason = "an address, saturating far away"
         )]
         let cell = |x_m: f64| (x_m * 1000.0).round() as i64 as u64;
-        let planar = self.seed.bits(
-            Purpose::Shadowing,
-            [STATION, cell(place.x_m), cell(place.y_m)],
-        );
-        self.seed.bits(
-            Purpose::Shadowing,
-            [planar, cell(place.z_m), u64::from(node.0)],
-        )
+        let planar = self.seed.bits(Purpose::Shadowing, [STATION, cell(place.x_m), cell(place.y_m)]);
+        self.seed.bits(Purpose::Shadowing, [planar, cell(place.z_m), u64::from(node.0)])
     }
 }
 
@@ -188,11 +174,7 @@ impl PairField {
             .into_iter()
             .map(|(k, q)| {
                 let turn: f64 = StandardUniform.sample(&mut stream);
-                Wave {
-                    sum: (k + q) * 0.5,
-                    difference: (k - q) * 0.5,
-                    phase: TAU * turn,
-                }
+                Wave { sum: (k + q) * 0.5, difference: (k - q) * 0.5, phase: TAU * turn }
             })
             .collect();
         Self { distance_m, waves }
@@ -202,8 +184,7 @@ impl PairField {
         let (sum, difference) = (a + b, a - b);
         let mut total = 0.0;
         for wave in &self.waves {
-            total += libm::cos(wave.sum.dot(sum) + wave.phase)
-                * libm::cos(wave.difference.dot(difference));
+            total += libm::cos(wave.sum.dot(sum) + wave.phase) * libm::cos(wave.difference.dot(difference));
         }
         // sqrt(2/M) * 2 * total / sqrt(2 + 2 c)
         #[expect(clippy::cast_precision_loss, reason = "a small count")]

@@ -18,11 +18,7 @@ impl Span {
     pub(crate) fn new(from: Position, to: Position) -> Self {
         let half = (to - from) * 0.5;
         let reach = Position::new(half.x_m.abs(), half.y_m.abs(), half.z_m.abs());
-        Self {
-            middle: from + half,
-            half,
-            reach,
-        }
+        Self { middle: from + half, half, reach }
     }
 
     /// Whether the line meets `bounds`, by separating axes (Ericson 2005, Real-Time Collision Detection, 5.3.3):
@@ -31,11 +27,7 @@ impl Span {
         let extent = (bounds.max - bounds.min) * 0.5;
         let m = self.middle - bounds.center();
         let (h, r) = (self.half, self.reach);
-        let (ex, ey, ez) = (
-            extent.x_m + SLACK_M,
-            extent.y_m + SLACK_M,
-            extent.z_m + SLACK_M,
-        );
+        let (ex, ey, ez) = (extent.x_m + SLACK_M, extent.y_m + SLACK_M, extent.z_m + SLACK_M);
         m.x_m.abs() <= ex + r.x_m
             && m.y_m.abs() <= ey + r.y_m
             && m.z_m.abs() <= ez + r.z_m

@@ -14,25 +14,17 @@ impl Tree {
     /// The tree of things with these `boxes`, numbered from 0.
     pub(crate) fn new(boxes: impl IntoIterator<Item = Bounds>) -> Self {
         let boxes: Vec<_> = boxes.into_iter().map(aabb).collect();
-        if boxes.is_empty() {
-            Self::default()
-        } else {
-            Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes))
-        }
+        if boxes.is_empty() { Self::default() } else { Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)) }
     }
 
     /// The things whose boxes, grown by `margin_m`, meet `span`.
     pub(crate) fn along(&self, span: Span, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
-        self.0
-            .leaves(move |node| span.meets(bounds(node).grown(margin_m)))
-            .map(|leaf| leaf as usize)
+        self.0.leaves(move |node| span.meets(bounds(node).grown(margin_m))).map(|leaf| leaf as usize)
     }
 
     /// The things whose boxes hold `p`.
     pub(crate) fn holding(&self, p: Position) -> impl Iterator<Item = usize> + '_ {
-        self.0
-            .leaves(move |node| bounds(node).contains(p))
-            .map(|leaf| leaf as usize)
+        self.0.leaves(move |node| bounds(node).contains(p)).map(|leaf| leaf as usize)
     }
 
     /// The least of `distance_m` over all things, each at least as far from `p` as its box; infinite if there are none.
@@ -45,8 +37,5 @@ impl Tree {
 }
 
 fn bounds(node: &BvhNode) -> Bounds {
-    Bounds {
-        min: position(node.mins()),
-        max: position(node.maxs()),
-    }
+    Bounds { min: position(node.mins()), max: position(node.maxs()) }
 }

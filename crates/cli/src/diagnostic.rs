@@ -27,26 +27,17 @@ pub enum Failure {
 impl Failure {
     /// Bad input, in one sentence.
     pub fn bad_input(message: impl Into<String>) -> Self {
-        Self::BadInput(vec![Report::new(Plain {
-            message: message.into(),
-            help: None,
-        })])
+        Self::BadInput(vec![Report::new(Plain { message: message.into(), help: None })])
     }
 
     /// Bad input, in one sentence, and what to do about it.
     pub fn bad_input_with_help(message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self::BadInput(vec![Report::new(Plain {
-            message: message.into(),
-            help: Some(help.into()),
-        })])
+        Self::BadInput(vec![Report::new(Plain { message: message.into(), help: Some(help.into()) })])
     }
 
     /// The work failed, in one sentence.
     pub fn failed(message: impl Into<String>) -> Self {
-        Self::Failed(Report::new(Plain {
-            message: message.into(),
-            help: None,
-        }))
+        Self::Failed(Report::new(Plain { message: message.into(), help: None }))
     }
 
     /// The file at `path` could not be written.
@@ -87,21 +78,13 @@ impl From<ScenarioErrors> for Failure {
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        if error.is_of_the_system() {
-            Self::failed(error.to_string())
-        } else {
-            Self::bad_input(error.to_string())
-        }
+        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
     }
 }
 
 impl From<RobotLogError> for Failure {
     fn from(error: RobotLogError) -> Self {
-        if error.is_of_the_system() {
-            Self::failed(error.to_string())
-        } else {
-            Self::bad_input(error.to_string())
-        }
+        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
     }
 }
 
@@ -122,15 +105,8 @@ fn is_colourful() -> bool {
 }
 
 fn render(report: &Report) -> String {
-    let theme = if is_colourful() {
-        GraphicalTheme::unicode()
-    } else {
-        GraphicalTheme::unicode_nocolor()
-    };
-    let handler = GraphicalReportHandler::new_themed(theme)
-        .with_width(110)
-        .with_context_lines(1)
-        .with_links(false);
+    let theme = if is_colourful() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+    let handler = GraphicalReportHandler::new_themed(theme).with_width(110).with_context_lines(1).with_links(false);
     let mut text = String::new();
     match handler.render_report(&mut text, report.as_ref()) {
         Ok(()) => text,
@@ -155,8 +131,6 @@ impl std::error::Error for Plain {}
 
 impl Diagnostic for Plain {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help
-            .as_ref()
-            .map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 }

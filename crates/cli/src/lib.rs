@@ -12,6 +12,7 @@
 
 pub mod commands;
 pub mod diagnostic;
+pub mod figure;
 pub mod interrupt;
 pub mod measure;
 pub mod recording;

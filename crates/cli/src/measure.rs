@@ -2,8 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_mapper::{
-    ConnectivityError, NeighbourhoodRule, PositionError, Reflection, Similarity, TopologyMap,
-    connectivity_error,
+    ConnectivityError, NeighbourhoodRule, PositionError, Reflection, Similarity, TopologyMap, connectivity_error,
 };
 
 use crate::scenario::MetricsConfig;
@@ -17,13 +16,7 @@ pub fn outline(name: &str, map: &TopologyMap) -> MapSummary {
         algorithm: map.algorithm.to_owned(),
         mapped: map.mapped(),
         unmapped: map.unmapped(),
-        ambiguous: Some(
-            map.estimates
-                .iter()
-                .flatten()
-                .filter(|estimate| estimate.ties > 1)
-                .count(),
-        ),
+        ambiguous: Some(map.estimates.iter().flatten().filter(|estimate| estimate.ties > 1).count()),
         infeasible: Some(map.infeasible()),
         grid_step_m: map.grid_step_m,
         vertices_evaluated: (map.vertices_evaluated > 0).then_some(map.vertices_evaluated),
@@ -35,12 +28,7 @@ pub fn outline(name: &str, map: &TopologyMap) -> MapSummary {
 /// Connectivity is measured at each radius of `metrics`; a measure that the nodes do not allow (all in one place, say)
 /// is absent.
 #[must_use]
-pub fn measure(
-    name: &str,
-    map: &TopologyMap,
-    truth: Option<&[Position]>,
-    metrics: &MetricsConfig,
-) -> MapSummary {
+pub fn measure(name: &str, map: &TopologyMap, truth: Option<&[Position]>, metrics: &MetricsConfig) -> MapSummary {
     let Some(truth) = truth else {
         return outline(name, map);
     };
@@ -60,55 +48,28 @@ pub fn measure(
 
 /// The errors that are left after the similarity, reflection allowed, that brings the map closest to the truth.
 fn aligned(truth: &[Position], mapped: &[Option<Position>]) -> Option<PositionError> {
-    let pairs: Vec<_> = truth
-        .iter()
-        .zip(mapped)
-        .filter_map(|(&truth, mapped)| mapped.map(|mapped| (mapped, truth)))
-        .collect();
+    let pairs: Vec<_> =
+        truth.iter().zip(mapped).filter_map(|(&truth, mapped)| mapped.map(|mapped| (mapped, truth))).collect();
     let similarity = Similarity::fit(&pairs, Reflection::Allowed).ok()?;
-    let left: Vec<_> = pairs
-        .iter()
-        .map(|&(mapped, truth)| similarity.apply(mapped).distance_m(truth))
-        .collect();
+    let left: Vec<_> = pairs.iter().map(|&(mapped, truth)| similarity.apply(mapped).distance_m(truth)).collect();
     PositionError::of(&left)
 }
 
-fn connectivity(
-    truth: &[Position],
-    mapped: &[Option<Position>],
-    radius_m: f64,
-) -> ConnectivitySummary {
+fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) -> ConnectivitySummary {
     let error = |rule| connectivity_error(truth, mapped, radius_m, rule).ok();
     let affine = error(NeighbourhoodRule::Affine);
     ConnectivitySummary {
         neighbourhood_m: radius_m,
         connectivity_error: affine.as_ref().map(ConnectivityError::connectivity_error),
-        connectivity_error_end_points: error(NeighbourhoodRule::EndPoints)
-            .map(|e| e.connectivity_error()),
-        connectivity_error_per_node: error(NeighbourhoodRule::PerNode)
-            .map(|e| e.connectivity_error()),
+        connectivity_error_end_points: error(NeighbourhoodRule::EndPoints).map(|e| e.connectivity_error()),
+        connectivity_error_per_node: error(NeighbourhoodRule::PerNode).map(|e| e.connectivity_error()),
         false_neighbour_rate: affine.as_ref().map(ConnectivityError::false_neighbour_rate),
         symmetric_loss: affine.as_ref().map(ConnectivityError::symmetric_loss),
     }
 }
 
 impl From<PositionError> for ErrorSummary {
-    fn from(
-        PositionError {
-            mean,
-            median,
-            p90,
-            p95,
-            max,
-            ..
-        }: PositionError,
-    ) -> Self {
-        Self {
-            mean,
-            median,
-            p90,
-            p95,
-            max,
-        }
+    fn from(PositionError { mean, median, p90, p95, max, .. }: PositionError) -> Self {
+        Self { mean, median, p90, p95, max }
     }
 }

@@ -260,8 +260,7 @@ impl Summary {
     /// Never for a summary that this program makes.
     pub fn to_json(&self) -> Result<String, Failure> {
         let json = serde_json::to_string_pretty(self);
-        json.map(|text| text + "\n")
-            .map_err(|error| Failure::failed(format!("the summary is not JSON: {error}")))
+        json.map(|text| text + "\n").map_err(|error| Failure::failed(format!("the summary is not JSON: {error}")))
     }
 
     /// Writes the object to the file at `path`.
@@ -275,10 +274,7 @@ impl Summary {
     /// The same without what differs from run to run: the form that a recording carries.
     #[must_use]
     pub fn without_timing(&self) -> Self {
-        Self {
-            timing: None,
-            ..self.clone()
-        }
+        Self { timing: None, ..self.clone() }
     }
 }
 
@@ -286,9 +282,7 @@ impl Summary {
 #[must_use]
 pub fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
@@ -300,33 +294,15 @@ mod tests {
     #[test]
     fn what_does_not_apply_is_absent() {
         assert_eq!(Summary::default().to_json().unwrap(), "{}\n");
-        let map = MapSummary {
-            algorithm: "ml-tm".into(),
-            mapped: 3,
-            ..MapSummary::default()
-        };
-        let json = Summary {
-            maps: vec![map],
-            ..Summary::default()
-        }
-        .to_json()
-        .unwrap();
+        let map = MapSummary { algorithm: "ml-tm".into(), mapped: 3, ..MapSummary::default() };
+        let json = Summary { maps: vec![map], ..Summary::default() }.to_json().unwrap();
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-        assert_eq!(
-            json,
-            serde_json::json!({"maps": [{"algorithm": "ml-tm", "mapped": 3, "unmapped": 0}]})
-        );
+        assert_eq!(json, serde_json::json!({"maps": [{"algorithm": "ml-tm", "mapped": 3, "unmapped": 0}]}));
     }
 
     #[test]
     fn timing_can_be_left_out() {
-        let summary = Summary {
-            timing: Some(Timing {
-                wall_s: 1.0,
-                ..Timing::default()
-            }),
-            ..Summary::default()
-        };
+        let summary = Summary { timing: Some(Timing { wall_s: 1.0, ..Timing::default() }), ..Summary::default() };
         assert_eq!(summary.without_timing(), Summary::default());
     }
 }

@@ -13,21 +13,12 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         write!(out, "{} (seed {})", scenario.name, scenario.seed)?;
         if let Some(simulation) = &summary.simulation {
             let (nodes, obstacles) = (simulation.nodes, simulation.obstacles);
-            write!(
-                out,
-                ": {}, {}",
-                counted(nodes, "node"),
-                counted(obstacles, "obstacle")
-            )?;
+            write!(out, ": {}, {}", counted(nodes, "node"), counted(obstacles, "obstacle"))?;
         }
         writeln!(out, "\n")?;
     }
     if let Some(gathering) = &summary.gathering {
-        columns(
-            &gathering_rows(gathering),
-            &[Align::Left, Align::Right, Align::Left],
-            out,
-        )?;
+        columns(&gathering_rows(gathering), &[Align::Left, Align::Right, Align::Left], out)?;
         writeln!(out)?;
     }
     if !summary.maps.is_empty() {
@@ -35,15 +26,8 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out)?;
     }
     for application in &summary.applications {
-        let captured = if application.captured == Some(true) {
-            "captured"
-        } else {
-            "not captured"
-        };
-        let time = application
-            .time_s
-            .map(|time_s| format!(" after {time_s:.1} s"))
-            .unwrap_or_default();
+        let captured = if application.captured == Some(true) { "captured" } else { "not captured" };
+        let time = application.time_s.map(|time_s| format!(" after {time_s:.1} s")).unwrap_or_default();
         writeln!(out, "{}: {captured}{time}", application.algorithm)?;
     }
     if let Some(timing) = &summary.timing {
@@ -66,46 +50,18 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     };
     let count = |count: Option<u64>| count.map(|count| count.to_string());
     row("stops", Some(gathering.stops.to_string()), "");
-    row(
-        "path length",
-        gathering
-            .path_length_m
-            .map(|length_m| format!("{length_m:.1}")),
-        "m",
-    );
-    row(
-        "duration",
-        gathering
-            .duration_s
-            .map(|duration_s| format!("{duration_s:.1}")),
-        "s",
-    );
+    row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), "m");
+    row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
-    row(
-        "packets received",
-        Some(gathering.packets_received.to_string()),
-        "",
-    );
+    row("packets received", Some(gathering.packets_received.to_string()), "");
     row("lost to collisions", count(gathering.lost_collision), "");
-    row(
-        "lost to a busy channel",
-        count(gathering.lost_channel_access),
-        "",
-    );
+    row("lost to a busy channel", count(gathering.lost_channel_access), "");
     row("lost to a weak signal", count(gathering.lost_signal), "");
     row("sent out of range", count(gathering.out_of_range), "");
-    row(
-        "sent while nobody listened",
-        count(gathering.not_listened),
-        "",
-    );
+    row("sent while nobody listened", count(gathering.not_listened), "");
     if let Some(energy) = &gathering.energy_j {
-        row(
-            "energy of the nodes",
-            Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)),
-            "J",
-        );
+        row("energy of the nodes", Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)), "J");
     }
     rows
 }
@@ -113,35 +69,19 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
 fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     let measured = maps.iter().any(|map| map.position_error_m.is_some());
     let mut header = vec!["map", "mapped"];
-    let errors = [
-        "mean",
-        "median",
-        "p90",
-        "p95",
-        "max",
-        "aligned mean",
-        "connectivity error",
-        "false neighbours",
-    ];
+    let errors = ["mean", "median", "p90", "p95", "max", "aligned mean", "connectivity error", "false neighbours"];
     if measured {
         header.extend(errors);
     }
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     for map in maps {
         let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
-        let mut row = vec![
-            name,
-            format!("{}/{}", map.mapped, map.mapped + map.unmapped),
-        ];
+        let mut row = vec![name, format!("{}/{}", map.mapped, map.mapped + map.unmapped)];
         if measured {
             let metres = |pick: fn(&ErrorSummary) -> f64, error: &Option<ErrorSummary>| {
-                error
-                    .as_ref()
-                    .map_or_else(|| "-".to_owned(), |error| format!("{:.2} m", pick(error)))
+                error.as_ref().map_or_else(|| "-".to_owned(), |error| format!("{:.2} m", pick(error)))
             };
-            let share = |share: Option<f64>| {
-                share.map_or_else(|| "-".to_owned(), |x| format!("{:.1} %", 100.0 * x))
-            };
+            let share = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |x| format!("{:.1} %", 100.0 * x));
             row.push(metres(|error| error.mean, &map.position_error_m));
             row.push(metres(|error| error.median, &map.position_error_m));
             row.push(metres(|error| error.p90, &map.position_error_m));
@@ -169,11 +109,7 @@ fn timing_line(timing: &Timing) -> String {
     if let Some(events_per_s) = timing.events_per_s {
         parts.push(format!("{:.2} million events/s", events_per_s / 1e6));
     }
-    let parts = if parts.is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", parts.join(", "))
-    };
+    let parts = if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) };
     format!("time {:.2} s{parts}", timing.wall_s)
 }
 
@@ -185,17 +121,9 @@ pub(crate) enum Align {
 }
 
 /// Writes `rows` in columns as wide as their longest text, two spaces between them.
-pub(crate) fn columns(
-    rows: &[Vec<String>],
-    align: &[Align],
-    out: &mut impl Write,
-) -> io::Result<()> {
+pub(crate) fn columns(rows: &[Vec<String>], align: &[Align], out: &mut impl Write) -> io::Result<()> {
     let width = |column: usize| {
-        rows.iter()
-            .filter_map(|row| row.get(column))
-            .map(|text| text.chars().count())
-            .max()
-            .unwrap_or(0)
+        rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max().unwrap_or(0)
     };
     let widths: Vec<_> = (0..align.len()).map(width).collect();
     for row in rows {
@@ -218,24 +146,10 @@ mod tests {
 
     #[test]
     fn a_person_can_read_the_table() {
-        let error = ErrorSummary {
-            mean: 0.71,
-            median: 0.6,
-            p90: 1.4,
-            p95: 1.75,
-            max: 12.25,
-        };
+        let error = ErrorSummary { mean: 0.71, median: 0.6, p90: 1.4, p95: 1.75, max: 12.25 };
         let summary = Summary {
-            scenario: Some(ScenarioSummary {
-                name: "circular".into(),
-                seed: 1,
-                ..ScenarioSummary::default()
-            }),
-            simulation: Some(SimulationSummary {
-                nodes: 496,
-                obstacles: 1,
-                ..SimulationSummary::default()
-            }),
+            scenario: Some(ScenarioSummary { name: "circular".into(), seed: 1, ..ScenarioSummary::default() }),
+            simulation: Some(SimulationSummary { nodes: 496, obstacles: 1, ..SimulationSummary::default() }),
             gathering: Some(GatheringSummary {
                 stops: 444,
                 path_length_m: Some(443.96),
@@ -252,16 +166,9 @@ mod tests {
                     connectivity_error: Some(0.051),
                     ..MapSummary::default()
                 },
-                MapSummary {
-                    name: Some("coarse".into()),
-                    ..MapSummary::default()
-                },
+                MapSummary { name: Some("coarse".into()), ..MapSummary::default() },
             ],
-            timing: Some(Timing {
-                wall_s: 1.234,
-                gather_s: Some(0.6),
-                ..Timing::default()
-            }),
+            timing: Some(Timing { wall_s: 1.234, gather_s: Some(0.6), ..Timing::default() }),
             ..Summary::default()
         };
         let mut out = Vec::new();

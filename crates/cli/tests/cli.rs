@@ -5,17 +5,9 @@ use std::process::{Command, Stdio};
 use assert_cmd::cargo::cargo_bin_cmd;
 
 fn stdout(words: &[&str]) -> String {
-    let output = cargo_bin_cmd!("sextant")
-        .args(words)
-        .env("NO_COLOR", "1")
-        .output()
-        .unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    String::from_utf8(output.stdout).unwrap()
+    let output = cargo_bin_cmd!("sextant").args(words).env("NO_COLOR", "1").output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("the output is text")
 }
 
 #[test]
@@ -48,26 +40,11 @@ fn files_that_do_not_exist_exit_with_two() {
         &["map", "none.mcap"],
     ] {
         let folder = tempfile::tempdir().unwrap();
-        let output = cargo_bin_cmd!("sextant")
-            .args(words)
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        assert_eq!(
-            (output.status.code(), output.stdout.as_slice()),
-            (Some(2), &b""[..]),
-            "{words:?}"
-        );
+        let output = cargo_bin_cmd!("sextant").args(words).current_dir(folder.path()).output().unwrap();
+        assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(2), &b""[..]), "{words:?}");
         let message = String::from_utf8(output.stderr).unwrap();
-        assert!(
-            message.contains("none.") && !message.contains("panicked"),
-            "{message}"
-        );
-        assert_eq!(
-            std::fs::read_dir(folder.path()).unwrap().count(),
-            0,
-            "{words:?} leaves nothing behind"
-        );
+        assert!(message.contains("none.") && !message.contains("panicked"), "{message}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "{words:?} leaves nothing behind");
     }
 }
 
@@ -75,16 +52,7 @@ fn files_that_do_not_exist_exit_with_two() {
 fn shells_get_completions_that_know_all_commands() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = stdout(&["completions", shell]);
-        for command in [
-            "run",
-            "map",
-            "check",
-            "inspect",
-            "recover",
-            "schema",
-            "completions",
-            "man",
-        ] {
+        for command in ["run", "map", "check", "inspect", "recover", "schema", "completions", "man"] {
             assert!(script.contains(command), "{shell}: {command}");
         }
     }
@@ -94,24 +62,10 @@ fn shells_get_completions_that_know_all_commands() {
 fn the_manual_page_has_every_command_and_flag() {
     let page = stdout(&["man"]);
     assert!(page.contains(".TH sextant 1"), "{page}");
-    for command in [
-        "RUN",
-        "MAP",
-        "CHECK",
-        "INSPECT",
-        "RECOVER",
-        "SCHEMA",
-        "COMPLETIONS",
-        "MAN",
-    ] {
-        assert!(
-            page.contains(&format!(".SH \"SEXTANT {command}\"")),
-            "{command}"
-        );
+    for command in ["RUN", "MAP", "CHECK", "INSPECT", "RECOVER", "SCHEMA", "COMPLETIONS", "MAN"] {
+        assert!(page.contains(&format!(".SH \"SEXTANT {command}\"")), "{command}");
     }
-    for flag in [
-        "out", "summary", "seed", "threads", "set", "format", "quiet", "profile", "truth",
-    ] {
+    for flag in ["out", "summary", "seed", "threads", "set", "format", "quiet", "profile", "truth"] {
         assert!(page.contains(&format!("\\-\\-{flag}")), "{flag}");
     }
     assert!(page.contains(".SH \"EXIT STATUS\""));
@@ -120,32 +74,17 @@ fn the_manual_page_has_every_command_and_flag() {
 #[test]
 fn the_schema_documents_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&stdout(&["schema"])).unwrap();
-    assert_eq!(
-        schema["$schema"],
-        "https://json-schema.org/draft/2020-12/schema"
-    );
+    assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     let properties = schema["properties"].as_object().unwrap();
     let keys: Vec<_> = properties.keys().map(String::as_str).collect();
-    for key in [
-        "name",
-        "seed",
-        "world",
-        "radio",
-        "channel",
-        "mac",
-        "traffic",
-        "reception",
-        "robots",
-        "maps",
-    ] {
+    for key in
+        ["extends", "name", "seed", "world", "radio", "channel", "mac", "traffic", "reception", "robots", "maps"]
+    {
         assert!(keys.contains(&key), "{key} is not in {keys:?}");
     }
     let mut undocumented = Vec::new();
     find_undocumented(&schema, "", &mut undocumented);
-    assert!(
-        undocumented.is_empty(),
-        "keys without a description: {undocumented:#?}"
-    );
+    assert!(undocumented.is_empty(), "keys without a description: {undocumented:#?}");
 }
 
 /// Collects the properties without a description.
@@ -154,14 +93,9 @@ fn find_undocumented(schema: &serde_json::Value, path: &str, found: &mut Vec<Str
         serde_json::Value::Object(object) => {
             // The one property of a choice is described by the choice.
             let is_choice = object.contains_key("description") && object.get("required").is_some();
-            if let Some(properties) = object
-                .get("properties")
-                .and_then(|properties| properties.as_object())
-            {
+            if let Some(properties) = object.get("properties").and_then(|properties| properties.as_object()) {
                 for (key, property) in properties {
-                    if property.get("description").is_none()
-                        && !(is_choice && properties.len() == 1)
-                    {
+                    if property.get("description").is_none() && !(is_choice && properties.len() == 1) {
                         found.push(format!("{path}/{key}"));
                     }
                 }
@@ -170,9 +104,7 @@ fn find_undocumented(schema: &serde_json::Value, path: &str, found: &mut Vec<Str
                 find_undocumented(value, &format!("{path}/{key}"), found);
             }
         }
-        serde_json::Value::Array(items) => items
-            .iter()
-            .for_each(|item| find_undocumented(item, path, found)),
+        serde_json::Value::Array(items) => items.iter().for_each(|item| find_undocumented(item, path, found)),
         _ => {}
     }
 }

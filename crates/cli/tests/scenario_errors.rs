@@ -52,11 +52,11 @@ struct Folder(tempfile::TempDir);
 
 impl Folder {
     fn new(files: &[(&str, &str)]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir().expect("there is room");
         for (name, text) in files {
             let path = folder.path().join(name);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
+            std::fs::create_dir_all(path.parent().expect("a file is in a folder")).expect("there is room");
+            std::fs::write(path, text).expect("there is room");
         }
         Self(folder)
     }
@@ -72,13 +72,9 @@ impl Folder {
             .current_dir(self.path())
             .env("NO_COLOR", "1")
             .output()
-            .unwrap();
-        let text = |bytes| String::from_utf8(bytes).unwrap();
-        (
-            output.status.code().unwrap(),
-            text(output.stdout),
-            text(output.stderr),
-        )
+            .expect("the program starts");
+        let text = |bytes| String::from_utf8(bytes).expect("the output is text");
+        (output.status.code().expect("the program ends by itself"), text(output.stdout), text(output.stderr))
     }
 
     /// What `check` of `words` prints when it refuses them.
@@ -178,19 +174,13 @@ fn a_robot_in_an_obstacle() {
 
 #[test]
 fn an_obstacle_without_volume() {
-    assert_snapshot!(refused(
-        "size_m = [2.0, 1.0, 3.0]",
-        "size_m = [2.0, 0.0, 3.0]"
-    ));
+    assert_snapshot!(refused("size_m = [2.0, 1.0, 3.0]", "size_m = [2.0, 0.0, 3.0]"));
 }
 
 #[test]
 fn an_unknown_material() {
     let text = refused("\"concrete\"", "\"cheese\"");
-    assert!(
-        text.contains("`world.obstacles[0].material` is \"cheese\""),
-        "{text}"
-    );
+    assert!(text.contains("`world.obstacles[0].material` is \"cheese\""), "{text}");
     assert!(text.contains("a.toml:9:12"), "{text}");
     assert!(text.contains("concrete"), "{text}");
 }
@@ -202,9 +192,7 @@ fn an_array_that_is_too_short() {
 
 #[test]
 fn several_faults_are_told_at_once() {
-    let text = GOOD
-        .replace("exponent = 3.0", "exponent = 0.0")
-        .replace("p0 = 0.95", "p0 = 1.5");
+    let text = GOOD.replace("exponent = 3.0", "exponent = 0.0").replace("p0 = 0.95", "p0 = 1.5");
     let text = text.replace("interval_s = 1.0", "interval_s = 0.0");
     let text = Folder::new(&[("a.toml", &text)]).refusal(&["a.toml"]);
     for place in ["a.toml:22:12", "a.toml:25:14", "a.toml:38:6"] {
@@ -215,14 +203,10 @@ fn several_faults_are_told_at_once() {
 #[test]
 fn good_files_are_told_beside_bad_ones() {
     let folder = Folder::new(&[("a.toml", GOOD), ("b.toml", "nam = 1"), ("c.toml", GOOD)]);
-    let (code, stdout, stderr) =
-        folder.sextant(&["check", "a.toml", "b.toml", "none.toml", "c.toml"]);
+    let (code, stdout, stderr) = folder.sextant(&["check", "a.toml", "b.toml", "none.toml", "c.toml"]);
     assert_eq!(code, 2);
     assert_eq!(stdout.lines().count(), 2, "{stdout}");
-    assert!(
-        stderr.contains("b.toml:1:1") && stderr.contains("`none.toml`"),
-        "{stderr}"
-    );
+    assert!(stderr.contains("b.toml:1:1") && stderr.contains("`none.toml`"), "{stderr}");
 }
 
 #[test]
@@ -242,20 +226,14 @@ fn a_flag_with_a_typo() {
 
 #[test]
 fn a_circle_of_files() {
-    let folder = Folder::new(&[
-        ("a.toml", "extends = \"b.toml\""),
-        ("b.toml", "extends = \"a.toml\""),
-    ]);
+    let folder = Folder::new(&[("a.toml", "extends = \"b.toml\""), ("b.toml", "extends = \"a.toml\"")]);
     assert_snapshot!(folder.refusal(&["a.toml"]));
 }
 
 #[test]
 fn a_fault_in_the_file_that_is_extended() {
     let base = GOOD.replace("exponent = 3.0", "exponent = inf");
-    let folder = Folder::new(&[
-        ("base/base.toml", &base),
-        ("a.toml", "extends = \"base/base.toml\"\nseed = 2"),
-    ]);
+    let folder = Folder::new(&[("base/base.toml", &base), ("a.toml", "extends = \"base/base.toml\"\nseed = 2")]);
     let text = folder.refusal(&["a.toml"]);
     assert!(text.contains("base/base.toml:22:12"), "{text}");
 }
@@ -263,10 +241,7 @@ fn a_fault_in_the_file_that_is_extended() {
 #[test]
 fn files_are_looked_up_beside_the_layer_that_names_them() {
     let base = GOOD.replace("[world.nodes.explicit]", "[world.nodes.csv]");
-    let base = base.replace(
-        "positions_m = [[0.0, 0.0], [1.0, 0.0]]",
-        "file = \"nodes.csv\"",
-    );
+    let base = base.replace("positions_m = [[0.0, 0.0], [1.0, 0.0]]", "file = \"nodes.csv\"");
     let folder = Folder::new(&[
         ("base/base.toml", &base),
         ("base/nodes.csv", "node,x_m,y_m\na,0,0\nb,1,0\nc,2,0\n"),
@@ -274,19 +249,9 @@ fn files_are_looked_up_beside_the_layer_that_names_them() {
     ]);
     for file in ["base/base.toml", "top/a.toml"] {
         let (_, stdout, stderr) = folder.sextant(&["check", file]);
-        assert_eq!(
-            stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n",
-            "{stderr}"
-        );
+        assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n", "{stderr}");
     }
-    std::fs::write(
-        folder.path().join("base/nodes.csv"),
-        "node,x_m,y_m\na,0,zero\n",
-    )
-    .unwrap();
+    std::fs::write(folder.path().join("base/nodes.csv"), "node,x_m,y_m\na,0,zero\n").unwrap();
     let text = folder.refusal(&["base/base.toml"]);
-    assert!(
-        text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"),
-        "{text}"
-    );
+    assert!(text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"), "{text}");
 }

@@ -90,11 +90,7 @@ impl<E> EventQueue<E> {
     /// events.
     #[inline]
     pub fn push(&mut self, at: SimTime, rank: Rank, event: E) -> EventKey {
-        assert!(
-            at >= self.now,
-            "an event was pushed at {at}, but the queue has reached {} already",
-            self.now
-        );
+        assert!(at >= self.now, "an event was pushed at {at}, but the queue has reached {} already", self.now);
         let insertion = self.insertions;
         self.insertions += 1;
         let key = self.events.insert(insertion, event);
@@ -192,26 +188,15 @@ mod tests {
         }
         for _ in 0..10_000 {
             let (at, event) = queue.pop().expect("100 pending events");
-            queue.push(
-                at + std::time::Duration::from_micros(320 * (event % 7)),
-                RANK,
-                event,
-            );
+            queue.push(at + std::time::Duration::from_micros(320 * (event % 7)), RANK, event);
         }
-        assert_eq!(
-            (queue.len(), queue.pending.len(), queue.events.slots()),
-            (100, 100, 100)
-        );
+        assert_eq!((queue.len(), queue.pending.len(), queue.events.slots()), (100, 100, 100));
     }
 
     #[test]
     fn an_event_of_three_words_takes_eight_words() {
         // The entry that is sorted (three words), and the event with its insertion number and presence.
-        let sizes = [
-            size_of::<Entry>(),
-            Slab::<[u64; 3]>::SLOT_OCTETS,
-            Slab::<Rank>::SLOT_OCTETS,
-        ];
+        let sizes = [size_of::<Entry>(), Slab::<[u64; 3]>::SLOT_OCTETS, Slab::<Rank>::SLOT_OCTETS];
         assert_eq!(sizes, [24, 40, 24]);
     }
 }

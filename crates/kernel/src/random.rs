@@ -120,20 +120,9 @@ mod tests {
         let n = COUNT as f64;
         let error = 5.0 / n.sqrt();
         assert!((sum / n).abs() < error, "mean {}", sum / n);
-        assert!(
-            (square / n - 1.0).abs() < error * 2_f64.sqrt(),
-            "variance {}",
-            square / n
-        );
-        assert!(
-            (lagged / n).abs() < error,
-            "lag-one correlation {}",
-            lagged / n
-        );
+        assert!((square / n - 1.0).abs() < error * 2_f64.sqrt(), "variance {}", square / n);
+        assert!((lagged / n).abs() < error, "lag-one correlation {}", lagged / n);
         let share = f64::from(tail) / n;
-        assert!(
-            (share - 0.025).abs() < 5.0 * (0.025 * 0.975 / n).sqrt(),
-            "upper tail {share}"
-        );
+        assert!((share - 0.025).abs() < 5.0 * (0.025 * 0.975 / n).sqrt(), "upper tail {share}");
     }
 }

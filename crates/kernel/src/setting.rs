@@ -16,27 +16,15 @@ pub struct SettingError {
 
 impl SettingError {
     /// The value `found` under `key` is not one of those `allowed`.
-    pub fn new(
-        key: impl Into<String>,
-        found: impl fmt::Display,
-        allowed: impl Into<String>,
-    ) -> Self {
-        Self {
-            key: key.into(),
-            found: found.to_string(),
-            allowed: allowed.into(),
-        }
+    pub fn new(key: impl Into<String>, found: impl fmt::Display, allowed: impl Into<String>) -> Self {
+        Self { key: key.into(), found: found.to_string(), allowed: allowed.into() }
     }
 
     /// The same error seen from the table that holds this one under `parent` (a key path,
     /// or `name[index]`).
     #[must_use]
     pub fn within(mut self, parent: impl fmt::Display) -> Self {
-        self.key = if self.key.is_empty() {
-            parent.to_string()
-        } else {
-            format!("{parent}.{}", self.key)
-        };
+        self.key = if self.key.is_empty() { parent.to_string() } else { format!("{parent}.{}", self.key) };
         self
     }
 
@@ -69,11 +57,7 @@ impl SettingError {
     /// # Errors
     /// Otherwise, naming `key`.
     pub fn finite(key: &str, value: f64) -> Result<f64, Self> {
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Self::new(key, value, "a finite number"))
-        }
+        if value.is_finite() { Ok(value) } else { Err(Self::new(key, value, "a finite number")) }
     }
 
     /// `value` if it lies in `[low, high]`.
@@ -81,11 +65,7 @@ impl SettingError {
     /// # Errors
     /// Otherwise, naming `key`.
     pub fn in_range(key: &str, value: f64, low: f64, high: f64) -> Result<f64, Self> {
-        if value >= low && value <= high {
-            Ok(value)
-        } else {
-            Err(Self::new(key, value, format!("{low} to {high}")))
-        }
+        if value >= low && value <= high { Ok(value) } else { Err(Self::new(key, value, format!("{low} to {high}"))) }
     }
 }
 
@@ -95,14 +75,8 @@ mod tests {
 
     #[test]
     fn an_error_names_its_key_from_the_outermost_table() {
-        let error = SettingError::positive("exponent", -2.0)
-            .unwrap_err()
-            .within("log_distance")
-            .within("path_loss");
-        assert_eq!(
-            error.to_string(),
-            "`path_loss.log_distance.exponent` is -2; allowed: a finite number above 0"
-        );
+        let error = SettingError::positive("exponent", -2.0).unwrap_err().within("log_distance").within("path_loss");
+        assert_eq!(error.to_string(), "`path_loss.log_distance.exponent` is -2; allowed: a finite number above 0");
         assert!(SettingError::not_negative("x", f64::NAN).is_err());
         assert!(SettingError::in_range("x", f64::NAN, 0.0, 1.0).is_err());
     }

@@ -30,10 +30,7 @@ impl SimTime {
 
     /// Seconds since the start, for people and for formulas; never for comparing instants.
     #[must_use]
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "2^53 ns are 104 days; beyond, 1 part in 2^53"
-    )]
+    #[expect(clippy::cast_precision_loss, reason = "2^53 ns are 104 days; beyond, 1 part in 2^53")]
     pub fn as_secs_f64(self) -> f64 {
         self.0 as f64 * 1e-9
     }
@@ -63,11 +60,7 @@ impl Add<Duration> for SimTime {
     type Output = Self;
 
     fn add(self, span: Duration) -> Self {
-        Self(
-            self.0
-                .checked_add(nanos(span))
-                .expect("an instant within 584 years"),
-        )
+        Self(self.0.checked_add(nanos(span)).expect("an instant within 584 years"))
     }
 }
 
@@ -91,12 +84,7 @@ impl Sub for SimTime {
 
 impl fmt::Display for SimTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}.{:09} s",
-            self.0 / 1_000_000_000,
-            self.0 % 1_000_000_000
-        )
+        write!(f, "{}.{:09} s", self.0 / 1_000_000_000, self.0 % 1_000_000_000)
     }
 }
 
@@ -110,9 +98,6 @@ mod tests {
         let later = late + Duration::from_nanos(1);
         assert_eq!(later - late, Duration::from_nanos(1));
         assert_eq!(later.to_string(), "1152921504.606846978 s");
-        assert_eq!(
-            SimTime::ZERO.saturating_sub(Duration::from_secs(1)),
-            SimTime::ZERO
-        );
+        assert_eq!(SimTime::ZERO.saturating_sub(Duration::from_secs(1)), SimTime::ZERO);
     }
 }

@@ -28,10 +28,7 @@ fn span() -> impl Strategy<Value = u64> {
 }
 
 fn step() -> impl Strategy<Value = Step> {
-    let rank = (
-        prop_oneof![0_u8..3, Just(u8::MAX)],
-        prop_oneof![0_u32..3, Just(u32::MAX)],
-    );
+    let rank = (prop_oneof![0_u8..3, Just(u8::MAX)], prop_oneof![0_u32..3, Just(u32::MAX)]);
     prop_oneof![
         6 => (span(), rank).prop_map(|(span, (class, node))| Step::Push(span, class, node)),
         3 => Just(Step::Pop),
@@ -130,20 +127,12 @@ fn micros(micros: u64) -> SimTime {
 fn events_of_one_instant_leave_by_class_then_node_then_insertion() {
     let mut queue = EventQueue::new();
     let at = micros(320);
-    for (class, node, name) in [
-        (4, 0, "e"),
-        (1, 300, "c"),
-        (1, 2, "a"),
-        (1, 300, "d"),
-        (255, 0, "g"),
-        (4, u32::MAX, "f"),
-        (1, 2, "b"),
-    ] {
+    for (class, node, name) in
+        [(4, 0, "e"), (1, 300, "c"), (1, 2, "a"), (1, 300, "d"), (255, 0, "g"), (4, u32::MAX, "f"), (1, 2, "b")]
+    {
         queue.push(at, rank(class, node), name);
     }
-    let left: String = std::iter::from_fn(|| queue.pop())
-        .map(|(_, name)| name)
-        .collect();
+    let left: String = std::iter::from_fn(|| queue.pop()).map(|(_, name)| name).collect();
     assert_eq!(left, "abcdefg");
 }
 
@@ -171,10 +160,7 @@ fn a_key_is_void_once_its_event_has_left_also_when_its_place_is_taken() {
     assert_eq!(queue.cancel(new), None);
     // The cancelled event's place is taken by one that leaves later: it must leave once, at its own time.
     queue.push(micros(9), rank(0, 0), "newest");
-    assert_eq!(
-        (queue.pop(), queue.pop()),
-        (Some((micros(9), "newest")), None)
-    );
+    assert_eq!((queue.pop(), queue.pop()), (Some((micros(9), "newest")), None));
 }
 
 #[test]

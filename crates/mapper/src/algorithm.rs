@@ -59,9 +59,9 @@ impl TryFrom<AlgorithmConfig> for Mapper {
 
     fn try_from(config: AlgorithmConfig) -> Result<Self, SettingError> {
         match config {
-            AlgorithmConfig::MlTm(config) => MlTm::try_from(config)
-                .map(Self::MlTm)
-                .map_err(|error| error.within("ml_tm")),
+            AlgorithmConfig::MlTm(config) => {
+                MlTm::try_from(config).map(Self::MlTm).map_err(|error| error.within("ml_tm"))
+            }
         }
     }
 }

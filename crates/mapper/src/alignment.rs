@@ -49,20 +49,11 @@ impl Similarity {
     ///
     /// # Errors
     /// If there are fewer than three pairs, or either list is a single place.
-    pub fn fit(
-        pairs: &[(Position, Position)],
-        reflection: Reflection,
-    ) -> Result<Self, AlignmentError> {
+    pub fn fit(pairs: &[(Position, Position)], reflection: Reflection) -> Result<Self, AlignmentError> {
         if pairs.len() < 3 {
-            return Err(AlignmentError::TooFew {
-                found: pairs.len(),
-                needed: 3,
-            });
+            return Err(AlignmentError::TooFew { found: pairs.len(), needed: 3 });
         }
-        if pairs
-            .iter()
-            .any(|(from, onto)| !(from.is_finite() && onto.is_finite()))
-        {
+        if pairs.iter().any(|(from, onto)| !(from.is_finite() && onto.is_finite())) {
             return Err(AlignmentError::NotFinite);
         }
         #[expect(clippy::cast_precision_loss, reason = "a number of places")]
@@ -81,10 +72,7 @@ impl Similarity {
             spread_from += from.component_mul(&from);
             spread_onto += onto.component_mul(&onto);
         }
-        for (spread, mean, which) in [
-            (&spread_from, &mean_from, "mapped"),
-            (&spread_onto, &mean_onto, "reference"),
-        ] {
+        for (spread, mean, which) in [(&spread_from, &mean_from, "mapped"), (&spread_onto, &mean_onto, "reference")] {
             let rounding = 1e-12 * (1.0 + mean.norm());
             if (spread.sum() * share).sqrt() <= rounding {
                 return Err(AlignmentError::Coincide(which));
@@ -93,9 +81,7 @@ impl Similarity {
         let flat = |spread: &Vector3<f64>| spread.z <= 1e-24 * spread.sum();
         let planar = flat(&spread_from) && flat(&spread_onto);
         let dimensions = if planar { 2 } else { 3 };
-        let block = DMatrix::from_fn(dimensions, dimensions, |row, column| {
-            covariance[(row, column)]
-        });
+        let block = DMatrix::from_fn(dimensions, dimensions, |row, column| covariance[(row, column)]);
         let svd = SVD::new(block, true, true);
         let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
             return Err(AlignmentError::NotFinite);
@@ -106,13 +92,10 @@ impl Similarity {
             signs[dimensions - 1] = -1.0;
         }
         let turned = &u * DMatrix::from_diagonal(&signs) * &v_t;
-        let rotation =
-            Matrix3::from_fn(
-                |row, column| match (row < dimensions, column < dimensions) {
-                    (true, true) => turned[(row, column)],
-                    _ => f64::from(u8::from(row == column)),
-                },
-            );
+        let rotation = Matrix3::from_fn(|row, column| match (row < dimensions, column < dimensions) {
+            (true, true) => turned[(row, column)],
+            _ => f64::from(u8::from(row == column)),
+        });
         let scale = svd.singular_values.dot(&signs) / spread_from.sum();
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(AlignmentError::Coincide("mapped"));
@@ -128,9 +111,7 @@ impl Similarity {
     /// Where the similarity brings `place`.
     #[must_use]
     pub fn apply(&self, place: Position) -> Position {
-        let turned = self
-            .rotation
-            .map(|[x, y, z]| Position::new(x, y, z).dot(place));
+        let turned = self.rotation.map(|[x, y, z]| Position::new(x, y, z).dot(place));
         Position::from(turned) * self.scale + self.translation
     }
 
@@ -138,15 +119,8 @@ impl Similarity {
     #[must_use]
     pub fn inverse(&self) -> Self {
         let rotation = [0, 1, 2].map(|row| [0, 1, 2].map(|column| self.rotation[column][row]));
-        let linear = Self {
-            scale: 1.0 / self.scale,
-            rotation,
-            translation: Position::ORIGIN,
-        };
-        Self {
-            translation: linear.apply(self.translation) * -1.0,
-            ..linear
-        }
+        let linear = Self { scale: 1.0 / self.scale, rotation, translation: Position::ORIGIN };
+        Self { translation: linear.apply(self.translation) * -1.0, ..linear }
     }
 }
 
@@ -161,23 +135,14 @@ mod tests {
 
     fn places(seed: u64, count: u64, height_m: f64) -> Vec<Position> {
         let draw = |i, axis| 30.0 * Seed(seed).uniform(Purpose::Mapper, [i, axis, 0]);
-        (0..count)
-            .map(|i| Position::new(draw(i, 0), draw(i, 1), height_m * draw(i, 2)))
-            .collect()
+        (0..count).map(|i| Position::new(draw(i, 0), draw(i, 1), height_m * draw(i, 2))).collect()
     }
 
     /// Rotation about x, then z, mirrored in x if `mirror` is −1.
     fn turn(place: Position, about_x: f64, about_z: f64, mirror: f64) -> Position {
         let (x, y, z) = (mirror * place.x_m, place.y_m, place.z_m);
-        let (y, z) = (
-            y * about_x.cos() - z * about_x.sin(),
-            y * about_x.sin() + z * about_x.cos(),
-        );
-        Position::new(
-            x * about_z.cos() - y * about_z.sin(),
-            x * about_z.sin() + y * about_z.cos(),
-            z,
-        )
+        let (y, z) = (y * about_x.cos() - z * about_x.sin(), y * about_x.sin() + z * about_x.cos());
+        Position::new(x * about_z.cos() - y * about_z.sin(), x * about_z.sin() + y * about_z.cos(), z)
     }
 
     #[test]
@@ -187,42 +152,22 @@ mod tests {
             for (height_m, about_x) in [(0.0, 0.0), (0.4, 6.0 * draw(0))] {
                 let (about_z, scale) = (6.0 * draw(1), 0.1 + 5.0 * draw(2));
                 for mirror in [1.0, -1.0] {
-                    let shift =
-                        Position::new(5.0, -80.0 * draw(3), if height_m > 0.0 { 3.0 } else { 0.0 });
+                    let shift = Position::new(5.0, -80.0 * draw(3), if height_m > 0.0 { 3.0 } else { 0.0 });
                     let from = places(seed, 12, height_m);
-                    let pairs: Vec<_> = from
-                        .iter()
-                        .map(|&p| (p, turn(p, about_x, about_z, mirror) * scale + shift))
-                        .collect();
+                    let pairs: Vec<_> =
+                        from.iter().map(|&p| (p, turn(p, about_x, about_z, mirror) * scale + shift)).collect();
                     let fit = Similarity::fit(&pairs, Reflection::Allowed).unwrap();
                     assert!((fit.scale / scale - 1.0).abs() < 1e-12);
                     for &(from, onto) in &pairs {
-                        assert!(
-                            fit.apply(from).distance_m(onto) < 1e-12 * 200.0,
-                            "seed {seed}"
-                        );
-                        assert!(
-                            fit.inverse().apply(onto).distance_m(from) < 1e-12 * 2000.0,
-                            "seed {seed}"
-                        );
+                        assert!(fit.apply(from).distance_m(onto) < 1e-12 * 200.0, "seed {seed}");
+                        assert!(fit.inverse().apply(onto).distance_m(from) < 1e-12 * 2000.0, "seed {seed}");
                     }
                     let physical = Similarity::fit(&pairs, Reflection::Forbidden).unwrap();
-                    let determinant =
-                        Matrix3::from_fn(|row, column| physical.rotation[row][column])
-                            .determinant();
+                    let determinant = Matrix3::from_fn(|row, column| physical.rotation[row][column]).determinant();
                     assert!((determinant - 1.0).abs() < 1e-12);
-                    let worst = pairs
-                        .iter()
-                        .map(|&(from, onto)| physical.apply(from).distance_m(onto));
+                    let worst = pairs.iter().map(|&(from, onto)| physical.apply(from).distance_m(onto));
                     let worst = worst.fold(0.0, f64::max);
-                    assert!(
-                        if mirror < 0.0 {
-                            worst > 0.1 * scale
-                        } else {
-                            worst < 1e-12 * 200.0
-                        },
-                        "{worst}"
-                    );
+                    assert!(if mirror < 0.0 { worst > 0.1 * scale } else { worst < 1e-12 * 200.0 }, "{worst}");
                 }
             }
         }
@@ -234,38 +179,20 @@ mod tests {
             let draw = |axis| Seed(4).normal(Purpose::Mapper, [i, axis, 7]);
             turn(p, 0.4, 1.1, 1.0) * 2.0 + Position::new(draw(0), draw(1), draw(2))
         };
-        let pairs: Vec<_> = (0..)
-            .zip(places(8, 20, 1.0))
-            .map(|(i, p)| (p, noisy(i, p)))
-            .collect();
+        let pairs: Vec<_> = (0..).zip(places(8, 20, 1.0)).map(|(i, p)| (p, noisy(i, p))).collect();
         let cost = |fit: &Similarity| -> f64 {
-            pairs
-                .iter()
-                .map(|&(from, onto)| fit.apply(from).distance_m(onto).powi(2))
-                .sum()
+            pairs.iter().map(|&(from, onto)| fit.apply(from).distance_m(onto).powi(2)).sum()
         };
         let best = Similarity::fit(&pairs, Reflection::Forbidden).unwrap();
         for step in [-1e-3, 1e-3] {
-            let scaled = Similarity {
-                scale: best.scale + step,
-                ..best.clone()
-            };
-            let shifted = Similarity {
-                translation: best.translation + Position::new(0.0, step, 0.0),
-                ..best.clone()
-            };
+            let scaled = Similarity { scale: best.scale + step, ..best.clone() };
+            let shifted =
+                Similarity { translation: best.translation + Position::new(0.0, step, 0.0), ..best.clone() };
             let (sine, cosine) = (step.sin(), step.cos());
             let [a, b, c] = best.rotation;
             let mix = |p: f64, q: f64| cosine * p - sine * q;
-            let turned = [
-                [0, 1, 2].map(|i| mix(a[i], b[i])),
-                [0, 1, 2].map(|i| mix(b[i], -a[i])),
-                c,
-            ];
-            let turned = Similarity {
-                rotation: turned,
-                ..best.clone()
-            };
+            let turned = [[0, 1, 2].map(|i| mix(a[i], b[i])), [0, 1, 2].map(|i| mix(b[i], -a[i])), c];
+            let turned = Similarity { rotation: turned, ..best.clone() };
             for other in [scaled, shifted, turned] {
                 assert!(cost(&other) > cost(&best));
             }
@@ -275,29 +202,14 @@ mod tests {
     #[test]
     fn degenerate_lists_are_refused() {
         let same = [(Position::ORIGIN, Position::new(1.0, 2.0, 0.0)); 5];
-        assert!(matches!(
-            Similarity::fit(&same, Reflection::Allowed),
-            Err(AlignmentError::Coincide(_))
-        ));
-        let collapsed: Vec<_> = places(1, 5, 0.0)
-            .into_iter()
-            .map(|p| (Position::ORIGIN, p))
-            .collect();
-        assert_eq!(
-            Similarity::fit(&collapsed, Reflection::Allowed),
-            Err(AlignmentError::Coincide("mapped"))
-        );
+        assert!(matches!(Similarity::fit(&same, Reflection::Allowed), Err(AlignmentError::Coincide(_))));
+        let collapsed: Vec<_> = places(1, 5, 0.0).into_iter().map(|p| (Position::ORIGIN, p)).collect();
+        assert_eq!(Similarity::fit(&collapsed, Reflection::Allowed), Err(AlignmentError::Coincide("mapped")));
         assert_eq!(
             Similarity::fit(&same[..2], Reflection::Allowed),
-            Err(AlignmentError::TooFew {
-                found: 2,
-                needed: 3
-            })
+            Err(AlignmentError::TooFew { found: 2, needed: 3 })
         );
         let lost = [(Position::new(f64::NAN, 0.0, 0.0), Position::ORIGIN); 3];
-        assert_eq!(
-            Similarity::fit(&lost, Reflection::Allowed),
-            Err(AlignmentError::NotFinite)
-        );
+        assert_eq!(Similarity::fit(&lost, Reflection::Allowed), Err(AlignmentError::NotFinite));
     }
 }

@@ -29,28 +29,15 @@ impl CellIndex {
         let most = 4 * points.len() + 64;
         let mut per_m = 1.0 / cell_m;
         let counts = loop {
-            let counts = [0, 1, 2]
-                .map(|axis| whole(((high[axis] - low[axis]) * per_m).floor()).saturating_add(1));
-            if counts
-                .iter()
-                .fold(1_usize, |product, &count| product.saturating_mul(count))
-                <= most
-            {
+            let counts = [0, 1, 2].map(|axis| whole(((high[axis] - low[axis]) * per_m).floor()).saturating_add(1));
+            if counts.iter().fold(1_usize, |product, &count| product.saturating_mul(count)) <= most {
                 break counts;
             }
             per_m *= 0.5;
         };
-        let mut index = Self {
-            low,
-            per_m,
-            counts,
-            first: vec![0; counts.iter().product::<usize>() + 1],
-            points: Vec::new(),
-        };
-        let cells: Vec<usize> = points
-            .iter()
-            .map(|&point| index.cell(point.into()))
-            .collect();
+        let mut index =
+            Self { low, per_m, counts, first: vec![0; counts.iter().product::<usize>() + 1], points: Vec::new() };
+        let cells: Vec<usize> = points.iter().map(|&point| index.cell(point.into())).collect();
         for &cell in &cells {
             index.first[cell + 1] += 1;
         }
@@ -78,11 +65,7 @@ impl CellIndex {
 
     /// The points in the cells that touch the box from `low` to `high`, in slices: a superset of those in the
     /// box, in a fixed order.
-    pub(crate) fn near_box(
-        &self,
-        low: [f64; 3],
-        high: [f64; 3],
-    ) -> impl Iterator<Item = &[(Position, u32)]> {
+    pub(crate) fn near_box(&self, low: [f64; 3], high: [f64; 3]) -> impl Iterator<Item = &[(Position, u32)]> {
         let [x0, y0, z0] = [0, 1, 2].map(|axis| self.layer(axis, low[axis]));
         let [x1, y1, z1] = [0, 1, 2].map(|axis| self.layer(axis, high[axis]));
         (z0..=z1)
@@ -93,10 +76,7 @@ impl CellIndex {
     /// Calls `found` with each point within `radius_m` of `place`, itself included.
     pub(crate) fn within(&self, place: Position, radius_m: f64, mut found: impl FnMut(u32)) {
         let reach = Position::new(radius_m, radius_m, radius_m);
-        for &(point, id) in self
-            .near_box((place - reach).into(), (place + reach).into())
-            .flatten()
-        {
+        for &(point, id) in self.near_box((place - reach).into(), (place + reach).into()).flatten() {
             let apart = point - place;
             if apart.dot(apart) <= radius_m * radius_m {
                 found(id);
@@ -113,9 +93,7 @@ mod tests {
     #[test]
     fn the_points_within_a_radius_are_those_of_a_full_scan() {
         let draw = |i: u64, axis| 20.0 * Seed(3).uniform(Purpose::Mapper, [i, axis, 0]) - 10.0;
-        let points: Vec<Position> = (0..300)
-            .map(|i| Position::new(draw(i, 0), draw(i, 1), draw(i, 2)))
-            .collect();
+        let points: Vec<Position> = (0..300).map(|i| Position::new(draw(i, 0), draw(i, 1), draw(i, 2))).collect();
         for cell_m in [0.01, 1.0, 3.0, 100.0] {
             let index = CellIndex::new(&points, cell_m);
             for (i, &place) in points.iter().enumerate().step_by(17) {
@@ -125,10 +103,7 @@ mod tests {
                     found.sort_unstable();
                     let scan = |&j: &usize| points[j].distance_m(points[i]) <= radius_m;
                     let expected: Vec<usize> = (0..points.len()).filter(scan).collect();
-                    assert_eq!(
-                        found, expected,
-                        "cells of {cell_m} m, radius {radius_m} m, point {i}"
-                    );
+                    assert_eq!(found, expected, "cells of {cell_m} m, radius {radius_m} m, point {i}");
                 }
             }
         }
@@ -137,9 +112,7 @@ mod tests {
     #[test]
     fn no_points_and_coinciding_points_are_fine() {
         let none = CellIndex::new(&[], 1.0);
-        none.within(Position::ORIGIN, 5.0, |_| {
-            panic!("there is nothing to find")
-        });
+        none.within(Position::ORIGIN, 5.0, |_| panic!("there is nothing to find"));
         let same = CellIndex::new(&[Position::ORIGIN; 5], 1.0);
         let mut count = 0;
         same.within(Position::ORIGIN, 0.0, |_| count += 1);

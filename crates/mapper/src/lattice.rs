@@ -1,5 +1,7 @@
 //! The vertices at which a likelihood is computed.
 
+use std::ops::Range;
+
 use sextant_channel::{Position, Stop};
 
 use crate::MapError;
@@ -9,11 +11,7 @@ const OCTETS_PER_VERTEX: f64 = 8.0;
 
 /// Where the lattice lies relative to the world's origin, in steps: powers of the golden ratio. Nodes that
 /// stand on round coordinates are then never exactly on a vertex, which would flatter every estimator.
-const PHASE: [f64; 3] = [
-    0.381_966_011_250_105,
-    0.236_067_977_499_79,
-    0.145_898_033_750_315,
-];
+const PHASE: [f64; 3] = [0.381_966_011_250_105, 0.236_067_977_499_79, 0.145_898_033_750_315];
 
 /// A cubic lattice of vertices: `origin + step · (i, j, k)` with i, j, k below the counts. A planar lattice is
 /// one vertex high. The linear index of a vertex is `(k · ny + j) · nx + i`.
@@ -21,6 +19,8 @@ const PHASE: [f64; 3] = [
 pub struct Lattice {
     origin: Position,
     step_m: f64,
+    /// Vertices per metre.
+    per_m: f64,
     counts: [usize; 3],
 }
 
@@ -31,15 +31,8 @@ impl Lattice {
     /// If the step is not above zero or a count is zero.
     #[must_use]
     pub fn new(origin: Position, step_m: f64, counts: [usize; 3]) -> Self {
-        assert!(
-            step_m > 0.0 && counts.iter().all(|&count| count > 0),
-            "a lattice has a step and vertices"
-        );
-        Self {
-            origin,
-            step_m,
-            counts,
-        }
+        assert!(step_m > 0.0 && counts.iter().all(|&count| count > 0), "a lattice has a step and vertices");
+        Self { origin, step_m, per_m: 1.0 / step_m, counts }
     }
 
     /// The lattice that holds every place within `range_m` of a stop. Its vertices are a fixed set of places in
@@ -77,13 +70,8 @@ impl Lattice {
         if let Some(range) = z_range_m {
             [low[2], high[2]] = range;
         }
-        let size = |step: f64| {
-            Size::of(
-                [0, 1, 2].map(|axis| extent(low[axis], high[axis], step, axis).1),
-                range_m,
-                step,
-            )
-        };
+        let size =
+            |step: f64| Size::of([0, 1, 2].map(|axis| extent(low[axis], high[axis], step, axis).1), range_m, step);
         let needed = size(step_m);
         if !needed.fits(allowed_bytes) {
             return Err(needed.refusal(step_m, allowed_bytes, &size));
@@ -92,6 +80,7 @@ impl Lattice {
         Ok(Self {
             origin: axes.map(|(origin, _)| origin).into(),
             step_m,
+            per_m: 1.0 / step_m,
             counts: axes.map(|(_, count)| whole(count)),
         })
     }
@@ -136,11 +125,7 @@ impl Lattice {
     /// Place of the vertex (i, j, k).
     #[must_use]
     pub fn position(&self, [i, j, k]: [usize; 3]) -> Position {
-        Position::new(
-            self.coordinate(0, i),
-            self.coordinate(1, j),
-            self.coordinate(2, k),
-        )
+        Position::new(self.coordinate(0, i), self.coordinate(1, j), self.coordinate(2, k))
     }
 
     /// Linear index of the vertex (i, j, k).
@@ -152,17 +137,10 @@ impl Lattice {
 
     /// The vertex (i, j, k) of a linear index.
     #[must_use]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "an index of a vertex is below the counts"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "an index of a vertex is below the counts")]
     pub fn vertex(&self, index: u64) -> [usize; 3] {
         let [nx, ny, _] = self.counts.map(|count| count as u64);
-        [
-            (index % nx) as usize,
-            (index / nx % ny) as usize,
-            (index / nx / ny) as usize,
-        ]
+        [(index % nx) as usize, (index / nx % ny) as usize, (index / nx / ny) as usize]
     }
 
     /// Coordinate of the `i`-th vertex along an axis [m].
@@ -171,25 +149,23 @@ impl Lattice {
         <[f64; 3]>::from(self.origin)[axis] + self.step_m * i as f64
     }
 
-    /// The vertices along `axis` with coordinates in `[low, high]`, as a half-open range of indices: a superset
-    /// by less than a thousandth of a step, so that rounding never drops one.
-    pub(crate) fn span(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<usize> {
+    /// The vertices along `axis` with coordinates in `[low, high]`, as a half-open range of indices, and
+    /// whether rounding may have added one at either end; it never drops one.
+    pub(crate) fn span(&self, axis: usize, low: f64, high: f64) -> (Range<usize>, bool) {
+        // Positions in steps are rounded by far less than this.
         const SLACK: f64 = 1e-6;
         let origin = <[f64; 3]>::from(self.origin)[axis];
-        let inverse = 1.0 / self.step_m;
-        let first = whole(((low - origin) * inverse - SLACK).ceil());
-        let end = whole(((high - origin) * inverse + SLACK).floor() + 1.0).min(self.counts[axis]);
-        first..end.max(first)
+        let first = (low - origin) * self.per_m;
+        let last = (high - origin) * self.per_m;
+        let (start, end) = (ceiling(first - SLACK), past(last + SLACK).min(self.counts[axis]));
+        let in_doubt = ceiling(first + SLACK) != start || past(last - SLACK) != past(last + SLACK);
+        (start..end.max(start), in_doubt)
     }
 
     /// The part of the lattice from the vertex `low` to the vertex `high`, both included.
     pub(crate) fn window(&self, low: [usize; 3], high: [usize; 3]) -> Self {
         let counts = [0, 1, 2].map(|axis| high[axis] - low[axis] + 1);
-        Self {
-            origin: self.position(low),
-            step_m: self.step_m,
-            counts,
-        }
+        Self { origin: self.position(low), counts, ..*self }
     }
 }
 
@@ -197,19 +173,23 @@ impl Lattice {
 fn extent(low: f64, high: f64, step: f64, axis: usize) -> (f64, f64) {
     let first = ((low / step - PHASE[axis]).ceil() + PHASE[axis]) * step;
     let count = ((high - first) / step).floor() + 1.0;
-    if high - low < step || count < 1.0 {
-        (0.5 * (low + high), 1.0)
-    } else {
-        (first, count)
-    }
+    if high - low < step || count < 1.0 { (0.5 * (low + high), 1.0) } else { (first, count) }
+}
+
+/// The lowest count not below `value`. Casts, because a processor may have no instruction for rounding.
+#[expect(clippy::cast_precision_loss, reason = "indices are far below 2^53")]
+fn ceiling(value: f64) -> usize {
+    let below = whole(value);
+    below + usize::from((below as f64) < value)
+}
+
+/// The lowest count above `value`.
+fn past(value: f64) -> usize {
+    if value < 0.0 { 0 } else { whole(value).saturating_add(1) }
 }
 
 /// `value` as a count; 0 if it is negative, the largest count if it is too large.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "saturating is what is wanted"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturating is what is wanted")]
 pub(crate) fn whole(value: f64) -> usize {
     value as usize
 }
@@ -223,10 +203,7 @@ struct Size {
 impl Size {
     fn of(counts: [f64; 3], range_m: f64, step_m: f64) -> Self {
         let window = counts.map(|count| count.min(2.0 * range_m / step_m + 1.0));
-        Self {
-            vertices: counts.iter().product(),
-            bytes: window.iter().product::<f64>() * OCTETS_PER_VERTEX,
-        }
+        Self { vertices: counts.iter().product(), bytes: window.iter().product::<f64>() * OCTETS_PER_VERTEX }
     }
 
     /// Whether the window fits the memory and the linear indices are exact.
@@ -254,11 +231,7 @@ impl Size {
 fn two_digits(value: f64) -> f64 {
     let unit = libm::pow(10.0, libm::log10(value).floor() - 1.0);
     let digits = (value / unit - 1e-9).ceil();
-    if unit < 1.0 {
-        digits / (1.0 / unit).round()
-    } else {
-        digits * unit
-    }
+    if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
 }
 
 #[cfg(test)]
@@ -267,31 +240,16 @@ mod tests {
     use sextant_kernel::SimTime;
 
     fn stops(places: &[[f64; 3]]) -> Vec<Stop> {
-        places
-            .iter()
-            .map(|&place| Stop {
-                time: SimTime::ZERO,
-                position: place.into(),
-            })
-            .collect()
+        places.iter().map(|&place| Stop { time: SimTime::ZERO, position: place.into() }).collect()
     }
 
     #[test]
     fn a_lattice_covers_the_range_of_every_stop_and_avoids_round_coordinates() {
-        let lattice = Lattice::covering(
-            &stops(&[[0.0, 0.0, 0.0], [30.0, 7.0, 0.0]]),
-            10.0,
-            0.25,
-            None,
-            1 << 30,
-        )
-        .unwrap();
+        let lattice =
+            Lattice::covering(&stops(&[[0.0, 0.0, 0.0], [30.0, 7.0, 0.0]]), 10.0, 0.25, None, 1 << 30).unwrap();
         assert_eq!(lattice.counts()[2], 1);
         let [nx, ny, _] = lattice.counts();
-        let (first, last) = (
-            lattice.position([0, 0, 0]),
-            lattice.position([nx - 1, ny - 1, 0]),
-        );
+        let (first, last) = (lattice.position([0, 0, 0]), lattice.position([nx - 1, ny - 1, 0]));
         assert!(first.x_m >= -10.0 && first.x_m < -9.75 && last.x_m <= 40.0 && last.x_m > 39.75);
         assert!(first.y_m >= -10.0 && first.y_m < -9.75 && last.y_m <= 17.0 && last.y_m > 16.75);
         assert!(first.z_m.abs() < 1e-15);
@@ -306,14 +264,7 @@ mod tests {
     #[test]
     fn a_longer_survey_keeps_the_vertices() {
         let short = Lattice::covering(&stops(&[[0.0; 3]]), 3.0, 0.25, None, 1 << 30).unwrap();
-        let long = Lattice::covering(
-            &stops(&[[0.0; 3], [-50.3, 20.0, 0.0]]),
-            3.0,
-            0.25,
-            None,
-            1 << 30,
-        )
-        .unwrap();
+        let long = Lattice::covering(&stops(&[[0.0; 3], [-50.3, 20.0, 0.0]]), 3.0, 0.25, None, 1 << 30).unwrap();
         let steps = (short.origin().x_m - long.origin().x_m) / 0.25;
         assert!((steps - steps.round()).abs() < 1e-9);
     }
@@ -321,11 +272,7 @@ mod tests {
     #[test]
     fn heights_follow_the_stops_or_the_range_given() {
         let level = stops(&[[0.0, 0.0, 0.3], [5.0, 0.0, 0.3]]);
-        let count = |stops: &[Stop], range| {
-            Lattice::covering(stops, 3.0, 0.5, range, 1 << 30)
-                .unwrap()
-                .counts()[2]
-        };
+        let count = |stops: &[Stop], range| Lattice::covering(stops, 3.0, 0.5, range, 1 << 30).unwrap().counts()[2];
         assert_eq!(count(&level, None), 1);
         assert_eq!(count(&stops(&[[0.0, 0.0, 0.0], [0.0, 0.0, 4.0]]), None), 20);
         assert_eq!(count(&level, Some([0.0, 3.0])), 6);
@@ -338,21 +285,12 @@ mod tests {
         let path = stops(&[[0.0; 3], [30.0, 30.0, 0.0]]);
         let allowed = 100_000_000;
         let refused = Lattice::covering(&path, 10.0, 1e-6, None, allowed).unwrap_err();
-        let MapError::GridTooLarge {
-            vertices,
-            bytes,
-            suggested_step_m,
-            ..
-        } = refused
-        else {
+        let MapError::GridTooLarge { vertices, bytes, suggested_step_m, .. } = refused else {
             panic!("{refused} is not about the size");
         };
         assert!(vertices > 2.4e15 && bytes > allowed);
         assert!(Lattice::covering(&path, 10.0, suggested_step_m, None, allowed).is_ok());
         assert!(Lattice::covering(&path, 10.0, 0.9 * suggested_step_m, None, allowed).is_err());
-        assert_eq!(
-            Lattice::covering(&[], 1.0, 1.0, None, 0),
-            Err(MapError::NoStops)
-        );
+        assert_eq!(Lattice::covering(&[], 1.0, 1.0, None, 0), Err(MapError::NoStops));
     }
 }

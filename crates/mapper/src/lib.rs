@@ -38,9 +38,7 @@ pub use algorithm::{AlgorithmConfig, MapConfig, Mapper};
 pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use error::MapError;
 pub use lattice::Lattice;
-pub use metrics::{
-    ConnectivityError, MetricError, NeighbourhoodRule, PositionError, connectivity_error,
-};
+pub use metrics::{ConnectivityError, MetricError, NeighbourhoodRule, PositionError, connectivity_error};
 pub use ml_tm::{EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use profile::{ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig};
 pub use surface::Surface;

@@ -109,13 +109,7 @@ impl MlTm {
     /// # Errors
     /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
     pub fn lattice(&self, log: &ReceptionLog) -> Result<Lattice, MapError> {
-        Lattice::covering(
-            log.stops(),
-            self.profile.range_m(),
-            self.grid_step_m,
-            self.z_range_m,
-            self.allowed_bytes,
-        )
+        Lattice::covering(log.stops(), self.profile.range_m(), self.grid_step_m, self.z_range_m, self.allowed_bytes)
     }
 
     /// The map of the nodes in `log`, computed on the current rayon pool; the same bits for any number of threads.
@@ -156,19 +150,12 @@ impl MlTm {
     /// [`MapError::UnknownNode`] and [`MapError::NotHeard`] if there is no such likelihood;
     /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
     pub fn surface(&self, log: &ReceptionLog, node: NodeId) -> Result<Surface, MapError> {
-        let name = log.names().get(node.index()).ok_or(MapError::UnknownNode {
-            node: node.0,
-            nodes: log.node_count(),
-        })?;
+        let name =
+            log.names().get(node.index()).ok_or(MapError::UnknownNode { node: node.0, nodes: log.node_count() })?;
         let lattice = self.lattice(log)?;
         let solver = Solver::new(&lattice, log.stops(), &self.profile);
         let mut vertices = Vec::new();
-        let search = solver.search(
-            &mut solver.scratch(),
-            log.of(node),
-            f64::INFINITY,
-            &mut vertices,
-        );
+        let search = solver.search(&mut solver.scratch(), log.of(node), f64::INFINITY, &mut vertices);
         Surface::of_vertices(&lattice, &vertices, search.infeasible)
             .ok_or_else(|| MapError::NotHeard { name: name.clone() })
     }
@@ -214,9 +201,7 @@ impl MlTm {
         }
         #[expect(clippy::cast_precision_loss, reason = "a number of vertices")]
         let share = 1.0 / vertices.len() as f64;
-        let offset = vertices.iter().fold(Position::ORIGIN, |sum, &(index, _)| {
-            sum + (place(index) - place(first))
-        });
+        let offset = vertices.iter().fold(Position::ORIGIN, |sum, &(index, _)| sum + (place(index) - place(first)));
         let mean = place(first) + offset * share;
         let half_step_m = 0.5 * lattice.step_m() * (1.0 + 1e-9);
         let mut nearest = (first, f64::INFINITY);
@@ -229,11 +214,7 @@ impl MlTm {
                 nearest = (index, distance_m);
             }
         }
-        if is_one_of_them {
-            mean
-        } else {
-            place(nearest.0)
-        }
+        if is_one_of_them { mean } else { place(nearest.0) }
     }
 }
 
@@ -241,22 +222,11 @@ impl TryFrom<MlTmConfig> for MlTm {
     type Error = SettingError;
 
     fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
-        let MlTmConfig {
-            grid_step_m,
-            profile,
-            estimate,
-            ties,
-            z_range_m,
-            max_memory_mb,
-        } = config;
+        let MlTmConfig { grid_step_m, profile, estimate, ties, z_range_m, max_memory_mb } = config;
         SettingError::positive("grid_step_m", grid_step_m)?;
-        let profile =
-            ReceptionProfile::try_from(profile).map_err(|error| error.within("profile"))?;
+        let profile = ReceptionProfile::try_from(profile).map_err(|error| error.within("profile"))?;
         if grid_step_m > profile.range_m() {
-            let allowed = format!(
-                "above 0, at most the range of the profile ({} m)",
-                profile.range_m()
-            );
+            let allowed = format!("above 0, at most the range of the profile ({} m)", profile.range_m());
             return Err(SettingError::new("grid_step_m", grid_step_m, allowed));
         }
         if let Some([low, high]) = z_range_m
@@ -273,13 +243,6 @@ impl TryFrom<MlTmConfig> for MlTm {
             return Err(SettingError::new("max_memory_mb", 0, "1 or more"));
         }
         let allowed_bytes = u64::from(memory_mb) * 1_000_000;
-        Ok(Self {
-            grid_step_m,
-            profile,
-            estimate,
-            ties,
-            z_range_m,
-            allowed_bytes,
-        })
+        Ok(Self { grid_step_m, profile, estimate, ties, z_range_m, allowed_bytes })
     }
 }

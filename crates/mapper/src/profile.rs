@@ -46,23 +46,13 @@ impl TrapezoidConfig {
     /// The trapezoid with the floor 10⁻⁶ and the ceiling 1 − 10⁻⁶.
     #[must_use]
     pub fn new(p0: f64, plateau_m: f64, range_m: f64) -> Self {
-        Self {
-            p0,
-            plateau_m,
-            range_m,
-            floor: default_floor(),
-            ceiling: default_ceiling(),
-        }
+        Self { p0, plateau_m, range_m, floor: default_floor(), ceiling: default_ceiling() }
     }
 
     /// The same trapezoid without floor and ceiling, as the thesis has it.
     #[must_use]
     pub fn literal(self) -> Self {
-        Self {
-            floor: 0.0,
-            ceiling: 1.0,
-            ..self
-        }
+        Self { floor: 0.0, ceiling: 1.0, ..self }
     }
 }
 
@@ -107,13 +97,7 @@ impl Trapezoid {
     /// Probability that a packet is received over `distance_m`.
     #[must_use]
     pub fn probability(&self, distance_m: f64) -> f64 {
-        let Self {
-            p0,
-            plateau_m: r,
-            range_m: big_r,
-            floor,
-            ceiling,
-        } = *self;
+        let Self { p0, plateau_m: r, range_m: big_r, floor, ceiling } = *self;
         let s = if distance_m <= r {
             p0
         } else if distance_m >= big_r {
@@ -160,9 +144,9 @@ impl TryFrom<ProfileConfig> for ReceptionProfile {
 
     fn try_from(config: ProfileConfig) -> Result<Self, SettingError> {
         match config {
-            ProfileConfig::Trapezoid(config) => Trapezoid::try_from(config)
-                .map(Self::Trapezoid)
-                .map_err(|error| error.within("trapezoid")),
+            ProfileConfig::Trapezoid(config) => {
+                Trapezoid::try_from(config).map(Self::Trapezoid).map_err(|error| error.within("trapezoid"))
+            }
         }
     }
 }
@@ -171,24 +155,14 @@ impl TryFrom<TrapezoidConfig> for Trapezoid {
     type Error = SettingError;
 
     fn try_from(config: TrapezoidConfig) -> Result<Self, SettingError> {
-        let TrapezoidConfig {
-            p0,
-            plateau_m,
-            range_m,
-            floor,
-            ceiling,
-        } = config;
+        let TrapezoidConfig { p0, plateau_m, range_m, floor, ceiling } = config;
         if !(p0 > 0.0 && p0 <= 1.0) {
             return Err(SettingError::new("p0", p0, "above 0, at most 1"));
         }
         SettingError::positive("range_m", range_m)?;
         SettingError::not_negative("plateau_m", plateau_m)?;
         if plateau_m >= range_m {
-            return Err(SettingError::new(
-                "plateau_m",
-                plateau_m,
-                format!("0 to below range_m = {range_m}"),
-            ));
+            return Err(SettingError::new("plateau_m", plateau_m, format!("0 to below range_m = {range_m}")));
         }
         if !(ceiling > 0.0 && ceiling <= 1.0) {
             return Err(SettingError::new("ceiling", ceiling, "above 0, at most 1"));
@@ -200,13 +174,7 @@ impl TryFrom<TrapezoidConfig> for Trapezoid {
                 format!("0 to below p0 and ceiling ({})", p0.min(ceiling)),
             ));
         }
-        Ok(Self {
-            p0,
-            plateau_m,
-            range_m,
-            floor,
-            ceiling,
-        })
+        Ok(Self { p0, plateau_m, range_m, floor, ceiling })
     }
 }
 
@@ -221,29 +189,14 @@ mod tests {
     #[test]
     fn the_trapezoid_is_flat_then_linear_then_nothing() {
         let s = trapezoid(TrapezoidConfig::new(0.8, 2.0, 10.0).literal()).unwrap();
-        for (d, expected) in [
-            (0.0, 0.8),
-            (2.0, 0.8),
-            (6.0, 0.4),
-            (9.0, 0.1),
-            (10.0, 0.0),
-            (50.0, 0.0),
-        ] {
-            assert!(
-                (s.probability(d) - expected).abs() < 1e-15,
-                "S({d}) = {}",
-                s.probability(d)
-            );
+        for (d, expected) in [(0.0, 0.8), (2.0, 0.8), (6.0, 0.4), (9.0, 0.1), (10.0, 0.0), (50.0, 0.0)] {
+            assert!((s.probability(d) - expected).abs() < 1e-15, "S({d}) = {}", s.probability(d));
         }
     }
 
     #[test]
     fn floor_and_ceiling_bound_the_probability() {
-        let s = trapezoid(TrapezoidConfig {
-            floor: 0.01,
-            ceiling: 0.9,
-            ..TrapezoidConfig::new(1.0, 2.0, 10.0)
-        });
+        let s = trapezoid(TrapezoidConfig { floor: 0.01, ceiling: 0.9, ..TrapezoidConfig::new(1.0, 2.0, 10.0) });
         let s = s.unwrap();
         assert!((s.probability(1.0) - 0.9).abs() < 1e-15);
         assert!((s.probability(30.0) - 0.01).abs() < 1e-15);
@@ -254,87 +207,20 @@ mod tests {
         let good = TrapezoidConfig::new(0.9, 2.0, 10.0);
         assert!(trapezoid(good.clone()).is_ok());
         let bad = [
-            (
-                TrapezoidConfig {
-                    p0: 0.0,
-                    ..good.clone()
-                },
-                "p0",
-            ),
-            (
-                TrapezoidConfig {
-                    p0: 1.1,
-                    ..good.clone()
-                },
-                "p0",
-            ),
-            (
-                TrapezoidConfig {
-                    p0: f64::NAN,
-                    ..good.clone()
-                },
-                "p0",
-            ),
-            (
-                TrapezoidConfig {
-                    range_m: -1.0,
-                    ..good.clone()
-                },
-                "range_m",
-            ),
-            (
-                TrapezoidConfig {
-                    range_m: f64::INFINITY,
-                    ..good.clone()
-                },
-                "range_m",
-            ),
-            (
-                TrapezoidConfig {
-                    plateau_m: 10.0,
-                    ..good.clone()
-                },
-                "plateau_m",
-            ),
-            (
-                TrapezoidConfig {
-                    plateau_m: -0.1,
-                    ..good.clone()
-                },
-                "plateau_m",
-            ),
-            (
-                TrapezoidConfig {
-                    floor: 0.95,
-                    ..good.clone()
-                },
-                "floor",
-            ),
-            (
-                TrapezoidConfig {
-                    floor: f64::NAN,
-                    ..good.clone()
-                },
-                "floor",
-            ),
-            (
-                TrapezoidConfig {
-                    ceiling: 0.0,
-                    ..good.clone()
-                },
-                "ceiling",
-            ),
-            (
-                TrapezoidConfig {
-                    ceiling: 1.5,
-                    ..good
-                },
-                "ceiling",
-            ),
+            (TrapezoidConfig { p0: 0.0, ..good.clone() }, "p0"),
+            (TrapezoidConfig { p0: 1.1, ..good.clone() }, "p0"),
+            (TrapezoidConfig { p0: f64::NAN, ..good.clone() }, "p0"),
+            (TrapezoidConfig { range_m: -1.0, ..good.clone() }, "range_m"),
+            (TrapezoidConfig { range_m: f64::INFINITY, ..good.clone() }, "range_m"),
+            (TrapezoidConfig { plateau_m: 10.0, ..good.clone() }, "plateau_m"),
+            (TrapezoidConfig { plateau_m: -0.1, ..good.clone() }, "plateau_m"),
+            (TrapezoidConfig { floor: 0.95, ..good.clone() }, "floor"),
+            (TrapezoidConfig { floor: f64::NAN, ..good.clone() }, "floor"),
+            (TrapezoidConfig { ceiling: 0.0, ..good.clone() }, "ceiling"),
+            (TrapezoidConfig { ceiling: 1.5, ..good }, "ceiling"),
         ];
         for (config, key) in bad {
-            let error =
-                ReceptionProfile::try_from(ProfileConfig::Trapezoid(config.clone())).unwrap_err();
+            let error = ReceptionProfile::try_from(ProfileConfig::Trapezoid(config.clone())).unwrap_err();
             assert_eq!(error.key, format!("trapezoid.{key}"), "{config:?}");
         }
     }

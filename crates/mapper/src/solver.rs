@@ -62,13 +62,7 @@ impl<'a> Solver<'a> {
         let curve = Curve::new(profile);
         let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
         let cells = CellIndex::new(&places, 0.25 * profile.range_m());
-        Self {
-            lattice,
-            stops,
-            cells,
-            clamped: curve.clamped(),
-            curve,
-        }
+        Self { lattice, stops, cells, clamped: curve.clamped(), curve }
     }
 
     pub(crate) fn lattice(&self) -> &'a Lattice {
@@ -76,11 +70,7 @@ impl<'a> Solver<'a> {
     }
 
     pub(crate) fn scratch(&self) -> Scratch {
-        Scratch {
-            evidence: Evidence::new(self.stops.len()),
-            rows: Rows::default(),
-            survivors: Survivors::default(),
-        }
+        Scratch { evidence: Evidence::new(self.stops.len()), rows: Rows::default(), survivors: Survivors::default() }
     }
 
     /// Gives `sink` the log-likelihood of every vertex of the search set, but for those certain to lie more than
@@ -92,23 +82,13 @@ impl<'a> Solver<'a> {
         margin: f64,
         sink: &mut impl Sink,
     ) -> Search {
-        let Scratch {
-            evidence,
-            rows,
-            survivors,
-        } = scratch;
+        let Scratch { evidence, rows, survivors } = scratch;
         let mut search = Search::default();
         evidence.read(receptions, self.stops);
         if evidence.heard_packets() > 0 {
             let mut scorer = self.scorer(&self.curve, Admission::WithinAll, evidence, survivors);
-            if rows.intersection(
-                self.lattice,
-                self.curve.range_m,
-                scorer.evidence.receptions(),
-            ) {
-                rows.each_span(self.lattice, self.curve.range_m, |row, span| {
-                    scorer.push(row, span, sink)
-                });
+            if rows.intersection(self.lattice, self.curve.range_m, scorer.evidence.receptions()) {
+                rows.each_span(self.lattice, self.curve.range_m, |row, span| scorer.push(row, span, sink));
             }
             scorer.flush(sink);
             search.evaluated = scorer.evaluated;
@@ -139,15 +119,8 @@ impl<'a> Solver<'a> {
             }
         }
         scorer.flush(&mut known);
-        let cap = self
-            .clamped
-            .most_outliers(scorer.evidence, known.highest() - margin - Peak::TOLERANCE);
-        if rows.relaxed(
-            self.lattice,
-            self.clamped.range_m,
-            scorer.evidence.receptions(),
-            cap,
-        ) {
+        let cap = self.clamped.most_outliers(scorer.evidence, known.highest() - margin - Peak::TOLERANCE);
+        if rows.relaxed(self.lattice, self.clamped.range_m, scorer.evidence.receptions(), cap) {
             rows.each_covered(self.lattice, self.clamped.range_m, cap, |row, vertex| {
                 scorer.push(row, vertex..vertex + 1, sink);
             });
@@ -186,9 +159,7 @@ fn neighbourhood(lattice: &Lattice, place: Position) -> Vec<(Row, std::ops::Rang
     let [x, y, z] = [0, 1, 2].map(|axis| {
         let top = lattice.coordinate(axis, lattice.counts()[axis] - 1);
         let value = place[axis].clamp(lattice.coordinate(axis, 0), top);
-        lattice.span(axis, value - reach, value + reach)
+        lattice.span(axis, value - reach, value + reach).0
     });
-    z.flat_map(|k| y.clone().map(move |j| [j, k]))
-        .map(|row| (row, x.clone()))
-        .collect()
+    z.flat_map(|k| y.clone().map(move |j| [j, k])).map(|row| (row, x.clone())).collect()
 }

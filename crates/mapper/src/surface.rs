@@ -19,11 +19,7 @@ pub struct Surface {
 impl Surface {
     /// The surface over the smallest window that holds `vertices`, linear indices of `lattice` with their
     /// log-likelihoods; `None` if there are none.
-    pub(crate) fn of_vertices(
-        lattice: &Lattice,
-        vertices: &[(u64, f64)],
-        infeasible: bool,
-    ) -> Option<Self> {
+    pub(crate) fn of_vertices(lattice: &Lattice, vertices: &[(u64, f64)], infeasible: bool) -> Option<Self> {
         let mut low = [usize::MAX; 3];
         let mut high = [0; 3];
         for &(index, _) in vertices {
@@ -43,11 +39,7 @@ impl Surface {
             let [x, y, z] = lattice.vertex(index);
             log_likelihood[((z - low[2]) * ny + y - low[1]) * nx + x - low[0]] = value;
         }
-        Some(Self {
-            lattice: window,
-            log_likelihood,
-            infeasible,
-        })
+        Some(Self { lattice: window, log_likelihood, infeasible })
     }
 
     /// The vertex of highest likelihood (the first of equals) and its log-likelihood.
@@ -59,9 +51,6 @@ impl Surface {
                 best = (index, value);
             }
         }
-        (
-            self.lattice.position(self.lattice.vertex(best.0 as u64)),
-            best.1,
-        )
+        (self.lattice.position(self.lattice.vertex(best.0 as u64)), best.1)
     }
 }

@@ -34,10 +34,7 @@ impl TopologyMap {
     /// Places of the nodes [m], `None` where a node is not mapped.
     #[must_use]
     pub fn positions(&self) -> Vec<Option<Position>> {
-        self.estimates
-            .iter()
-            .map(|estimate| estimate.as_ref().map(|e| e.position))
-            .collect()
+        self.estimates.iter().map(|estimate| estimate.as_ref().map(|e| e.position)).collect()
     }
 
     /// Number of nodes on the map.
@@ -55,10 +52,6 @@ impl TopologyMap {
     /// Number of nodes for which no vertex explains all that was heard.
     #[must_use]
     pub fn infeasible(&self) -> usize {
-        self.estimates
-            .iter()
-            .flatten()
-            .filter(|estimate| estimate.infeasible)
-            .count()
+        self.estimates.iter().flatten().filter(|estimate| estimate.infeasible).count()
     }
 }

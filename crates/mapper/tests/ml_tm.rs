@@ -3,38 +3,26 @@
 use proptest::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
-use sextant_mapper::{
-    EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, TieRule, TrapezoidConfig,
-};
+use sextant_mapper::{EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, TieRule, TrapezoidConfig};
 
 const LITERAL_FLOOR: f64 = 1e-6;
 
 fn stop(place: Position) -> Stop {
-    Stop {
-        time: SimTime::ZERO,
-        position: place,
-    }
+    Stop { time: SimTime::ZERO, position: place }
 }
 
 fn entry(node: u32, stop: u32, received: u32, sent: u32) -> Reception {
-    Reception {
-        node: NodeId(node),
-        stop,
-        received,
-        sent,
-        sector: None,
-        rssi_dbm: None,
-    }
+    Reception { node: NodeId(node), stop, received, sent, sector: None, rssi_dbm: None }
 }
 
 fn log(nodes: u32, stops: &[Position], receptions: Vec<Reception>) -> ReceptionLog {
     let names = (0..nodes).map(|node| format!("n{node}")).collect();
     let stops = stops.iter().map(|&place| stop(place)).collect();
-    ReceptionLog::new(names, stops, receptions, Vec::new()).unwrap()
+    ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log without contradictions")
 }
 
 fn ml_tm(config: MlTmConfig) -> MlTm {
-    MlTm::try_from(config).unwrap()
+    MlTm::try_from(config).expect("good settings")
 }
 
 /// The thesis' algorithm: the product of Z over all stops, at every vertex of the lattice.
@@ -46,12 +34,7 @@ struct Oracle<'a> {
 
 impl Oracle<'_> {
     fn s(&self, d: f64, floor: f64, ceiling: f64) -> f64 {
-        let TrapezoidConfig {
-            p0,
-            plateau_m: r,
-            range_m,
-            ..
-        } = *self.profile;
+        let TrapezoidConfig { p0, plateau_m: r, range_m, .. } = *self.profile;
         let s = if d <= r {
             p0
         } else if d >= range_m {
@@ -102,30 +85,19 @@ impl Oracle<'_> {
                 relaxed.push((index, self.product(node, vertex, floor, ceiling)));
             }
         }
-        if strict.is_empty() {
-            (relaxed, true)
-        } else {
-            (strict, false)
-        }
+        if strict.is_empty() { (relaxed, true) } else { (strict, false) }
     }
 
     fn maximisers(likelihoods: &[(u64, f64)]) -> (f64, Vec<u64>) {
-        let highest = likelihoods
-            .iter()
-            .fold(0.0, |high: f64, &(_, p)| high.max(p));
+        let highest = likelihoods.iter().fold(0.0, |high: f64, &(_, p)| high.max(p));
         let equal = |&&(_, p): &&(u64, f64)| p.ln() >= highest.ln() - 1e-9;
-        (
-            highest,
-            likelihoods.iter().filter(equal).map(|&(i, _)| i).collect(),
-        )
+        (highest, likelihoods.iter().filter(equal).map(|&(i, _)| i).collect())
     }
 
     fn mean_and_covariance(&self, likelihoods: &[(u64, f64)]) -> (Position, [[f64; 3]; 3]) {
         let place = |index| self.lattice.position(self.lattice.vertex(index));
         let total: f64 = likelihoods.iter().map(|&(_, p)| p).sum();
-        let mean = likelihoods.iter().fold(Position::ORIGIN, |sum, &(i, p)| {
-            sum + place(i) * (p / total)
-        });
+        let mean = likelihoods.iter().fold(Position::ORIGIN, |sum, &(i, p)| sum + place(i) * (p / total));
         let mut covariance = [[0.0; 3]; 3];
         for &(index, p) in likelihoods {
             let offset: [f64; 3] = (place(index) - mean).into();
@@ -159,26 +131,15 @@ fn case(height_m: f64, step_m: f64, range_m: std::ops::Range<f64>) -> impl Strat
         let (certain, p0, plateau, range_m, literal) = profile;
         let p0 = if certain == 0 { 1.0 } else { p0 };
         let profile = TrapezoidConfig::new(p0, plateau * range_m, range_m);
-        let profile = if literal == 0 {
-            profile.literal()
-        } else {
-            profile
-        };
+        let profile = if literal == 0 { profile.literal() } else { profile };
         let mut stops = Vec::new();
         let mut receptions = Vec::new();
         for (stop, ((x, y, z, on_vertex), nodes)) in (0..).zip(drawn) {
             let snapped = |value: f64, phase: f64| ((value / step_m).round() + phase) * step_m;
             stops.push(if on_vertex == 0 {
                 // The phases of the lattice, so that distances and likelihoods coincide exactly or nearly so.
-                let z = if height_m > 0.0 {
-                    snapped(z, 0.145_898_033_750_315)
-                } else {
-                    z
-                };
-                let (x, y) = (
-                    snapped(x, 0.381_966_011_250_105),
-                    snapped(y, 0.236_067_977_499_79),
-                );
+                let z = if height_m > 0.0 { snapped(z, 0.145_898_033_750_315) } else { z };
+                let (x, y) = (snapped(x, 0.381_966_011_250_105), snapped(y, 0.236_067_977_499_79));
                 Position::new(x, y, z)
             } else {
                 Position::new(x, y, z)
@@ -191,12 +152,7 @@ fn case(height_m: f64, step_m: f64, range_m: std::ops::Range<f64>) -> impl Strat
                 }
             }
         }
-        Case {
-            profile,
-            step_m,
-            stops,
-            receptions,
-        }
+        Case { profile, step_m, stops, receptions }
     })
 }
 
@@ -207,17 +163,10 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
         ..MlTmConfig::new(case.step_m, ProfileConfig::Trapezoid(case.profile.clone()))
     };
     let argmax = ml_tm(config.clone());
-    let posterior = ml_tm(MlTmConfig {
-        estimate: EstimateKind::PosteriorMean,
-        ..config
-    });
-    let lattice = argmax.lattice(&log).unwrap();
-    let oracle = Oracle {
-        profile: &case.profile,
-        log: &log,
-        lattice: &lattice,
-    };
-    let (argmax_map, posterior_map) = (argmax.map(&log).unwrap(), posterior.map(&log).unwrap());
+    let posterior = ml_tm(MlTmConfig { estimate: EstimateKind::PosteriorMean, ..config });
+    let lattice = argmax.lattice(&log).expect("a lattice");
+    let oracle = Oracle { profile: &case.profile, log: &log, lattice: &lattice };
+    let (argmax_map, posterior_map) = (argmax.map(&log).expect("a map"), posterior.map(&log).expect("a map"));
     for node in 0..NODES {
         let (likelihoods, infeasible) = oracle.likelihoods(NodeId(node));
         let found = &argmax_map.estimates[node as usize];
@@ -231,31 +180,20 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
         let (highest, maximisers) = Oracle::maximisers(&likelihoods);
         let found = found.as_ref().expect("the literal product finds a place");
         prop_assert_eq!(found.infeasible, infeasible);
-        prop_assert_eq!(
-            found.position,
-            lattice.position(lattice.vertex(maximisers[0]))
-        );
+        prop_assert_eq!(found.position, lattice.position(lattice.vertex(maximisers[0])));
         prop_assert_eq!(found.ties as usize, maximisers.len());
         prop_assert!((found.log_likelihood - highest.ln()).abs() < 1e-9);
 
         let mean = mean.as_ref().expect("the literal product finds a place");
         let (expected, covariance) = oracle.mean_and_covariance(&likelihoods);
-        prop_assert!(
-            mean.position.distance_m(expected) < 1e-9,
-            "{:?} {:?}",
-            mean,
-            expected
-        );
+        prop_assert!(mean.position.distance_m(expected) < 1e-9, "{:?} {:?}", mean, expected);
         let found = mean.covariance.expect("a posterior mean has a covariance");
         for (found, expected) in found.as_flattened().iter().zip(covariance.as_flattened()) {
             prop_assert!((found - expected).abs() < 1e-8, "{} {}", found, expected);
         }
 
-        let surface = argmax.surface(&log, NodeId(node)).unwrap();
-        let finite = surface
-            .log_likelihood
-            .iter()
-            .filter(|value| value.is_finite());
+        let surface = argmax.surface(&log, NodeId(node)).expect("a surface");
+        let finite = surface.log_likelihood.iter().filter(|value| value.is_finite());
         prop_assert_eq!(finite.count(), likelihoods.len());
         prop_assert!((surface.maximum().1 - highest.ln()).abs() < 1e-9);
     }
@@ -286,14 +224,10 @@ fn many_stops_with_outliers_have_the_argmax_of_the_sum_of_logarithms() {
         .collect();
     let profile = TrapezoidConfig::new(0.9, 2.0, 10.0);
     let mut receptions = Vec::new();
-    let truth = [
-        Position::new(12.0, 13.0, 0.0),
-        Position::new(2.0, 20.0, 0.0),
-    ];
+    let truth = [Position::new(12.0, 13.0, 0.0), Position::new(2.0, 20.0, 0.0)];
     for (node, place) in (0..).zip(truth) {
         for (i, &stop) in (0..).zip(&stops) {
-            let heard =
-                draw(u64::from(i), 2 + u64::from(node)) < 0.95 - 0.1 * place.distance_m(stop);
+            let heard = draw(u64::from(i), 2 + u64::from(node)) < 0.95 - 0.1 * place.distance_m(stop);
             // The last stop hears the second node from 100 m away, and counts more packets than a product holds.
             match (heard, i == 300 && node == 1) {
                 (_, true) => receptions.push(entry(node, i, 3, 300)),
@@ -304,10 +238,7 @@ fn many_stops_with_outliers_have_the_argmax_of_the_sum_of_logarithms() {
     }
     let log = log(2, &stops, receptions);
     for step_m in [0.2, 0.35] {
-        let ml_tm = ml_tm(MlTmConfig::new(
-            step_m,
-            ProfileConfig::Trapezoid(profile.clone()),
-        ));
+        let ml_tm = ml_tm(MlTmConfig::new(step_m, ProfileConfig::Trapezoid(profile.clone())));
         let map = ml_tm.map(&log).unwrap();
         let lattice = ml_tm.lattice(&log).unwrap();
         assert_eq!(map.infeasible(), 1, "only the node with the outlier");
@@ -322,35 +253,22 @@ fn many_stops_with_outliers_have_the_argmax_of_the_sum_of_logarithms() {
                     let (received, sent) = counts.map_or((0, 1), |r| (r.received, r.sent));
                     let d = vertex.distance_m(place);
                     let s = (0.9 * (10.0 - d) / 8.0).clamp(1e-6, 0.9);
-                    sum +=
-                        f64::from(received) * s.ln() + f64::from(sent - received) * (1.0 - s).ln();
+                    sum += f64::from(received) * s.ln() + f64::from(sent - received) * (1.0 - s).ln();
                     in_reach.0 += u32::from(received > 0 && d < 10.0);
                     in_reach.1 += u32::from(received > 0);
                 }
-                let admitted = if node == 0 {
-                    in_reach.0 == in_reach.1
-                } else {
-                    in_reach.0 > 0
-                };
+                let admitted = if node == 0 { in_reach.0 == in_reach.1 } else { in_reach.0 > 0 };
                 if admitted && sum > best.1 + 1e-9 {
                     best = (index, sum);
                 }
             }
             let estimate = map.estimates[node as usize].as_ref().unwrap();
-            assert_eq!(
-                estimate.position,
-                lattice.position(lattice.vertex(best.0)),
-                "node {node}"
-            );
+            assert_eq!(estimate.position, lattice.position(lattice.vertex(best.0)), "node {node}");
             assert!((estimate.log_likelihood - best.1).abs() < 1e-9);
             assert!(estimate.position.distance_m(truth[node as usize]) < 2.0);
         }
         // The work is a small part of the lattice, outlier or not.
-        assert!(
-            map.vertices_evaluated < lattice.len() / 20,
-            "{}",
-            map.vertices_evaluated
-        );
+        assert!(map.vertices_evaluated < lattice.len() / 20, "{}", map.vertices_evaluated);
     }
 }
 
@@ -359,10 +277,7 @@ fn the_worked_example_of_the_thesis_comes_out() {
     // Its numbers follow from r = 0.1, not from the r = 0.2 that its text states.
     let profile = TrapezoidConfig::new(1.0, 0.1, 2.0).literal();
     let config = MlTmConfig::new(1.0, ProfileConfig::Trapezoid(profile));
-    let ml_tm = ml_tm(MlTmConfig {
-        ties: TieRule::First,
-        ..config
-    });
+    let ml_tm = ml_tm(MlTmConfig { ties: TieRule::First, ..config });
     let row = [false, false, true, false, false, false];
     let z = |d: f64, heard: bool| {
         let s = ml_tm.profile().probability(d);
@@ -375,35 +290,17 @@ fn the_worked_example_of_the_thesis_comes_out() {
         ([4.4, 3.2, 2.72, 1.97, 1.21, 2.06], 0.0),
     ];
     for (distances, expected) in printed {
-        let product: f64 = distances
-            .iter()
-            .zip(row)
-            .map(|(&d, heard)| z(d, heard))
-            .product();
-        assert!(
-            (product - expected).abs() < 2e-3,
-            "{product} for the printed {expected}"
-        );
+        let product: f64 = distances.iter().zip(row).map(|(&d, heard)| z(d, heard)).product();
+        assert!((product - expected).abs() < 2e-3, "{product} for the printed {expected}");
     }
 
     // The robot's stops are not printed; these reproduce the printed distances within 0.07 m. They are shifted as the
     // vertices are, which then stand for the integer places of the example.
     let shift = Position::new(0.381_966_011_250_105, 0.236_067_977_499_79, 0.0);
-    let places = [
-        (0.0, 0.0),
-        (0.82, 1.23),
-        (1.30, 2.31),
-        (2.31, 3.02),
-        (3.48, 3.08),
-        (4.50, 4.00),
-    ];
+    let places = [(0.0, 0.0), (0.82, 1.23), (1.30, 2.31), (2.31, 3.02), (3.48, 3.08), (4.50, 4.00)];
     let stops = places.map(|(x, y)| Position::new(x, y, 0.0) + shift);
     let heard = [(0, 2), (1, 1), (1, 2), (1, 3), (2, 4)];
-    let log = log(
-        3,
-        &stops,
-        heard.map(|(node, stop)| entry(node, stop, 1, 1)).to_vec(),
-    );
+    let log = log(3, &stops, heard.map(|(node, stop)| entry(node, stop, 1, 1)).to_vec());
     let map = ml_tm.map(&log).unwrap();
     let place = |node: usize| map.estimates[node].as_ref().unwrap().position - shift;
     assert!(place(0).distance_m(Position::new(1.0, 3.0, 0.0)) < 1e-9);
@@ -427,35 +324,23 @@ fn without_noise_the_likelihood_is_highest_at_the_truth() {
     for seed in 0..20 {
         let draw = |i: u64, axis| Seed(seed).uniform(Purpose::Mapper, [i, axis, 1]);
         let height_m = if seed % 2 == 0 { 0.0 } else { 4.0 };
-        let stops: Vec<Position> = (0..40)
-            .map(|i| Position::new(12.0 * draw(i, 0), 12.0 * draw(i, 1), height_m * draw(i, 2)))
-            .collect();
+        let stops: Vec<Position> =
+            (0..40).map(|i| Position::new(12.0 * draw(i, 0), 12.0 * draw(i, 1), height_m * draw(i, 2))).collect();
         let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 6.0));
         let ml_tm = ml_tm(MlTmConfig::new(0.3, profile));
         let empty = log(1, &stops, Vec::new());
         let lattice = ml_tm.lattice(&empty).unwrap();
         let truth = lattice.position(lattice.counts().map(|count| count / 2));
         let packets = |stop: &Position| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "at most SENT"
-            )]
-            let received = (ml_tm.profile().probability(truth.distance_m(*stop)) * f64::from(SENT))
-                .round() as u32;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most SENT")]
+            let received = (ml_tm.profile().probability(truth.distance_m(*stop)) * f64::from(SENT)).round() as u32;
             // A floor of one in a million is no reception.
             if received > 1 { received } else { 0 }
         };
-        let receptions = (0..)
-            .zip(&stops)
-            .map(|(i, stop)| entry(0, i, packets(stop), SENT))
-            .collect();
+        let receptions = (0..).zip(&stops).map(|(i, stop)| entry(0, i, packets(stop), SENT)).collect();
         let map = ml_tm.map(&log(1, &stops, receptions)).unwrap();
         let estimate = map.estimates[0].as_ref().unwrap();
-        assert!(
-            estimate.position.distance_m(truth) < 1e-9,
-            "seed {seed}: {estimate:?}, truth {truth:?}"
-        );
+        assert!(estimate.position.distance_m(truth) < 1e-9, "seed {seed}: {estimate:?}, truth {truth:?}");
         assert!(!estimate.infeasible && estimate.ties == 1);
     }
 }
@@ -465,30 +350,14 @@ fn nodes_never_heard_are_not_placed() {
     let stops = [Position::ORIGIN, Position::new(1.0, 0.0, 0.0)];
     let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 3.0));
     let ml_tm = ml_tm(MlTmConfig::new(0.5, profile));
-    let partly = log(
-        3,
-        &stops,
-        vec![entry(0, 0, 1, 1), entry(1, 0, 0, 0), entry(1, 1, 0, 5)],
-    );
+    let partly = log(3, &stops, vec![entry(0, 0, 1, 1), entry(1, 0, 0, 0), entry(1, 1, 0, 5)]);
     let map = ml_tm.map(&partly).unwrap();
     assert_eq!((map.mapped(), map.unmapped()), (1, 2));
     assert!(map.estimates[0].is_some());
-    assert!(
-        matches!(ml_tm.surface(&partly, NodeId(1)), Err(MapError::NotHeard { name }) if name == "n1")
-    );
-    assert!(matches!(
-        ml_tm.surface(&partly, NodeId(7)),
-        Err(MapError::UnknownNode { node: 7, nodes: 3 })
-    ));
+    assert!(matches!(ml_tm.surface(&partly, NodeId(1)), Err(MapError::NotHeard { name }) if name == "n1"));
+    assert!(matches!(ml_tm.surface(&partly, NodeId(7)), Err(MapError::UnknownNode { node: 7, nodes: 3 })));
     let silent = ml_tm.map(&log(2, &[], Vec::new())).unwrap();
-    assert_eq!(
-        (
-            silent.mapped(),
-            silent.unmapped(),
-            silent.vertices_evaluated
-        ),
-        (0, 2, 0)
-    );
+    assert_eq!((silent.mapped(), silent.unmapped(), silent.vertices_evaluated), (0, 2, 0));
 }
 
 #[test]
@@ -497,17 +366,13 @@ fn zero_of_zero_packets_is_no_evidence() {
     let stops = places.map(|(x, y)| Position::new(x, y, 0.0));
     let heard = vec![entry(0, 0, 1, 1), entry(0, 1, 1, 1)];
     let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 0.5, 3.0));
-    let ml_tm = ml_tm(MlTmConfig {
-        z_range_m: Some([0.0, 0.0]),
-        ..MlTmConfig::new(0.25, profile)
-    });
+    let ml_tm = ml_tm(MlTmConfig { z_range_m: Some([0.0, 0.0]), ..MlTmConfig::new(0.25, profile) });
     let mut with_nothing = heard.clone();
     with_nothing.push(entry(0, 3, 0, 0));
     let deaf = ml_tm.map(&log(1, &stops, with_nothing)).unwrap();
     let absent = ml_tm.map(&log(1, &stops[..3], heard.clone())).unwrap();
     let missed = ml_tm.map(&log(1, &stops, heard)).unwrap();
-    let likelihood =
-        |map: &sextant_mapper::TopologyMap| map.estimates[0].as_ref().unwrap().log_likelihood;
+    let likelihood = |map: &sextant_mapper::TopologyMap| map.estimates[0].as_ref().unwrap().log_likelihood;
     assert!((likelihood(&deaf) - likelihood(&absent)).abs() < 1e-12);
     assert!(likelihood(&missed) < likelihood(&absent) - 0.01);
 }
@@ -526,46 +391,26 @@ fn a_plateau_is_represented_by_its_mean_and_mirror_images_by_one_of_them() {
     let centre = Position::new(0.381_966_011_250_105, 0.236_067_977_499_79, 0.0) * step_m;
     let config = MlTmConfig::new(step_m, profile);
     let (mean, ties) = place(config.clone(), &[centre], &[0]);
-    assert!(
-        ties >= 9 && mean.distance_m(centre) < 1e-9,
-        "{mean:?}, {ties} ties"
-    );
-    let (first, _) = place(
-        MlTmConfig {
-            ties: TieRule::First,
-            ..config.clone()
-        },
-        &[centre],
-        &[0],
-    );
+    assert!(ties >= 9 && mean.distance_m(centre) < 1e-9, "{mean:?}, {ties} ties");
+    let (first, _) = place(MlTmConfig { ties: TieRule::First, ..config.clone() }, &[centre], &[0]);
     assert!(first.y_m < centre.y_m - 0.4);
 
     // A straight lane of stops, the outer ones deaf to the node: it is on one side or on the other.
-    let lane: Vec<Position> = (-10..=10)
-        .map(|i| centre + Position::new(0.25 * f64::from(i), 0.0, 0.0))
-        .collect();
+    let lane: Vec<Position> = (-10..=10).map(|i| centre + Position::new(0.25 * f64::from(i), 0.0, 0.0)).collect();
     let heard = [10];
     let (side, ties) = place(config, &lane, &heard);
     assert!(ties >= 2);
-    assert!(
-        (side.y_m - centre.y_m).abs() > 1.0,
-        "{side:?} is between the mirror images"
-    );
+    assert!((side.y_m - centre.y_m).abs() > 1.0, "{side:?} is between the mirror images");
 }
 
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let draw = |i: u64, what| Seed(11).uniform(Purpose::Mapper, [i, what, 2]);
-    let stops: Vec<Position> = (0..200)
-        .map(|i| Position::new(20.0 * draw(i, 0), 20.0 * draw(i, 1), 3.0 * draw(i, 2)))
-        .collect();
+    let stops: Vec<Position> =
+        (0..200).map(|i| Position::new(20.0 * draw(i, 0), 20.0 * draw(i, 1), 3.0 * draw(i, 2))).collect();
     let mut receptions = Vec::new();
     for node in 0..200 {
-        let place = Position::new(
-            20.0 * draw(node, 3),
-            20.0 * draw(node, 4),
-            3.0 * draw(node, 5),
-        );
+        let place = Position::new(20.0 * draw(node, 3), 20.0 * draw(node, 4), 3.0 * draw(node, 5));
         for (i, &stop) in (0..).zip(&stops) {
             if draw(1000 * node + u64::from(i), 6) < 1.0 - place.distance_m(stop) / 6.0 {
                 receptions.push(entry(u32::try_from(node).unwrap(), i, 1, 1));
@@ -574,16 +419,10 @@ fn one_thread_and_two_give_the_same_bits() {
     }
     let log = log(200, &stops, receptions);
     let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 0.5, 5.0));
-    let config = MlTmConfig {
-        estimate: EstimateKind::PosteriorMean,
-        ..MlTmConfig::new(0.5, profile)
-    };
+    let config = MlTmConfig { estimate: EstimateKind::PosteriorMean, ..MlTmConfig::new(0.5, profile) };
     let ml_tm = ml_tm(config);
     let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         format!("{:?}", pool.install(|| ml_tm.map(&log)).unwrap())
     };
     let one = on(1);
@@ -598,67 +437,19 @@ fn bad_settings_are_refused_by_name() {
     assert!(MlTm::try_from(good.clone()).is_ok());
     let bad_profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 4.0, 3.0));
     let bad = [
-        (
-            MlTmConfig {
-                grid_step_m: 0.0,
-                ..good.clone()
-            },
-            "grid_step_m",
-        ),
-        (
-            MlTmConfig {
-                grid_step_m: f64::NAN,
-                ..good.clone()
-            },
-            "grid_step_m",
-        ),
-        (
-            MlTmConfig {
-                grid_step_m: 3.5,
-                ..good.clone()
-            },
-            "grid_step_m",
-        ),
-        (
-            MlTmConfig {
-                profile: bad_profile,
-                ..good.clone()
-            },
-            "profile.trapezoid.plateau_m",
-        ),
-        (
-            MlTmConfig {
-                z_range_m: Some([1.0, 0.0]),
-                ..good.clone()
-            },
-            "z_range_m",
-        ),
-        (
-            MlTmConfig {
-                z_range_m: Some([0.0, f64::INFINITY]),
-                ..good.clone()
-            },
-            "z_range_m",
-        ),
-        (
-            MlTmConfig {
-                max_memory_mb: Some(0),
-                ..good.clone()
-            },
-            "max_memory_mb",
-        ),
+        (MlTmConfig { grid_step_m: 0.0, ..good.clone() }, "grid_step_m"),
+        (MlTmConfig { grid_step_m: f64::NAN, ..good.clone() }, "grid_step_m"),
+        (MlTmConfig { grid_step_m: 3.5, ..good.clone() }, "grid_step_m"),
+        (MlTmConfig { profile: bad_profile, ..good.clone() }, "profile.trapezoid.plateau_m"),
+        (MlTmConfig { z_range_m: Some([1.0, 0.0]), ..good.clone() }, "z_range_m"),
+        (MlTmConfig { z_range_m: Some([0.0, f64::INFINITY]), ..good.clone() }, "z_range_m"),
+        (MlTmConfig { max_memory_mb: Some(0), ..good.clone() }, "max_memory_mb"),
     ];
     for (config, key) in bad {
         assert_eq!(MlTm::try_from(config).unwrap_err().key, key);
     }
-    let fine = MlTm::try_from(MlTmConfig {
-        grid_step_m: 1e-5,
-        ..good
-    })
-    .unwrap();
-    let error = fine
-        .map(&log(1, &[Position::ORIGIN], vec![entry(0, 0, 1, 1)]))
-        .unwrap_err();
+    let fine = MlTm::try_from(MlTmConfig { grid_step_m: 1e-5, ..good }).unwrap();
+    let error = fine.map(&log(1, &[Position::ORIGIN], vec![entry(0, 0, 1, 1)])).unwrap_err();
     assert!(matches!(error, MapError::GridTooLarge { .. }));
     assert!(error.to_string().contains("a grid_step_m of"), "{error}");
 }

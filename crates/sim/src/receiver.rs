@@ -188,3 +188,107 @@ impl Receiver {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_channel::Dbm;
+
+    fn rules(model: ReceptionModel) -> Reception {
+        Reception {
+            model,
+            sensitivity: Dbm(-90.0).to_milliwatts(),
+            noise: Dbm(-90.403).to_milliwatts(),
+            preamble: Duration::from_micros(128),
+            bit_rate_hz: 250_000.0,
+        }
+    }
+
+    fn at(us: u64) -> SimTime {
+        SimTime::ZERO + Duration::from_micros(us)
+    }
+
+    /// What becomes of frames of 832 us, each (start in us, power in dBm), at one receiver that listens throughout.
+    fn fates(model: ReceptionModel, luck: f64, frames: &[(u64, f64)]) -> Vec<Fate> {
+        let rules = rules(model);
+        let mut receiver = Receiver::default();
+        receiver.start(at(0));
+        let mut changes: Vec<(u64, bool, u64)> = Vec::new();
+        for (packet, &(start, _)) in (0..).zip(frames) {
+            changes.push((start, true, packet));
+            changes.push((start + 832, false, packet));
+        }
+        changes.sort_unstable();
+        let mut fates = vec![Fate::NotListened; frames.len()];
+        for (us, begins, packet) in changes {
+            let frame = frames[usize::try_from(packet).unwrap()];
+            if begins {
+                receiver.begin(at(us), packet, Dbm(frame.1).to_milliwatts(), true, &rules);
+            } else {
+                let (_, fate) = receiver.end(at(us), packet, &rules, || luck).expect("it began");
+                fates[usize::try_from(packet).unwrap()] = fate;
+            }
+        }
+        fates
+    }
+
+    const CAPTURE: ReceptionModel = ReceptionModel::SinrThreshold { least: 1.995 };
+
+    #[test]
+    fn alone_a_frame_is_received_if_it_is_strong_enough() {
+        for model in [ReceptionModel::Overlap, CAPTURE, ReceptionModel::Ber] {
+            assert_eq!(fates(model, 0.5, &[(0, -80.0)]), [Fate::Received], "{model:?}");
+            assert_eq!(fates(model, 0.5, &[(0, -90.1)]), [Fate::Weak], "{model:?}");
+        }
+        // At the sensitivity the noise leaves 0.4 dB: less than the threshold of 3 dB.
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -89.0)]), [Fate::Weak]);
+    }
+
+    #[test]
+    fn overlap_destroys_both_whatever_their_powers_but_not_if_one_is_inaudible() {
+        let both = [Fate::Collided, Fate::Collided];
+        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (831, -80.0)]), both);
+        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (832, -80.0)]), [Fate::Received; 2]);
+        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (400, -91.0)]), [Fate::Received, Fate::Weak]);
+    }
+
+    #[test]
+    fn the_stronger_first_frame_is_captured() {
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -60.0), (400, -64.0)]), [Fate::Received, Fate::Collided]);
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -60.0), (400, -62.0)]), [Fate::Collided, Fate::Collided]);
+    }
+
+    #[test]
+    fn a_receiver_that_is_locked_does_not_change_over_to_a_stronger_frame() {
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -80.0), (129, -50.0)]), [Fate::Collided, Fate::Collided]);
+        // Within the preamble of a much weaker frame it still does: that frame never gets the lock.
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -80.0), (127, -50.0)]), [Fate::Collided, Fate::Received]);
+    }
+
+    #[test]
+    fn of_two_equal_frames_the_one_locked_first_survives_with_the_rate_of_the_bit_error_formula() {
+        // 20 octets and the two of delimiter and header after the preamble, less the 4 us before the second begins.
+        let bits = 8.0 * 22.0 - 1.0;
+        let noise = Dbm(-90.403).to_milliwatts();
+        let power = Dbm(-50.0).to_milliwatts();
+        let survival = (bits * (-oqpsk::bit_error_rate(power.ratio(power + noise))).ln_1p()).exp();
+        assert!((survival - 0.972).abs() < 2e-3, "{survival}");
+        let frames = [(0, -50.0), (132, -50.0)];
+        assert_eq!(fates(ReceptionModel::Ber, survival - 1e-6, &frames)[0], Fate::Received);
+        assert_eq!(fates(ReceptionModel::Ber, survival + 1e-6, &frames)[0], Fate::Collided);
+    }
+
+    #[test]
+    fn what_began_before_the_receiver_listened_is_interference_only() {
+        let rules = rules(CAPTURE);
+        let mut receiver = Receiver::default();
+        receiver.start(at(100));
+        receiver.begin(at(100), 7, Dbm(-50.0).to_milliwatts(), false, &rules);
+        receiver.begin(at(200), 8, Dbm(-50.0).to_milliwatts(), true, &rules);
+        assert_eq!(receiver.end(at(800), 7, &rules, || 0.5).map(|(_, fate)| fate), Some(Fate::NotListened));
+        assert_eq!(receiver.end(at(1032), 8, &rules, || 0.5).map(|(_, fate)| fate), Some(Fate::Collided));
+        receiver.begin(at(2000), 9, Dbm(-50.0).to_milliwatts(), true, &rules);
+        receiver.stop();
+        assert_eq!(receiver.end(at(2832), 9, &rules, || 0.5), None);
+    }
+}

@@ -17,9 +17,9 @@ struct Visit {
 struct Acquaintance {
     /// Packets heard in all.
     packets: u32,
-    /// Most packets heard at one stop, and that stop.
-    best: Option<(u32, usize)>,
-    /// Times that the robot came back for it.
+    /// Where it was heard loudest: signal strength [dBm] and stop.
+    best: Option<(f64, usize)>,
+    /// Times that the robot came back there for it.
     returns: u32,
 }
 
@@ -28,14 +28,12 @@ struct Acquaintance {
 pub(super) struct Knowledge {
     visits: Vec<Visit>,
     nodes: Vec<Acquaintance>,
-    /// Free places at a lane's distance from stops that heard somebody.
+    /// Free places at a lane's distance, and at half of it, from stops that heard somebody.
     openings: Vec<Position>,
     /// Points of obstacles.
     contacts: Vec<Position>,
     /// Radius of the robot's own hull, as its first contact showed [m].
     hull_m: f64,
-    /// Least and greatest y of the stops that heard somebody [m].
-    north_south: Option<(f64, f64)>,
 }
 
 /// The four directions along which the robot looks at each stop.
@@ -54,24 +52,21 @@ impl Knowledge {
             audible += 1;
             let Some(node) = self.nodes.get_mut(heard.node.index()) else { continue };
             node.packets = node.packets.saturating_add(heard.packets);
-            if node.best.is_none_or(|(most, _)| heard.packets > most) {
-                node.best = Some((heard.packets, stop));
+            if node.best.is_none_or(|(loudest_dbm, _)| heard.rssi_dbm > loudest_dbm) {
+                node.best = Some((heard.rssi_dbm, stop));
+                node.returns = 0;
             }
         }
         let is_silent = audible < silent_below;
         self.visits.push(Visit { place, is_silent });
-        if !is_silent {
-            let (south, north) = self.north_south.unwrap_or((place.y_m, place.y_m));
-            self.north_south = Some((south.min(place.y_m), north.max(place.y_m)));
-        }
         for (x, y) in CROSS {
             let direction = Position::new(x, y, 0.0);
             let clear_m = situation.clearance_m(direction, range_m);
             if clear_m < range_m {
                 self.add_contact(place + direction * (clear_m + self.hull_m));
-            } else if !is_silent {
-                self.openings.push(place + direction * range_m);
             }
+            let free = [1.0, 0.5].into_iter().map(|share| share * range_m).filter(|&far_m| !is_silent && clear_m >= far_m);
+            self.openings.extend(free.map(|far_m| place + direction * far_m));
         }
     }
 
@@ -110,11 +105,6 @@ impl Knowledge {
         self.visits.last().is_some_and(|visit| !visit.is_silent)
     }
 
-    /// Least and greatest y of the stops that heard somebody [m], once one did.
-    pub(super) fn north_south(&self) -> Option<(f64, f64)> {
-        self.north_south
-    }
-
     /// Whether a stop from the number `first` on is within `radius_m` of `place`.
     pub(super) fn was_near(&self, place: Position, radius_m: f64, stops: std::ops::Range<usize>) -> bool {
         self.visits[stops].iter().any(|visit| visit.place.distance_m(place) <= radius_m)
@@ -125,17 +115,16 @@ impl Knowledge {
         !self.nodes.is_empty() && self.nodes.iter().all(|node| node.packets >= packets)
     }
 
-    /// Whether there are nodes never heard.
-    pub(super) fn misses_nodes(&self) -> bool {
-        self.nodes.iter().any(|node| node.packets == 0)
+    /// Whether there are nodes never heard, or heard less than `packets` times after `returns` returns for them.
+    pub(super) fn misses_nodes(&self, packets: u32, returns: u32) -> bool {
+        let is_missed = |node: &Acquaintance| node.packets < packets && (node.packets == 0 || node.returns >= returns);
+        self.nodes.iter().any(is_missed)
     }
 
-    /// The nearest free place in the network without a stop within `radius_m`. Others are forgotten.
-    pub(super) fn nearest_opening(&mut self, here: Position, radius_m: f64) -> Option<Position> {
-        let mut openings = std::mem::take(&mut self.openings);
-        openings.retain(|&place| !self.was_near(place, radius_m, 0..self.stops()));
-        self.openings = openings;
-        nearest(self.openings.iter().copied(), here)
+    /// The nearest free place in the network without a stop within `radius_m`.
+    pub(super) fn nearest_opening(&self, here: Position, radius_m: f64) -> Option<Position> {
+        let is_uncovered = |place: &Position| !self.was_near(*place, radius_m, 0..self.stops());
+        nearest(self.openings.iter().copied().filter(is_uncovered), here)
     }
 
     /// Forgets the openings at `place`: there is no way.
@@ -143,7 +132,7 @@ impl Knowledge {
         self.openings.retain(|&opening| opening != place);
     }
 
-    /// The nearest of the stops that heard best a node of which packets are missing; each node is come back for at
+    /// The nearest of the stops that heard loudest a node of which packets are missing; each node is come back for at
     /// most `returns` times.
     pub(super) fn place_to_listen_again(&mut self, here: Position, packets: u32, returns: u32) -> Option<Position> {
         let wanted = |node: &Acquaintance| node.packets < packets && node.returns < returns;
@@ -158,11 +147,19 @@ impl Knowledge {
         Some(target)
     }
 
-    /// A way to `to` past all known points of obstacles; what is unknown counts as free (Koenig and Likhachev 2005).
-    pub(super) fn way(&self, here: Position, to: Position, lattice_m: f64, margin_m: f64) -> Option<Vec<Position>> {
-        let bounds = Bounds::of(self.visits.iter().map(|visit| visit.place))?.grown(margin_m);
+    /// A way to `to` past all known points of obstacles, in steps of `lattice_m`; what is unknown counts as free
+    /// (Koenig and Likhachev 2005). The first drive is clear as far as the range sensors see, `range_m`.
+    pub(super) fn way(
+        &self,
+        situation: &Situation<'_>,
+        to: Position,
+        lattice_m: f64,
+        range_m: f64,
+    ) -> Option<Vec<Position>> {
+        let here = situation.position;
+        let bounds = Bounds::of(self.visits.iter().map(|visit| visit.place))?.grown(range_m);
         let keep_m = self.hull_m + 0.5 * lattice_m;
-        let passable = |a: Position, b: Position| {
+        let is_free = |a: Position, b: Position| {
             self.contacts.iter().all(|&contact| {
                 // A robot that stands close to an obstacle may leave it.
                 let (from_m, to_m) = (a.distance_m(contact), b.distance_m(contact));
@@ -170,10 +167,26 @@ impl Knowledge {
                 distance_to_segment_m(contact, a, b) >= least_m && (to_m >= keep_m || to_m >= from_m)
             })
         };
-        Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m }.way(here, to, |a, b| {
-            // The goal may be close to an obstacle: the robot stood there, or saw that it is free.
-            (b == to && a.distance_m(b) <= keep_m + lattice_m) || passable(a, b)
-        })
+        let passable = |a: Position, b: Position| {
+            let length_m = a.distance_m(b);
+            if a != here {
+                // The goal may be close to an obstacle: the robot stood there, or saw that it is free.
+                return (b == to && length_m <= keep_m + lattice_m) || is_free(a, b);
+            }
+            let seen_m = length_m.min(range_m);
+            length_m <= 0.0
+                || situation.clearance_m(b - a, seen_m) >= seen_m
+                    && (seen_m >= length_m || is_free(a + (b - a) * (seen_m / length_m), b))
+        };
+        let w = Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m }.way(here, to, passable);
+        if w.is_none() {
+            eprintln!("DBG none hull {} contacts {:?}", self.hull_m, self.contacts.iter().map(|c| ((c.x_m*100.0).round()/100.0, (c.y_m*100.0).round()/100.0)).collect::<Vec<_>>());
+            for (e, n) in [(1.,0.),(1.,1.),(0.,1.),(-1.,1.),(-1.,0.),(-1.,-1.),(0.,-1.),(1.,-1.)] {
+                let b = here + Position::new(e, n, 0.0) * 0.5;
+                eprintln!("DBG edge {e} {n} {} clear {}", passable(here, b), situation.clearance_m(b - here, 1.0));
+            }
+        }
+        w
     }
 }
 

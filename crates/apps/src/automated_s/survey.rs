@@ -14,9 +14,15 @@ const MAX_CHANGES: u32 = 64;
 /// New ways looked for on one trip, at most.
 const MAX_REPLANS: u32 = 32;
 /// How often the robot comes back for one node, in packets wanted.
-const RETURNS_PER_PACKET: u32 = 4;
+const RETURNS_PER_PACKET: u32 = 2;
+/// Lanes in a row that hear nobody, and end a sweep; one that covers all of the lane before it is enough.
+const EMPTY_LANES: u32 = 2;
+/// The same for a sweep that begins out of reach of the network.
+const EMPTY_LANES_OUTSIDE: u32 = 8;
 /// Share of the lane spacing within which a stop covers a place.
 const COVERED: f64 = 0.75;
+/// The same on a closer look.
+const CLOSELY_COVERED: f64 = 0.375;
 
 /// A survey in lanes along y that works without a map (thesis, appendix C.1.2).
 ///
@@ -43,6 +49,8 @@ pub struct AutomatedS {
     sweep_began: usize,
     /// Lanes in a row that heard nobody.
     empty_lanes: u32,
+    /// Lanes in a row that heard nobody after which a sweep is over.
+    empty_lanes_to_end: u32,
     /// Where obstacles cut lanes short.
     cuts: Vec<Cut>,
     /// An obstacle was met, and a stop was made first.
@@ -98,6 +106,10 @@ struct Lane {
     first_stop: usize,
     hearing_stops: u32,
     silent_run: u32,
+    /// Least and greatest y of its stops that heard somebody [m].
+    audible_m: Option<(f64, f64)>,
+    /// The same of the lane before.
+    audible_before_m: Option<(f64, f64)>,
 }
 
 /// Where an obstacle cut a lane short (`obstacleRegistry` of the thesis).
@@ -122,11 +134,12 @@ impl TryFrom<&AutomatedSConfig> for AutomatedS {
             settings: Settings::try_from(config)?,
             knowledge: Knowledge::default(),
             task: Task::Search { side: 0, from: Position::ORIGIN },
-            lane: Lane { heading: 1.0, start_y_m: 0.0, first_stop: 0, hearing_stops: 0, silent_run: 0 },
+            lane: Lane { heading: 1.0, start_y_m: 0.0, first_stop: 0, hearing_stops: 0, silent_run: 0, audible_m: None, audible_before_m: None },
             sweep: 1.0,
             sweeps: 0,
             sweep_began: 0,
             empty_lanes: 0,
+            empty_lanes_to_end: EMPTY_LANES,
             cuts: Vec::new(),
             is_blocked: false,
             start: Position::ORIGIN,
@@ -159,7 +172,7 @@ impl Controller for AutomatedS {
             Outcome::Listened(heard) => {
                 self.knowledge.note_stop(situation, heard, lane_spacing_m, silent_below_nodes);
                 if self.task == Task::Lane {
-                    self.count_stop();
+                    self.count_stop(here);
                 }
                 if self.is_complete() {
                     return Command::Finish(Ending::Complete);
@@ -196,7 +209,7 @@ impl AutomatedS {
                 Task::Shift { from } => self.shift(here, from, last_move),
                 Task::Retreat => self.retreat(situation, last_move),
                 Task::Behind { x_m, from } => self.go_behind(here, x_m, from, last_move),
-                Task::Travel(trip) => self.travel(here, trip, last_move),
+                Task::Travel(trip) => self.travel(situation, trip, last_move),
                 Task::Finish(ending) => Some(Command::Finish(ending)),
             };
             if let Some(command) = command {
@@ -235,16 +248,24 @@ impl AutomatedS {
 
     fn begin_lane(&mut self, here: Position) {
         self.task = Task::Lane;
-        self.lane.start_y_m = here.y_m;
-        self.lane.first_stop = self.knowledge.stops().saturating_sub(1);
-        self.lane.hearing_stops = 0;
-        self.lane.silent_run = 0;
-        self.count_stop();
+        let is_known = self.lane.hearing_stops >= HEARING_STOPS;
+        self.lane = Lane {
+            heading: self.lane.heading,
+            start_y_m: here.y_m,
+            first_stop: self.knowledge.stops().saturating_sub(1),
+            hearing_stops: 0,
+            silent_run: 0,
+            audible_m: None,
+            audible_before_m: if is_known { self.lane.audible_m } else { self.lane.audible_before_m },
+        };
+        self.count_stop(here);
     }
 
     /// Counts the stop just made towards the lane.
-    fn count_stop(&mut self) {
+    fn count_stop(&mut self, here: Position) {
         if self.knowledge.hears_somebody() {
+            let (south, north) = self.lane.audible_m.unwrap_or((here.y_m, here.y_m));
+            self.lane.audible_m = Some((south.min(here.y_m), north.max(here.y_m)));
             self.lane.hearing_stops += 1;
             self.lane.silent_run = 0;
         } else {
@@ -257,7 +278,7 @@ impl AutomatedS {
         let heading = self.lane.heading;
         if last_move == Move::Blocked {
             self.cuts.push(Cut { heading, place: here });
-            self.end_lane(here);
+            self.end_lane(situation);
             return None;
         }
         if let Some(x_m) = self.uncovered_behind(situation) {
@@ -267,37 +288,49 @@ impl AutomatedS {
         let is_silent = self.lane.silent_run >= self.settings.silent_stops_to_turn;
         let is_beyond = self.left_of_network_m(here.y_m, heading) <= 0.0;
         if is_silent && (self.lane.hearing_stops >= HEARING_STOPS || is_beyond) || self.was_driven(here) {
-            self.end_lane(here);
+            self.end_lane(situation);
             return None;
         }
         Self::drive(here, 0.0, heading * self.settings.step_m)
     }
 
-    /// How far the network reaches beyond `y_m` towards `heading` [m], as far as it is known.
+    /// How far this lane, or the one before, heard somebody beyond `y_m` towards `heading` [m].
     fn left_of_network_m(&self, y_m: f64, heading: f64) -> f64 {
-        let (south, north) = self.knowledge.north_south().unwrap_or((y_m, y_m));
-        if heading > 0.0 { north - y_m } else { y_m - south }
+        let audible = [self.lane.audible_m, self.lane.audible_before_m];
+        let left_m = audible.into_iter().flatten().map(|(south, north)| if heading > 0.0 { north - y_m } else { y_m - south });
+        left_m.reduce(f64::max).unwrap_or(0.0)
     }
 
-    /// Whether the lane ahead was driven before on this sweep.
+    /// Whether all that is ahead on the lane was driven before on this sweep.
     fn was_driven(&self, here: Position) -> bool {
-        let step = Position::new(0.0, self.lane.heading * self.settings.step_m, 0.0);
+        let Settings { step_m, .. } = self.settings;
         let earlier = self.sweep_began..self.lane.first_stop.max(self.sweep_began);
-        [1.0, 2.0].into_iter().all(|steps| {
-            self.knowledge.was_near(here + step * steps, 0.5 * self.settings.step_m, earlier.clone())
-        })
+        let mut ahead_m = step_m;
+        let last_m = self.left_of_network_m(here.y_m, self.lane.heading).max(2.0 * step_m);
+        while ahead_m <= last_m {
+            let place = here + Position::new(0.0, self.lane.heading * ahead_m, 0.0);
+            if !self.knowledge.was_near(place, 0.5 * step_m, earlier.clone()) {
+                return false;
+            }
+            ahead_m += step_m;
+        }
+        true
     }
 
     /// Turns: over to the next lane, or, beyond the network, to what is left to do.
-    fn end_lane(&mut self, here: Position) {
+    fn end_lane(&mut self, situation: &Situation<'_>) {
         let was_empty = self.lane.hearing_stops == 0;
-        self.empty_lanes = if was_empty { self.empty_lanes + 1 } else { 0 };
-        let missed_m = self.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
-        let was_whole = missed_m <= self.settings.lane_spacing_m;
-        if was_empty && (was_whole || self.empty_lanes > 1) {
-            self.end_sweep(here);
+        if was_empty {
+            self.empty_lanes += 1;
         } else {
-            self.task = Task::Shift { from: here };
+            (self.empty_lanes, self.empty_lanes_to_end) = (0, EMPTY_LANES);
+        }
+        let missed_m = self.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
+        let was_whole = missed_m <= self.settings.lane_spacing_m && self.empty_lanes_to_end == EMPTY_LANES;
+        if was_empty && (was_whole || self.empty_lanes >= self.empty_lanes_to_end) {
+            self.end_sweep(situation);
+        } else {
+            self.task = Task::Shift { from: situation.position };
         }
     }
 
@@ -326,7 +359,7 @@ impl AutomatedS {
             return None;
         }
         if last_move == Move::Blocked || self.left_of_network_m(here.y_m, -self.lane.heading) < -self.settings.step_m {
-            self.end_sweep(here);
+            self.end_sweep(situation);
             return None;
         }
         Self::drive(here, 0.0, -self.lane.heading * self.settings.step_m)
@@ -374,67 +407,85 @@ impl AutomatedS {
     }
 
     /// A sweep is over: what is left to do.
-    fn end_sweep(&mut self, here: Position) {
+    fn end_sweep(&mut self, situation: &Situation<'_>) {
         self.sweeps += 1;
         self.empty_lanes = 0;
         self.cuts.clear();
         let is_first = self.sweeps == 1;
         if self.is_complete() {
             self.task = Task::Finish(Ending::Complete);
-        } else if self.settings.after_lanes == AfterLanes::Check && !(is_first && self.knowledge.misses_nodes()) {
-            self.check(here);
-        } else if !(is_first && self.set_out(here, self.start, Goal::OtherSide)) {
-            self.begin_sweep(here);
+        } else if self.settings.after_lanes == AfterLanes::Check && !(is_first && self.misses_nodes()) {
+            self.check(situation);
+        } else if !(is_first && self.set_out(situation, self.start, Goal::OtherSide)) {
+            self.begin_sweep(situation.position);
         }
     }
 
-    /// Sweeps the other way from here.
+    /// Sweeps the other way from here. A sweep over lanes that were driven before runs between them.
     fn begin_sweep(&mut self, here: Position) {
         self.sweep = -self.sweep;
         self.sweep_began = self.knowledge.stops();
-        self.task = Task::Shift { from: here };
+        let is_outside = self.sweeps > 1;
+        self.empty_lanes_to_end = if is_outside { EMPTY_LANES_OUTSIDE } else { EMPTY_LANES };
+        let ahead_m = if is_outside { 0.5 * self.settings.lane_spacing_m } else { 0.0 };
+        self.task = Task::Shift { from: here - Position::new(self.sweep * ahead_m, 0.0, 0.0) };
     }
 
     /// Goes where packets of missing nodes may be had: places passed by if some were never heard, then those where
     /// they were heard best.
-    fn check(&mut self, here: Position) {
+    fn check(&mut self, situation: &Situation<'_>) {
+        let here = situation.position;
         let Settings { packets_per_node, lane_spacing_m, .. } = self.settings;
-        let returns = packets_per_node.saturating_mul(RETURNS_PER_PACKET);
-        while self.knowledge.misses_nodes()
-            && let Some(goal) = self.knowledge.nearest_opening(here, COVERED * lane_spacing_m)
+        while self.misses_nodes()
+            && let Some(goal) = [COVERED, CLOSELY_COVERED]
+                .into_iter()
+                .find_map(|share| self.knowledge.nearest_opening(here, share * lane_spacing_m))
         {
-            if self.set_out(here, goal, Goal::Check) {
+            if self.set_out(situation, goal, Goal::Check) {
                 return;
             }
+            eprintln!("DBG no way from {here:?} to {goal:?}");
             self.knowledge.give_up_opening(goal);
         }
-        while let Some(goal) = self.knowledge.place_to_listen_again(here, packets_per_node, returns) {
-            if self.set_out(here, goal, Goal::Check) {
+        while let Some(goal) = self.knowledge.place_to_listen_again(here, packets_per_node, self.returns()) {
+            if self.set_out(situation, goal, Goal::Check) {
                 return;
             }
         }
         self.task = Task::Finish(Ending::Stuck);
     }
 
+    /// How often the robot comes back for one node.
+    fn returns(&self) -> u32 {
+        self.settings.packets_per_node.saturating_mul(RETURNS_PER_PACKET)
+    }
+
+    /// Whether there are nodes that no place known is good for.
+    fn misses_nodes(&self) -> bool {
+        self.knowledge.misses_nodes(self.settings.packets_per_node, self.returns())
+    }
+
     /// Sets out for `goal`; `false` and no change if no way is known.
-    fn set_out(&mut self, here: Position, goal: Position, then: Goal) -> bool {
-        let Some(way) = self.way(here, goal) else { return false };
+    fn set_out(&mut self, situation: &Situation<'_>, goal: Position, then: Goal) -> bool {
+        let Some(way) = self.way(situation, goal) else { return false };
+        eprintln!("DBG {:?} to {goal:?} way {way:?}", situation.position);
         self.task = Task::Travel(Trip { goal, way, replans: 0, then });
         true
     }
 
     /// A way to `goal`, the next place last.
-    fn way(&self, here: Position, goal: Position) -> Option<Vec<Position>> {
+    fn way(&self, situation: &Situation<'_>, goal: Position) -> Option<Vec<Position>> {
         let Settings { step_m, lane_spacing_m, .. } = self.settings;
-        let mut way = self.knowledge.way(here, goal, 0.5 * step_m, 2.0 * lane_spacing_m)?;
+        let mut way = self.knowledge.way(situation, goal, 0.5 * step_m, 2.0 * lane_spacing_m)?;
         way.reverse();
         Some(way)
     }
 
-    fn travel(&mut self, here: Position, mut trip: Trip, last_move: Move) -> Option<Command> {
+    fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> Option<Command> {
         if last_move == Move::Blocked {
             trip.replans += 1;
-            let way = if trip.replans > MAX_REPLANS { None } else { self.way(here, trip.goal) };
+            let way = if trip.replans > MAX_REPLANS { None } else { self.way(situation, trip.goal) };
+            eprintln!("DBG replan {:?} {way:?}", situation.position);
             trip.way = way.unwrap_or_default();
         }
         if let Some(place) = trip.way.pop() {
@@ -442,10 +493,10 @@ impl AutomatedS {
             return Some(Command::Drive(place));
         }
         match trip.then {
-            Goal::OtherSide => self.begin_sweep(here),
+            Goal::OtherSide => self.begin_sweep(situation.position),
             Goal::Check => {
                 self.knowledge.give_up_opening(trip.goal);
-                self.check(here);
+                self.check(situation);
             }
         }
         None

@@ -118,17 +118,16 @@ impl World {
     }
 
     fn listen(&self, place: Position, stop: u64, seed: Seed) -> Vec<Heard> {
-        let is_heard = |&(i, node): &(usize, &Position)| {
+        let (exponent, sigma_db) = self.fading.unwrap_or((2.0, 0.0));
+        let hear = |(i, node): (usize, &Position)| {
             let distance_m = node.distance_m(place);
-            let received = |(exponent, sigma_db): (f64, f64)| {
-                let shadowing_db = sigma_db * seed.normal(Purpose::Shadowing, [i as u64, stop, 0]);
-                let loss_db = 10.0 * exponent * distance_m.max(0.1).log10() + self.field.loss(*node, place).0;
-                -50.0 - loss_db + shadowing_db >= -90.0
-            };
-            distance_m <= self.reach_m && self.fading.is_none_or(received)
+            let shadowing_db = sigma_db * seed.normal(Purpose::Shadowing, [i as u64, stop, 0]);
+            let loss_db = 10.0 * exponent * distance_m.max(0.1).log10() + self.field.loss(*node, place).0;
+            let rssi_dbm = -50.0 - loss_db + shadowing_db;
+            let is_heard = distance_m <= self.reach_m && (self.fading.is_none() || rssi_dbm >= -90.0);
+            is_heard.then_some(Heard { node: NodeId::from_index(i), packets: 1, rssi_dbm })
         };
-        let heard = |(i, _)| Heard { node: NodeId::from_index(i), packets: 1, rssi_dbm: -60.0 };
-        self.nodes.iter().enumerate().filter(is_heard).map(heard).collect()
+        self.nodes.iter().enumerate().filter_map(hear).collect()
     }
 
     /// No place of the path is nearer to an obstacle than the robot's hull allows.

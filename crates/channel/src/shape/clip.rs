@@ -13,19 +13,13 @@ pub(crate) struct Clip {
 
 impl Clip {
     /// All of the line.
-    pub(crate) const WHOLE: Self = Self {
-        enter: 0.0,
-        leave: 1.0,
-    };
+    pub(crate) const WHOLE: Self = Self { enter: 0.0, leave: 1.0 };
 
     /// Keeps the part behind a face. `start_m` and `end_m` are the signed distances of the two ends from the
     /// plane of the face, positive outside.
     pub(crate) fn behind(self, start_m: f64, end_m: f64) -> Self {
         if start_m >= -GRAZE_M && end_m >= -GRAZE_M {
-            return Self {
-                enter: 1.0,
-                leave: 0.0,
-            };
+            return Self { enter: 1.0, leave: 0.0 };
         }
         let mut clip = self;
         if start_m > 0.0 {
@@ -39,10 +33,7 @@ impl Clip {
 
     /// Keeps the part between two parameters.
     pub(crate) fn between(self, enter: f64, leave: f64) -> Self {
-        Self {
-            enter: self.enter.max(enter),
-            leave: self.leave.min(leave),
-        }
+        Self { enter: self.enter.max(enter), leave: self.leave.min(leave) }
     }
 
     /// Share of the line that is left.

@@ -49,13 +49,7 @@ impl TryFrom<BoxConfig> for Cuboid {
         let yaw_rad = SettingError::finite("yaw_deg", config.yaw_deg)?.to_radians();
         let (sin, cos) = libm::sincos(yaw_rad);
         let half = Position::from(config.size_m) * 0.5;
-        Ok(Self {
-            center: place("center_m", config.center_m)?,
-            half,
-            yaw_rad,
-            cos,
-            sin,
-        })
+        Ok(Self { center: place("center_m", config.center_m)?, half, yaw_rad, cos, sin })
     }
 }
 
@@ -63,11 +57,7 @@ impl Cuboid {
     /// `p` in the frame of the box: its middle is the origin, its edges are the axes.
     fn local(&self, p: Position) -> Position {
         let d = p - self.center;
-        Position::new(
-            self.cos * d.x_m + self.sin * d.y_m,
-            self.cos * d.y_m - self.sin * d.x_m,
-            d.z_m,
-        )
+        Position::new(self.cos * d.x_m + self.sin * d.y_m, self.cos * d.y_m - self.sin * d.x_m, d.z_m)
     }
 
     /// Length of the line inside [m]: a clip by the six faces.
@@ -96,26 +86,14 @@ impl Cuboid {
 
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
         let excess = self.excess(p);
-        Position::new(
-            excess.x_m.max(0.0),
-            excess.y_m.max(0.0),
-            excess.z_m.max(0.0),
-        )
-        .length_m()
+        Position::new(excess.x_m.max(0.0), excess.y_m.max(0.0), excess.z_m.max(0.0)).length_m()
     }
 
     pub(crate) fn surface(&self) -> Surface {
         let ring = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
             let (x, y) = (x * self.half.x_m, y * self.half.y_m);
-            [
-                self.center.x_m + self.cos * x - self.sin * y,
-                self.center.y_m + self.sin * x + self.cos * y,
-            ]
+            [self.center.x_m + self.cos * x - self.sin * y, self.center.y_m + self.sin * x + self.cos * y]
         });
-        Surface::prism(
-            &ring,
-            self.center.z_m - self.half.z_m,
-            self.center.z_m + self.half.z_m,
-        )
+        Surface::prism(&ring, self.center.z_m - self.half.z_m, self.center.z_m + self.half.z_m)
     }
 }

@@ -53,11 +53,7 @@ impl Cylinder {
         let square = d.x_m * d.x_m + d.y_m * d.y_m;
         let clip = if square <= GRAZE_M * GRAZE_M {
             let inside = libm::hypot(a.x_m, a.y_m) < self.radius_m - GRAZE_M;
-            if inside {
-                between
-            } else {
-                between.between(1.0, 0.0)
-            }
+            if inside { between } else { between.between(1.0, 0.0) }
         } else {
             // The chord lies symmetrically about the point of the line nearest to the axis.
             let cross = a.x_m * d.y_m - a.y_m * d.x_m;
@@ -75,10 +71,7 @@ impl Cylinder {
     /// How far `p` is outside sideways and in height [m], negative inside.
     fn excess(&self, p: Position) -> (f64, f64) {
         let d = p - self.base;
-        (
-            libm::hypot(d.x_m, d.y_m) - self.radius_m,
-            (-d.z_m).max(d.z_m - self.height_m),
-        )
+        (libm::hypot(d.x_m, d.y_m) - self.radius_m, (-d.z_m).max(d.z_m - self.height_m))
     }
 
     pub(crate) fn contains(&self, p: Position) -> bool {
@@ -95,12 +88,8 @@ impl Cylinder {
     pub(crate) fn surface(&self) -> Surface {
         let ring: Vec<_> = (0..SIDES)
             .map(|i| {
-                let (sin, cos) =
-                    libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(SIDES));
-                [
-                    self.base.x_m + self.radius_m * cos,
-                    self.base.y_m + self.radius_m * sin,
-                ]
+                let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(SIDES));
+                [self.base.x_m + self.radius_m * cos, self.base.y_m + self.radius_m * sin]
             })
             .collect();
         Surface::prism(&ring, self.base.z_m, self.base.z_m + self.height_m)

@@ -24,11 +24,7 @@ impl TryFrom<ConvexConfig> for Polytope {
 
     fn try_from(config: ConvexConfig) -> Result<Self, SettingError> {
         let error = |found: String| {
-            Err(SettingError::new(
-                "points_m",
-                found,
-                "four finite points or more, not all in one plane",
-            ))
+            Err(SettingError::new("points_m", found, "four finite points or more, not all in one plane"))
         };
         if let Some(index) = config.points_m.iter().position(|p| !p.is_finite()) {
             return error(format!("a list with point {index} not finite"));
@@ -36,9 +32,7 @@ impl TryFrom<ConvexConfig> for Polytope {
         let mut points = config.points_m;
         points.sort_by(|a, b| {
             let (a, b): ([f64; 3], [f64; 3]) = ((*a).into(), (*b).into());
-            a[0].total_cmp(&b[0])
-                .then(a[1].total_cmp(&b[1]))
-                .then(a[2].total_cmp(&b[2]))
+            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
         });
         points.dedup();
         if points.len() < 4 {
@@ -51,16 +45,9 @@ impl TryFrom<ConvexConfig> for Polytope {
             return error(format!("{} points without a hull", points.len()));
         };
         let vertices = vertices.into_iter().map(|v| middle + position(v)).collect();
-        let surface = Surface {
-            vertices,
-            triangles,
-        };
+        let surface = Surface { vertices, triangles };
         if !surface.has_volume() {
-            return error(format!(
-                "{} points whose hull has a volume of {} m³",
-                points.len(),
-                surface.volume_m3()
-            ));
+            return error(format!("{} points whose hull has a volume of {} m³", points.len(), surface.volume_m3()));
         }
         let planes = planes(&surface, &points);
         Ok(Self::new(planes, surface))
@@ -77,16 +64,10 @@ fn planes(surface: &Surface, points: &[Position]) -> Vec<Plane> {
             continue;
         }
         let normal = normal * (1.0 / length);
-        if planes
-            .iter()
-            .any(|plane| (plane.normal - normal).length_m() < 1e-9)
-        {
+        if planes.iter().any(|plane| (plane.normal - normal).length_m() < 1e-9) {
             continue;
         }
-        let offset_m = points
-            .iter()
-            .map(|&p| normal.dot(p))
-            .fold(f64::NEG_INFINITY, f64::max);
+        let offset_m = points.iter().map(|&p| normal.dot(p)).fold(f64::NEG_INFINITY, f64::max);
         planes.push(Plane { normal, offset_m });
     }
     planes

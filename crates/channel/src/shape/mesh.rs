@@ -47,56 +47,27 @@ impl Mesh {
         match (config.file, config.vertices_m, config.triangles) {
             (Some(file), None, None) => {
                 let path = folder.join(&file);
-                let error =
-                    |found: String, allowed: &str| SettingError::new("file", found, allowed);
+                let error = |found: String, allowed: &str| SettingError::new("file", found, allowed);
                 let text = std::fs::read_to_string(&path).map_err(|cause| {
-                    error(
-                        format!("`{}`, which cannot be read: {cause}", path.display()),
-                        "a readable .obj file",
-                    )
+                    error(format!("`{}`, which cannot be read: {cause}", path.display()), "a readable .obj file")
                 })?;
                 obj::parse(&text)
-                    .map_err(|flaw| {
-                        error(
-                            format!("`{}`, {flaw}", path.display()),
-                            "a Wavefront .obj file",
-                        )
-                    })
+                    .map_err(|flaw| error(format!("`{}`, {flaw}", path.display()), "a Wavefront .obj file"))
                     .and_then(|surface| Self::new(surface, "file"))
             }
-            (None, Some(vertices), Some(triangles)) => Self::new(
-                Surface {
-                    vertices,
-                    triangles,
-                },
-                "triangles",
-            ),
-            (Some(_), _, _) => Err(SettingError::new(
-                "file",
-                "beside `vertices_m` or `triangles`",
-                "one or the other",
-            )),
-            (None, None, _) => Err(SettingError::new(
-                "vertices_m",
-                "absent",
-                "a list of places, or `file`",
-            )),
-            (None, Some(_), None) => Err(SettingError::new(
-                "triangles",
-                "absent",
-                "a list of three indices each",
-            )),
+            (None, Some(vertices), Some(triangles)) => Self::new(Surface { vertices, triangles }, "triangles"),
+            (Some(_), _, _) => {
+                Err(SettingError::new("file", "beside `vertices_m` or `triangles`", "one or the other"))
+            }
+            (None, None, _) => Err(SettingError::new("vertices_m", "absent", "a list of places, or `file`")),
+            (None, Some(_), None) => Err(SettingError::new("triangles", "absent", "a list of three indices each")),
         }
     }
 
     /// The solid inside `surface`; errors name `key`.
     fn new(mut surface: Surface, key: &str) -> Result<Self, SettingError> {
         let error = |found: String| {
-            SettingError::new(
-                key,
-                found,
-                "a closed mesh: at each edge two triangles meet that turn the same way",
-            )
+            SettingError::new(key, found, "a closed mesh: at each edge two triangles meet that turn the same way")
         };
         if let Some(index) = surface.vertices.iter().position(|p| !p.is_finite()) {
             return Err(error(format!("a mesh with vertex {index} not finite")));
@@ -104,43 +75,28 @@ impl Mesh {
         let count = surface.vertices.len();
         for (index, corners) in surface.triangles.iter().enumerate() {
             if let Some(vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
-                return Err(error(format!(
-                    "a mesh whose triangle {index} names vertex {vertex} of {count}"
-                )));
+                return Err(error(format!("a mesh whose triangle {index} names vertex {vertex} of {count}")));
             }
         }
         weld(&mut surface);
         let mut edges: BTreeMap<(u32, u32), i64> = BTreeMap::new();
         for &[a, b, c] in &surface.triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                *edges.entry((from.min(to), from.max(to))).or_default() +=
-                    if from < to { 1 } else { -1 };
+                *edges.entry((from.min(to), from.max(to))).or_default() += if from < to { 1 } else { -1 };
             }
         }
         if let Some((&(a, b), _)) = edges.iter().find(|&(_, &balance)| balance != 0) {
             let (a, b) = (surface.vertices[a as usize], surface.vertices[b as usize]);
-            return Err(error(format!(
-                "a mesh that is open or twisted at the edge from {a} to {b}"
-            )));
+            return Err(error(format!("a mesh that is open or twisted at the edge from {a} to {b}")));
         }
         let (Some(bounds), true) = (surface.bounds(), surface.has_volume()) else {
-            return Err(error(format!(
-                "a mesh with a volume of {} m³",
-                surface.volume_m3().abs()
-            )));
+            return Err(error(format!("a mesh with a volume of {} m³", surface.volume_m3().abs())));
         };
         if surface.volume_m3() < 0.0 {
-            surface
-                .triangles
-                .iter_mut()
-                .for_each(|corners| corners.swap(1, 2));
+            surface.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let tree = Tree::new(surface.corners().filter_map(Bounds::of));
-        Ok(Self {
-            surface,
-            bounds,
-            tree,
-        })
+        Ok(Self { surface, bounds, tree })
     }
 
     /// Length of the line inside [m]: the sum over all crossings of the mesh by the endless line, leaving less entering,
@@ -161,21 +117,14 @@ impl Mesh {
                     balance += 1;
                     inside_m += at_m.clamp(0.0, length_m);
                 }
-                Meeting::Through {
-                    at_m,
-                    leaves: false,
-                } => {
+                Meeting::Through { at_m, leaves: false } => {
                     balance -= 1;
                     inside_m -= at_m.clamp(0.0, length_m);
                 }
                 Meeting::Edge { .. } => return self.length_by_pieces_m(from, u, length_m),
             }
         }
-        if balance == 0 {
-            inside_m.max(0.0)
-        } else {
-            self.length_by_pieces_m(from, u, length_m)
-        }
+        if balance == 0 { inside_m.max(0.0) } else { self.length_by_pieces_m(from, u, length_m) }
     }
 
     /// The part of the endless line that can be near the mesh.
@@ -189,9 +138,7 @@ impl Mesh {
         let mut cuts = vec![0.0, length_m];
         for index in self.tree.along(self.chord(from, u), GRAZE_M) {
             match triangle::meet(self.surface.triangle(index), from, u) {
-                Meeting::Through { at_m, .. } | Meeting::Edge { at_m: Some(at_m) } => {
-                    cuts.push(at_m)
-                }
+                Meeting::Through { at_m, .. } | Meeting::Edge { at_m: Some(at_m) } => cuts.push(at_m),
                 Meeting::Miss | Meeting::Edge { at_m: None } => {}
             }
         }
@@ -200,31 +147,18 @@ impl Mesh {
         let pieces = cuts.windows(2).map(|pair| (pair[0], pair[1]));
         pieces
             .filter(|(enter_m, leave_m)| leave_m - enter_m > GRAZE_M)
-            .map(|(enter_m, leave_m)| {
-                self.depth(from + u * (0.5 * (enter_m + leave_m))) * (leave_m - enter_m)
-            })
+            .map(|(enter_m, leave_m)| self.depth(from + u * (0.5 * (enter_m + leave_m))) * (leave_m - enter_m))
             .sum()
     }
 
     /// How often the mesh winds round `p`: 1 inside, 0 outside and within a nanometre of the mesh.
     fn depth(&self, p: Position) -> f64 {
-        let turns = self
-            .surface
-            .corners()
-            .map(|corners| triangle::solid_angle(corners, p))
-            .sum::<f64>()
-            / (4.0 * PI);
-        if turns < 0.5 || self.distance_to_surface_m(p) <= GRAZE_M {
-            0.0
-        } else {
-            turns.round()
-        }
+        let turns = self.surface.corners().map(|corners| triangle::solid_angle(corners, p)).sum::<f64>() / (4.0 * PI);
+        if turns < 0.5 || self.distance_to_surface_m(p) <= GRAZE_M { 0.0 } else { turns.round() }
     }
 
     fn distance_to_surface_m(&self, p: Position) -> f64 {
-        self.tree.nearest_m(p, |index| {
-            triangle::distance_m(self.surface.triangle(index), p)
-        })
+        self.tree.nearest_m(p, |index| triangle::distance_m(self.surface.triangle(index), p))
     }
 
     pub(crate) fn contains(&self, p: Position) -> bool {
@@ -232,22 +166,12 @@ impl Mesh {
     }
 
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
-        if self.contains(p) {
-            0.0
-        } else {
-            self.distance_to_surface_m(p)
-        }
+        if self.contains(p) { 0.0 } else { self.distance_to_surface_m(p) }
     }
 
     /// Triangles that a ball of `radius_m` may touch along `span`.
-    pub(crate) fn near(
-        &self,
-        span: Span,
-        radius_m: f64,
-    ) -> impl Iterator<Item = triangle::Triangle> + '_ {
-        self.tree
-            .along(span, radius_m)
-            .map(|index| self.surface.triangle(index))
+    pub(crate) fn near(&self, span: Span, radius_m: f64) -> impl Iterator<Item = triangle::Triangle> + '_ {
+        self.tree.along(span, radius_m).map(|index| self.surface.triangle(index))
     }
 
     pub(crate) fn surface(&self) -> &Surface {
@@ -276,7 +200,5 @@ fn weld(surface: &mut Surface) {
     for corners in &mut surface.triangles {
         *corners = corners.map(|vertex| welded[vertex as usize]);
     }
-    surface
-        .triangles
-        .retain(|&[a, b, c]| a != b && b != c && c != a);
+    surface.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
 }

@@ -72,34 +72,25 @@ impl Shape {
     /// If it has no volume, or a file cannot be read.
     pub fn read(config: ShapeConfig, folder: &Path) -> Result<Self, SettingError> {
         let form = match config {
-            ShapeConfig::Box(config) => config
-                .try_into()
-                .map(Form::Box)
-                .map_err(|error| error.within("box")),
-            ShapeConfig::Cylinder(config) => config
-                .try_into()
-                .map(Form::Cylinder)
-                .map_err(|error| error.within("cylinder")),
-            ShapeConfig::Prism(config) => config
-                .try_into()
-                .map(Form::Polytope)
-                .map_err(|error| error.within("prism")),
-            ShapeConfig::Convex(config) => config
-                .try_into()
-                .map(Form::Polytope)
-                .map_err(|error| error.within("convex")),
-            ShapeConfig::Mesh(config) => Mesh::read(config, folder)
-                .map(Form::Mesh)
-                .map_err(|error| error.within("mesh")),
+            ShapeConfig::Box(config) => config.try_into().map(Form::Box).map_err(|error| error.within("box")),
+            ShapeConfig::Cylinder(config) => {
+                config.try_into().map(Form::Cylinder).map_err(|error| error.within("cylinder"))
+            }
+            ShapeConfig::Prism(config) => {
+                config.try_into().map(Form::Polytope).map_err(|error| error.within("prism"))
+            }
+            ShapeConfig::Convex(config) => {
+                config.try_into().map(Form::Polytope).map_err(|error| error.within("convex"))
+            }
+            ShapeConfig::Mesh(config) => {
+                Mesh::read(config, folder).map(Form::Mesh).map_err(|error| error.within("mesh"))
+            }
         }?;
         let bounds = match &form {
             Form::Cylinder(cylinder) => {
                 let side = Position::new(cylinder.radius_m, cylinder.radius_m, 0.0);
                 let top = Position::new(0.0, 0.0, cylinder.height_m);
-                Some(Bounds {
-                    min: cylinder.base - side,
-                    max: cylinder.base + side + top,
-                })
+                Some(Bounds { min: cylinder.base - side, max: cylinder.base + side + top })
             }
             Form::Box(cuboid) => cuboid.surface().bounds(),
             Form::Polytope(polytope) => polytope.surface().bounds(),
@@ -111,11 +102,7 @@ impl Shape {
             Form::Polytope(polytope) => Body::convex(polytope.surface()),
             Form::Mesh(_) => None,
         };
-        Ok(Self {
-            form,
-            bounds: bounds.expect("a solid has corners"),
-            body,
-        })
+        Ok(Self { form, bounds: bounds.expect("a solid has corners"), body })
     }
 
     /// The least box round it.
@@ -198,20 +185,10 @@ fn size(size_m: f64) -> Option<f64> {
 
 /// The extent under `key`, checked.
 fn thickness(key: &str, size_m: f64) -> Result<f64, SettingError> {
-    size(size_m).ok_or_else(|| {
-        SettingError::new(
-            key,
-            size_m,
-            format!("a finite number of {LEAST_SIZE_M} or more"),
-        )
-    })
+    size(size_m).ok_or_else(|| SettingError::new(key, size_m, format!("a finite number of {LEAST_SIZE_M} or more")))
 }
 
 /// The place under `key`, checked.
 fn place(key: &str, p: Position) -> Result<Position, SettingError> {
-    if p.is_finite() {
-        Ok(p)
-    } else {
-        Err(SettingError::new(key, p, "finite coordinates"))
-    }
+    if p.is_finite() { Ok(p) } else { Err(SettingError::new(key, p, "finite coordinates")) }
 }

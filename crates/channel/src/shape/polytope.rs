@@ -48,11 +48,7 @@ impl Polytope {
     }
 
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
-        if self.planes.iter().all(|plane| plane.height_m(p) <= 0.0) {
-            0.0
-        } else {
-            self.surface.distance_m(p)
-        }
+        if self.planes.iter().all(|plane| plane.height_m(p) <= 0.0) { 0.0 } else { self.surface.distance_m(p) }
     }
 
     pub(crate) fn surface(&self) -> &Surface {

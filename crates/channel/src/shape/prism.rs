@@ -31,14 +31,8 @@ impl TryFrom<PrismConfig> for Polytope {
         let top_m = bottom_m + thickness("height_m", config.height_m)?;
         let ring = footprint(&config.corners_m)?;
         let mut planes = vec![
-            Plane {
-                normal: Position::new(0.0, 0.0, -1.0),
-                offset_m: -bottom_m,
-            },
-            Plane {
-                normal: Position::new(0.0, 0.0, 1.0),
-                offset_m: top_m,
-            },
+            Plane { normal: Position::new(0.0, 0.0, -1.0), offset_m: -bottom_m },
+            Plane { normal: Position::new(0.0, 0.0, 1.0), offset_m: top_m },
         ];
         planes.extend(sides(&ring));
         Ok(Self::new(planes, Surface::prism(&ring, bottom_m, top_m)))
@@ -48,65 +42,37 @@ impl TryFrom<PrismConfig> for Polytope {
 /// Corners turning left, without doubles and without corners in the middle of a side.
 fn footprint(corners: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, SettingError> {
     let error = |found: String, allowed: &str| Err(SettingError::new("corners_m", found, allowed));
-    if let Some(bad) = corners
-        .iter()
-        .find(|corner| !corner.iter().all(|x| x.is_finite()))
-    {
+    if let Some(bad) = corners.iter().find(|corner| !corner.iter().all(|x| x.is_finite())) {
         return error(format!("a list with corner {bad:?}"), "finite numbers");
     }
     let mut ring: Vec<[f64; 2]> = Vec::new();
     for &corner in corners {
-        if ring
-            .last()
-            .is_none_or(|&last| distance_m(last, corner) > GRAZE_M)
-        {
+        if ring.last().is_none_or(|&last| distance_m(last, corner) > GRAZE_M) {
             ring.push(corner);
         }
     }
     while ring.len() > 1 && distance_m(ring[0], ring[ring.len() - 1]) <= GRAZE_M {
         ring.pop();
     }
-    let area_m2: f64 = (1..ring.len().max(1) - 1)
-        .map(|i| cross(ring[0], ring[i], ring[i + 1]) / 2.0)
-        .sum();
-    let size_m = ring
-        .iter()
-        .map(|&corner| distance_m(ring[0], corner))
-        .fold(0.0, f64::max);
+    let area_m2: f64 = (1..ring.len().max(1) - 1).map(|i| cross(ring[0], ring[i], ring[i + 1]) / 2.0).sum();
+    let size_m = ring.iter().map(|&corner| distance_m(ring[0], corner)).fold(0.0, f64::max);
     if ring.len() < 3 || area_m2.abs() <= 1e-9 * size_m * size_m {
-        let found = format!(
-            "{} different corners with an area of {} m²",
-            ring.len(),
-            area_m2.abs()
-        );
+        let found = format!("{} different corners with an area of {} m²", ring.len(), area_m2.abs());
         return error(found, "three corners or more, not on one line");
     }
     if area_m2 < 0.0 {
         ring.reverse();
     }
     let count = ring.len();
-    let turn = |i: usize| {
-        cross(
-            ring[(i + count - 1) % count],
-            ring[i],
-            ring[(i + 1) % count],
-        )
-    };
-    let ring: Vec<_> = (0..count)
-        .filter(|&i| turn(i).abs() > GRAZE_M * size_m)
-        .map(|i| ring[i])
-        .collect();
+    let turn = |i: usize| cross(ring[(i + count - 1) % count], ring[i], ring[(i + 1) % count]);
+    let ring: Vec<_> = (0..count).filter(|&i| turn(i).abs() > GRAZE_M * size_m).map(|i| ring[i]).collect();
     // Each corner behind each side: holds for convex footprints only, stars that turn left all the way included.
     for side in sides(&ring) {
-        if let Some(corner) = ring
-            .iter()
-            .find(|corner| side.height_m(Position::new(corner[0], corner[1], 0.0)) > 1e-6)
+        if let Some(corner) =
+            ring.iter().find(|corner| side.height_m(Position::new(corner[0], corner[1], 0.0)) > 1e-6)
         {
             let allowed = "a convex footprint; write one obstacle for each convex part, or a mesh";
-            return error(
-                format!("not convex at or beside corner {corner:?}"),
-                allowed,
-            );
+            return error(format!("not convex at or beside corner {corner:?}"), allowed);
         }
     }
     Ok(ring)
@@ -118,10 +84,7 @@ fn sides(ring: &[[f64; 2]]) -> impl Iterator<Item = Plane> + '_ {
         let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
         let length_m = distance_m(a, b);
         let normal = Position::new((b[1] - a[1]) / length_m, (a[0] - b[0]) / length_m, 0.0);
-        Plane {
-            normal,
-            offset_m: normal.dot(Position::new(a[0], a[1], 0.0)),
-        }
+        Plane { normal, offset_m: normal.dot(Position::new(a[0], a[1], 0.0)) }
     })
 }
 

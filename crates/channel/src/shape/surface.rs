@@ -32,24 +32,18 @@ impl Surface {
         let Some(&apex) = self.vertices.first() else {
             return 0.0;
         };
-        self.corners()
-            .map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0)
-            .sum()
+        self.corners().map(|[a, b, c]| (a - apex).dot((b - apex).cross(c - apex)) / 6.0).sum()
     }
 
     /// Whether it encloses more than numerical noise: 1 part in 10⁹ of the cube on its diagonal.
     pub(crate) fn has_volume(&self) -> bool {
-        let diagonal_m = self
-            .bounds()
-            .map_or(0.0, |bounds| bounds.min.distance_m(bounds.max));
+        let diagonal_m = self.bounds().map_or(0.0, |bounds| bounds.min.distance_m(bounds.max));
         self.volume_m3().abs() > 1e-9 * diagonal_m.powi(3)
     }
 
     /// Distance from `p` to the nearest triangle [m].
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
-        self.corners()
-            .map(|corners| triangle::distance_m(corners, p))
-            .fold(f64::INFINITY, f64::min)
+        self.corners().map(|corners| triangle::distance_m(corners, p)).fold(f64::INFINITY, f64::min)
     }
 
     /// An upright prism: the `ring` of corners (turning left seen from above) at two heights.
@@ -67,9 +61,6 @@ impl Surface {
             triangles.push([i, next, count + next]);
             triangles.push([i, count + next, count + i]);
         }
-        Self {
-            vertices,
-            triangles,
-        }
+        Self { vertices, triangles }
     }
 }

@@ -29,10 +29,7 @@ impl Body {
         let turn = Rotation::from_rotation_z(cuboid.yaw_rad);
         let half = cuboid.half;
         let pose = Pose::from_parts(vector(cuboid.center), turn);
-        Self {
-            shape: SharedShape::cuboid(half.x_m, half.y_m, half.z_m),
-            pose,
-        }
+        Self { shape: SharedShape::cuboid(half.x_m, half.y_m, half.z_m), pose }
     }
 
     pub(crate) fn cylinder(cylinder: &Cylinder) -> Self {
@@ -41,20 +38,14 @@ impl Body {
         let half_m = cylinder.height_m * 0.5;
         let middle = cylinder.base + Position::new(0.0, 0.0, half_m);
         let pose = Pose::from_parts(vector(middle), upright);
-        Self {
-            shape: SharedShape::cylinder(half_m, cylinder.radius_m),
-            pose,
-        }
+        Self { shape: SharedShape::cylinder(half_m, cylinder.radius_m), pose }
     }
 
     /// `None` if the library finds the hull too flat.
     pub(crate) fn convex(surface: &Surface) -> Option<Self> {
         let points = surface.vertices.iter().map(|&p| vector(p)).collect();
         let polyhedron = ConvexPolyhedron::from_convex_mesh(points, &surface.triangles)?;
-        Some(Self {
-            shape: SharedShape::new(polyhedron),
-            pose: Pose::IDENTITY,
-        })
+        Some(Self { shape: SharedShape::new(polyhedron), pose: Pose::IDENTITY })
     }
 
     /// Where the library says that a ball touches the solid first.
@@ -63,15 +54,7 @@ impl Body {
         let start = Pose::from_translation(vector(sweep.from));
         let options = ShapeCastOptions::with_max_time_of_impact(sweep.range_m);
         let velocity = vector(sweep.direction);
-        let hit = cast_shapes(
-            &start,
-            velocity,
-            &ball,
-            &self.pose,
-            Vector::ZERO,
-            &*self.shape,
-            options,
-        );
+        let hit = cast_shapes(&start, velocity, &ball, &self.pose, Vector::ZERO, &*self.shape, options);
         hit.ok().flatten().map(|hit| hit.time_of_impact)
     }
 }
@@ -100,11 +83,7 @@ impl Sweep {
     /// ends where the gap is zero and falling is the first touch, and is taken; any other answer, a miss included, is
     /// replaced: least gap by golden section (Kiefer 1953), first touch by bisection. A ball that touches at the
     /// start may slide along or leave, not go deeper; one with its middle inside goes nowhere.
-    pub(crate) fn touch_m(
-        &self,
-        cast: Option<f64>,
-        distance_m: impl Fn(Position) -> f64,
-    ) -> Option<f64> {
+    pub(crate) fn touch_m(&self, cast: Option<f64>, distance_m: impl Fn(Position) -> f64) -> Option<f64> {
         let gap_m = |travel_m: f64| distance_m(self.at(travel_m)) - self.radius_m;
         let start_m = gap_m(0.0);
         if start_m <= -self.radius_m {
@@ -131,11 +110,7 @@ impl Sweep {
         let (mut free_m, mut touching_m) = (0.0, nearest_m);
         while touching_m - free_m > 1e-12 * (1.0 + touching_m) {
             let middle_m = 0.5 * (free_m + touching_m);
-            *(if gap_m(middle_m) > 0.0 {
-                &mut free_m
-            } else {
-                &mut touching_m
-            }) = middle_m;
+            *(if gap_m(middle_m) > 0.0 { &mut free_m } else { &mut touching_m }) = middle_m;
         }
         Some(free_m)
     }
@@ -159,10 +134,7 @@ fn least(f: impl Fn(f64) -> f64, end: f64) -> f64 {
         }
     }
     // The ends of the range may be least themselves.
-    [0.0, 0.5 * (low + high), end]
-        .into_iter()
-        .min_by(|&x, &y| f(x).total_cmp(&f(y)))
-        .unwrap_or(0.0)
+    [0.0, 0.5 * (low + high), end].into_iter().min_by(|&x, &y| f(x).total_cmp(&f(y))).unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -172,48 +144,22 @@ mod tests {
 
     fn sweep(y_m: f64) -> Sweep {
         let direction = Position::new(1.0, 0.0, 0.0);
-        Sweep {
-            from: Position::new(0.0, y_m, 0.0),
-            direction,
-            range_m: 10.0,
-            radius_m: 0.2,
-        }
+        Sweep { from: Position::new(0.0, y_m, 0.0), direction, range_m: 10.0, radius_m: 0.2 }
     }
 
     #[test]
     fn a_cast_that_misses_or_errs_changes_nothing() {
         let size_m = [2.0, 4.0, 3.0];
         let center_m = Position::new(5.0, 0.0, 0.0);
-        let wall = Cuboid::try_from(BoxConfig {
-            center_m,
-            size_m,
-            yaw_deg: 0.0,
-        })
-        .unwrap();
-        for (y_m, expected_m) in [
-            (0.0, Some(3.8)),
-            (2.1, Some(4.0 - 0.03_f64.sqrt())),
-            (2.3, None),
-        ] {
+        let wall = Cuboid::try_from(BoxConfig { center_m, size_m, yaw_deg: 0.0 }).unwrap();
+        for (y_m, expected_m) in [(0.0, Some(3.8)), (2.1, Some(4.0 - 0.03_f64.sqrt())), (2.3, None)] {
             let touch = |cast| sweep(y_m).touch_m(cast, |p| wall.distance_m(p));
             let library = Body::cuboid(&wall).cast(&sweep(y_m));
-            for cast in [
-                library,
-                None,
-                Some(0.0),
-                Some(3.0),
-                Some(5.0),
-                Some(6.2),
-                Some(9.9),
-                Some(f64::NAN),
-            ] {
+            for cast in [library, None, Some(0.0), Some(3.0), Some(5.0), Some(6.2), Some(9.9), Some(f64::NAN)] {
                 match (touch(cast), expected_m) {
                     (Some(found_m), Some(expected_m)) => {
                         let error_m: f64 = found_m - expected_m;
-                        assert!(
-                            error_m.abs() < 1e-8,
-                            "{cast:?}: {found_m}, not {expected_m}"
-                        );
+                        assert!(error_m.abs() < 1e-8, "{cast:?}: {found_m}, not {expected_m}");
                     }
                     (found_m, expected_m) => assert_eq!(found_m, expected_m, "{cast:?}"),
                 }
@@ -225,10 +171,7 @@ mod tests {
     fn the_least_of_a_convex_function_is_found_at_ends_and_kinks() {
         for at in [-3.0, 0.0, 1e-7, 2.75, 10.0, 12.0] {
             let kink: f64 = least(|x: f64| (x - at).abs(), 10.0);
-            assert!(
-                (kink - at.clamp(0.0, 10.0)).abs() < 1e-8,
-                "{kink}, not {at}"
-            );
+            assert!((kink - at.clamp(0.0, 10.0)).abs() < 1e-8, "{kink}, not {at}");
         }
     }
 }

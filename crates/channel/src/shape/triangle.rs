@@ -13,11 +13,7 @@ pub(crate) fn normal([a, b, c]: Triangle) -> Position {
 
 /// Distance from `p` to the triangle [m] (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 pub(crate) fn distance_m([a, b, c]: Triangle, p: Position) -> f64 {
-    let edges = || {
-        segment_distance_m(a, b, p)
-            .min(segment_distance_m(b, c, p))
-            .min(segment_distance_m(c, a, p))
-    };
+    let edges = || segment_distance_m(a, b, p).min(segment_distance_m(b, c, p)).min(segment_distance_m(c, a, p));
     let n = normal([a, b, c]);
     let area = n.length_m();
     if area <= 0.0 {
@@ -25,21 +21,13 @@ pub(crate) fn distance_m([a, b, c]: Triangle, p: Position) -> f64 {
     }
     // Inside the prism over the triangle: the plane is nearest; else an edge is.
     let over = |from: Position, to: Position| n.dot((to - from).cross(p - from)) >= 0.0;
-    if over(a, b) && over(b, c) && over(c, a) {
-        (n.dot(p - a) / area).abs()
-    } else {
-        edges()
-    }
+    if over(a, b) && over(b, c) && over(c, a) { (n.dot(p - a) / area).abs() } else { edges() }
 }
 
 fn segment_distance_m(a: Position, b: Position, p: Position) -> f64 {
     let d = b - a;
     let square = d.dot(d);
-    let t = if square > 0.0 {
-        ((p - a).dot(d) / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let t = if square > 0.0 { ((p - a).dot(d) / square).clamp(0.0, 1.0) } else { 0.0 };
     p.distance_m(a + d * t)
 }
 
@@ -82,10 +70,7 @@ pub(crate) fn meet([a, b, c]: Triangle, from: Position, u: Position) -> Meeting 
     }
     match at_m {
         _ if depth_m < -GRAZE_M => Meeting::Miss,
-        Some(at_m) if depth_m > GRAZE_M => Meeting::Through {
-            at_m,
-            leaves: area > 0.0,
-        },
+        Some(at_m) if depth_m > GRAZE_M => Meeting::Through { at_m, leaves: area > 0.0 },
         at_m => Meeting::Edge { at_m },
     }
 }

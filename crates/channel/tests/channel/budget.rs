@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use sextant_channel::{
-    Channel, ChannelConfig, CorrelationConfig, Db, Dbm, Environment, LogDistanceConfig, Obstacle,
-    ObstacleConfig, ObstacleField, PathLossConfig, Position, ShadowingConfig,
+    Channel, ChannelConfig, CorrelationConfig, Db, Dbm, Environment, LogDistanceConfig, Obstacle, ObstacleConfig,
+    ObstacleField, PathLossConfig, Position, ShadowingConfig,
 };
 use sextant_kernel::{NodeId, Seed};
 
@@ -25,16 +25,8 @@ fn half_of_the_packets_arrive_over_the_median_range_of_the_thesis() {
         (Environment::HeavyTrees, 7.405_685),
         (Environment::LightTrees, 12.915_497),
     ] {
-        let channel = channel(
-            ChannelConfig {
-                environment: Some(environment),
-                ..suburban()
-            },
-            vec![],
-        );
-        let mean = channel
-            .mean_power(Dbm(-50.0), at(1.0, 2.0, 0.0), at(1.0, 2.0 + range_m, 0.0))
-            .unwrap();
+        let channel = channel(ChannelConfig { environment: Some(environment), ..suburban() }, vec![]);
+        let mean = channel.mean_power(Dbm(-50.0), at(1.0, 2.0, 0.0), at(1.0, 2.0 + range_m, 0.0)).unwrap();
         assert!((mean.0 + 90.0).abs() < 1e-3, "{mean:?}");
         let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), range_m, Db(0.0));
         assert!((share - 0.5).abs() < 1e-4);
@@ -48,12 +40,7 @@ fn reception_is_the_upper_tail_of_a_normal_distribution() {
     let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), 10.0, Db(0.0));
     assert!((share - 0.912_17).abs() < 2e-4, "{share}");
     let margin_db = 40.0 - 27.0;
-    for (sigmas, tail) in [
-        (0.0, 0.5),
-        (1.0, 0.158_655_253_9),
-        (1.96, 0.024_997_895_1),
-        (4.0, 3.167_124e-5),
-    ] {
+    for (sigmas, tail) in [(0.0, 0.5), (1.0, 0.158_655_253_9), (1.96, 0.024_997_895_1), (4.0, 3.167_124e-5)] {
         let loss = Db(margin_db + 9.6 * sigmas);
         let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), 10.0, loss);
         assert!((share / tail - 1.0).abs() < 1e-6, "{share}, not {tail}");
@@ -71,13 +58,7 @@ fn a_metre_of_concrete_takes_twenty_decibels() {
     let walls = [config(Some(4.6), None), config(None, Some("concrete"))];
     for wall in walls.map(|config| Obstacle::try_from(config).unwrap()) {
         let (from, to) = (at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0));
-        let channel = channel(
-            suburban(),
-            vec![
-                wall.clone(),
-                obstacle(cylinder(at(8.0, 0.0, -1.0), 0.25, 2.0), 2.0),
-            ],
-        );
+        let channel = channel(suburban(), vec![wall.clone(), obstacle(cylinder(at(8.0, 0.0, -1.0), 0.25, 2.0), 2.0)]);
         let loss = channel.obstacles().loss(from, to);
         let decibels_per_neper = 10.0 * std::f64::consts::E.log10();
         assert!((loss.0 - (4.6 + 2.0 * 0.5) * decibels_per_neper).abs() < 1e-9);
@@ -85,48 +66,22 @@ fn a_metre_of_concrete_takes_twenty_decibels() {
         assert!((mean.0 - (-50.0 - 27.0 - loss.0)).abs() < 1e-12);
         assert_eq!(wall.name(), Some("wall"));
     }
-    let clear = ChannelConfig {
-        obstacles_attenuate: false,
-        ..suburban()
-    };
-    let clear = channel(
-        clear,
-        vec![obstacle(
-            upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0),
-            4.6,
-        )],
-    );
-    assert!(
-        (clear
-            .mean_power(Dbm(-50.0), at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0))
-            .unwrap()
-            .0
-            + 77.0)
-            .abs()
-            < 1e-12
-    );
+    let clear = ChannelConfig { obstacles_attenuate: false, ..suburban() };
+    let clear = channel(clear, vec![obstacle(upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0), 4.6)]);
+    assert!((clear.mean_power(Dbm(-50.0), at(0.0, 0.0, 0.0), at(10.0, 0.0, 0.0)).unwrap().0 + 77.0).abs() < 1e-12);
     assert_eq!(clear.obstacles().len(), 1);
 }
 
 #[test]
 fn the_hard_radius_has_its_last_link_at_exactly_the_radius() {
-    let channel = channel(
-        ChannelConfig {
-            max_range_m: Some(10.0),
-            ..suburban()
-        },
-        vec![],
-    );
+    let channel = channel(ChannelConfig { max_range_m: Some(10.0), ..suburban() }, vec![]);
     let power = |d| channel.mean_power(Dbm(-50.0), at(0.0, 0.0, 0.0), at(d, 0.0, 0.0));
     assert!(power(10.0).is_some() && power(10.000_001).is_none());
     let share = |d| channel.reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
     assert!(share(10.0) > 0.9 && share(10.000_001) <= 0.0);
     assert!((channel.reach_m(Dbm(-50.0), Dbm(-90.0)) - 10.0).abs() < 1e-12);
     let (a, b) = (NodeId(1), NodeId(2));
-    assert_eq!(
-        channel.received_power(Dbm(-50.0), a, at(0.0, 0.0, 0.0), b, at(11.0, 0.0, 0.0), 1),
-        None
-    );
+    assert_eq!(channel.received_power(Dbm(-50.0), a, at(0.0, 0.0, 0.0), b, at(11.0, 0.0, 0.0), 1), None);
 }
 
 #[test]
@@ -142,104 +97,33 @@ fn beyond_its_reach_a_link_fails_all_but_once_in_thirty_thousand() {
 
 #[test]
 fn what_is_written_goes_before_the_environment_key_by_key() {
-    let law = |exponent| {
-        Some(PathLossConfig::LogDistance(LogDistanceConfig {
-            exponent,
-            ..LogDistanceConfig::default()
-        }))
-    };
-    let sigma = |sigma_db| {
-        Some(ShadowingConfig {
-            sigma_db,
-            correlation: CorrelationConfig::PerLink,
-        })
-    };
-    let bare = ChannelConfig {
-        environment: None,
-        ..suburban()
-    };
+    let law =
+        |exponent| Some(PathLossConfig::LogDistance(LogDistanceConfig { exponent, ..LogDistanceConfig::default() }));
+    let sigma = |sigma_db| Some(ShadowingConfig { sigma_db, correlation: CorrelationConfig::PerLink });
+    let bare = ChannelConfig { environment: None, ..suburban() };
     for (config, exponent, sigma_db) in [
         (suburban(), 2.7, 9.6),
-        (
-            ChannelConfig {
-                path_loss: law(Some(2.0)),
-                ..suburban()
-            },
-            2.0,
-            9.6,
-        ),
-        (
-            ChannelConfig {
-                path_loss: law(None),
-                ..suburban()
-            },
-            2.7,
-            9.6,
-        ),
-        (
-            ChannelConfig {
-                shadowing: sigma(None),
-                ..suburban()
-            },
-            2.7,
-            9.6,
-        ),
-        (
-            ChannelConfig {
-                shadowing: sigma(Some(0.0)),
-                ..suburban()
-            },
-            2.7,
-            0.0,
-        ),
-        (
-            ChannelConfig {
-                path_loss: law(Some(3.0)),
-                ..bare
-            },
-            3.0,
-            0.0,
-        ),
-        (
-            ChannelConfig {
-                path_loss: law(Some(3.0)),
-                shadowing: sigma(Some(5.0)),
-                ..bare
-            },
-            3.0,
-            5.0,
-        ),
+        (ChannelConfig { path_loss: law(Some(2.0)), ..suburban() }, 2.0, 9.6),
+        (ChannelConfig { path_loss: law(None), ..suburban() }, 2.7, 9.6),
+        (ChannelConfig { shadowing: sigma(None), ..suburban() }, 2.7, 9.6),
+        (ChannelConfig { shadowing: sigma(Some(0.0)), ..suburban() }, 2.7, 0.0),
+        (ChannelConfig { path_loss: law(Some(3.0)), ..bare }, 3.0, 0.0),
+        (ChannelConfig { path_loss: law(Some(3.0)), shadowing: sigma(Some(5.0)), ..bare }, 3.0, 5.0),
     ] {
         let channel = channel(config, vec![]);
-        assert_eq!(
-            (channel.path_loss().exponent(), channel.sigma_db()),
-            (exponent, sigma_db),
-            "{config:?}"
-        );
+        assert_eq!((channel.path_loss().exponent(), channel.sigma_db()), (exponent, sigma_db), "{config:?}");
     }
 }
 
 #[test]
 fn without_shadowing_reception_is_certain_or_impossible() {
-    let quiet = ShadowingConfig {
-        sigma_db: Some(0.0),
-        ..ShadowingConfig::default()
-    };
-    let channel = channel(
-        ChannelConfig {
-            shadowing: Some(quiet),
-            ..suburban()
-        },
-        vec![],
-    );
+    let quiet = ShadowingConfig { sigma_db: Some(0.0), ..ShadowingConfig::default() };
+    let channel = channel(ChannelConfig { shadowing: Some(quiet), ..suburban() }, vec![]);
     let share = |d| channel.reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
     assert_eq!((share(30.30), share(30.31)), (1.0, 0.0));
     let (a, b) = (NodeId(1), NodeId(2));
     let (from, to) = (at(0.0, 0.0, 0.0), at(3.0, 4.0, 0.0));
-    assert_eq!(
-        channel.received_power(Dbm(0.0), a, from, b, to, 9),
-        channel.mean_power(Dbm(0.0), from, to)
-    );
+    assert_eq!(channel.received_power(Dbm(0.0), a, from, b, to, 9), channel.mean_power(Dbm(0.0), from, to));
 }
 
 fn anywhere() -> impl Strategy<Value = Position> {

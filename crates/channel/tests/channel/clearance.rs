@@ -11,19 +11,10 @@ fn field() -> ObstacleField {
     ])
 }
 
-fn assert_clearance(
-    from: Position,
-    direction: Position,
-    range_m: f64,
-    radius_m: f64,
-    expected_m: f64,
-) {
+fn assert_clearance(from: Position, direction: Position, range_m: f64, radius_m: f64, expected_m: f64) {
     let clearance_m = field().clearance_m(from, direction, range_m, radius_m);
     let close = (clearance_m - expected_m).abs() < 1e-8;
-    assert!(
-        close,
-        "from {from} towards {direction}: {clearance_m}, not {expected_m}"
-    );
+    assert!(close, "from {from} towards {direction}: {clearance_m}, not {expected_m}");
 }
 
 #[test]
@@ -35,30 +26,12 @@ fn a_ball_stops_where_it_touches() {
     assert_clearance(origin, x, 3.0, 0.2, 3.0);
     assert_clearance(origin, x * -1.0, 10.0, 0.2, 10.0);
     // Obliquely onto the face x = 4.
-    assert_clearance(
-        origin,
-        at(1.0, 0.25, 0.0),
-        10.0,
-        0.2,
-        3.8 * (1.0 + 0.0625_f64).sqrt(),
-    );
+    assert_clearance(origin, at(1.0, 0.25, 0.0), 10.0, 0.2, 3.8 * (1.0 + 0.0625_f64).sqrt());
     // Past the edge (4, 2): the middle line misses the box by 0.1 m, the ball does not.
-    assert_clearance(
-        at(0.0, 2.1, 0.0),
-        x,
-        10.0,
-        0.2,
-        4.0 - (0.04_f64 - 0.01).sqrt(),
-    );
+    assert_clearance(at(0.0, 2.1, 0.0), x, 10.0, 0.2, 4.0 - (0.04_f64 - 0.01).sqrt());
     assert_clearance(at(0.0, 2.21, 0.0), x, 10.0, 0.2, 10.0);
     // Beside the axis of the cylinder by 1 m: centres 2.2 m apart at the touch.
-    assert_clearance(
-        at(1.0, 0.0, 0.0),
-        at(0.0, 1.0, 0.0),
-        20.0,
-        0.2,
-        10.0 - (2.2_f64 * 2.2 - 1.0).sqrt(),
-    );
+    assert_clearance(at(1.0, 0.0, 0.0), at(0.0, 1.0, 0.0), 20.0, 0.2, 10.0 - (2.2_f64 * 2.2 - 1.0).sqrt());
     // Down onto the lid of the cylinder at z = 2.
     assert_clearance(at(0.5, 10.0, 5.0), at(0.0, 0.0, -1.0), 20.0, 0.2, 2.8);
     // A point is taken for a ball of 1 µm.
@@ -93,9 +66,7 @@ fn a_drive_up_to_the_clearance_leaves_room_to_turn_and_none_to_go_on() {
         if first_m < 30.0 {
             let there = from + direction * (first_m / direction.length_m());
             assert!(field().clearance_m(there, direction, 30.0, 0.2) < 1e-8);
-            assert!(
-                field().clearance_m(there, direction * -1.0, 0.9 * first_m, 0.2) >= 0.9 * first_m
-            );
+            assert!(field().clearance_m(there, direction * -1.0, 0.9 * first_m, 0.2) >= 0.9 * first_m);
         }
     }
 }
@@ -105,34 +76,17 @@ fn directions_and_ranges_that_are_none_give_no_way() {
     let origin = at(0.0, 0.0, 0.0);
     for field in [field(), ObstacleField::default()] {
         let x = at(1.0, 0.0, 0.0);
-        for (direction, range_m) in [
-            (origin, 5.0),
-            (at(f64::NAN, 0.0, 0.0), 5.0),
-            (x, 0.0),
-            (x, -1.0),
-            (x, f64::NAN),
-        ] {
+        for (direction, range_m) in [(origin, 5.0), (at(f64::NAN, 0.0, 0.0), 5.0), (x, 0.0), (x, -1.0), (x, f64::NAN)]
+        {
             assert!(field.clearance_m(origin, direction, range_m, 0.2).abs() < 1e-300);
         }
-        assert!(
-            field
-                .clearance_m(origin, x * -1.0, f64::INFINITY, 0.2)
-                .is_infinite()
-        );
+        assert!(field.clearance_m(origin, x * -1.0, f64::INFINITY, 0.2).is_infinite());
     }
-    assert!(
-        (field().clearance_m(origin, at(1.0, 0.0, 0.0), f64::INFINITY, 0.2) - 3.8).abs() < 1e-9
-    );
+    assert!((field().clearance_m(origin, at(1.0, 0.0, 0.0), f64::INFINITY, 0.2) - 3.8).abs() < 1e-9);
 }
 
 /// Marches in small steps until the ball overlaps: an upper bound within a step.
-fn marched_m(
-    distance_m: impl Fn(Position) -> f64,
-    from: Position,
-    u: Position,
-    range_m: f64,
-    radius_m: f64,
-) -> f64 {
+fn marched_m(distance_m: impl Fn(Position) -> f64, from: Position, u: Position, range_m: f64, radius_m: f64) -> f64 {
     const STEP_M: f64 = 0.002;
     let mut travel_m = 0.0;
     while travel_m < range_m {
@@ -161,10 +115,7 @@ fn clearances_agree_with_marching_for_every_shape() {
             let u = (to - from) * (1.0 / from.distance_m(to));
             let clearance_m = field.clearance_m(from, u, 5.0, RADIUS_M);
             let expected_m = marched_m(|p| solid.distance_m(p), from, u, 5.0, RADIUS_M);
-            assert!(
-                clearance_m <= expected_m + 1e-9,
-                "{name}: {clearance_m} beyond {expected_m}"
-            );
+            assert!(clearance_m <= expected_m + 1e-9, "{name}: {clearance_m} beyond {expected_m}");
             // Grazing contacts shorter than a step are seen by the exact search only: gap there below a step's sagitta.
             let gap_m = solid.distance_m(from + u * clearance_m) - RADIUS_M;
             assert!(gap_m >= -1e-9, "{name}: {gap_m}");
@@ -183,24 +134,15 @@ fn clearances_agree_with_marching_for_every_shape() {
 
 #[test]
 fn every_way_of_writing_a_cube_stops_a_ball_alike() {
-    let reference = ObstacleField::new(vec![obstacle(
-        upright_box(at(0.5, 0.5, 0.5), [1.0; 3], 0.0),
-        1.0,
-    )]);
+    let reference = ObstacleField::new(vec![obstacle(upright_box(at(0.5, 0.5, 0.5), [1.0; 3], 0.0), 1.0)]);
     for (name, cube) in cubes() {
         let field = ObstacleField::new(vec![obstacle(cube, 1.0)]);
         for i in 0..200 {
             let from = at(-1.5, 0.0, 0.0) + random_place(i, 1.2) * 0.5;
             let u = at(1.0, 0.0, 0.0) + random_place(7000 + i, 0.5);
             assert!(field.distance_m(from) > 0.1);
-            let (a, b) = (
-                field.clearance_m(from, u, 4.0, 0.1),
-                reference.clearance_m(from, u, 4.0, 0.1),
-            );
-            assert!(
-                (a - b).abs() < 1e-6,
-                "{name} from {from} along {u}: {a}, not {b}"
-            );
+            let (a, b) = (field.clearance_m(from, u, 4.0, 0.1), reference.clearance_m(from, u, 4.0, 0.1));
+            assert!((a - b).abs() < 1e-6, "{name} from {from} along {u}: {a}, not {b}");
         }
     }
 }

@@ -6,9 +6,7 @@ use sextant_channel::{Channel, ChannelConfig, Obstacle, ObstacleConfig, Obstacle
 use sextant_kernel::{Seed, SettingError};
 
 fn obstacle(text: &str) -> Result<Obstacle, SettingError> {
-    toml::from_str::<ObstacleConfig>(text)
-        .unwrap_or_else(|error| panic!("{error}"))
-        .try_into()
+    toml::from_str::<ObstacleConfig>(text).unwrap_or_else(|error| panic!("{error}")).try_into()
 }
 
 fn channel(text: &str) -> Result<Channel, SettingError> {
@@ -28,28 +26,11 @@ const TETRAHEDRON: &str = "vertices_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0,
 #[test]
 fn a_good_obstacle_of_each_shape_is_read() {
     for (shape, volume) in [
-        (
-            "box = {center_m = [0, 6], size_m = [4.5, 4, 3], yaw_deg = 30}",
-            "box",
-        ),
-        (
-            "cylinder = {base_m = [0, 6, 1], radius_m = 2, height_m = 1}",
-            "cylinder",
-        ),
-        (
-            "prism = {corners_m = [[0, 0], [1, 0], [0, 1], [0, 0]], height_m = 3}",
-            "prism",
-        ),
-        (
-            "convex = {points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1], [1, 0, 0]]}",
-            "convex",
-        ),
-        (
-            &format!(
-                "mesh = {{{TETRAHEDRON}, triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]}}"
-            ),
-            "mesh",
-        ),
+        ("box = {center_m = [0, 6], size_m = [4.5, 4, 3], yaw_deg = 30}", "box"),
+        ("cylinder = {base_m = [0, 6, 1], radius_m = 2, height_m = 1}", "cylinder"),
+        ("prism = {corners_m = [[0, 0], [1, 0], [0, 1], [0, 0]], height_m = 3}", "prism"),
+        ("convex = {points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1], [1, 0, 0]]}", "convex"),
+        (&format!("mesh = {{{TETRAHEDRON}, triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]}}"), "mesh"),
     ] {
         let good = obstacle(&format!("material = \"concrete\"\nshape.{shape}")).unwrap();
         assert!((good.absorption_per_m() - 4.6).abs() < 1e-12);
@@ -60,107 +41,35 @@ fn a_good_obstacle_of_each_shape_is_read() {
 #[test]
 fn an_obstacle_without_volume_is_refused_with_its_key() {
     for (shape, key, words) in [
-        (
-            "box = {center_m = [0, 0], size_m = [1, 0, 3]}",
-            "shape.box.size_m",
-            "[1.0, 0.0, 3.0]",
-        ),
-        (
-            "box = {center_m = [0, 0], size_m = [1, -2, 3]}",
-            "shape.box.size_m",
-            "-2.0",
-        ),
-        (
-            "box = {center_m = [0, 0], size_m = [1, nan, 3]}",
-            "shape.box.size_m",
-            "NaN",
-        ),
-        (
-            "box = {center_m = [0, inf], size_m = [1, 2, 3]}",
-            "shape.box.center_m",
-            "inf",
-        ),
-        (
-            "box = {center_m = [0, 0], size_m = [1, 2, 3], yaw_deg = nan}",
-            "shape.box.yaw_deg",
-            "NaN",
-        ),
-        (
-            "cylinder = {base_m = [0, 0], radius_m = 0, height_m = 1}",
-            "shape.cylinder.radius_m",
-            "is 0",
-        ),
-        (
-            "cylinder = {base_m = [0, 0], radius_m = 1, height_m = -1}",
-            "shape.cylinder.height_m",
-            "is -1",
-        ),
-        (
-            "cylinder = {base_m = [nan, 0], radius_m = 1, height_m = 1}",
-            "shape.cylinder.base_m",
-            "NaN",
-        ),
-        (
-            "prism = {corners_m = [], height_m = 1}",
-            "shape.prism.corners_m",
-            "0 different corners",
-        ),
-        (
-            "prism = {corners_m = [[0, 0], [1, 1]], height_m = 1}",
-            "shape.prism.corners_m",
-            "2 different corners",
-        ),
-        (
-            "prism = {corners_m = [[0, 0], [1, 1], [3, 3]], height_m = 1}",
-            "shape.prism.corners_m",
-            "area of 0",
-        ),
+        ("box = {center_m = [0, 0], size_m = [1, 0, 3]}", "shape.box.size_m", "[1.0, 0.0, 3.0]"),
+        ("box = {center_m = [0, 0], size_m = [1, -2, 3]}", "shape.box.size_m", "-2.0"),
+        ("box = {center_m = [0, 0], size_m = [1, nan, 3]}", "shape.box.size_m", "NaN"),
+        ("box = {center_m = [0, inf], size_m = [1, 2, 3]}", "shape.box.center_m", "inf"),
+        ("box = {center_m = [0, 0], size_m = [1, 2, 3], yaw_deg = nan}", "shape.box.yaw_deg", "NaN"),
+        ("cylinder = {base_m = [0, 0], radius_m = 0, height_m = 1}", "shape.cylinder.radius_m", "is 0"),
+        ("cylinder = {base_m = [0, 0], radius_m = 1, height_m = -1}", "shape.cylinder.height_m", "is -1"),
+        ("cylinder = {base_m = [nan, 0], radius_m = 1, height_m = 1}", "shape.cylinder.base_m", "NaN"),
+        ("prism = {corners_m = [], height_m = 1}", "shape.prism.corners_m", "0 different corners"),
+        ("prism = {corners_m = [[0, 0], [1, 1]], height_m = 1}", "shape.prism.corners_m", "2 different corners"),
+        ("prism = {corners_m = [[0, 0], [1, 1], [3, 3]], height_m = 1}", "shape.prism.corners_m", "area of 0"),
         (
             "prism = {corners_m = [[0, 0], [4, 0], [1, 1], [0, 4]], height_m = 1}",
             "shape.prism.corners_m",
             "not convex",
         ),
-        (
-            "prism = {corners_m = [[0, 0], [1, 0], [0, nan]], height_m = 1}",
-            "shape.prism.corners_m",
-            "NaN",
-        ),
-        (
-            "prism = {corners_m = [[0, 0], [1, 0], [0, 1]], height_m = 0}",
-            "shape.prism.height_m",
-            "is 0",
-        ),
+        ("prism = {corners_m = [[0, 0], [1, 0], [0, nan]], height_m = 1}", "shape.prism.corners_m", "NaN"),
+        ("prism = {corners_m = [[0, 0], [1, 0], [0, 1]], height_m = 0}", "shape.prism.height_m", "is 0"),
         (
             "prism = {corners_m = [[0, 0], [1, 0], [0, 1]], bottom_m = inf, height_m = 1}",
             "shape.prism.bottom_m",
             "inf",
         ),
-        (
-            "convex = {points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}",
-            "shape.convex.points_m",
-            "3 different points",
-        ),
-        (
-            "convex = {points_m = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 3]]}",
-            "shape.convex.points_m",
-            "four",
-        ),
-        (
-            "convex = {points_m = [[0, 0, 0], [1, 1, 1], [2, 2, 2], [3, 3, 3]]}",
-            "shape.convex.points_m",
-            "four",
-        ),
-        (
-            "convex = {points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, nan]]}",
-            "shape.convex.points_m",
-            "point 3",
-        ),
+        ("convex = {points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}", "shape.convex.points_m", "3 different points"),
+        ("convex = {points_m = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 3]]}", "shape.convex.points_m", "four"),
+        ("convex = {points_m = [[0, 0, 0], [1, 1, 1], [2, 2, 2], [3, 3, 3]]}", "shape.convex.points_m", "four"),
+        ("convex = {points_m = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, nan]]}", "shape.convex.points_m", "point 3"),
     ] {
-        assert_flaw(
-            obstacle(&format!("material = \"brick\"\nshape.{shape}")),
-            key,
-            words,
-        );
+        assert_flaw(obstacle(&format!("material = \"brick\"\nshape.{shape}")), key, words);
     }
 }
 
@@ -170,25 +79,15 @@ fn a_star_that_turns_left_all_the_way_is_not_convex() {
         .map(|i| (f64::from(i) * 0.8 * std::f64::consts::PI).sin_cos())
         .map(|(s, c)| format!("[{c}, {s}]"))
         .collect();
-    let text = format!(
-        "material = \"brick\"\nshape.prism = {{corners_m = [{}], height_m = 1}}",
-        tips.join(", ")
-    );
+    let text = format!("material = \"brick\"\nshape.prism = {{corners_m = [{}], height_m = 1}}", tips.join(", "));
     assert_flaw(obstacle(&text), "shape.prism.corners_m", "not convex");
 }
 
 #[test]
 fn a_mesh_that_is_not_closed_is_refused() {
-    let mesh = |triangles: &str| {
-        obstacle(&format!(
-            "material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}, {triangles}}}"
-        ))
-    };
-    assert_flaw(
-        mesh("triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2]]"),
-        "shape.mesh.triangles",
-        "open or twisted",
-    );
+    let mesh =
+        |triangles: &str| obstacle(&format!("material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}, {triangles}}}"));
+    assert_flaw(mesh("triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2]]"), "shape.mesh.triangles", "open or twisted");
     assert_flaw(
         mesh("triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 3, 2]]"),
         "shape.mesh.triangles",
@@ -199,30 +98,16 @@ fn a_mesh_that_is_not_closed_is_refused() {
         "shape.mesh.triangles",
         "names vertex 7 of 4",
     );
-    assert_flaw(
-        mesh("triangles = []"),
-        "shape.mesh.triangles",
-        "volume of 0",
-    );
+    assert_flaw(mesh("triangles = []"), "shape.mesh.triangles", "volume of 0");
     // Both sides of one triangle: closed, but flat.
-    assert_flaw(
-        mesh("triangles = [[0, 1, 2], [0, 2, 1]]"),
-        "shape.mesh.triangles",
-        "volume of 0",
-    );
+    assert_flaw(mesh("triangles = [[0, 1, 2], [0, 2, 1]]"), "shape.mesh.triangles", "volume of 0");
     assert_flaw(mesh("file = \"a.obj\""), "shape.mesh.file", "beside");
     assert_flaw(
-        obstacle(&format!(
-            "material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}}}"
-        )),
+        obstacle(&format!("material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}}}")),
         "shape.mesh.triangles",
         "absent",
     );
-    assert_flaw(
-        obstacle("material = \"brick\"\nshape.mesh = {}"),
-        "shape.mesh.vertices_m",
-        "absent",
-    );
+    assert_flaw(obstacle("material = \"brick\"\nshape.mesh = {}"), "shape.mesh.vertices_m", "absent");
     assert_flaw(
         obstacle("material = \"brick\"\nshape.mesh = {vertices_m = [[0, 0, inf]], triangles = []}"),
         "shape.mesh.triangles",
@@ -240,67 +125,27 @@ fn a_mesh_file_is_read_and_its_flaws_named_with_their_lines() {
         Obstacle::read(toml::from_str(&config).unwrap(), &folder)
     };
     let vertices = "# a tetrahedron\no t\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n";
-    let good = read(
-        "good.obj",
-        &format!("{vertices}f 1 3 2\nf 1//1 2//1 4//1\nf -4/1/1 -1/1/1 -2/1/1\nf 2 3 4\n"),
-    )
-    .unwrap();
+    let good =
+        read("good.obj", &format!("{vertices}f 1 3 2\nf 1//1 2//1 4//1\nf -4/1/1 -1/1/1 -2/1/1\nf 2 3 4\n")).unwrap();
     let centre = sextant_channel::Position::new(0.2, 0.2, 0.2);
     assert!(good.shape().contains(centre));
-    assert_flaw(
-        read("word.obj", "v 0 0 zero\n"),
-        "shape.mesh.file",
-        "line 1: `zero`",
-    );
-    assert_flaw(
-        read("short.obj", "v 0 0\n"),
-        "shape.mesh.file",
-        "line 1: a vertex",
-    );
-    assert_flaw(
-        read("two.obj", &format!("{vertices}f 1 2\n")),
-        "shape.mesh.file",
-        "line 8: a face with 2",
-    );
-    assert_flaw(
-        read("far.obj", &format!("{vertices}f 1 2 5\n")),
-        "shape.mesh.file",
-        "line 8: corner `5`",
-    );
-    assert_flaw(
-        read("zero.obj", &format!("{vertices}f 0 1 2\n")),
-        "shape.mesh.file",
-        "line 8: corner `0`",
-    );
-    assert_flaw(
-        read("open.obj", &format!("{vertices}f 1 2 3\n")),
-        "shape.mesh.file",
-        "open or twisted",
-    );
-    let missing =
-        toml::from_str("absorption_per_m = 1\nshape.mesh.file = \"missing.obj\"").unwrap();
-    assert_flaw(
-        Obstacle::read(missing, &folder),
-        "shape.mesh.file",
-        "cannot be read",
-    );
+    assert_flaw(read("word.obj", "v 0 0 zero\n"), "shape.mesh.file", "line 1: `zero`");
+    assert_flaw(read("short.obj", "v 0 0\n"), "shape.mesh.file", "line 1: a vertex");
+    assert_flaw(read("two.obj", &format!("{vertices}f 1 2\n")), "shape.mesh.file", "line 8: a face with 2");
+    assert_flaw(read("far.obj", &format!("{vertices}f 1 2 5\n")), "shape.mesh.file", "line 8: corner `5`");
+    assert_flaw(read("zero.obj", &format!("{vertices}f 0 1 2\n")), "shape.mesh.file", "line 8: corner `0`");
+    assert_flaw(read("open.obj", &format!("{vertices}f 1 2 3\n")), "shape.mesh.file", "open or twisted");
+    let missing = toml::from_str("absorption_per_m = 1\nshape.mesh.file = \"missing.obj\"").unwrap();
+    assert_flaw(Obstacle::read(missing, &folder), "shape.mesh.file", "cannot be read");
 }
 
 #[test]
 fn a_material_is_known_or_an_absorption_given_and_not_both() {
     let cube = "shape.box = {center_m = [0, 0], size_m = [1, 1, 1]}";
     let with = |line: &str| obstacle(&format!("{line}\n{cube}"));
-    assert_flaw(
-        with("material = \"concret\""),
-        "material",
-        "\"concrete\", \"itu-concrete\", \"brick\"",
-    );
+    assert_flaw(with("material = \"concret\""), "material", "\"concrete\", \"itu-concrete\", \"brick\"");
     assert_flaw(with(""), "material", "absorption_per_m");
-    assert_flaw(
-        with("material = \"brick\"\nabsorption_per_m = 2"),
-        "absorption_per_m",
-        "either",
-    );
+    assert_flaw(with("material = \"brick\"\nabsorption_per_m = 2"), "absorption_per_m", "either");
     assert_flaw(with("absorption_per_m = -1"), "absorption_per_m", "is -1");
     assert_flaw(with("absorption_per_m = nan"), "absorption_per_m", "NaN");
     assert!(with("absorption_per_m = 0").is_ok());
@@ -310,43 +155,22 @@ fn a_material_is_known_or_an_absorption_given_and_not_both() {
 fn a_bad_channel_is_refused_with_its_key() {
     for (text, key) in [
         ("", "environment"),
-        (
-            "path_loss.log_distance = {}",
-            "path_loss.log_distance.exponent",
-        ),
-        (
-            "path_loss.log_distance.exponent = -2",
-            "path_loss.log_distance.exponent",
-        ),
+        ("path_loss.log_distance = {}", "path_loss.log_distance.exponent"),
+        ("path_loss.log_distance.exponent = -2", "path_loss.log_distance.exponent"),
         (
             "path_loss.log_distance = {exponent = 2, reference_distance_m = 0}",
             "path_loss.log_distance.reference_distance_m",
         ),
-        (
-            "path_loss.log_distance = {exponent = 2, min_distance_m = -1}",
-            "path_loss.log_distance.min_distance_m",
-        ),
-        (
-            "path_loss.log_distance.exponent = 2\nshadowing = {}",
-            "shadowing.sigma_db",
-        ),
-        (
-            "environment = \"suburban\"\nshadowing.sigma_db = -1",
-            "shadowing.sigma_db",
-        ),
-        (
-            "environment = \"suburban\"\nshadowing.sigma_db = nan",
-            "shadowing.sigma_db",
-        ),
+        ("path_loss.log_distance = {exponent = 2, min_distance_m = -1}", "path_loss.log_distance.min_distance_m"),
+        ("path_loss.log_distance.exponent = 2\nshadowing = {}", "shadowing.sigma_db"),
+        ("environment = \"suburban\"\nshadowing.sigma_db = -1", "shadowing.sigma_db"),
+        ("environment = \"suburban\"\nshadowing.sigma_db = nan", "shadowing.sigma_db"),
         (
             "environment = \"suburban\"\nshadowing.correlation.spatial.distance_m = 0",
             "shadowing.correlation.spatial.distance_m",
         ),
         ("environment = \"suburban\"\nmax_range_m = 0", "max_range_m"),
-        (
-            "environment = \"suburban\"\nmax_range_m = nan",
-            "max_range_m",
-        ),
+        ("environment = \"suburban\"\nmax_range_m = nan", "max_range_m"),
     ] {
         assert_flaw(channel(text), key, "allowed");
     }
@@ -365,12 +189,9 @@ fn a_good_channel_is_read_in_each_way_of_writing_it() {
         let read = channel(text);
         assert!(read.is_ok(), "{text}: {read:?}");
     }
-    for text in [
-        "environment = \"city\"",
-        "max_range = 3",
-        "shadowing.correlation = \"per_day\"",
-        "path_loss.log = 1",
-    ] {
+    for text in
+        ["environment = \"city\"", "max_range = 3", "shadowing.correlation = \"per_day\"", "path_loss.log = 1"]
+    {
         assert!(toml::from_str::<ChannelConfig>(text).is_err(), "{text}");
     }
 }

@@ -11,10 +11,7 @@ use crate::solids::{at, cubes, cylinder, obstacle, random_place, shape, solids, 
 fn assert_length(shape: &Shape, name: &str, from: Position, to: Position, expected_m: f64) {
     for (a, b) in [(from, to), (to, from)] {
         let length_m = shape.length_inside_m(a, b);
-        assert!(
-            (length_m - expected_m).abs() < 1e-9,
-            "{name} from {a} to {b}: {length_m}, not {expected_m}"
-        );
+        assert!((length_m - expected_m).abs() < 1e-9, "{name} from {a} to {b}: {length_m}, not {expected_m}");
     }
 }
 
@@ -56,17 +53,11 @@ fn a_cube_is_a_cube_however_it_is_written() {
 
 #[test]
 fn random_lines_are_cut_alike_however_the_cube_is_written() {
-    let cubes: Vec<_> = cubes()
-        .into_iter()
-        .map(|(name, cube)| (name, shape(cube)))
-        .collect();
+    let cubes: Vec<_> = cubes().into_iter().map(|(name, cube)| (name, shape(cube))).collect();
     let mut crossed = 0;
     for i in 0..4000 {
         let half = at(0.5, 0.5, 0.5);
-        let (from, to) = (
-            random_place(2 * i, 1.5) + half,
-            random_place(2 * i + 1, 1.5) + half,
-        );
+        let (from, to) = (random_place(2 * i, 1.5) + half, random_place(2 * i + 1, 1.5) + half);
         let expected_m = cubes[0].1.length_inside_m(from, to);
         crossed += u32::from(expected_m > 0.0);
         for (name, cube) in &cubes[1..] {
@@ -87,11 +78,7 @@ fn lines_through_a_cylinder_have_the_lengths_of_chords() {
         (at(3.1, -2.0, 0.0), at(3.1, -2.0, 9.0), 2.0),
         (at(3.1, -2.0, 1.5), at(3.1, -2.0, 1.75), 0.25),
         // In by the bottom face halfway, out by the mantle at three quarters.
-        (
-            at(2.0, -2.0, -1.0),
-            at(4.0, -2.0, 3.0),
-            0.25 * 20_f64.sqrt(),
-        ),
+        (at(2.0, -2.0, -1.0), at(4.0, -2.0, 3.0), 0.25 * 20_f64.sqrt()),
         // On the mantle, tangent to it, on the lid, over it.
         (at(3.5, -2.0, 0.0), at(3.5, -2.0, 9.0), 0.0),
         (at(0.0, -1.5, 2.0), at(9.0, -1.5, 2.0), 0.0),
@@ -110,14 +97,9 @@ fn lengths_agree_with_a_hundred_thousand_steps_along_the_line() {
         let solid = shape(solid);
         let mut longest_m = 0.0_f64;
         for i in 0..12 {
-            let (from, to) = (
-                random_place(2 * i, 3.0),
-                random_place(2 * i + 1, 1.0) * -1.0,
-            );
+            let (from, to) = (random_place(2 * i, 3.0), random_place(2 * i + 1, 1.0) * -1.0);
             let step = (to - from) * (1.0 / f64::from(STEPS));
-            let hits = (0..STEPS)
-                .filter(|&k| inside(from + step * (f64::from(k) + 0.5)))
-                .count();
+            let hits = (0..STEPS).filter(|&k| inside(from + step * (f64::from(k) + 0.5))).count();
             let expected_m = f64::from(u32::try_from(hits).unwrap()) * step.length_m();
             let length_m = solid.length_inside_m(from, to);
             // At most four faces are passed, each with an error of half a step at most.
@@ -128,6 +110,35 @@ fn lengths_agree_with_a_hundred_thousand_steps_along_the_line() {
             longest_m = longest_m.max(length_m);
         }
         assert!(longest_m > 0.5, "{name}: no line inside");
+    }
+}
+
+#[test]
+fn lines_through_edges_corners_and_faces_of_a_mesh_are_counted_once() {
+    const STEPS: u32 = 400;
+    // Places on a lattice that the faces, edges and corners of the mesh lie on.
+    for (index, spacing_m) in [(4, 0.5), (5, 0.7)] {
+        let (name, solid, inside) = solids().swap_remove(index);
+        let solid = shape(solid);
+        let mut crossed = 0;
+        for i in 0..4000 {
+            let lattice = |p: Position| {
+                let snap = |x_m: f64| (x_m / spacing_m).round() * spacing_m;
+                at(snap(p.x_m), snap(p.y_m), snap(p.z_m))
+            };
+            let (from, to) = (lattice(random_place(2 * i, 2.5)), lattice(random_place(2 * i + 1, 2.5)));
+            let step = (to - from) * (1.0 / f64::from(STEPS));
+            let hits = (0..STEPS).filter(|&k| inside(from + step * (f64::from(k) + 0.5))).count();
+            let expected_m = f64::from(u32::try_from(hits).unwrap()) * step.length_m();
+            let length_m = solid.length_inside_m(from, to);
+            // A line along a face is outside for the rule too: lattice and faces are exact numbers.
+            assert!(
+                (length_m - expected_m).abs() <= 2.01 * step.length_m(),
+                "{name} from {from} to {to}: {length_m}, counted {expected_m}"
+            );
+            crossed += u32::from(length_m > 0.0);
+        }
+        assert!(crossed > 500, "{name}: {crossed}");
     }
 }
 
@@ -152,12 +163,7 @@ fn cast_length_m(body: &dyn RayCast, pose: &Pose, from: Position, to: Position) 
     let length_m = from.distance_m(to);
     let u = (to - from) * (1.0 / length_m);
     let enter_m = body.cast_ray(pose, &Ray::new(vector(from), vector(u)), length_m, true)?;
-    let leave_m = body.cast_ray(
-        pose,
-        &Ray::new(vector(to), vector(u * -1.0)),
-        length_m,
-        true,
-    )?;
+    let leave_m = body.cast_ray(pose, &Ray::new(vector(to), vector(u * -1.0)), length_m, true)?;
     Some(length_m - enter_m - leave_m)
 }
 
@@ -166,22 +172,11 @@ fn lengths_agree_with_the_casts_of_the_geometry_library() {
     const LINES: u64 = 3000;
     let (_, octahedron, _) = solids().swap_remove(3);
     let (vertices, triangles) = shape(octahedron).mesh();
-    let vertices: Vec<_> = vertices
-        .iter()
-        .map(|p| Vector::new(p.x_m, p.y_m, p.z_m))
-        .collect();
-    let upright = Pose::new(
-        Vector::new(0.4, 0.2, 0.1),
-        Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0),
-    );
+    let vertices: Vec<_> = vertices.iter().map(|p| Vector::new(p.x_m, p.y_m, p.z_m)).collect();
+    let upright = Pose::new(Vector::new(0.4, 0.2, 0.1), Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0));
     let turned = Pose::new(Vector::new(1.0, -0.5, 0.3), Vector::new(0.0, 0.0, 0.5));
     let bodies: [(&str, Box<dyn RayCast>, Pose, usize); 4] = [
-        (
-            "turned box",
-            Box::new(Cuboid::new(Vector::new(1.5, 0.6, 1.0))),
-            turned,
-            0,
-        ),
+        ("turned box", Box::new(Cuboid::new(Vector::new(1.5, 0.6, 1.0))), turned, 0),
         ("cylinder", Box::new(Cylinder::new(1.1, 1.2)), upright, 1),
         (
             "convex",
@@ -189,12 +184,7 @@ fn lengths_agree_with_the_casts_of_the_geometry_library() {
             Pose::IDENTITY,
             3,
         ),
-        (
-            "mesh",
-            Box::new(TriMesh::new(vertices, triangles).unwrap()),
-            Pose::IDENTITY,
-            3,
-        ),
+        ("mesh", Box::new(TriMesh::new(vertices, triangles).unwrap()), Pose::IDENTITY, 3),
     ];
     for (name, body, pose, index) in bodies {
         let (_, solid, inside) = solids().swap_remove(index);
@@ -240,20 +230,11 @@ fn town() -> ObstacleField {
 #[test]
 fn a_field_finds_what_asking_each_obstacle_finds() {
     let field = town();
-    let mut crossings = vec![Crossing {
-        obstacle: 7,
-        length_m: 1.0,
-    }];
+    let mut crossings = vec![Crossing { obstacle: 7, length_m: 1.0 }];
     let mut total = 0;
     for i in 0..3000 {
-        let (from, to) = (
-            random_place(5000 + 2 * i, 22.0),
-            random_place(5001 + 2 * i, 22.0),
-        );
-        let (from, to) = (
-            at(from.x_m, from.y_m, 0.1 * from.z_m),
-            at(to.x_m, to.y_m, 0.1 * to.z_m),
-        );
+        let (from, to) = (random_place(5000 + 2 * i, 22.0), random_place(5001 + 2 * i, 22.0));
+        let (from, to) = (at(from.x_m, from.y_m, 0.1 * from.z_m), at(to.x_m, to.y_m, 0.1 * to.z_m));
         field.crossings(from, to, &mut crossings);
         let mut expected = Vec::new();
         let mut nepers = 0.0;
@@ -272,21 +253,11 @@ fn a_field_finds_what_asking_each_obstacle_finds() {
             assert!((crossing.length_m - length_m).abs() < 1e-9);
         }
         assert!((field.loss(from, to).0 - nepers * 4.342_944_819_032_518).abs() < 1e-9);
-        assert_eq!(
-            field.loss(from, to).0.to_bits(),
-            field.loss(to, from).0.to_bits()
-        );
+        assert_eq!(field.loss(from, to).0.to_bits(), field.loss(to, from).0.to_bits());
         total += crossings.len();
-        let first = field
-            .obstacles()
-            .iter()
-            .position(|o| o.shape().contains(from));
+        let first = field.obstacles().iter().position(|o| o.shape().contains(from));
         assert_eq!(field.containing(from), first);
-        let nearest_m = field
-            .obstacles()
-            .iter()
-            .map(|o| o.shape().distance_m(from))
-            .fold(f64::INFINITY, f64::min);
+        let nearest_m = field.obstacles().iter().map(|o| o.shape().distance_m(from)).fold(f64::INFINITY, f64::min);
         assert!((field.distance_m(from) - nearest_m).abs() < 1e-12);
     }
     assert!(total > 2000, "only {total} crossings");
@@ -299,31 +270,16 @@ fn an_empty_field_stops_nothing() {
     field.crossings(at(0.0, 0.0, 0.0), at(9.0, 0.0, 0.0), &mut crossings);
     assert!(crossings.is_empty() && field.is_empty());
     assert_eq!(field.loss(at(0.0, 0.0, 0.0), at(9.0, 0.0, 0.0)), Db(0.0));
-    assert_eq!(
-        (field.containing(at(0.0, 0.0, 0.0)), field.bounds()),
-        (None, None)
-    );
+    assert_eq!((field.containing(at(0.0, 0.0, 0.0)), field.bounds()), (None, None));
     assert!(field.distance_m(at(0.0, 0.0, 0.0)).is_infinite());
 }
 
 #[test]
 fn many_equal_obstacles_all_count() {
-    let field = ObstacleField::new(vec![
-        obstacle(
-            upright_box(at(0.0, 0.0, 0.0), [1.0; 3], 0.0),
-            2.0
-        );
-        100
-    ]);
+    let field = ObstacleField::new(vec![obstacle(upright_box(at(0.0, 0.0, 0.0), [1.0; 3], 0.0), 2.0); 100]);
     let loss = field.loss(at(-5.0, 0.1, 0.1), at(5.0, 0.1, 0.1));
     assert!((loss.0 - 200.0 * 4.342_944_819_032_518).abs() < 1e-9);
-    assert_eq!(
-        field.bounds(),
-        Some(Bounds {
-            min: at(-0.5, -0.5, -0.5),
-            max: at(0.5, 0.5, 0.5)
-        })
-    );
+    assert_eq!(field.bounds(), Some(Bounds { min: at(-0.5, -0.5, -0.5), max: at(0.5, 0.5, 0.5) }));
 }
 
 #[test]
@@ -343,20 +299,11 @@ fn surfaces_for_drawing_turn_outwards_and_enclose_the_solid() {
         }
         let solid = shape(solid);
         let (vertices, triangles) = solid.mesh();
-        let volume_m3: f64 = triangles
-            .iter()
-            .map(|t| t.map(|i| vertices[i as usize]))
-            .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
-            .sum();
-        assert!(
-            (volume_m3 - expected_m3).abs() < 1e-9,
-            "{name}: {volume_m3}, not {expected_m3}"
-        );
+        let volume_m3: f64 =
+            triangles.iter().map(|t| t.map(|i| vertices[i as usize])).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
+        assert!((volume_m3 - expected_m3).abs() < 1e-9, "{name}: {volume_m3}, not {expected_m3}");
         let bounds = Bounds::of(vertices.iter().copied()).unwrap();
-        assert!(
-            bounds.min.distance_m(solid.bounds().min) < 1e-9
-                && bounds.max.distance_m(solid.bounds().max) < 1e-9
-        );
+        assert!(bounds.min.distance_m(solid.bounds().min) < 1e-9 && bounds.max.distance_m(solid.bounds().max) < 1e-9);
     }
 }
 

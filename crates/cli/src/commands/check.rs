@@ -23,18 +23,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut reports = Vec::new();
     for path in &arguments.scenarios {
         match Scenario::load(path, &arguments.set, None) {
-            Ok(scenario) => writeln!(
-                io::stdout(),
-                "ok {}: {}",
-                scenario.name(),
-                scenario.outline()
-            )?,
+            Ok(scenario) => writeln!(io::stdout(), "ok {}: {}", scenario.name(), scenario.outline())?,
             Err(errors) => reports.extend(errors.errors().iter().cloned().map(miette::Report::new)),
         }
     }
-    if reports.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::BadInput(reports))
-    }
+    if reports.is_empty() { Ok(()) } else { Err(Failure::BadInput(reports)) }
 }

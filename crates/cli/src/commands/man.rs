@@ -27,21 +27,14 @@ fn page() -> io::Result<Vec<u8>> {
     for subcommand in command.get_subcommands() {
         section(subcommand, &mut page)?;
     }
-    writeln!(
-        page,
-        ".SH \"EXIT STATUS\"\n0 done, 1 failed, 2 usage or bad input, 130 interrupted."
-    )?;
+    writeln!(page, ".SH \"EXIT STATUS\"\n0 done, 1 failed, 2 usage or bad input, 130 interrupted.")?;
     main.render_version_section(&mut page)?;
     Ok(page)
 }
 
 /// The section of one command: its purpose, then its synopsis and options as subsections.
 fn section(command: &Command, page: &mut Vec<u8>) -> io::Result<()> {
-    writeln!(
-        page,
-        ".SH \"SEXTANT {}\"",
-        command.get_name().to_uppercase()
-    )?;
+    writeln!(page, ".SH \"SEXTANT {}\"", command.get_name().to_uppercase())?;
     if let Some(about) = command.get_about() {
         writeln!(page, "{about}.")?;
     }

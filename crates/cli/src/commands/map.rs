@@ -74,29 +74,14 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.truth {
         input.truth = Some(robot_log::read_truth(path)?);
     }
-    let truth = input
-        .truth
-        .as_ref()
-        .and_then(|truth| places(truth, &input.log, &mut input.notes));
+    let truth = input.truth.as_ref().and_then(|truth| places(truth, &input.log, &mut input.notes));
     let map_start = now();
     let mut summaries: Vec<MapSummary> = Vec::new();
     for named in &settings.maps {
-        let map = named
-            .mapper
-            .map(&input.log)
-            .map_err(|error| Failure::bad_input(error.to_string()))?;
-        summaries.push(measure(
-            &named.name,
-            &map,
-            truth.as_deref(),
-            &settings.metrics,
-        ));
+        let map = named.mapper.map(&input.log).map_err(|error| Failure::bad_input(error.to_string()))?;
+        summaries.push(measure(&named.name, &map, truth.as_deref(), &settings.metrics));
         if let Some(out) = &arguments.out {
-            let path = if summaries.len() > 1 {
-                beside(out, &named.name)
-            } else {
-                out.clone()
-            };
+            let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.clone() };
             robot_log::write_map(&path, input.log.names(), &map)?;
         }
     }
@@ -131,46 +116,26 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
 fn read(path: &Path) -> Result<Input, Failure> {
     if path.is_dir() {
         let log = robot_log::read(path)?;
-        return Ok(Input {
-            log,
-            scenario: None,
-            truth: None,
-            notes: Vec::new(),
-        });
+        return Ok(Input { log, scenario: None, truth: None, notes: Vec::new() });
     }
     let run = recording::read_log(path)?;
-    let scenario = run
-        .attachments
-        .iter()
-        .rfind(|attachment| attachment.name == SCENARIO_ATTACHMENT);
-    let scenario =
-        scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
+    let scenario = run.attachments.iter().rfind(|attachment| attachment.name == SCENARIO_ATTACHMENT);
+    let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
     let mut notes = Vec::new();
     if run.cut_stops > 0 {
-        notes.push("the recording was cut short: its last stop is left out, because it may lack receptions".to_owned());
+        notes.push(
+            "the recording was cut short: its last stop is left out, because it may lack receptions".to_owned(),
+        );
     }
     if !run.metadata.contains_key(ORIGIN_METADATA) {
         notes.push("the recording does not say what made it".to_owned());
     }
-    Ok(Input {
-        log: run.log,
-        scenario,
-        truth: recording::read_truth(path)?,
-        notes,
-    })
+    Ok(Input { log: run.log, scenario, truth: recording::read_truth(path)?, notes })
 }
 
 /// The true place of each node of the log. A node whose place is unknown cannot be measured: then nothing is.
-fn places(
-    truth: &BTreeMap<String, Position>,
-    log: &ReceptionLog,
-    notes: &mut Vec<String>,
-) -> Option<Vec<Position>> {
-    let unknown: Vec<_> = log
-        .names()
-        .iter()
-        .filter(|name| !truth.contains_key(*name))
-        .collect();
+fn places(truth: &BTreeMap<String, Position>, log: &ReceptionLog, notes: &mut Vec<String>) -> Option<Vec<Position>> {
+    let unknown: Vec<_> = log.names().iter().filter(|name| !truth.contains_key(*name)).collect();
     if let Some(first) = unknown.first() {
         notes.push(format!(
             "the true places of {} of {} nodes are unknown (`{first}`): the maps are not measured",
@@ -183,18 +148,11 @@ fn places(
 }
 
 fn gathering(log: &ReceptionLog) -> GatheringSummary {
-    let drives = log
-        .stops()
-        .windows(2)
-        .map(|pair| pair[0].position.distance_m(pair[1].position));
+    let drives = log.stops().windows(2).map(|pair| pair[0].position.distance_m(pair[1].position));
     GatheringSummary {
         stops: log.stops().len(),
         path_length_m: Some(drives.sum()),
-        packets_received: log
-            .receptions()
-            .iter()
-            .map(|reception| u64::from(reception.received))
-            .sum(),
+        packets_received: log.receptions().iter().map(|reception| u64::from(reception.received)).sum(),
         ..GatheringSummary::default()
     }
 }
@@ -216,10 +174,7 @@ mod tests {
 
     #[test]
     fn further_maps_are_named_beside_the_first() {
-        assert_eq!(
-            beside(Path::new("a/map.csv"), "coarse"),
-            Path::new("a/map.coarse.csv")
-        );
+        assert_eq!(beside(Path::new("a/map.csv"), "coarse"), Path::new("a/map.coarse.csv"));
         assert_eq!(beside(Path::new("map"), "coarse"), Path::new("map.coarse"));
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod completions;
+pub mod figure;
 pub mod inspect;
 pub mod man;
 pub mod map;
@@ -36,6 +37,8 @@ pub enum Command {
     Map(map::Arguments),
     /// Check scenario files without running them
     Check(check::Arguments),
+    /// Draw the network, the maps and their errors
+    Figure(figure::Arguments),
     /// Print what a recording holds
     Inspect(inspect::Arguments),
     /// Save what is whole in a broken recording
@@ -82,6 +85,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::execute(arguments),
         Command::Map(arguments) => map::execute(arguments),
         Command::Check(arguments) => check::execute(arguments),
+        Command::Figure(arguments) => figure::execute(arguments),
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments),
         Command::Schema => schema::execute(),
@@ -95,11 +99,9 @@ pub(crate) fn write_file(path: &Path, text: &[u8]) -> Result<(), Failure> {
     let mut part = path.as_os_str().to_owned();
     part.push(".part");
     let part = Path::new(&part);
-    std::fs::write(part, text)
-        .and_then(|()| std::fs::rename(part, path))
-        .map_err(|error| {
-            // Only the error that came first is worth telling.
-            let _ = std::fs::remove_file(part);
-            Failure::unwritable(path, &error)
-        })
+    std::fs::write(part, text).and_then(|()| std::fs::rename(part, path)).map_err(|error| {
+        // Only the error that came first is worth telling.
+        let _ = std::fs::remove_file(part);
+        Failure::unwritable(path, &error)
+    })
 }

@@ -35,10 +35,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
                     "{messages} messages saved in {out}; the recording is broken at byte {}: {}",
                     damage.at_byte, damage.why
                 )?,
-                None => writeln!(
-                    stdout,
-                    "{messages} messages copied to {out}; the recording was not broken"
-                )?,
+                None => writeln!(stdout, "{messages} messages copied to {out}; the recording was not broken")?,
             }
         }
         Format::Json => {

@@ -42,8 +42,7 @@ impl Arguments {
     /// Where the recording goes.
     #[must_use]
     pub fn recording(&self) -> PathBuf {
-        let default =
-            || PathBuf::from(self.scenario.file_name().unwrap_or_default()).with_extension("mcap");
+        let default = || PathBuf::from(self.scenario.file_name().unwrap_or_default()).with_extension("mcap");
         self.out.clone().unwrap_or_else(default)
     }
 }

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use schemars::generate::SchemaSettings;
+use serde_json::{Value, json};
 
 use crate::diagnostic::Failure;
 use crate::scenario::ScenarioConfig;
@@ -16,9 +17,18 @@ pub(crate) fn execute() -> Result<(), Failure> {
 
 /// The JSON schema (draft 2020-12) of scenario files.
 fn schema() -> schemars::Schema {
-    let mut schema = SchemaSettings::draft2020_12()
-        .into_generator()
-        .into_root_schema_for::<ScenarioConfig>();
+    let mut schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<ScenarioConfig>();
     schema.insert("title".to_owned(), "Sextant scenario".into());
+    // `extends` is read before the rest, and what it names may hold what is required.
+    let extends = json!({
+        "description": "Another scenario file, relative to this one: what this file says overrides it, table by table.",
+        "type": "string",
+    });
+    if let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) {
+        properties.insert("extends".to_owned(), extends);
+    }
+    if let Some(required) = schema.remove("required") {
+        schema.insert("anyOf".to_owned(), json!([{ "required": required }, { "required": ["extends"] }]));
+    }
     schema
 }

@@ -3,8 +3,7 @@
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{
-    DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
-    OneofDescriptorProto,
+    DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, OneofDescriptorProto,
 };
 
 /// A message type: its name below the package `sextant`, and its fields.
@@ -64,10 +63,7 @@ pub(super) fn file_set(declarations: &[Declaration]) -> Vec<u8> {
 }
 
 fn message(declaration: &Declaration) -> DescriptorProto {
-    let mut message = DescriptorProto {
-        name: Some(declaration.name.to_owned()),
-        ..DescriptorProto::default()
-    };
+    let mut message = DescriptorProto { name: Some(declaration.name.to_owned()), ..DescriptorProto::default() };
     for &Field { name, number, kind } in declaration.fields {
         let (wire, label) = kind.wire();
         let mut field = FieldDescriptorProto {
@@ -82,10 +78,9 @@ fn message(declaration: &Declaration) -> DescriptorProto {
         if kind.has_presence() {
             field.proto3_optional = Some(true);
             field.oneof_index = i32::try_from(message.oneof_decl.len()).ok();
-            message.oneof_decl.push(OneofDescriptorProto {
-                name: Some(format!("_{name}")),
-                ..OneofDescriptorProto::default()
-            });
+            message
+                .oneof_decl
+                .push(OneofDescriptorProto { name: Some(format!("_{name}")), ..OneofDescriptorProto::default() });
         }
         message.field.push(field);
     }
@@ -115,29 +110,15 @@ mod tests {
                     field.number
                 );
             }
-            assert_eq!(
-                section.matches(" = ").count(),
-                declaration.fields.len(),
-                "{}",
-                declaration.name
-            );
+            assert_eq!(section.matches(" = ").count(), declaration.fields.len(), "{}", declaration.name);
         }
     }
 
     #[test]
     fn field_numbers_are_unique_within_a_message() {
         for declaration in DECLARATIONS {
-            let numbers: BTreeSet<i32> = declaration
-                .fields
-                .iter()
-                .map(|field| field.number)
-                .collect();
-            assert_eq!(
-                numbers.len(),
-                declaration.fields.len(),
-                "{}",
-                declaration.name
-            );
+            let numbers: BTreeSet<i32> = declaration.fields.iter().map(|field| field.number).collect();
+            assert_eq!(numbers.len(), declaration.fields.len(), "{}", declaration.name);
         }
     }
 }

@@ -62,7 +62,7 @@ pub enum RecordingError {
         why: String,
     },
     /// The file has no reception log.
-    #[error("`{}` has no reception log: it has no topic with schema `sextant.Stop`; its topics: {topics}", .path.display())]
+    #[error("`{}` has no reception log: no whole stop on a topic with schema `sextant.Stop`; its topics: {topics}", .path.display())]
     NoLog {
         /// The file.
         path: PathBuf,
@@ -99,39 +99,23 @@ impl RecordingError {
     /// Whether the disk or the system is at fault (exit code 1), and not what was given (exit code 2).
     #[must_use]
     pub fn is_of_the_system(&self) -> bool {
-        matches!(
-            self,
-            Self::Create { .. } | Self::Write { .. } | Self::Rename { .. }
-        )
+        matches!(self, Self::Create { .. } | Self::Write { .. } | Self::Rename { .. })
     }
 
     pub(super) fn create(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Create {
-            path: path.to_owned(),
-            why: why.to_string(),
-        }
+        Self::Create { path: path.to_owned(), why: why.to_string() }
     }
 
     pub(super) fn write(path: &Path, why: &mcap::McapError) -> Self {
-        Self::Write {
-            path: path.to_owned(),
-            why: cause(why),
-        }
+        Self::Write { path: path.to_owned(), why: cause(why) }
     }
 
     pub(super) fn read(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Read {
-            path: path.to_owned(),
-            why: why.to_string(),
-        }
+        Self::Read { path: path.to_owned(), why: why.to_string() }
     }
 
     pub(super) fn message(path: &Path, topic: &str, problem: impl fmt::Display) -> Self {
-        Self::Message {
-            path: path.to_owned(),
-            topic: topic.to_owned(),
-            problem: problem.to_string(),
-        }
+        Self::Message { path: path.to_owned(), topic: topic.to_owned(), problem: problem.to_string() }
     }
 }
 

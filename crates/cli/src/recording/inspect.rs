@@ -75,9 +75,7 @@ pub struct AttachmentInfo {
 /// # Errors
 /// If the file cannot be read or is of another format.
 pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
-    let size_bytes = std::fs::metadata(path)
-        .map_err(|why| RecordingError::read(path, why))?
-        .len();
+    let size_bytes = std::fs::metadata(path).map_err(|why| RecordingError::read(path, why))?.len();
     let mut inspection = Inspection {
         library: String::new(),
         size_bytes,
@@ -94,39 +92,25 @@ pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
     inspection.damage = scan(path, &mut |piece| {
         match piece {
             Piece::Header { library } => inspection.library = library.to_owned(),
-            Piece::Message {
-                channel, header, ..
-            } => {
+            Piece::Message { channel, header, .. } => {
                 let topic = topics.entry(channel.id).or_insert_with(|| Topic {
                     topic: channel.topic.clone(),
-                    schema: channel
-                        .schema
-                        .as_ref()
-                        .map(|schema| schema.name.clone())
-                        .unwrap_or_default(),
+                    schema: channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default(),
                     encoding: channel.message_encoding.clone(),
                     messages: 0,
                 });
                 topic.messages += 1;
                 inspection.messages += 1;
                 let time = header.log_time;
-                span = Some(span.map_or((time, time), |(start, end)| {
-                    (start.min(time), end.max(time))
-                }));
+                span = Some(span.map_or((time, time), |(start, end)| (start.min(time), end.max(time))));
             }
-            Piece::Attachment {
-                name,
-                media_type,
-                data,
-            } => inspection.attachments.push(AttachmentInfo {
+            Piece::Attachment { name, media_type, data } => inspection.attachments.push(AttachmentInfo {
                 name: name.to_owned(),
                 media_type: media_type.to_owned(),
                 size_bytes: data.len() as u64,
             }),
             Piece::Metadata(record) => {
-                inspection
-                    .metadata
-                    .insert(record.name.clone(), record.metadata.clone());
+                inspection.metadata.insert(record.name.clone(), record.metadata.clone());
             }
         }
         Ok(())
@@ -142,11 +126,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
 impl fmt::Display for Inspection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.damage {
-            None => writeln!(
-                f,
-                "complete, {} bytes, written by {}",
-                self.size_bytes, self.library
-            )?,
+            None => writeln!(f, "complete, {} bytes, written by {}", self.size_bytes, self.library)?,
             Some(damage) => writeln!(
                 f,
                 "BROKEN at byte {} of {}: {}; `sextant recover` restores what comes before",
@@ -154,50 +134,18 @@ impl fmt::Display for Inspection {
             )?,
         }
         if let (Some(start_s), Some(end_s)) = (self.start_s, self.end_s) {
-            writeln!(
-                f,
-                "{} messages from {start_s:.3} s to {end_s:.3} s of simulated time",
-                self.messages
-            )?;
+            writeln!(f, "{} messages from {start_s:.3} s to {end_s:.3} s of simulated time", self.messages)?;
         }
-        let width = self
-            .topics
-            .iter()
-            .map(|topic| topic.topic.chars().count())
-            .max()
-            .unwrap_or(0)
-            .max(5);
-        let schema_width = self
-            .topics
-            .iter()
-            .map(|topic| topic.schema.chars().count())
-            .max()
-            .unwrap_or(0);
-        for Topic {
-            topic,
-            schema,
-            messages,
-            ..
-        } in &self.topics
-        {
-            writeln!(
-                f,
-                "  {topic:<width$}  {schema:<schema_width$}  {messages:>9}"
-            )?;
+        let width = self.topics.iter().map(|topic| topic.topic.chars().count()).max().unwrap_or(0).max(5);
+        let schema_width = self.topics.iter().map(|topic| topic.schema.chars().count()).max().unwrap_or(0);
+        for Topic { topic, schema, messages, .. } in &self.topics {
+            writeln!(f, "  {topic:<width$}  {schema:<schema_width$}  {messages:>9}")?;
         }
-        for AttachmentInfo {
-            name,
-            media_type,
-            size_bytes,
-        } in &self.attachments
-        {
+        for AttachmentInfo { name, media_type, size_bytes } in &self.attachments {
             writeln!(f, "attachment {name} ({media_type}, {size_bytes} bytes)")?;
         }
         for (name, values) in &self.metadata {
-            let values: Vec<String> = values
-                .iter()
-                .map(|(key, value)| format!("{key} = {value}"))
-                .collect();
+            let values: Vec<String> = values.iter().map(|(key, value)| format!("{key} = {value}")).collect();
             writeln!(f, "metadata {name}: {}", values.join(", "))?;
         }
         Ok(())

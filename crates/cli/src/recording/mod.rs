@@ -24,6 +24,7 @@
 
 mod descriptor;
 mod drawing;
+mod drawn;
 mod error;
 mod inspect;
 pub mod messages;
@@ -33,14 +34,13 @@ mod recover;
 mod scan;
 mod sink;
 
+pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use drawing::{LikelihoodPlane, PlacedNode, Solid};
 pub use error::RecordingError;
 pub use foxglove::messages::log::Level;
 pub use inspect::{AttachmentInfo, Damage, Inspection, Topic, inspect};
 pub use reader::{Attachment, RecordedRun, read_attachment, read_log, read_truth};
-pub use recorder::{
-    FileRecorder, ORIGIN_METADATA, Origin, Recorder, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
-};
+pub use recorder::{FileRecorder, ORIGIN_METADATA, Origin, Recorder, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
 pub use recover::{Recovery, recover};
 
 /// Topic of the true nodes.

@@ -55,19 +55,10 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
                 if !topics.contains(&channel.topic) {
                     topics.push(channel.topic.clone());
                 }
-                let schema = channel
-                    .schema
-                    .as_ref()
-                    .map_or("", |schema| schema.name.as_str());
-                draft
-                    .add(schema, data)
-                    .map_err(|problem| RecordingError::message(path, &channel.topic, problem))?;
+                let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
+                draft.add(schema, data).map_err(|problem| RecordingError::message(path, &channel.topic, problem))?;
             }
-            Piece::Attachment {
-                name,
-                media_type,
-                data,
-            } => attachments.push(Attachment {
+            Piece::Attachment { name, media_type, data } => attachments.push(Attachment {
                 name: name.to_owned(),
                 media_type: media_type.to_owned(),
                 data: data.to_vec(),
@@ -78,29 +69,14 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
         }
         Ok(())
     })?;
-    if draft.stops.is_empty() {
-        let topics = if topics.is_empty() {
-            "none".to_owned()
-        } else {
-            topics.join(", ")
-        };
-        return Err(RecordingError::NoLog {
-            path: path.to_owned(),
-            topics,
-        });
-    }
     let cut_stops = draft.cut_last_stop();
+    if draft.stops.is_empty() {
+        let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
+        return Err(RecordingError::NoLog { path: path.to_owned(), topics });
+    }
     let log = ReceptionLog::new(draft.names, draft.stops, draft.receptions, draft.contacts)
-        .map_err(|why| RecordingError::Log {
-            path: path.to_owned(),
-            why,
-        })?;
-    Ok(RecordedRun {
-        log,
-        cut_stops,
-        metadata,
-        attachments,
-    })
+        .map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
+    Ok(RecordedRun { log, cut_stops, metadata, attachments })
 }
 
 /// Where the nodes of the recording `path` really are, by name [m]; `None` if it does not tell.
@@ -115,10 +91,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
             return Ok(());
         };
         let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
-        match (
-            channel.topic.as_str(),
-            channel.schema.as_ref().map(|schema| schema.name.as_str()),
-        ) {
+        match (channel.topic.as_str(), channel.schema.as_ref().map(|schema| schema.name.as_str())) {
             (_, Some("sextant.Nodes")) => names.add("sextant.Nodes", data).map_err(wrong),
             (super::WORLD_NODES_TOPIC, Some("foxglove.PointCloud")) => {
                 let cloud = PointCloud::decode(data).map_err(|why| wrong(why.to_string()))?;
@@ -133,11 +106,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
     };
     let named = places.into_iter().map(|(node, position)| {
         let name = names.names.get(node.index()).ok_or_else(|| {
-            let problem = format!(
-                "node {} has no name; there are {} names",
-                node.0,
-                names.names.len()
-            );
+            let problem = format!("node {} has no name; there are {} names", node.0, names.names.len());
             RecordingError::message(path, super::WORLD_NODES_TOPIC, problem)
         })?;
         Ok((name.clone(), position))
@@ -152,18 +121,11 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
 pub fn read_attachment(path: &Path, name: &str) -> Result<Option<Attachment>, RecordingError> {
     let mut found = None;
     sound(path, &mut |piece| {
-        if let Piece::Attachment {
-            name: this,
-            media_type,
-            data,
-        } = piece
+        if let Piece::Attachment { name: this, media_type, data } = piece
             && this == name
         {
-            found = Some(Attachment {
-                name: name.to_owned(),
-                media_type: media_type.to_owned(),
-                data: data.to_vec(),
-            });
+            found =
+                Some(Attachment { name: name.to_owned(), media_type: media_type.to_owned(), data: data.to_vec() });
         }
         Ok(())
     })?;
@@ -171,10 +133,7 @@ pub fn read_attachment(path: &Path, name: &str) -> Result<Option<Attachment>, Re
 }
 
 /// Scans a file that must be whole.
-fn sound(
-    path: &Path,
-    visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
-) -> Result<(), RecordingError> {
+pub(super) fn sound(path: &Path, visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>) -> Result<(), RecordingError> {
     match scan(path, visit)? {
         None => Ok(()),
         Some(damage) => Err(RecordingError::Broken {
@@ -205,17 +164,9 @@ impl LogDraft {
             "sextant.Stop" => self.add_stop(&decode(data)?),
             "sextant.Reception" => self.add_reception(&decode(data)?),
             "sextant.Contact" => {
-                let messages::Contact {
-                    time_ns,
-                    x_m,
-                    y_m,
-                    z_m,
-                } = decode(data)?;
+                let messages::Contact { time_ns, x_m, y_m, z_m } = decode(data)?;
                 let position = Position::new(x_m, y_m, z_m);
-                self.contacts.push(Contact {
-                    time: SimTime::from_nanos(time_ns),
-                    position,
-                });
+                self.contacts.push(Contact { time: SimTime::from_nanos(time_ns), position });
                 Ok(())
             }
             _ => Ok(()),
@@ -237,29 +188,18 @@ impl LogDraft {
     fn add_stop(&mut self, message: &messages::Stop) -> Result<(), String> {
         self.settled()?;
         if message.stop as usize != self.stops.len() {
-            return Err(format!(
-                "stop {} where stop {} is due",
-                message.stop,
-                self.stops.len()
-            ));
+            return Err(format!("stop {} where stop {} is due", message.stop, self.stops.len()));
         }
         self.owed = message.receptions;
         let position = Position::new(message.x_m, message.y_m, message.z_m);
-        self.stops.push(Stop {
-            time: SimTime::from_nanos(message.time_ns),
-            position,
-        });
+        self.stops.push(Stop { time: SimTime::from_nanos(message.time_ns), position });
         Ok(())
     }
 
     fn add_reception(&mut self, message: &messages::Reception) -> Result<(), String> {
-        self.owed = self
-            .owed
-            .checked_sub(1)
-            .ok_or("more receptions than the stop before them announces")?;
+        self.owed = self.owed.checked_sub(1).ok_or("more receptions than the stop before them announces")?;
         let sector = message.sector.map(|sector| {
-            u8::try_from(sector)
-                .map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
+            u8::try_from(sector).map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
         });
         self.receptions.push(Reception {
             node: NodeId(message.node),
@@ -276,11 +216,7 @@ impl LogDraft {
         if self.owed == 0 {
             return Ok(());
         }
-        Err(format!(
-            "{} receptions are missing before stop {}",
-            self.owed,
-            self.stops.len()
-        ))
+        Err(format!("{} receptions are missing before stop {}", self.owed, self.stops.len()))
     }
 
     /// Takes the last stop out if it is not whole; returns how many were.
@@ -290,8 +226,7 @@ impl LogDraft {
         }
         self.stops.pop();
         let stops = self.stops.len();
-        self.receptions
-            .retain(|reception| (reception.stop as usize) < stops);
+        self.receptions.retain(|reception| (reception.stop as usize) < stops);
         1
     }
 }

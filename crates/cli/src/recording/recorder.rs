@@ -62,10 +62,7 @@ impl FileRecorder {
     pub fn create(path: &Path) -> Result<Self, RecordingError> {
         let draft = Draft::new(path, ".part");
         let sink = draft.create()?;
-        Ok(Self {
-            recorder: Recorder::from_sink(sink),
-            draft,
-        })
+        Ok(Self { recorder: Recorder::from_sink(sink), draft })
     }
 
     /// Writes the summary section, syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
@@ -101,12 +98,7 @@ impl<W: Write> Recorder<W> {
     }
 
     fn from_sink(sink: Sink<W>) -> Self {
-        Self {
-            sink,
-            topics: BTreeMap::new(),
-            encoded: Vec::new(),
-            stops_in_chunk: 0,
-        }
+        Self { sink, topics: BTreeMap::new(), encoded: Vec::new(), stops_in_chunk: 0 }
     }
 
     /// Writes the summary section and hands the output back.
@@ -122,16 +114,8 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn origin(&mut self, origin: Origin<'_>) -> Result<(), RecordingError> {
-        let Origin {
-            scenario,
-            seed,
-            version,
-        } = origin;
-        let values = [
-            ("scenario", scenario.to_owned()),
-            ("seed", seed.to_string()),
-            ("version", version.to_owned()),
-        ];
+        let Origin { scenario, seed, version } = origin;
+        let values = [("scenario", scenario.to_owned()), ("seed", seed.to_string()), ("version", version.to_owned())];
         self.sink.metadata(&Metadata {
             name: ORIGIN_METADATA.to_owned(),
             metadata: values.map(|(key, value)| (key.to_owned(), value)).into(),
@@ -170,14 +154,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn nodes(&mut self, names: &[String]) -> Result<(), RecordingError> {
-        self.write(
-            SimTime::ZERO,
-            "/nodes",
-            &messages::Nodes {
-                first: 0,
-                names: names.to_vec(),
-            },
-        )
+        self.write(SimTime::ZERO, "/nodes", &messages::Nodes { first: 0, names: names.to_vec() })
     }
 
     /// A stop and all that was heard there. Stops are numbered from 0 in the order of the calls; `receptions`
@@ -206,15 +183,7 @@ impl<W: Write> Recorder<W> {
             receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
         };
         self.append(stop.time, "/stops", &message)?;
-        for &Reception {
-            node,
-            stop: at,
-            received,
-            sent,
-            sector,
-            rssi_dbm,
-        } in receptions
-        {
+        for &Reception { node, stop: at, received, sent, sector, rssi_dbm } in receptions {
             let message = messages::Reception {
                 node: node.0,
                 stop: at,
@@ -239,12 +208,7 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn contact(&mut self, robot: &str, contact: &Contact) -> Result<(), RecordingError> {
         let Position { x_m, y_m, z_m } = contact.position;
-        let message = messages::Contact {
-            time_ns: contact.time.as_nanos(),
-            x_m,
-            y_m,
-            z_m,
-        };
+        let message = messages::Contact { time_ns: contact.time.as_nanos(), x_m, y_m, z_m };
         self.write(contact.time, &format!("/robot/{robot}/contacts"), &message)
     }
 
@@ -262,14 +226,11 @@ impl<W: Write> Recorder<W> {
         let mut rest = by_stop.as_slice();
         for (index, stop) in log.stops().iter().enumerate() {
             let index = u32::try_from(index).expect("fewer than 2^32 stops");
-            let (here, later) =
-                rest.split_at(rest.partition_point(|reception| reception.stop <= index));
+            let (here, later) = rest.split_at(rest.partition_point(|reception| reception.stop <= index));
             self.stop(robot, index, stop, here)?;
             rest = later;
         }
-        log.contacts()
-            .iter()
-            .try_for_each(|contact| self.contact(robot, contact))
+        log.contacts().iter().try_for_each(|contact| self.contact(robot, contact))
     }
 
     /// Where `robot` is, and where it looks [rad, counterclockwise from x].
@@ -283,28 +244,15 @@ impl<W: Write> Recorder<W> {
         position: Position,
         heading_rad: f64,
     ) -> Result<(), RecordingError> {
-        self.write(
-            time,
-            "/tf",
-            &drawing::transform(time, robot, position, heading_rad),
-        )
+        self.write(time, "/tf", &drawing::transform(time, robot, position, heading_rad))
     }
 
     /// The places that `robot` has passed, from its start to now [m].
     ///
     /// # Errors
     /// If any write failed, now or before.
-    pub fn path(
-        &mut self,
-        time: SimTime,
-        robot: &str,
-        places: &[Position],
-    ) -> Result<(), RecordingError> {
-        self.write(
-            time,
-            &format!("/robot/{robot}/path"),
-            &drawing::path(time, places),
-        )
+    pub fn path(&mut self, time: SimTime, robot: &str, places: &[Position]) -> Result<(), RecordingError> {
+        self.write(time, &format!("/robot/{robot}/path"), &drawing::path(time, places))
     }
 
     /// The obstacles of the world.
@@ -319,11 +267,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// If any write failed, now or before.
-    pub fn world_nodes(
-        &mut self,
-        time: SimTime,
-        nodes: &[PlacedNode],
-    ) -> Result<(), RecordingError> {
+    pub fn world_nodes(&mut self, time: SimTime, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
         self.write(time, super::WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
     }
 
@@ -331,17 +275,8 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// If any write failed, now or before.
-    pub fn map(
-        &mut self,
-        time: SimTime,
-        algorithm: &str,
-        nodes: &[PlacedNode],
-    ) -> Result<(), RecordingError> {
-        self.write(
-            time,
-            &format!("/map/{algorithm}"),
-            &drawing::cloud(time, nodes),
-        )
+    pub fn map(&mut self, time: SimTime, algorithm: &str, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
+        self.write(time, &format!("/map/{algorithm}"), &drawing::cloud(time, nodes))
     }
 
     /// The likelihood of `node` as `algorithm` sees it.
@@ -355,11 +290,7 @@ impl<W: Write> Recorder<W> {
         node: &str,
         plane: &LikelihoodPlane,
     ) -> Result<(), RecordingError> {
-        self.write(
-            time,
-            &format!("/likelihood/{algorithm}/{node}"),
-            &drawing::grid(time, plane),
-        )
+        self.write(time, &format!("/likelihood/{algorithm}/{node}"), &drawing::grid(time, plane))
     }
 
     /// A frame that was on air, at its end.
@@ -367,11 +298,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn frame(&mut self, frame: &messages::Frame) -> Result<(), RecordingError> {
-        self.write(
-            SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)),
-            "/mac/frames",
-            frame,
-        )
+        self.write(SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)), "/mac/frames", frame)
     }
 
     /// One value of the time series `name`, which ends in its unit.
@@ -379,28 +306,14 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn metric(&mut self, time: SimTime, name: &str, value: f64) -> Result<(), RecordingError> {
-        self.write(
-            time,
-            "/metrics",
-            &messages::Metric {
-                time_ns: time.as_nanos(),
-                name: name.to_owned(),
-                value,
-            },
-        )
+        self.write(time, "/metrics", &messages::Metric { time_ns: time.as_nanos(), name: name.to_owned(), value })
     }
 
     /// A message for people, from the part of the program called `source`.
     ///
     /// # Errors
     /// If any write failed, now or before.
-    pub fn note(
-        &mut self,
-        time: SimTime,
-        level: Level,
-        source: &str,
-        message: &str,
-    ) -> Result<(), RecordingError> {
+    pub fn note(&mut self, time: SimTime, level: Level, source: &str, message: &str) -> Result<(), RecordingError> {
         let log = Log {
             timestamp: Some(drawing::timestamp(time)),
             level: level.into(),
@@ -435,12 +348,8 @@ impl<W: Write> Recorder<W> {
         }
         let (channel_id, sequence) = self.topics.get_mut(topic).expect("a topic that is there");
         let time_ns = time.as_nanos();
-        let header = MessageHeader {
-            channel_id: *channel_id,
-            sequence: *sequence,
-            log_time: time_ns,
-            publish_time: time_ns,
-        };
+        let header =
+            MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: time_ns, publish_time: time_ns };
         *sequence = sequence.wrapping_add(1);
         self.encoded.clear();
         prost::Message::encode(message, &mut self.encoded).expect("a vector that grows");

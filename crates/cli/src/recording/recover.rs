@@ -30,24 +30,13 @@ pub struct Recovery {
 /// If `broken` cannot be read or is no MCAP file, if `out` is the same file, or if `out` cannot be written.
 pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
     let draft = Draft::new(out, ".recovering");
-    let input = broken
-        .canonicalize()
-        .map_err(|why| RecordingError::read(broken, why))?;
-    if [&draft.path, &draft.part]
-        .iter()
-        .any(|path| path.canonicalize().is_ok_and(|path| path == input))
-    {
-        return Err(RecordingError::SameFile {
-            path: broken.to_owned(),
-        });
+    let input = broken.canonicalize().map_err(|why| RecordingError::read(broken, why))?;
+    if [&draft.path, &draft.part].iter().any(|path| path.canonicalize().is_ok_and(|path| path == input)) {
+        return Err(RecordingError::SameFile { path: broken.to_owned() });
     }
     let mut sink = None;
     let mut known = BTreeSet::new();
-    let mut recovery = Recovery {
-        messages: 0,
-        attachments: 0,
-        damage: None,
-    };
+    let mut recovery = Recovery { messages: 0, attachments: 0, damage: None };
     recovery.damage = scan(broken, &mut |piece| {
         // Created at the first piece, so that a file of another format leaves nothing behind.
         let sink = match &mut sink {
@@ -56,11 +45,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
         };
         match piece {
             Piece::Header { .. } => Ok(()),
-            Piece::Message {
-                channel,
-                header,
-                data,
-            } => {
+            Piece::Message { channel, header, data } => {
                 if known.insert(channel.id) {
                     sink.copied_channel(channel)?;
                 }
@@ -68,11 +53,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
                 recovery.messages += 1;
                 sink.settle()
             }
-            Piece::Attachment {
-                name,
-                media_type,
-                data,
-            } => {
+            Piece::Attachment { name, media_type, data } => {
                 recovery.attachments += 1;
                 sink.attach(&mcap::Attachment {
                     log_time: 0,
@@ -90,10 +71,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
         None => draft.create()?,
     };
     if let Some(damage) = &recovery.damage {
-        let values = [
-            ("at_byte", damage.at_byte.to_string()),
-            ("why", damage.why.clone()),
-        ];
+        let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
         sink.metadata(&Metadata {
             name: super::RECOVERED_METADATA.to_owned(),
             metadata: BTreeMap::from(values.map(|(key, value)| (key.to_owned(), value))),

@@ -18,19 +18,9 @@ const LONGEST_RECORD: usize = 1 << 29;
 
 /// What a container holds, in the order of the file.
 pub(super) enum Piece<'a> {
-    Header {
-        library: &'a str,
-    },
-    Message {
-        channel: &'a Channel<'static>,
-        header: MessageHeader,
-        data: &'a [u8],
-    },
-    Attachment {
-        name: &'a str,
-        media_type: &'a str,
-        data: &'a [u8],
-    },
+    Header { library: &'a str },
+    Message { channel: &'a Channel<'static>, header: MessageHeader, data: &'a [u8] },
+    Attachment { name: &'a str, media_type: &'a str, data: &'a [u8] },
     Metadata(&'a Metadata),
 }
 
@@ -72,9 +62,7 @@ pub(super) fn scan(
                 Err(why) => Err(why),
             },
             Err(McapError::BadMagic) if state.messages == 0 && !state.begun => {
-                return Err(RecordingError::NotMcap {
-                    path: path.to_owned(),
-                });
+                return Err(RecordingError::NotMcap { path: path.to_owned() });
             }
             Err(why) => Err(why),
         };
@@ -86,11 +74,7 @@ pub(super) fn scan(
                 }
                 why => cause(&why),
             };
-            return Ok(Some(Damage {
-                at_byte,
-                messages: state.messages,
-                why,
-            }));
+            return Ok(Some(Damage { at_byte, messages: state.messages, why }));
         }
     }
     Ok(None)
@@ -121,9 +105,7 @@ impl Scan {
             return Ok(Ok(()));
         }
         match record {
-            Record::Header(header) => visit(Piece::Header {
-                library: &header.library,
-            })?,
+            Record::Header(header) => visit(Piece::Header { library: &header.library })?,
             Record::Schema { header, data } => {
                 let schema = Schema {
                     id: header.id,
@@ -136,10 +118,7 @@ impl Scan {
             Record::Channel(channel) => {
                 let schema = self.schemas.get(&channel.schema_id).cloned();
                 if channel.schema_id != 0 && schema.is_none() {
-                    return Ok(Err(McapError::UnknownSchema(
-                        channel.topic,
-                        channel.schema_id,
-                    )));
+                    return Ok(Err(McapError::UnknownSchema(channel.topic, channel.schema_id)));
                 }
                 let linked = Channel {
                     id: channel.id,
@@ -152,24 +131,13 @@ impl Scan {
             }
             Record::Message { header, data } => {
                 let Some(channel) = self.channels.get(&header.channel_id) else {
-                    return Ok(Err(McapError::UnknownChannel(
-                        header.sequence,
-                        header.channel_id,
-                    )));
+                    return Ok(Err(McapError::UnknownChannel(header.sequence, header.channel_id)));
                 };
-                visit(Piece::Message {
-                    channel,
-                    header,
-                    data: &data,
-                })?;
+                visit(Piece::Message { channel, header, data: &data })?;
                 self.messages += 1;
             }
             Record::Attachment { header, data, .. } => {
-                visit(Piece::Attachment {
-                    name: &header.name,
-                    media_type: &header.media_type,
-                    data: &data,
-                })?;
+                visit(Piece::Attachment { name: &header.name, media_type: &header.media_type, data: &data })?;
             }
             Record::Metadata(metadata) => visit(Piece::Metadata(&metadata))?,
             _ => {}

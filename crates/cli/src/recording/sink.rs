@@ -41,12 +41,7 @@ impl<W: Write> Sink<W> {
             .disable_seeking(true)
             .create(NoSeek::new(output))
             .map_err(|why| RecordingError::write(path, &why))?;
-        Ok(Self {
-            writer: Some(writer),
-            failure: None,
-            path: path.to_owned(),
-            in_chunk: 0,
-        })
+        Ok(Self { writer: Some(writer), failure: None, path: path.to_owned(), in_chunk: 0 })
     }
 
     /// One act on the container, unless an earlier one failed. A failed container is let go at once: a later
@@ -58,10 +53,7 @@ impl<W: Write> Sink<W> {
         if let Some(failure) = &self.failure {
             return Err(failure.clone());
         }
-        let writer = self
-            .writer
-            .as_mut()
-            .expect("a writer until the first failure");
+        let writer = self.writer.as_mut().expect("a writer until the first failure");
         act(writer).map_err(|why| {
             let failure = RecordingError::write(&self.path, &why);
             self.failure = Some(failure.clone());
@@ -73,11 +65,7 @@ impl<W: Write> Sink<W> {
     }
 
     /// The channel `topic` with messages of `schema`, both with ids in the order of their first use.
-    pub(super) fn channel(
-        &mut self,
-        topic: &str,
-        schema: &foxglove::Schema,
-    ) -> Result<u16, RecordingError> {
+    pub(super) fn channel(&mut self, topic: &str, schema: &foxglove::Schema) -> Result<u16, RecordingError> {
         self.act(|writer| {
             let schema = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
             writer.add_channel(schema, topic, "protobuf", &BTreeMap::new())
@@ -85,49 +73,27 @@ impl<W: Write> Sink<W> {
     }
 
     /// The same channel as in another container, id included.
-    pub(super) fn copied_channel(
-        &mut self,
-        channel: &mcap::Channel<'_>,
-    ) -> Result<(), RecordingError> {
+    pub(super) fn copied_channel(&mut self, channel: &mcap::Channel<'_>) -> Result<(), RecordingError> {
         self.act(|writer| {
             let schema = match &channel.schema {
-                Some(schema) => writer.add_schema_with_id(
-                    schema.id,
-                    &schema.name,
-                    &schema.encoding,
-                    &schema.data,
-                )?,
+                Some(schema) => writer.add_schema_with_id(schema.id, &schema.name, &schema.encoding, &schema.data)?,
                 None => 0,
             };
             let encoding = &channel.message_encoding;
-            writer.add_channel_with_id(
-                channel.id,
-                schema,
-                &channel.topic,
-                encoding,
-                &channel.metadata,
-            )?;
+            writer.add_channel_with_id(channel.id, schema, &channel.topic, encoding, &channel.metadata)?;
             Ok(())
         })
     }
 
     /// A message; call [`Sink::settle`] where a chunk may end.
-    pub(super) fn message(
-        &mut self,
-        header: &MessageHeader,
-        data: &[u8],
-    ) -> Result<(), RecordingError> {
+    pub(super) fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), RecordingError> {
         self.in_chunk += 1;
         self.act(|writer| writer.write_to_known_channel(header, data))
     }
 
     /// Ends the chunk if it has enough messages: a place where what follows does not depend on what came before.
     pub(super) fn settle(&mut self) -> Result<(), RecordingError> {
-        if self.in_chunk >= MESSAGES_PER_CHUNK {
-            self.end_chunk()
-        } else {
-            Ok(())
-        }
+        if self.in_chunk >= MESSAGES_PER_CHUNK { self.end_chunk() } else { Ok(()) }
     }
 
     /// Ends the chunk and hands it to the system.
@@ -149,14 +115,9 @@ impl<W: Write> Sink<W> {
     /// Writes the summary section and hands the output back, flushed.
     pub(super) fn finish(mut self) -> Result<W, RecordingError> {
         self.act(Writer::finish)?;
-        let writer = self
-            .writer
-            .take()
-            .expect("a writer until the first failure");
+        let writer = self.writer.take().expect("a writer until the first failure");
         let mut output = writer.into_inner().into_inner();
-        output
-            .flush()
-            .map_err(|why| RecordingError::write(&self.path, &why.into()))?;
+        output.flush().map_err(|why| RecordingError::write(&self.path, &why.into()))?;
         Ok(output)
     }
 }
@@ -174,10 +135,7 @@ impl Draft {
     pub(super) fn new(path: &Path, suffix: &str) -> Self {
         let mut part = path.as_os_str().to_owned();
         part.push(suffix);
-        Self {
-            part: part.into(),
-            path: path.to_owned(),
-        }
+        Self { part: part.into(), path: path.to_owned() }
     }
 
     /// Creates it and a container in it.
@@ -185,8 +143,7 @@ impl Draft {
         if self.path.is_dir() {
             return Err(RecordingError::create(&self.path, "it is a folder"));
         }
-        let file =
-            File::create(&self.part).map_err(|why| RecordingError::create(&self.part, why))?;
+        let file = File::create(&self.part).map_err(|why| RecordingError::create(&self.part, why))?;
         Sink::new(BufWriter::new(file), &self.part)
     }
 
@@ -194,10 +151,7 @@ impl Draft {
     /// sees the name sees a whole file, even after a power cut.
     pub(super) fn publish(&self, sink: Sink<BufWriter<File>>) -> Result<(), RecordingError> {
         let written = |why: std::io::Error| RecordingError::write(&self.part, &why.into());
-        let file = sink
-            .finish()?
-            .into_inner()
-            .map_err(|why| written(why.into_error()))?;
+        let file = sink.finish()?.into_inner().map_err(|why| written(why.into_error()))?;
         file.sync_all().map_err(written)?;
         drop(file);
         std::fs::rename(&self.part, &self.path).map_err(|why| RecordingError::Rename {
@@ -211,10 +165,7 @@ impl Draft {
 
 #[cfg(unix)]
 fn sync_folder_of(path: &Path) -> std::io::Result<()> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     File::open(folder)?.sync_all()
 }
 

@@ -72,16 +72,10 @@ impl RobotLogError {
     }
 
     pub(super) fn read(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Read {
-            path: path.to_owned(),
-            why: why.to_string(),
-        }
+        Self::Read { path: path.to_owned(), why: why.to_string() }
     }
 
     pub(super) fn write(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Write {
-            path: path.to_owned(),
-            why: why.to_string(),
-        }
+        Self::Write { path: path.to_owned(), why: why.to_string() }
     }
 }

@@ -22,21 +22,13 @@ const CONTACTS: &str = "contacts.csv";
 pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
     let (stops, stop_ids) = read_stops(&folder.join(STOPS))?;
     if stops.is_empty() {
-        return Err(RobotLogError::NoStops {
-            path: folder.to_owned(),
-        });
+        return Err(RobotLogError::NoStops { path: folder.to_owned() });
     }
     let (names, receptions) = read_receptions(&folder.join(RECEPTIONS), &stop_ids)?;
     let contacts = folder.join(CONTACTS);
-    let contacts = if contacts.exists() {
-        read_contacts(&contacts)?
-    } else {
-        Vec::new()
-    };
-    ReceptionLog::new(names, stops, receptions, contacts).map_err(|why| RobotLogError::Log {
-        path: folder.to_owned(),
-        why,
-    })
+    let contacts = if contacts.exists() { read_contacts(&contacts)? } else { Vec::new() };
+    ReceptionLog::new(names, stops, receptions, contacts)
+        .map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
 }
 
 /// The stops, and the index of each by its identity in the files.
@@ -47,17 +39,12 @@ fn read_stops(path: &Path) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLo
     let mut stops = Vec::new();
     let mut ids = BTreeMap::new();
     table.rows(|row| {
-        let name = row
-            .filled(id)
-            .ok_or_else(|| row.wrong(id, "a number or a name, other than those above"))?;
-        let index = NodeId::from_index(stops.len()).0;
+        let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name, other than those above"))?;
+        let index = u32::try_from(stops.len()).expect("fewer than 2^32 stops");
         if ids.insert(name.to_owned(), index).is_some() {
             return Err(row.wrong(id, "each stop once; this one is given above"));
         }
-        stops.push(Stop {
-            time: row.instant(time)?,
-            position: row.position(place)?,
-        });
+        stops.push(Stop { time: row.instant(time)?, position: row.position(place)? });
         Ok(())
     })?;
     Ok((stops, ids))
@@ -68,13 +55,8 @@ fn read_receptions(
     path: &Path,
     stop_ids: &BTreeMap<String, u32>,
 ) -> Result<(Vec<String>, Vec<Reception>), RobotLogError> {
-    let table = Table::read(
-        path,
-        &["node", "stop", "received"],
-        &["sent", "sector", "rssi_dbm"],
-    )?;
-    let [node, stop, received, sent] =
-        ["node", "stop", "received", "sent"].map(|name| table.column(name));
+    let table = Table::read(path, &["node", "stop", "received"], &["sent", "sector", "rssi_dbm"])?;
+    let [node, stop, received, sent] = ["node", "stop", "received", "sent"].map(|name| table.column(name));
     let [sector, rssi] = ["sector", "rssi_dbm"].map(|name| table.column(name));
     let mut names = Vec::new();
     let mut nodes = BTreeMap::new();
@@ -90,41 +72,23 @@ fn read_receptions(
             NodeId::from_index(names.len() - 1)
         });
         let id = row.filled(stop).unwrap_or("");
-        let stop = *stop_ids
-            .get(id)
-            .ok_or_else(|| row.wrong(stop, known_stops(stop_ids)))?;
+        let stop = *stop_ids.get(id).ok_or_else(|| row.wrong(stop, known_stops(stop_ids)))?;
         let count = |column| row.whole(column, u32::MAX);
         let reception = Reception {
             node,
             stop,
-            received: count(received)?
-                .ok_or_else(|| row.wrong(received, "a whole number, 0 or above"))?,
+            received: count(received)?.ok_or_else(|| row.wrong(received, "a whole number, 0 or above"))?,
             sent: count(sent)?.unwrap_or(1),
-            sector: row
-                .whole(sector, u32::from(u8::MAX))?
-                .and_then(|sector| u8::try_from(sector).ok()),
+            sector: row.whole(sector, u32::from(u8::MAX))?.and_then(|sector| u8::try_from(sector).ok()),
             rssi_dbm: row.finite(rssi)?,
         };
         if reception.received > reception.sent {
-            let default = if row.filled(sent).is_some() {
-                ""
-            } else {
-                ", which is 1 where `sent` is absent"
-            };
-            return Err(row.wrong(
-                received,
-                format!("at most {}, the packets sent{default}", reception.sent),
-            ));
+            let default = if row.filled(sent).is_some() { "" } else { ", which is 1 where `sent` is absent" };
+            return Err(row.wrong(received, format!("at most {}, the packets sent{default}", reception.sent)));
         }
         pairs.push((node, stop, row.offset));
         // Listening to one packet in vain is what an absent pair means.
-        if (
-            reception.received,
-            reception.sent,
-            reception.sector,
-            reception.rssi_dbm,
-        ) != (0, 1, None, None)
-        {
+        if (reception.received, reception.sent, reception.sector, reception.rssi_dbm) != (0, 1, None, None) {
             receptions.push(reception);
         }
         Ok(())
@@ -135,34 +99,17 @@ fn read_receptions(
         .filter(|pair| pair[0].0 == pair[1].0 && pair[0].1 == pair[1].1)
         .min_by_key(|pair| pair[1].2)
     {
-        Some(pair) => Err(twice(
-            path,
-            &table,
-            &names,
-            [pair[0].2, pair[1].2],
-            pair[0].0,
-        )),
+        Some(pair) => Err(twice(path, &table, &names, [pair[0].2, pair[1].2], pair[0].0)),
         None => Ok((names, receptions)),
     }
 }
 
-fn twice(
-    path: &Path,
-    table: &Table,
-    names: &[String],
-    offsets: [usize; 2],
-    node: NodeId,
-) -> RobotLogError {
+fn twice(path: &Path, table: &Table, names: &[String], offsets: [usize; 2], node: NodeId) -> RobotLogError {
     let [first, second] = offsets.map(|offset| table.line(offset));
     let name = &names[node.index()];
-    let problem = format!(
-        "node `{name}` at this stop is already on line {first}; give each pair of node and stop once"
-    );
-    RobotLogError::Row {
-        path: path.to_owned(),
-        line: second,
-        problem,
-    }
+    let problem =
+        format!("node `{name}` at this stop is already on line {first}; give each pair of node and stop once");
+    RobotLogError::Row { path: path.to_owned(), line: second, problem }
 }
 
 fn known_stops(ids: &BTreeMap<String, u32>) -> String {
@@ -170,18 +117,9 @@ fn known_stops(ids: &BTreeMap<String, u32>) -> String {
     by_index.sort_unstable();
     match by_index.as_slice() {
         [(_, first), .., (_, last)] => {
-            format!(
-                "one of the {} stops of {STOPS}, the first of which is `{first}`, the last `{last}`",
-                ids.len()
-            )
+            format!("one of the {} stops of {STOPS}, the first of which is `{first}`, the last `{last}`", ids.len())
         }
-        _ => format!(
-            "the only stop of {STOPS}: {}",
-            by_index
-                .iter()
-                .map(|(_, id)| id.as_str())
-                .collect::<String>()
-        ),
+        _ => format!("the only stop of {STOPS}: {}", by_index.iter().map(|(_, id)| id.as_str()).collect::<String>()),
     }
 }
 
@@ -191,10 +129,7 @@ fn read_contacts(path: &Path) -> Result<Vec<Contact>, RobotLogError> {
     let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
     let mut contacts = Vec::new();
     table.rows(|row: &Row<'_>| {
-        contacts.push(Contact {
-            time: row.instant(time)?,
-            position: row.position(place)?,
-        });
+        contacts.push(Contact { time: row.instant(time)?, position: row.position(place)? });
         Ok(())
     })?;
     Ok(contacts)
@@ -207,29 +142,17 @@ fn read_contacts(path: &Path) -> Result<Vec<Contact>, RobotLogError> {
 /// If the log has no stops, or a file cannot be written.
 pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     if log.stops().is_empty() {
-        return Err(RobotLogError::NoStops {
-            path: folder.to_owned(),
-        });
+        return Err(RobotLogError::NoStops { path: folder.to_owned() });
     }
     std::fs::create_dir_all(folder).map_err(|why| RobotLogError::write(folder, why))?;
     let mut stops = Output::new(&["stop", "t_s", "x_m", "y_m", "z_m"]);
     for (index, stop) in log.stops().iter().enumerate() {
-        stops
-            .text(&index.to_string())
-            .instant(stop.time)
-            .position(stop.position)
-            .end();
+        stops.text(&index.to_string()).instant(stop.time).position(stop.position).end();
     }
     stops.save(&folder.join(STOPS))?;
 
-    let sectors = log
-        .receptions()
-        .iter()
-        .any(|reception| reception.sector.is_some());
-    let strengths = log
-        .receptions()
-        .iter()
-        .any(|reception| reception.rssi_dbm.is_some());
+    let sectors = log.receptions().iter().any(|reception| reception.sector.is_some());
+    let strengths = log.receptions().iter().any(|reception| reception.rssi_dbm.is_some());
     let mut header = vec!["node", "stop", "received", "sent"];
     header.extend(sectors.then_some("sector"));
     header.extend(strengths.then_some("rssi_dbm"));
@@ -252,18 +175,10 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
                 receptions.text(&count.to_string());
             }
             if sectors {
-                receptions.text(
-                    &reception
-                        .sector
-                        .map_or_else(String::new, |sector| sector.to_string()),
-                );
+                receptions.text(&reception.sector.map_or_else(String::new, |sector| sector.to_string()));
             }
             if strengths {
-                receptions.text(
-                    &reception
-                        .rssi_dbm
-                        .map_or_else(String::new, |rssi| rssi.to_string()),
-                );
+                receptions.text(&reception.rssi_dbm.map_or_else(String::new, |rssi| rssi.to_string()));
             }
             receptions.end();
         }
@@ -275,10 +190,7 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     }
     let mut contacts = Output::new(&["t_s", "x_m", "y_m", "z_m"]);
     for contact in log.contacts() {
-        contacts
-            .instant(contact.time)
-            .position(contact.position)
-            .end();
+        contacts.instant(contact.time).position(contact.position).end();
     }
     contacts.save(&folder.join(CONTACTS))
 }

@@ -23,11 +23,7 @@ const COVARIANCE: [(usize, usize, &str); 6] = [
 /// # Errors
 /// If the file cannot be written.
 pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(), RobotLogError> {
-    let with_covariance = map
-        .estimates
-        .iter()
-        .flatten()
-        .any(|estimate| estimate.covariance.is_some());
+    let with_covariance = map.estimates.iter().flatten().any(|estimate| estimate.covariance.is_some());
     let mut header = vec!["node", "x_m", "y_m", "z_m", "ties", "infeasible"];
     if with_covariance {
         header.extend(COVARIANCE.map(|(_, _, name)| name));
@@ -35,10 +31,7 @@ pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(),
     let mut output = Output::new(&header);
     for (name, estimate) in names.iter().zip(&map.estimates) {
         let Some(estimate) = estimate else { continue };
-        output
-            .text(name)
-            .position(estimate.position)
-            .text(&estimate.ties.to_string());
+        output.text(name).position(estimate.position).text(&estimate.ties.to_string());
         output.text(if estimate.infeasible { "1" } else { "0" });
         for (row, column, _) in COVARIANCE.iter().filter(|_| with_covariance) {
             match estimate.covariance {

@@ -17,10 +17,7 @@ pub(super) struct Output {
 impl Output {
     /// A file with this header.
     pub(super) fn new(header: &[&str]) -> Self {
-        let mut output = Self {
-            content: Vec::new(),
-            begun: false,
-        };
+        let mut output = Self { content: Vec::new(), begun: false };
         for name in header {
             output.text(name);
         }
@@ -55,9 +52,7 @@ impl Output {
 
     /// Three cells with a place [m].
     pub(super) fn position(&mut self, position: Position) -> &mut Self {
-        self.number(position.x_m)
-            .number(position.y_m)
-            .number(position.z_m)
+        self.number(position.x_m).number(position.y_m).number(position.z_m)
     }
 
     /// Ends the row.

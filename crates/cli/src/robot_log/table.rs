@@ -41,40 +41,22 @@ impl Table {
         if content.starts_with(b"\xef\xbb\xbf") {
             content.drain(..3);
         }
-        let mut table = Self {
-            path: path.to_owned(),
-            content,
-            columns: Vec::new(),
-        };
-        let header = table
-            .reader()
-            .headers()
-            .cloned()
-            .map_err(|why| table.malformed(&why))?;
+        let mut table = Self { path: path.to_owned(), content, columns: Vec::new() };
+        let header = table.reader().headers().cloned().map_err(|why| table.malformed(&why))?;
         let columns: Vec<String> = header.iter().map(|name| name.trim().to_owned()).collect();
-        let problem = |problem: String| RobotLogError::Row {
-            path: path.to_owned(),
-            line: 1,
-            problem,
-        };
+        let problem = |problem: String| RobotLogError::Row { path: path.to_owned(), line: 1, problem };
         let known = || [required, optional].concat();
         for (at, name) in columns.iter().enumerate() {
             if !known().contains(&name.as_str()) {
-                let hint = nearest(name, &known())
-                    .map_or_else(String::new, |near| format!("did you mean `{near}`? "));
-                return Err(problem(format!(
-                    "unknown column `{name}`; {hint}known columns: {}",
-                    known().join(", ")
-                )));
+                let hint =
+                    nearest(name, &known()).map_or_else(String::new, |near| format!("did you mean `{near}`? "));
+                return Err(problem(format!("unknown column `{name}`; {hint}known columns: {}", known().join(", "))));
             }
             if columns[..at].contains(name) {
                 return Err(problem(format!("column `{name}` appears twice")));
             }
         }
-        if let Some(missing) = required
-            .iter()
-            .find(|name| !columns.iter().any(|column| column == *name))
-        {
+        if let Some(missing) = required.iter().find(|name| !columns.iter().any(|column| column == *name)) {
             return Err(problem(format!(
                 "column `{missing}` is missing; the first line names the columns: {}",
                 required.join(",")
@@ -86,10 +68,7 @@ impl Table {
 
     /// The column `name`.
     pub(super) fn column(&self, name: &'static str) -> Column {
-        Column {
-            name,
-            at: self.columns.iter().position(|column| column == name),
-        }
+        Column { name, at: self.columns.iter().position(|column| column == name) }
     }
 
     /// Shows each row below the header to `visit`.
@@ -98,15 +77,8 @@ impl Table {
         mut visit: impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
     ) -> Result<(), RobotLogError> {
         let mut reader = self.reader();
-        let mut row = Row {
-            table: self,
-            record: csv::StringRecord::new(),
-            offset: 0,
-        };
-        while reader
-            .read_record(&mut row.record)
-            .map_err(|why| self.malformed(&why))?
-        {
+        let mut row = Row { table: self, record: csv::StringRecord::new(), offset: 0 };
+        while reader.read_record(&mut row.record).map_err(|why| self.malformed(&why))? {
             let byte = row.record.position().map_or(0, csv::Position::byte);
             row.offset = usize::try_from(byte).expect("an offset in memory");
             visit(&row)?;
@@ -117,14 +89,8 @@ impl Table {
     /// Line of the row that begins at `offset`, from 1. Counted here, because the reader puts a row that follows a
     /// blank line, or a line that ends in two characters, on the line before.
     pub(super) fn line(&self, offset: usize) -> usize {
-        let blank = self.content[offset..]
-            .iter()
-            .take_while(|byte| matches!(byte, b'\r' | b'\n'))
-            .count();
-        1 + self.content[..offset + blank]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count()
+        let blank = self.content[offset..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+        1 + self.content[..offset + blank].iter().filter(|&&byte| byte == b'\n').count()
     }
 
     fn reader(&self) -> csv::Reader<&[u8]> {
@@ -132,24 +98,15 @@ impl Table {
     }
 
     fn malformed(&self, why: &csv::Error) -> RobotLogError {
-        let offset = why
-            .position()
-            .and_then(|position| usize::try_from(position.byte()).ok())
-            .unwrap_or(0);
+        let offset = why.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
         let problem = match why.kind() {
-            csv::ErrorKind::UnequalLengths {
-                expected_len, len, ..
-            } => {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
                 format!("{len} cells, but the header has {expected_len} columns")
             }
             csv::ErrorKind::Utf8 { .. } => "not UTF-8 text".to_owned(),
             _ => why.to_string(),
         };
-        RobotLogError::Row {
-            path: self.path.clone(),
-            line: self.line(offset),
-            problem,
-        }
+        RobotLogError::Row { path: self.path.clone(), line: self.line(offset), problem }
     }
 }
 
@@ -189,10 +146,7 @@ impl Row<'_> {
 
     /// A place; its height is 0 where the file has no column for it.
     pub(super) fn position(&self, [x, y, z]: [Column; 3]) -> Result<Position, RobotLogError> {
-        let coordinate = |column| {
-            self.finite(column)?
-                .ok_or_else(|| self.wrong(column, "a finite number"))
-        };
+        let coordinate = |column| self.finite(column)?.ok_or_else(|| self.wrong(column, "a finite number"));
         let z_m = if z.at.is_some() { coordinate(z)? } else { 0.0 };
         Ok(Position::new(coordinate(x)?, coordinate(y)?, z_m))
     }

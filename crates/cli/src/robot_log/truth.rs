@@ -23,10 +23,7 @@ pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogErr
         if name.is_empty() {
             return Err(row.wrong(node, "the name of a node"));
         }
-        if places
-            .insert(name.to_owned(), row.position(place)?)
-            .is_some()
-        {
+        if places.insert(name.to_owned(), row.position(place)?).is_some() {
             return Err(row.wrong(node, "each node once; this one is given above"));
         }
         Ok(())

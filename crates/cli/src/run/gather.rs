@@ -34,21 +34,8 @@ impl<'a> Gathering<'a> {
         progress: terminal::Progress,
         names: impl Iterator<Item = String>,
     ) -> Self {
-        let robots = names
-            .map(|name| Track {
-                name,
-                places: Vec::new(),
-                heading_rad: 0.0,
-            })
-            .collect();
-        Self {
-            recorder,
-            frames,
-            interrupt,
-            progress,
-            robots,
-            failure: None,
-        }
+        let robots = names.map(|name| Track { name, places: Vec::new(), heading_rad: 0.0 }).collect();
+        Self { recorder, frames, interrupt, progress, robots, failure: None }
     }
 
     /// Where the robots were, or the first failure to record.
@@ -57,10 +44,7 @@ impl<'a> Gathering<'a> {
         self.failure.map_or(Ok(self.robots), Err)
     }
 
-    fn record(
-        &mut self,
-        write: impl FnOnce(&mut FileRecorder, &[Track]) -> Result<(), RecordingError>,
-    ) {
+    fn record(&mut self, write: impl FnOnce(&mut FileRecorder, &[Track]) -> Result<(), RecordingError>) {
         if self.failure.is_none() {
             self.failure = write(self.recorder, &self.robots).err();
         }
@@ -79,12 +63,7 @@ impl Observer for Gathering<'_> {
             track.places.push(position);
         }
         self.record(|recorder, robots| {
-            recorder.robot(
-                time,
-                &robots[robot].name,
-                position,
-                robots[robot].heading_rad,
-            )
+            recorder.robot(time, &robots[robot].name, position, robots[robot].heading_rad)
         });
     }
 
@@ -92,14 +71,7 @@ impl Observer for Gathering<'_> {
         self.record(|recorder, robots| recorder.contact(&robots[robot].name, &contact));
     }
 
-    fn stopped(
-        &mut self,
-        robot: usize,
-        index: u32,
-        stop: &Stop,
-        _end: SimTime,
-        receptions: &[Reception],
-    ) {
+    fn stopped(&mut self, robot: usize, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
         self.record(|recorder, robots| recorder.stop(&robots[robot].name, index, stop, receptions));
     }
 
@@ -121,11 +93,7 @@ impl Observer for Gathering<'_> {
     }
 
     fn goes_on(&mut self, progress: Progress) -> bool {
-        let note = format!(
-            "nodes heard, {} stops, {:.0} s simulated",
-            progress.stops,
-            progress.time.as_secs_f64()
-        );
+        let note = format!("nodes heard, {} stops, {:.0} s simulated", progress.stops, progress.time.as_secs_f64());
         self.progress.set(progress.nodes_heard as u64, note);
         self.failure.is_none() && !self.interrupt.is_requested()
     }

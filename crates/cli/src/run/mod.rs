@@ -19,8 +19,7 @@ use crate::measure::measure;
 use crate::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{
-    EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary, Timing,
-    peak_rss_bytes,
+    EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary, Timing, peak_rss_bytes,
 };
 use crate::table;
 use crate::terminal;
@@ -39,27 +38,16 @@ fn now() -> Instant {
 pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure> {
     let start = now();
     let interrupt = Interrupt::install()?;
-    let simulation =
-        Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let mut recorder = FileRecorder::create(&arguments.recording())?;
     open(&mut recorder, scenario)?;
-    let (survey, tracks) = gather(
-        simulation,
-        &mut recorder,
-        scenario,
-        &interrupt,
-        arguments.quiet,
-    )?;
+    let (survey, tracks) = gather(simulation, &mut recorder, scenario, &interrupt, arguments.quiet)?;
     let gather_s = start.elapsed().as_secs_f64();
     for track in &tracks {
         recorder.path(survey.end, &track.name, &track.places)?;
     }
     let map_start = now();
-    let maps = if survey.interrupted {
-        Vec::new()
-    } else {
-        map(scenario, &survey, &mut recorder)?
-    };
+    let maps = if survey.interrupted { Vec::new() } else { map(scenario, &survey, &mut recorder)? };
     let map_s = map_start.elapsed().as_secs_f64();
     let mut summary = sum_up(scenario, &survey, maps);
     recorder.summary(&summary.to_json()?)?;
@@ -77,11 +65,7 @@ pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure
         summary.write(path)?;
     }
     print(&summary, arguments)?;
-    if survey.interrupted {
-        Err(Failure::Interrupted)
-    } else {
-        Ok(())
-    }
+    if survey.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
 /// What a recording holds before the first event.
@@ -95,28 +79,13 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     recorder.scenario(scenario.text())?;
     let names: Vec<_> = world.nodes.iter().map(|node| node.name.clone()).collect();
     recorder.nodes(&names)?;
-    let solids: Vec<_> = world
-        .obstacles
-        .obstacles()
-        .iter()
-        .enumerate()
-        .map(|(i, obstacle)| Solid::of(obstacle, i))
-        .collect();
+    let solids: Vec<_> =
+        world.obstacles.obstacles().iter().enumerate().map(|(i, obstacle)| Solid::of(obstacle, i)).collect();
     if !solids.is_empty() {
         recorder.obstacles(SimTime::ZERO, &solids)?;
     }
-    let place = |(i, position)| PlacedNode {
-        node: NodeId::from_index(i),
-        position,
-        error_m: None,
-    };
-    let nodes: Vec<_> = world
-        .nodes
-        .iter()
-        .map(|node| node.position)
-        .enumerate()
-        .map(place)
-        .collect();
+    let place = |(i, position)| PlacedNode { node: NodeId::from_index(i), position, error_m: None };
+    let nodes: Vec<_> = world.nodes.iter().map(|node| node.position).enumerate().map(place).collect();
     recorder.world_nodes(SimTime::ZERO, &nodes)?;
     Ok(())
 }
@@ -129,48 +98,23 @@ fn gather(
     quiet: bool,
 ) -> Result<(Survey, Vec<Track>), Failure> {
     let progress = terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet);
-    let names = scenario
-        .config()
-        .robots
-        .iter()
-        .map(|robot| robot.name.clone());
-    let mut gathering = Gathering::new(
-        recorder,
-        scenario.recording().frames,
-        interrupt,
-        progress,
-        names,
-    );
+    let names = scenario.config().robots.iter().map(|robot| robot.name.clone());
+    let mut gathering = Gathering::new(recorder, scenario.recording().frames, interrupt, progress, names);
     let survey = simulation.run(&mut gathering);
     let tracks = gathering.finish()?;
     Ok((survey, tracks))
 }
 
 /// Computes, records and measures the maps of the scenario.
-fn map(
-    scenario: &Scenario,
-    survey: &Survey,
-    recorder: &mut FileRecorder,
-) -> Result<Vec<MapSummary>, Failure> {
-    let truth: Vec<Position> = scenario
-        .world()
-        .nodes
-        .iter()
-        .map(|node| node.position)
-        .collect();
+fn map(scenario: &Scenario, survey: &Survey, recorder: &mut FileRecorder) -> Result<Vec<MapSummary>, Failure> {
+    let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
     let mut summaries = Vec::new();
     for named in scenario.maps() {
-        let map = named
-            .mapper
-            .map(&survey.log)
-            .map_err(|error| Failure::bad_input(error.to_string()))?;
+        let map = named.mapper.map(&survey.log).map_err(|error| Failure::bad_input(error.to_string()))?;
         let summary = measure(&named.name, &map, Some(&truth), scenario.metrics());
         recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
         for (what, value) in [
-            (
-                "position_error_mean_m",
-                summary.position_error_m.map(|error| error.mean),
-            ),
+            ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
             ("connectivity_error", summary.connectivity_error),
         ] {
             if let Some(value) = value {
@@ -178,11 +122,7 @@ fn map(
             }
         }
         if map.unmapped() > 0 {
-            let note = format!(
-                "{} of {} nodes were never heard and are not mapped",
-                map.unmapped(),
-                truth.len()
-            );
+            let note = format!("{} of {} nodes were never heard and are not mapped", map.unmapped(), truth.len());
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
         }
         record_likelihoods(scenario, named, survey, recorder)?;
@@ -194,18 +134,9 @@ fn map(
 fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
     let place = |(i, (mapped, truth)): (usize, (Option<Position>, &Position))| {
         let position = mapped?;
-        Some(PlacedNode {
-            node: NodeId::from_index(i),
-            position,
-            error_m: Some(position.distance_m(*truth)),
-        })
+        Some(PlacedNode { node: NodeId::from_index(i), position, error_m: Some(position.distance_m(*truth)) })
     };
-    map.positions()
-        .into_iter()
-        .zip(truth)
-        .enumerate()
-        .filter_map(place)
-        .collect()
+    map.positions().into_iter().zip(truth).enumerate().filter_map(place).collect()
 }
 
 /// Records the likelihood surfaces of the chosen nodes: of each the plane through its maximum.
@@ -219,12 +150,7 @@ fn record_likelihoods(
         return Ok(());
     };
     for name in &scenario.recording().likelihood {
-        let at = survey
-            .log
-            .names()
-            .iter()
-            .position(|other| other == name)
-            .expect("the scenario was checked");
+        let at = survey.log.names().iter().position(|other| other == name).expect("the scenario was checked");
         if survey.log.of(NodeId::from_index(at)).is_empty() {
             let note = format!("node {name} was never heard: it has no likelihood");
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
@@ -244,9 +170,7 @@ fn plane(surface: &Surface) -> LikelihoodPlane {
     let [columns, rows, _] = lattice.counts();
     let (maximum, _) = surface.maximum();
     let height = |layer: usize| (lattice.position([0, 0, layer]).z_m - maximum.z_m).abs();
-    let layer = (0..lattice.counts()[2])
-        .min_by(|&a, &b| height(a).total_cmp(&height(b)))
-        .unwrap_or(0);
+    let layer = (0..lattice.counts()[2]).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
     let size = columns * rows;
     LikelihoodPlane {
         first: lattice.position([0, 0, layer]),
@@ -258,25 +182,17 @@ fn plane(surface: &Surface) -> LikelihoodPlane {
 
 fn sum_up(scenario: &Scenario, survey: &Survey, maps: Vec<MapSummary>) -> Summary {
     let packets = survey.packets;
-    let robots = survey
-        .robots
-        .iter()
-        .zip(&scenario.config().robots)
-        .map(|(record, config)| RobotSummary {
-            name: record.name.clone(),
-            stops: record.stops,
-            path_length_m: record.path_length_m,
-            ending: record.ending.map(|ending| match ending {
-                Ending::Complete => "complete",
-                Ending::StepsExhausted => "steps_exhausted",
-                Ending::Stuck => "stuck",
-            }),
-            unreached: unreached(
-                &record.packets,
-                wanted(&config.controller),
-                survey.log.names(),
-            ),
-        });
+    let robots = survey.robots.iter().zip(&scenario.config().robots).map(|(record, config)| RobotSummary {
+        name: record.name.clone(),
+        stops: record.stops,
+        path_length_m: record.path_length_m,
+        ending: record.ending.map(|ending| match ending {
+            Ending::Complete => "complete",
+            Ending::StepsExhausted => "steps_exhausted",
+            Ending::Stuck => "stuck",
+        }),
+        unreached: unreached(&record.packets, wanted(&config.controller), survey.log.names()),
+    });
     Summary {
         scenario: Some(scenario.summary()),
         simulation: Some(SimulationSummary {
@@ -322,12 +238,7 @@ fn wanted(controller: &ControllerConfig) -> u32 {
 
 /// Names of the nodes of which fewer packets were heard than wanted.
 fn unreached(packets: &[u32], wanted: u32, names: &[String]) -> Vec<String> {
-    packets
-        .iter()
-        .zip(names)
-        .filter(|&(&heard, _)| heard < wanted)
-        .map(|(_, name)| name.clone())
-        .collect()
+    packets.iter().zip(names).filter(|&(&heard, _)| heard < wanted).map(|(_, name)| name.clone()).collect()
 }
 
 fn print(summary: &Summary, arguments: &Arguments) -> Result<(), Failure> {

@@ -8,9 +8,7 @@ use sextant_kernel::{Seed, SettingError};
 use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_mapper::{MapConfig, Mapper};
-use sextant_sim::{
-    Body, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World,
-};
+use sextant_sim::{Body, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World};
 use sha2::{Digest, Sha256};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -62,21 +60,12 @@ impl Scenario {
         let text = std::mem::take(&mut document.text);
         document.rebase_files(path.parent().unwrap_or(Path::new("")));
         let config: ScenarioConfig = deserialize(&document)?;
-        let mut errors = Errors {
-            document: &document,
-            found: Vec::new(),
-        };
+        let mut errors = Errors { document: &document, found: Vec::new() };
         let folder = path.parent().unwrap_or(Path::new(""));
         let (parts, maps) = check(&config, folder, &mut errors);
         ScenarioErrors::check(errors.found)?;
         let parts = parts.expect("what has no errors has all its parts");
-        Ok(Self {
-            config,
-            file: path.to_path_buf(),
-            text,
-            parts,
-            maps,
-        })
+        Ok(Self { config, file: path.to_path_buf(), text, parts, maps })
     }
 
     /// The scenario as written, all layers merged.
@@ -107,11 +96,7 @@ impl Scenario {
     /// Name of the file, without its folder.
     #[must_use]
     pub fn file_name(&self) -> String {
-        self.file
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
+        self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// The world.
@@ -142,14 +127,8 @@ impl Scenario {
     #[must_use]
     pub fn setup(&self) -> Setup {
         let obstacles = &self.parts.world.obstacles;
-        let robot = |config| {
-            robot(config, obstacles).expect("the robots were checked when the scenario was read")
-        };
-        setup(
-            &self.config,
-            self.parts.clone(),
-            self.config.robots.iter().map(robot).collect(),
-        )
+        let robot = |config| robot(config, obstacles).expect("the robots were checked when the scenario was read");
+        setup(&self.config, self.parts.clone(), self.config.robots.iter().map(robot).collect())
     }
 
     /// What the results say of the scenario.
@@ -158,10 +137,7 @@ impl Scenario {
         ScenarioSummary {
             name: self.config.name.clone(),
             file: self.file_name(),
-            sha256: Sha256::digest(&self.text)
-                .iter()
-                .map(|byte| format!("{byte:02x}"))
-                .collect(),
+            sha256: Sha256::digest(&self.text).iter().map(|byte| format!("{byte:02x}")).collect(),
             seed: self.config.seed,
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
@@ -189,37 +165,23 @@ pub(super) struct Errors<'a> {
 
 impl Errors<'_> {
     fn refuse(&mut self, error: &SettingError) {
-        self.found
-            .push(ScenarioError::setting(self.document, error));
+        self.found.push(ScenarioError::setting(self.document, error));
     }
 
     /// The value, or none and a refusal within `table`.
     pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
-        result
-            .map_err(|error| self.refuse(&error.within(table)))
-            .ok()
+        result.map_err(|error| self.refuse(&error.within(table))).ok()
     }
 }
 
 /// Checks each part of the scenario on its own, then the whole.
-fn check(
-    config: &ScenarioConfig,
-    folder: &Path,
-    errors: &mut Errors<'_>,
-) -> (Option<Parts>, Vec<NamedMap>) {
+fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Option<Parts>, Vec<NamedMap>) {
     if config.name.trim().is_empty() {
-        errors.refuse(&SettingError::new(
-            "name",
-            "empty",
-            "a name of at least one letter",
-        ));
+        errors.refuse(&SettingError::new("name", "empty", "a name of at least one letter"));
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
     let radio = errors.take("radio", Radio::try_from(config.radio));
-    errors.take(
-        "channel",
-        Channel::new(config.channel, ObstacleField::default(), Seed(config.seed)),
-    );
+    errors.take("channel", Channel::new(config.channel, ObstacleField::default(), Seed(config.seed)));
     let csma = errors.take("mac", CsmaSettings::try_from(config.mac));
     let traffic = errors.take("traffic", Traffic::try_from(config.traffic));
     let reception = errors.take("reception", ReceptionModel::try_from(config.reception));
@@ -235,21 +197,10 @@ fn check(
     for (i, name) in config.recording.likelihood.iter().enumerate() {
         if !world.nodes.iter().any(|node| node.name == *name) {
             let key = format!("recording.likelihood[{i}]");
-            errors.refuse(&SettingError::new(
-                key,
-                format!("`{name}`"),
-                "the name of a node",
-            ));
+            errors.refuse(&SettingError::new(key, format!("`{name}`"), "the name of a node"));
         }
     }
-    let parts = Parts {
-        world,
-        radio,
-        reception,
-        csma,
-        traffic,
-        radio_states,
-    };
+    let parts = Parts { world, radio, reception, csma, traffic, radio_states };
     if errors.found.is_empty() {
         // What depends on several parts, the size of frames and addresses, the simulation checks itself.
         if let Err(error) = Simulation::new(setup(config, parts.clone(), robots)) {
@@ -259,32 +210,18 @@ fn check(
     (Some(parts), maps)
 }
 
-fn check_robots(
-    config: &ScenarioConfig,
-    world: Option<&World>,
-    errors: &mut Errors<'_>,
-) -> Vec<Robot> {
+fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Robot> {
     let mut robots: Vec<Robot> = Vec::new();
     if config.robots.is_empty() {
-        errors.refuse(&SettingError::new(
-            "robots",
-            "empty",
-            "at least one robot, to listen",
-        ));
+        errors.refuse(&SettingError::new("robots", "empty", "at least one robot, to listen"));
     }
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = format!("robots[{i}]");
-        let robot = robot(
-            robot_config,
-            world.map_or(&ObstacleField::default(), |world| &world.obstacles),
-        );
+        let robot = robot(robot_config, world.map_or(&ObstacleField::default(), |world| &world.obstacles));
         let Some(robot) = errors.take(&table, robot) else {
             continue;
         };
-        if robots
-            .iter()
-            .any(|other| other.body.name == robot.body.name)
-        {
+        if robots.iter().any(|other| other.body.name == robot.body.name) {
             let found = format!("`{}`, as of a robot before", robot.body.name);
             errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));
         }
@@ -297,15 +234,11 @@ pub(super) fn check_maps(configs: &[MapConfig], errors: &mut Errors<'_>) -> Vec<
     let mut maps: Vec<NamedMap> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
         let table = format!("maps[{i}]");
-        let mapper =
-            Mapper::try_from(config.algorithm.clone()).map_err(|error| error.within("algorithm"));
+        let mapper = Mapper::try_from(config.algorithm.clone()).map_err(|error| error.within("algorithm"));
         let Some(mapper) = errors.take(&table, mapper) else {
             continue;
         };
-        let name = config
-            .name
-            .clone()
-            .unwrap_or_else(|| mapper.name().to_owned());
+        let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         if name.is_empty() || !name.chars().all(is_plain) {
             let allowed = "letters, digits, `-`, `_` and `.`, at least one";
@@ -320,44 +253,22 @@ pub(super) fn check_maps(configs: &[MapConfig], errors: &mut Errors<'_>) -> Vec<
     maps
 }
 
-fn robot(
-    config: &RobotConfig<ControllerConfig>,
-    obstacles: &ObstacleField,
-) -> Result<Robot, SettingError> {
+fn robot(config: &RobotConfig<ControllerConfig>, obstacles: &ObstacleField) -> Result<Robot, SettingError> {
     let body = Body::try_from(config)?;
     if let Some(inside) = obstacles.containing(body.start) {
         let [x, y, z] = body.start.into();
-        let name = obstacles.obstacles()[inside]
-            .name()
-            .map_or_else(|| inside.to_string(), |name| format!("`{name}`"));
+        let name =
+            obstacles.obstacles()[inside].name().map_or_else(|| inside.to_string(), |name| format!("`{name}`"));
         let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
-        return Err(SettingError::new(
-            "start_m",
-            found,
-            "a place outside all obstacles",
-        ));
+        return Err(SettingError::new("start_m", found, "a place outside all obstacles"));
     }
-    let surroundings = Surroundings {
-        obstacles,
-        start: body.start,
-        radius_m: body.radius_m,
-    };
-    let controller = config
-        .controller
-        .build(&surroundings)
-        .map_err(|error| error.within("controller"))?;
+    let surroundings = Surroundings { obstacles, start: body.start, radius_m: body.radius_m };
+    let controller = config.controller.build(&surroundings).map_err(|error| error.within("controller"))?;
     Ok(Robot { body, controller })
 }
 
 fn setup(config: &ScenarioConfig, parts: Parts, robots: Vec<Robot>) -> Setup {
-    let Parts {
-        world,
-        radio,
-        reception,
-        csma,
-        traffic,
-        radio_states,
-    } = parts;
+    let Parts { world, radio, reception, csma, traffic, radio_states } = parts;
     Setup {
         world,
         channel: config.channel,

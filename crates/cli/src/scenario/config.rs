@@ -88,9 +88,7 @@ pub struct MetricsConfig {
 
 impl Default for MetricsConfig {
     fn default() -> Self {
-        Self {
-            neighbourhood_m: vec![5.0, 3.0, 10.0],
-        }
+        Self { neighbourhood_m: vec![5.0, 3.0, 10.0] }
     }
 }
 

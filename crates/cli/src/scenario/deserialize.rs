@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer,
-    Unexpected, VariantAccess, Visitor,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer, Unexpected,
+    VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
 use serde_path_to_error::Segment;
@@ -17,19 +17,10 @@ use super::key_path::{KeyPath, Step};
 /// Why serde refuses a setting.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    UnknownField {
-        field: String,
-        expected: &'static [&'static str],
-    },
-    UnknownVariant {
-        variant: String,
-        expected: &'static [&'static str],
-    },
+    UnknownField { field: String, expected: &'static [&'static str] },
+    UnknownVariant { variant: String, expected: &'static [&'static str] },
     MissingField(&'static str),
-    Unfit {
-        found: String,
-        expected: String,
-    },
+    Unfit { found: String, expected: String },
     Other(String),
 }
 
@@ -37,9 +28,7 @@ impl Refusal {
     /// The key or choice that is unknown; empty for other refusals.
     pub(crate) fn name(&self) -> &str {
         match self {
-            Self::UnknownField { field: name, .. } | Self::UnknownVariant { variant: name, .. } => {
-                name
-            }
+            Self::UnknownField { field: name, .. } | Self::UnknownVariant { variant: name, .. } => name,
             _ => "",
         }
     }
@@ -65,10 +54,7 @@ impl de::Error for Refusal {
     }
 
     fn invalid_type(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::Unfit {
-            found: found(unexpected),
-            expected: wanted(&expected.to_string()),
-        }
+        Self::Unfit { found: found(unexpected), expected: wanted(&expected.to_string()) }
     }
 
     fn invalid_value(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {
@@ -76,24 +62,15 @@ impl de::Error for Refusal {
     }
 
     fn invalid_length(length: usize, expected: &dyn Expected) -> Self {
-        Self::Unfit {
-            found: format!("an array of {length}"),
-            expected: expected.to_string(),
-        }
+        Self::Unfit { found: format!("an array of {length}"), expected: expected.to_string() }
     }
 
     fn unknown_variant(variant: &str, expected: &'static [&'static str]) -> Self {
-        Self::UnknownVariant {
-            variant: variant.to_owned(),
-            expected,
-        }
+        Self::UnknownVariant { variant: variant.to_owned(), expected }
     }
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
-        Self::UnknownField {
-            field: field.to_owned(),
-            expected,
-        }
+        Self::UnknownField { field: field.to_owned(), expected }
     }
 
     fn missing_field(field: &'static str) -> Self {
@@ -163,9 +140,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
             Value::Integer(integer) => match (i64::try_from(*integer), u64::try_from(*integer)) {
                 (Ok(signed), _) => visitor.visit_i64(signed),
                 (_, Ok(unsigned)) => visitor.visit_u64(unsigned),
-                _ => Err(Refusal::Other(
-                    "this integer does not fit into 64 bits".to_owned(),
-                )),
+                _ => Err(Refusal::Other("this integer does not fit into 64 bits".to_owned())),
             },
             Value::Float(float) => visitor.visit_f64(*float),
             Value::String(text) => visitor.visit_str(text),
@@ -180,9 +155,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 Ok(value)
             }
             Value::Table(table) => {
-                let entries = table
-                    .iter()
-                    .map(|(key, entry)| (key.as_str(), Reader(entry)));
+                let entries = table.iter().map(|(key, entry)| (key.as_str(), Reader(entry)));
                 visitor.visit_map(MapDeserializer::new(entries))
             }
         }
@@ -207,10 +180,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         visitor: V,
     ) -> Result<V::Value, Refusal> {
         match &self.0.value {
-            Value::String(name) => visitor.visit_enum(Choice {
-                name,
-                content: None,
-            }),
+            Value::String(name) => visitor.visit_enum(Choice { name, content: None }),
             Value::Table(table) => visitor.visit_enum(choice(table, variants)?),
             _ => self.deserialize_any(visitor),
         }
@@ -233,14 +203,9 @@ impl<'de> IntoDeserializer<'de, Refusal> for Reader<'_> {
 /// The one choice that a table makes. A choice of a later layer replaces that of an earlier one.
 fn choice<'a>(table: &'a Table, variants: &'static [&'static str]) -> Result<Choice<'a>, Refusal> {
     let latest = table.values().map(|entry| entry.layer).max();
-    let mut chosen = table
-        .iter()
-        .filter(|(_, entry)| Some(entry.layer) == latest);
+    let mut chosen = table.iter().filter(|(_, entry)| Some(entry.layer) == latest);
     match (chosen.next(), chosen.next()) {
-        (Some((name, entry)), None) => Ok(Choice {
-            name,
-            content: Some(entry),
-        }),
+        (Some((name, entry)), None) => Ok(Choice { name, content: Some(entry) }),
         (None, _) => Err(Refusal::Unfit {
             found: "an empty table".to_owned(),
             expected: format!("a table with one of {}", names(variants.iter().copied())),
@@ -250,19 +215,13 @@ fn choice<'a>(table: &'a Table, variants: &'static [&'static str]) -> Result<Cho
             if let Some(name) = table.keys().find(|name| !variants.contains(&name.as_str())) {
                 return Err(de::Error::unknown_variant(name, variants));
             }
-            Err(Refusal::Other(format!(
-                "{} exclude each other: keep one",
-                names(table.keys().map(String::as_str))
-            )))
+            Err(Refusal::Other(format!("{} exclude each other: keep one", names(table.keys().map(String::as_str)))))
         }
     }
 }
 
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ")
+    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 /// A variant by name, with its content if it was written as a table.
@@ -275,18 +234,9 @@ impl<'de, 'a> EnumAccess<'de> for Choice<'a> {
     type Error = Refusal;
     type Variant = Content<'a>;
 
-    fn variant_seed<T: DeserializeSeed<'de>>(
-        self,
-        seed: T,
-    ) -> Result<(T::Value, Content<'a>), Refusal> {
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Content<'a>), Refusal> {
         let name: StrDeserializer<'_, Refusal> = self.name.into_deserializer();
-        Ok((
-            seed.deserialize(name)?,
-            Content {
-                name: self.name,
-                content: self.content,
-            },
-        ))
+        Ok((seed.deserialize(name)?, Content { name: self.name, content: self.content }))
     }
 }
 
@@ -327,11 +277,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         seed.deserialize(self.reader()?)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(
-        self,
-        _length: usize,
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
+    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Refusal> {
         self.reader()?.deserialize_any(visitor)
     }
 
@@ -342,9 +288,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
     ) -> Result<V::Value, Refusal> {
         match self.content {
             Some(entry) => Reader(entry).deserialize_any(visitor),
-            None => visitor.visit_map(MapDeserializer::new(
-                std::iter::empty::<(&str, Reader<'_>)>(),
-            )),
+            None => visitor.visit_map(MapDeserializer::new(std::iter::empty::<(&str, Reader<'_>)>())),
         }
     }
 }

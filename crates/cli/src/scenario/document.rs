@@ -120,23 +120,10 @@ impl Entry {
 /// Parses the text of `sources[index]`.
 pub(crate) fn parse(sources: &[Source], index: usize) -> Result<Entry, ScenarioError> {
     let source = &sources[index];
-    let root =
-        DeTable::parse(&source.text).map_err(|error| ScenarioError::syntax(source, &error))?;
-    let reader = Reader {
-        sources,
-        index,
-        shift: 0,
-    };
-    let origin = Origin {
-        source: index,
-        key: None,
-        value: 0..0,
-    };
-    Ok(Entry {
-        value: reader.table(root.get_ref())?,
-        origin,
-        layer: index,
-    })
+    let root = DeTable::parse(&source.text).map_err(|error| ScenarioError::syntax(source, &error))?;
+    let reader = Reader { sources, index, shift: 0 };
+    let origin = Origin { source: index, key: None, value: 0..0 };
+    Ok(Entry { value: reader.table(root.get_ref())?, origin, layer: index })
 }
 
 /// Parses one value that stands at byte `shift` of `sources[index]`; none if it is no TOML value.
@@ -149,13 +136,7 @@ pub(crate) fn parse_value(
     match DeValue::parse(text) {
         Ok(value) => {
             let span = value.span();
-            Reader {
-                sources,
-                index,
-                shift,
-            }
-            .value(value.get_ref(), &span)
-            .map(Some)
+            Reader { sources, index, shift }.value(value.get_ref(), &span).map(Some)
         }
         Err(_) => Ok(None),
     }
@@ -177,20 +158,9 @@ impl Reader<'_> {
         let mut entries = Table::new();
         for (key, value) in table {
             let span = value.span();
-            let origin = Origin {
-                source: self.index,
-                key: Some(self.moved(&key.span())),
-                value: self.moved(&span),
-            };
+            let origin = Origin { source: self.index, key: Some(self.moved(&key.span())), value: self.moved(&span) };
             let value = self.value(value.get_ref(), &span)?;
-            entries.insert(
-                key.get_ref().to_string(),
-                Entry {
-                    value,
-                    origin,
-                    layer: self.index,
-                },
-            );
+            entries.insert(key.get_ref().to_string(), Entry { value, origin, layer: self.index });
         }
         Ok(Value::Table(entries))
     }
@@ -216,16 +186,8 @@ impl Reader<'_> {
                 let mut entries = Vec::with_capacity(items.len());
                 for item in items {
                     let span = item.span();
-                    let origin = Origin {
-                        source: self.index,
-                        key: None,
-                        value: self.moved(&span),
-                    };
-                    entries.push(Entry {
-                        value: self.value(item.get_ref(), &span)?,
-                        origin,
-                        layer: self.index,
-                    });
+                    let origin = Origin { source: self.index, key: None, value: self.moved(&span) };
+                    entries.push(Entry { value: self.value(item.get_ref(), &span)?, origin, layer: self.index });
                 }
                 Value::Array(entries)
             }

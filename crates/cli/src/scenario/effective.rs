@@ -7,26 +7,17 @@ use super::document::{Document, Entry, Source, Value};
 use super::key_path::{KeyPath, Step};
 
 /// Where a scenario names files, `*` for every index of an array.
-const FILES: [&[&str]; 2] = [
-    &["world", "nodes", "csv", "file"],
-    &["world", "obstacles", "*", "shape", "mesh", "file"],
-];
+const FILES: [&[&str]; 2] =
+    [&["world", "nodes", "csv", "file"], &["world", "obstacles", "*", "shape", "mesh", "file"]];
 
 /// A text that reads as the settings in `root`: one line `path.to.key = value` for each.
 pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
     let mut text = "# What these amount to:".to_owned();
     for (i, source) in sources.iter().enumerate() {
         // File names without folders: the same scenario gives the same text wherever it lies.
-        let name = Path::new(&source.name)
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy();
+        let name = Path::new(&source.name).file_name().unwrap_or_default().to_string_lossy();
         let sep = if i > 0 { "," } else { "" };
-        let flag = if name.starts_with("--") {
-            format!(" {:?}", source.text)
-        } else {
-            String::new()
-        };
+        let flag = if name.starts_with("--") { format!(" {:?}", source.text) } else { String::new() };
         // Writing to a string never fails.
         let _ = write!(text, "{sep} {name}{flag}");
     }
@@ -57,23 +48,12 @@ fn inline(value: &Value) -> String {
         Value::String(text) => toml::Value::String(text.clone()).to_string(),
         Value::Datetime(text) => text.clone(),
         Value::Array(items) => {
-            format!(
-                "[{}]",
-                items
-                    .iter()
-                    .map(|item| inline(&item.value))
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            )
+            format!("[{}]", items.iter().map(|item| inline(&item.value)).collect::<Vec<_>>().join(", "))
         }
         Value::Table(table) => {
-            let settings = table.iter().map(|(key, entry)| {
-                format!(
-                    "{} = {}",
-                    KeyPath(vec![Step::Key(key.clone())]),
-                    inline(&entry.value)
-                )
-            });
+            let settings = table
+                .iter()
+                .map(|(key, entry)| format!("{} = {}", KeyPath(vec![Step::Key(key.clone())]), inline(&entry.value)));
             format!("{{ {} }}", settings.collect::<Vec<_>>().join(", "))
         }
     }
@@ -105,9 +85,7 @@ fn rebase(entry: &mut Entry, steps: &[&str], sources: &[Source], folder: &Path) 
             }
         }
         (Value::Array(items), ["*", rest @ ..]) => {
-            items
-                .iter_mut()
-                .for_each(|item| rebase(item, rest, sources, folder));
+            items.iter_mut().for_each(|item| rebase(item, rest, sources, folder));
         }
         _ => {}
     }

@@ -15,9 +15,16 @@ use super::key_path::{KeyPath, Step};
 #[derive(Clone, Debug)]
 pub struct ScenarioError {
     message: String,
-    source: Option<NamedSource<Arc<str>>>,
-    labels: Vec<LabeledSpan>,
+    place: Option<Box<Place>>,
     help: Option<String>,
+}
+
+/// A piece of a source, and what is said of it.
+#[derive(Clone, Debug)]
+struct Place {
+    source: NamedSource<Arc<str>>,
+    span: Range<usize>,
+    label: String,
 }
 
 /// Everything found wrong with one scenario; never empty.
@@ -27,11 +34,7 @@ pub struct ScenarioErrors(Vec<ScenarioError>);
 impl ScenarioErrors {
     /// The errors, if there are any.
     pub(crate) fn check(errors: Vec<ScenarioError>) -> Result<(), Self> {
-        if errors.is_empty() {
-            Ok(())
-        } else {
-            Err(Self(errors))
-        }
+        if errors.is_empty() { Ok(()) } else { Err(Self(errors)) }
     }
 
     /// The errors, in the order of the scenario's parts.
@@ -63,39 +66,26 @@ impl std::error::Error for ScenarioErrors {}
 
 impl ScenarioError {
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        Self {
-            message: message.into(),
-            source: None,
-            labels: Vec::new(),
-            help: None,
-        }
+        Self { message: message.into(), place: None, help: None }
     }
 
     /// Points at `span` of `source`.
-    pub(crate) fn at(
-        mut self,
-        source: &Source,
-        span: Range<usize>,
-        label: impl Into<String>,
-    ) -> Self {
-        self.source = Some(NamedSource::new(&source.name, Arc::clone(&source.text)));
-        self.labels = vec![LabeledSpan::new_primary_with_span(Some(label.into()), span)];
+    pub(crate) fn at(mut self, source: &Source, span: Range<usize>, label: impl Into<String>) -> Self {
+        self.place = Some(Box::new(Place {
+            source: NamedSource::new(&source.name, Arc::clone(&source.text)),
+            span,
+            label: label.into(),
+        }));
         self
     }
 
     /// Where it points, as `file:line:column`, if anywhere; lines and columns count from 1.
     #[must_use]
     pub fn place(&self) -> Option<String> {
-        let (source, label) = (self.source.as_ref()?, self.labels.first()?);
-        let before = &source.inner()[..label.offset()];
+        let Place { source, span, .. } = self.place.as_deref()?;
+        let before = &source.inner()[..span.start];
         let line = before.matches('\n').count() + 1;
-        let column = before
-            .rsplit('\n')
-            .next()
-            .unwrap_or_default()
-            .chars()
-            .count()
-            + 1;
+        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
         Some(format!("{}:{line}:{column}", source.name()))
     }
 
@@ -113,8 +103,9 @@ impl ScenarioError {
         }
         match error.kind() {
             std::io::ErrorKind::NotFound => Self::new(format!("there is no file `{name}`")),
-            std::io::ErrorKind::InvalidData => Self::new(format!("`{name}` is not UTF-8 text"))
-                .help("a scenario is a text file in the TOML format"),
+            std::io::ErrorKind::InvalidData => {
+                Self::new(format!("`{name}` is not UTF-8 text")).help("a scenario is a text file in the TOML format")
+            }
             _ => Self::new(format!("`{name}` cannot be read: {error}")),
         }
     }
@@ -134,11 +125,7 @@ impl ScenarioError {
         match KeyPath::parse(&error.key) {
             Ok(path) => {
                 let (entry, exact) = document.nearest(&path);
-                let label = if exact {
-                    value_label(&error.allowed)
-                } else {
-                    "in this table".to_owned()
-                };
+                let label = if exact { value_label(&error.allowed) } else { "in this table".to_owned() };
                 this.pointing(document, entry, exact, label)
             }
             Err(_) => this,
@@ -150,31 +137,17 @@ impl ScenarioError {
         use super::Refusal;
         let (entry, exact) = document.nearest(path);
         // The path to an unknown key may end at the key or at its table.
-        let (table, entry_of) = |name: &str| -> (KeyPath, &Entry) {
-            let step = Step::Key(name.to_owned());
-            match (path.0.last(), entry.child(&step)) {
-                (_, Some(child)) => (path.clone(), child),
-                (Some(last), None) if *last == step => {
-                    (KeyPath(path.0[..path.0.len() - 1].to_vec()), entry)
-                }
-                _ => (path.clone(), entry),
-            }
-        }(refusal.name());
-        let place = if table.0.is_empty() {
-            "the scenario".to_owned()
-        } else {
-            format!("`{table}`")
+        let step = Step::Key(refusal.name().to_owned());
+        let (table, entry_of) = match (path.0.split_last(), entry.child(&step)) {
+            (_, Some(child)) => (path.clone(), child),
+            (Some((last, above)), None) if *last == step => (KeyPath(above.to_vec()), entry),
+            _ => (path.clone(), entry),
         };
+        let place = if table.0.is_empty() { "the scenario".to_owned() } else { format!("`{table}`") };
         match refusal {
-            Refusal::UnknownField { field, expected } => {
-                Self::new(format!("unknown key `{field}` in {place}"))
-                    .pointing_at_key(
-                        document,
-                        &entry_of.origin,
-                        suggestion(field, expected, "no such key"),
-                    )
-                    .help(allowed("keys allowed here", expected))
-            }
+            Refusal::UnknownField { field, expected } => Self::new(format!("unknown key `{field}` in {place}"))
+                .pointing_at_key(document, &entry_of.origin, suggestion(field, expected, "no such key"))
+                .help(allowed("keys allowed here", expected)),
             Refusal::UnknownVariant { variant, expected } => {
                 let is_key = matches!(entry.value, Value::Table(_)) || !exact;
                 let label = suggestion(variant, expected, "no such choice");
@@ -188,49 +161,25 @@ impl ScenarioError {
             }
             Refusal::MissingField(field) => Self::new(format!("`{field}` is missing in {place}"))
                 .pointing_at_key(document, &entry.origin, "this table needs it")
-                .help(format!(
-                    "write `{} = ..`",
-                    path.child(Step::Key((*field).to_owned()))
-                )),
-            Refusal::Unfit { found, expected } => Self::new(format!(
-                "`{path}` is {found}; allowed: {expected}"
-            ))
-            .pointing(document, entry, exact, value_label(expected)),
+                .help(format!("write `{} = ..`", path.child(Step::Key((*field).to_owned())))),
+            Refusal::Unfit { found, expected } => Self::new(format!("`{path}` is {found}; allowed: {expected}"))
+                .pointing(document, entry, exact, value_label(expected)),
             Refusal::Other(message) => {
-                let message = if path.0.is_empty() {
-                    message.clone()
-                } else {
-                    format!("`{path}`: {message}")
-                };
+                let message = if path.0.is_empty() { message.clone() } else { format!("`{path}`: {message}") };
                 Self::new(message).pointing(document, entry, exact, "here")
             }
         }
     }
 
     /// Points at the value of `entry`, or at its key where the value is a table or not the very one meant.
-    fn pointing(
-        self,
-        document: &Document,
-        entry: &Entry,
-        exact: bool,
-        label: impl Into<String>,
-    ) -> Self {
+    fn pointing(self, document: &Document, entry: &Entry, exact: bool, label: impl Into<String>) -> Self {
         let origin = &entry.origin;
         let whole = matches!(entry.value, Value::Table(_)) || !exact;
-        let span = if whole {
-            origin.head()
-        } else {
-            origin.value.clone()
-        };
+        let span = if whole { origin.head() } else { origin.value.clone() };
         self.at(&document.sources[origin.source], span, label)
     }
 
-    fn pointing_at_key(
-        self,
-        document: &Document,
-        origin: &Origin,
-        label: impl Into<String>,
-    ) -> Self {
+    fn pointing_at_key(self, document: &Document, origin: &Origin, label: impl Into<String>) -> Self {
         self.at(&document.sources[origin.source], origin.head(), label)
     }
 }
@@ -245,31 +194,23 @@ impl std::error::Error for ScenarioError {}
 
 impl Diagnostic for ScenarioError {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help
-            .as_ref()
-            .map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|source| source as &dyn SourceCode)
+        self.place.as_deref().map(|place| &place.source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        if self.labels.is_empty() {
-            None
-        } else {
-            Some(Box::new(self.labels.iter().cloned()))
-        }
+        let Place { span, label, .. } = self.place.as_deref()?;
+        let label = LabeledSpan::new_primary_with_span(Some(label.clone()), span.clone());
+        Some(Box::new(std::iter::once(label)))
     }
 }
 
 /// What stands below a value outside its domain; what is allowed again only if it is short.
 fn value_label(allowed: &str) -> String {
-    if allowed.chars().count() <= 50 {
-        format!("allowed: {allowed}")
-    } else {
-        "this value".to_owned()
-    }
+    if allowed.chars().count() <= 50 { format!("allowed: {allowed}") } else { "this value".to_owned() }
 }
 
 /// "did you mean ..?" if one of `expected` is close to `found`, else `otherwise`.

@@ -36,12 +36,7 @@ pub(crate) struct PathError {
 impl KeyPath {
     /// Parses `a.b[2].c`, `a.b.2.c` or `a."odd key".c`.
     pub(crate) fn parse(text: &str) -> Result<Self, PathError> {
-        Ok(Self(
-            Self::parse_spanned(text)?
-                .into_iter()
-                .map(|(step, _)| step)
-                .collect(),
-        ))
+        Ok(Self(Self::parse_spanned(text)?.into_iter().map(|(step, _)| step).collect()))
     }
 
     /// Parses a path; each step comes with the bytes where it was written.
@@ -50,12 +45,7 @@ impl KeyPath {
         let mut at = 0;
         loop {
             let rest = &text[at..];
-            let fail = |length: usize, message| {
-                Err(PathError {
-                    span: at..at + length,
-                    message,
-                })
-            };
+            let fail = |length: usize, message| Err(PathError { span: at..at + length, message });
             if rest.starts_with('[') && !steps.is_empty() {
                 let Some(close) = rest.find(']') else {
                     return fail(rest.len(), "`[` without `]`");
@@ -75,10 +65,7 @@ impl KeyPath {
                 let length = rest.find(['.', '[']).unwrap_or(rest.len());
                 let key = rest[..length].trim();
                 if key.is_empty() {
-                    return fail(
-                        length.max(usize::from(!rest.is_empty())),
-                        "a key is missing here",
-                    );
+                    return fail(length.max(usize::from(!rest.is_empty())), "a key is missing here");
                 }
                 steps.push((Step::Key(key.to_owned()), at..at + length));
                 at += length;
@@ -89,10 +76,7 @@ impl KeyPath {
                 Some('.') => at += 1,
                 Some(other) => {
                     let span = at..at + other.len_utf8();
-                    return Err(PathError {
-                        span,
-                        message: "expected `.` between keys",
-                    });
+                    return Err(PathError { span, message: "expected `.` between keys" });
                 }
             }
         }
@@ -132,40 +116,22 @@ mod tests {
 
     #[test]
     fn a_path_prints_as_it_was_written() {
-        for text in [
-            "seed",
-            "world.obstacles[2].shape.box.size_m",
-            "a.\"odd key\".c[0][1]",
-        ] {
+        for text in ["seed", "world.obstacles[2].shape.box.size_m", "a.\"odd key\".c[0][1]"] {
             assert_eq!(KeyPath::parse(text).unwrap().to_string(), text);
         }
-        assert_eq!(
-            KeyPath::parse("robots.0.speed").unwrap().0[1].index(),
-            Some(0)
-        );
+        assert_eq!(KeyPath::parse("robots.0.speed").unwrap().0[1].index(), Some(0));
     }
 
     #[test]
     fn each_step_knows_its_bytes() {
         let text = "a.bc[10].d";
-        let spans: Vec<_> = KeyPath::parse_spanned(text)
-            .unwrap()
-            .into_iter()
-            .map(|(_, span)| &text[span])
-            .collect();
+        let spans: Vec<_> = KeyPath::parse_spanned(text).unwrap().into_iter().map(|(_, span)| &text[span]).collect();
         assert_eq!(spans, ["a", "bc", "[10]", "d"]);
     }
 
     #[test]
     fn broken_paths_are_refused_where_they_break() {
-        for (text, span) in [
-            ("", 0..0),
-            (".a", 0..1),
-            ("a..b", 2..3),
-            ("a.", 2..2),
-            ("a[x]", 1..4),
-            ("a[1", 1..3),
-        ] {
+        for (text, span) in [("", 0..0), (".a", 0..1), ("a..b", 2..3), ("a.", 2..2), ("a[x]", 1..4), ("a[1", 1..3)] {
             assert_eq!(KeyPath::parse(text).unwrap_err().span, span, "{text}");
         }
         assert_eq!(KeyPath::parse("a[0]b").unwrap_err().span, 4..5);

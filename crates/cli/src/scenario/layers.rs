@@ -11,21 +11,13 @@ use super::key_path::{KeyPath, Step};
 /// Reads `path`, all that it extends, and lays `overrides` (each `path.to.key=value`) on top.
 ///
 /// Tables are merged key by key; anything else, arrays included, is replaced by the later layer.
-pub(crate) fn read(
-    path: &Path,
-    overrides: &[String],
-    seed: Option<u64>,
-) -> Result<Document, ScenarioError> {
+pub(crate) fn read(path: &Path, overrides: &[String], seed: Option<u64>) -> Result<Document, ScenarioError> {
     let mut sources = Vec::new();
     let mut root = read_file(path, &mut sources, &mut Vec::new(), None)?;
     let folder = folder_of(path);
     for flag in overrides {
         let text: Arc<str> = Arc::from(flag.as_str());
-        sources.push(Source {
-            name: "--set".to_owned(),
-            text,
-            folder: folder.clone(),
-        });
+        sources.push(Source { name: "--set".to_owned(), text, folder: folder.clone() });
         lay_flag(&mut root, &sources)?;
     }
     let text = match sources.as_slice() {
@@ -33,18 +25,10 @@ pub(crate) fn read(
         layers => effective::text(&root, layers),
     };
     if let Some(seed) = seed {
-        sources.push(Source {
-            name: "--seed".to_owned(),
-            text: Arc::from(format!("seed={seed}")),
-            folder,
-        });
+        sources.push(Source { name: "--seed".to_owned(), text: Arc::from(format!("seed={seed}")), folder });
         lay_flag(&mut root, &sources)?;
     }
-    Ok(Document {
-        root,
-        sources,
-        text,
-    })
+    Ok(Document { root, sources, text })
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -68,29 +52,15 @@ fn read_file(
     let identity = path.canonicalize().map_err(|error| unreadable(&error))?;
     let name = path.display().to_string();
     if let Some(first) = chain.iter().position(|(seen, _)| *seen == identity) {
-        let mut ring: Vec<_> = chain[first..]
-            .iter()
-            .map(|(_, name)| name.as_str())
-            .collect();
+        let mut ring: Vec<_> = chain[first..].iter().map(|(_, name)| name.as_str()).collect();
         ring.push(&name);
-        return Err(placed(ScenarioError::new(format!(
-            "`extends` runs in a circle: {}",
-            ring.join(" -> ")
-        ))));
+        return Err(placed(ScenarioError::new(format!("`extends` runs in a circle: {}", ring.join(" -> ")))));
     }
     let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        unreadable(&std::io::Error::new(
-            std::io::ErrorKind::InvalidData,
-            error.utf8_error(),
-        ))
-    })?;
+    let text = String::from_utf8(bytes)
+        .map_err(|error| unreadable(&std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())))?;
     chain.push((identity, name.clone()));
-    let source = Source {
-        name,
-        text: Arc::from(text),
-        folder: folder_of(path),
-    };
+    let source = Source { name, text: Arc::from(text), folder: folder_of(path) };
     let index = sources.len();
     sources.push(source.clone());
     let mut own = document::parse(sources, index)?;
@@ -100,10 +70,11 @@ fn read_file(
     };
     let Some(base) = base else { return Ok(own) };
     let Value::String(file) = &base.value else {
-        return Err(ScenarioError::new(
-            "`extends` is not a text; allowed: the path of one scenario file",
-        )
-        .at(&source, base.origin.value, "here"));
+        return Err(ScenarioError::new("`extends` is not a text; allowed: the path of one scenario file").at(
+            &source,
+            base.origin.value,
+            "here",
+        ));
     };
     // The base comes first in the order of sources, because later ones override.
     sources.truncate(index);
@@ -133,11 +104,9 @@ pub(crate) fn lay_flag(root: &mut Entry, sources: &[Source]) -> Result<(), Scena
     let flag = &sources[index];
     let whole = 0..flag.text.len();
     let Some(equals) = flag.text.find('=') else {
-        return Err(
-            ScenarioError::new(format!("{} {} has no `=`", flag.name, flag.text))
-                .at(flag, whole, "expected path.to.key=value")
-                .help("for example: --set robots.0.speed_m_per_s=2"),
-        );
+        return Err(ScenarioError::new(format!("{} {} has no `=`", flag.name, flag.text))
+            .at(flag, whole, "expected path.to.key=value")
+            .help("for example: --set robots.0.speed_m_per_s=2"));
     };
     let steps = KeyPath::parse_spanned(flag.text[..equals].trim_end()).map_err(|error| {
         ScenarioError::new(format!("{}: {}", flag.name, error.message)).at(flag, error.span, "here")
@@ -148,13 +117,9 @@ pub(crate) fn lay_flag(root: &mut Entry, sources: &[Source]) -> Result<(), Scena
     let value = match document::parse_value(sources, index, start, written)? {
         Some(value) => value,
         None if written.starts_with(['"', '\'', '[', '{']) || written.is_empty() => {
-            return Err(
-                ScenarioError::new(format!("{}: `{written}` is no TOML value", flag.name))
-                    .at(flag, start..start + written.len(), "here")
-                    .help(
-                        "allowed: a number, true or false, a text, an array [..] or a table {..}",
-                    ),
-            );
+            return Err(ScenarioError::new(format!("{}: `{written}` is no TOML value", flag.name))
+                .at(flag, start..start + written.len(), "here")
+                .help("allowed: a number, true or false, a text, an array [..] or a table {..}"));
         }
         None => Value::String(written.to_owned()),
     };
@@ -163,28 +128,16 @@ pub(crate) fn lay_flag(root: &mut Entry, sources: &[Source]) -> Result<(), Scena
     let mut path = KeyPath::default();
     let mut last = 0..0;
     for (step, span) in steps {
-        let origin = Origin {
-            source: index,
-            key: Some(span.clone()),
-            value: value_span.clone(),
-        };
+        let origin = Origin { source: index, key: Some(span.clone()), value: value_span.clone() };
         if !matches!(entry.value, Value::Table(_) | Value::Array(_)) {
             // A choice written as a text makes place for one written as a table.
             entry.value = Value::Table(Table::new());
-            entry.origin = Origin {
-                source: index,
-                key: Some(last.clone()),
-                value: value_span.clone(),
-            };
+            entry.origin = Origin { source: index, key: Some(last.clone()), value: value_span.clone() };
         }
         entry.layer = index;
         entry = match (&mut entry.value, &step) {
             (Value::Table(table), Step::Key(key)) => {
-                let fresh = || Entry {
-                    value: Value::Table(Table::new()),
-                    origin,
-                    layer: index,
-                };
+                let fresh = || Entry { value: Value::Table(Table::new()), origin, layer: index };
                 table.entry(key.clone()).or_insert_with(fresh)
             }
             (Value::Array(items), step) => {
@@ -196,33 +149,22 @@ pub(crate) fn lay_flag(root: &mut Entry, sources: &[Source]) -> Result<(), Scena
                         count => format!("allowed: 0 to {}", count - 1),
                     };
                     let entries = if count == 1 { "entry" } else { "entries" };
-                    return Err(ScenarioError::new(format!(
-                        "{}: `{path}` has {count} {entries}",
-                        flag.name
-                    ))
-                    .at(flag, span, allowed));
+                    return Err(ScenarioError::new(format!("{}: `{path}` has {count} {entries}", flag.name))
+                        .at(flag, span, allowed));
                 };
                 item
             }
             _ => {
-                return Err(ScenarioError::new(format!(
-                    "{}: `{path}` is a table, not an array",
-                    flag.name
-                ))
-                .at(flag, span, "a key is wanted here"));
+                return Err(ScenarioError::new(format!("{}: `{path}` is a table, not an array", flag.name)).at(
+                    flag,
+                    span,
+                    "a key is wanted here",
+                ));
             }
         };
         path = path.child(step);
         last = span;
     }
-    *entry = Entry {
-        value,
-        origin: Origin {
-            source: index,
-            key: Some(last),
-            value: value_span,
-        },
-        layer: index,
-    };
+    *entry = Entry { value, origin: Origin { source: index, key: Some(last), value: value_span }, layer: index };
     Ok(())
 }

@@ -47,11 +47,8 @@ impl MapSettings {
         profile: Option<&str>,
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let source = |name: &str, text: &str| Source {
-            name: name.to_owned(),
-            text: Arc::from(text),
-            folder: PathBuf::new(),
-        };
+        let source =
+            |name: &str, text: &str| Source { name: name.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
         let (name, text) = scenario.unwrap_or(("the defaults", DEFAULT));
         let mut sources = vec![source(name, text)];
         let mut root = document::parse(&sources, 0)?;
@@ -73,23 +70,13 @@ impl MapSettings {
             sources.push(source("--set", flag));
             layers::lay_flag(&mut root, &sources)?;
         }
-        let document = Document {
-            root,
-            sources,
-            text: String::new(),
-        };
+        let document = Document { root, sources, text: String::new() };
         let written: Written = deserialize(&document).map_err(|error| with_help(error, profile))?;
-        let mut errors = Errors {
-            document: &document,
-            found: Vec::new(),
-        };
+        let mut errors = Errors { document: &document, found: Vec::new() };
         let maps = check_maps(&written.maps, &mut errors);
         errors.take("metrics", written.metrics.check());
         ScenarioErrors::check(errors.found)?;
-        Ok(Self {
-            maps,
-            metrics: written.metrics,
-        })
+        Ok(Self { maps, metrics: written.metrics })
     }
 }
 
@@ -124,10 +111,7 @@ mod tests {
         assert_eq!(settings.maps[0].name, "ml-tm");
         let same = MapSettings::new(None, Some(&format!("trapezoid:{PROFILE}")), &[]).unwrap();
         assert_eq!(same.maps, settings.maps);
-        let set = [
-            "maps.0.algorithm.ml_tm.grid_step_m=1".to_owned(),
-            "maps.0.name=coarse".to_owned(),
-        ];
+        let set = ["maps.0.algorithm.ml_tm.grid_step_m=1".to_owned(), "maps.0.name=coarse".to_owned()];
         let coarse = MapSettings::new(None, Some(PROFILE), &set).unwrap();
         assert_eq!(coarse.maps[0].name, "coarse");
         assert_ne!(coarse.maps[0].mapper, settings.maps[0].mapper);
@@ -145,16 +129,9 @@ mod tests {
 
     #[test]
     fn a_wrong_profile_is_refused_at_the_flag() {
-        let refused = |profile: Option<&str>| {
-            MapSettings::new(None, profile, &[])
-                .unwrap_err()
-                .to_string()
-        };
+        let refused = |profile: Option<&str>| MapSettings::new(None, profile, &[]).unwrap_err().to_string();
         assert_eq!(refused(None), "nothing says how far the radio reaches");
-        assert!(
-            refused(Some("p0=2,plateau_m=2,range_m=10"))
-                .contains("p0` is 2; allowed: above 0, at most 1")
-        );
+        assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
         assert!(refused(Some("p=2")).contains("unknown key `p`"));
         assert!(refused(Some("p0 2")).contains("is no TOML value"));
         assert!(refused(Some("square:p0=1")).contains("unknown choice `square`"));

@@ -83,93 +83,39 @@ fn choices_may_be_texts_or_tables() {
     let shape = |text| toy(&[("a.toml", text)], &[]).unwrap().shape;
     assert_eq!(shape("shape = \"everything\""), Some(Shape::Everything));
     assert_eq!(shape("[shape.everything]"), Some(Shape::Everything));
-    assert_eq!(
-        shape("shape.disc.radius_m = 2"),
-        Some(Shape::Disc(Disc { radius_m: 2.0 }))
-    );
-    assert_eq!(
-        shape("[shape.square]\nside_m = 2"),
-        Some(Shape::Square { side_m: 2.0 })
-    );
+    assert_eq!(shape("shape.disc.radius_m = 2"), Some(Shape::Disc(Disc { radius_m: 2.0 })));
+    assert_eq!(shape("[shape.square]\nside_m = 2"), Some(Shape::Square { side_m: 2.0 }));
     assert_eq!(shape("seed = 1"), None);
 }
 
 #[test]
 fn refusals_point_at_the_very_key_or_value() {
     for (text, expected) in [
-        (
-            "seed = 1\nsede = 2",
-            "a.toml:2:1 unknown key `sede` in the scenario",
-        ),
-        (
-            "[shape.disc]\nradius = 2.0",
-            "a.toml:2:1 unknown key `radius` in `shape.disc`",
-        ),
-        (
-            "[shape.square]\nside = 2.0",
-            "a.toml:2:1 unknown key `side` in `shape.square`",
-        ),
-        (
-            "[shape.disk]\nradius_m = 2.0",
-            "a.toml:1:8 unknown choice `disk` for `shape`",
-        ),
-        (
-            "shape = \"disk\"",
-            "a.toml:1:9 unknown choice `disk` for `shape`",
-        ),
-        (
-            "\n[shape.disc]",
-            "a.toml:2:8 `radius_m` is missing in `shape.disc`",
-        ),
-        (
-            "shape = \"disc\"",
-            "a.toml:1:1 `radius_m` is missing in `shape.disc`",
-        ),
-        (
-            "seed = -1",
-            "a.toml:1:8 `seed` is the integer -1; allowed: a whole number, 0 or above",
-        ),
-        (
-            "seed = 1.5",
-            "a.toml:1:8 `seed` is the number 1.5; allowed: a whole number, 0 or above",
-        ),
-        (
-            "seed = \"x\"",
-            "a.toml:1:8 `seed` is the text \"x\"; allowed: a whole number, 0 or above",
-        ),
+        ("seed = 1\nsede = 2", "a.toml:2:1 unknown key `sede` in the scenario"),
+        ("[shape.disc]\nradius = 2.0", "a.toml:2:1 unknown key `radius` in `shape.disc`"),
+        ("[shape.square]\nside = 2.0", "a.toml:2:1 unknown key `side` in `shape.square`"),
+        ("[shape.disk]\nradius_m = 2.0", "a.toml:1:8 unknown choice `disk` for `shape`"),
+        ("shape = \"disk\"", "a.toml:1:9 unknown choice `disk` for `shape`"),
+        ("\n[shape.disc]", "a.toml:2:8 `radius_m` is missing in `shape.disc`"),
+        ("shape = \"disc\"", "a.toml:1:1 `radius_m` is missing in `shape.disc`"),
+        ("seed = -1", "a.toml:1:8 `seed` is the integer -1; allowed: a whole number, 0 or above"),
+        ("seed = 1.5", "a.toml:1:8 `seed` is the number 1.5; allowed: a whole number, 0 or above"),
+        ("seed = \"x\"", "a.toml:1:8 `seed` is the text \"x\"; allowed: a whole number, 0 or above"),
         ("size = [1]", "a.toml:1:8 `size`: `[x, y]` or `[x, y, z]`"),
         (
             "[[robots]]\nname = \"a\"\n[[robots]]\nname = 3",
             "a.toml:4:8 `robots[1].name` is the integer 3; allowed: a text in quotes",
         ),
-        (
-            "[[robots]]\nname = \"a\"\n[[robots]]\n",
-            "a.toml:3:1 `name` is missing in `robots[1]`",
-        ),
-        (
-            "[robots]\nname = \"a\"",
-            "a.toml:1:2 `robots` is a table; allowed: an array",
-        ),
+        ("[[robots]]\nname = \"a\"\n[[robots]]\n", "a.toml:3:1 `name` is missing in `robots[1]`"),
+        ("[robots]\nname = \"a\"", "a.toml:1:2 `robots` is a table; allowed: an array"),
         (
             "[shape.disc]\nradius_m = 1\n[shape.square]\nside_m = 1",
             "a.toml:1:2 `shape`: `disc`, `square` exclude each other: keep one",
         ),
-        (
-            "seed = 99999999999999999999999",
-            "a.toml:1:8 this integer does not fit into 64 bits",
-        ),
-        (
-            "seed = 1979-05-27",
-            "a.toml:1:8 `seed` is the date 1979-05-27; allowed: a whole number, 0 or above",
-        ),
-        (
-            "seed = 1\nseed = 2",
-            "a.toml:2:1 a.toml is not valid TOML: duplicate key",
-        ),
-        (
-            "seed = ",
-            "a.toml:1:8 a.toml is not valid TOML: string values must be quoted, expected literal string",
-        ),
+        ("seed = 99999999999999999999999", "a.toml:1:8 this integer does not fit into 64 bits"),
+        ("seed = 1979-05-27", "a.toml:1:8 `seed` is the date 1979-05-27; allowed: a whole number, 0 or above"),
+        ("seed = 1\nseed = 2", "a.toml:2:1 a.toml is not valid TOML: duplicate key"),
+        ("seed = ", "a.toml:1:8 a.toml is not valid TOML: string values must be quoted, expected literal string"),
     ] {
         assert_eq!(refused(text), expected, "{text}");
     }
@@ -177,16 +123,8 @@ fn refusals_point_at_the_very_key_or_value() {
 
 #[test]
 fn the_seed_takes_all_64_bits() {
-    assert_eq!(
-        toy(&[("a.toml", "seed = 18446744073709551615")], &[])
-            .unwrap()
-            .seed,
-        u64::MAX
-    );
-    assert_eq!(
-        toy(&[("a.toml", "seed = 0xFF_FF")], &[]).unwrap().seed,
-        0xFFFF
-    );
+    assert_eq!(toy(&[("a.toml", "seed = 18446744073709551615")], &[]).unwrap().seed, u64::MAX);
+    assert_eq!(toy(&[("a.toml", "seed = 0xFF_FF")], &[]).unwrap().seed, 0xFFFF);
 }
 
 #[test]
@@ -196,49 +134,25 @@ fn a_file_overrides_the_one_that_it_extends() {
             "base.toml",
             "seed = 1\nsize = [1, 2]\n[shape.disc]\nradius_m = 1.0\n[[robots]]\nname = \"a\"\n[[robots]]\nname = \"b\"",
         ),
-        (
-            "middle.toml",
-            "extends = \"base.toml\"\nsize = [1, 2, 3]\nshape.disc.radius_m = 2.0",
-        ),
-        (
-            "top.toml",
-            "extends = \"middle.toml\"\nseed = 3\n[[robots]]\nname = \"c\"",
-        ),
+        ("middle.toml", "extends = \"base.toml\"\nsize = [1, 2, 3]\nshape.disc.radius_m = 2.0"),
+        ("top.toml", "extends = \"middle.toml\"\nseed = 3\n[[robots]]\nname = \"c\""),
     ];
     let toy = toy(&files, &[]).unwrap();
     assert_eq!(toy.seed, 3);
     assert_eq!(toy.size, Some(Size::Spatial([1.0, 2.0, 3.0])));
     assert_eq!(toy.shape, Some(Shape::Disc(Disc { radius_m: 2.0 })));
-    assert_eq!(
-        toy.robots,
-        [Robot {
-            name: "c".into(),
-            speed_m_per_s: 0.0
-        }]
-    );
+    assert_eq!(toy.robots, [Robot { name: "c".into(), speed_m_per_s: 0.0 }]);
 }
 
 #[test]
 fn a_later_choice_replaces_an_earlier_one() {
     let files = [
         ("base.toml", "[shape.disc]\nradius_m = 1.0"),
-        (
-            "top.toml",
-            "extends = \"base.toml\"\n[shape.square]\nside_m = 4.0",
-        ),
+        ("top.toml", "extends = \"base.toml\"\n[shape.square]\nside_m = 4.0"),
     ];
-    assert_eq!(
-        toy(&files, &[]).unwrap().shape,
-        Some(Shape::Square { side_m: 4.0 })
-    );
-    assert_eq!(
-        toy(&files, &["shape.disc.radius_m=7"]).unwrap().shape,
-        Some(Shape::Disc(Disc { radius_m: 7.0 }))
-    );
-    assert_eq!(
-        toy(&files, &["shape=everything"]).unwrap().shape,
-        Some(Shape::Everything)
-    );
+    assert_eq!(toy(&files, &[]).unwrap().shape, Some(Shape::Square { side_m: 4.0 }));
+    assert_eq!(toy(&files, &["shape.disc.radius_m=7"]).unwrap().shape, Some(Shape::Disc(Disc { radius_m: 7.0 })));
+    assert_eq!(toy(&files, &["shape=everything"]).unwrap().shape, Some(Shape::Everything));
 }
 
 #[test]
@@ -246,48 +160,25 @@ fn errors_name_the_layer_that_is_wrong() {
     let base = ("base.toml", "\nseed = \"one\"");
     let top = |text| ("top.toml", text);
     let wrong = "`seed` is the text \"one\"; allowed: a whole number, 0 or above";
-    assert_eq!(
-        toy(&[base, top("extends = \"base.toml\"")], &[]).unwrap_err(),
-        format!("base.toml:2:8 {wrong}")
-    );
+    assert_eq!(toy(&[base, top("extends = \"base.toml\"")], &[]).unwrap_err(), format!("base.toml:2:8 {wrong}"));
     assert!(toy(&[base, top("extends = \"base.toml\"\nseed = 2")], &[]).is_ok());
     assert_eq!(
         toy(&[base, top("extends = \"none.toml\"")], &[]).unwrap_err(),
         "top.toml:1:11 there is no file `none.toml`"
     );
     assert_eq!(
-        toy(
-            &[
-                ("base.toml", "extends = \"top.toml\""),
-                top("extends = \"base.toml\"")
-            ],
-            &[]
-        )
-        .unwrap_err(),
+        toy(&[("base.toml", "extends = \"top.toml\""), top("extends = \"base.toml\"")], &[]).unwrap_err(),
         "base.toml:1:11 `extends` runs in a circle: top.toml -> base.toml -> top.toml"
     );
-    assert!(
-        toy(&[top("extends = 3")], &[])
-            .unwrap_err()
-            .starts_with("top.toml:1:11 `extends` is not a text")
-    );
+    assert!(toy(&[top("extends = 3")], &[]).unwrap_err().starts_with("top.toml:1:11 `extends` is not a text"));
 }
 
 #[test]
 fn flags_override_files() {
-    let file = (
-        "a.toml",
-        "seed = 1\n[[robots]]\nname = \"a\"\n[[robots]]\nname = \"b\"",
-    );
+    let file = ("a.toml", "seed = 1\n[[robots]]\nname = \"a\"\n[[robots]]\nname = \"b\"");
     let toy = toy(
         &[file],
-        &[
-            "seed = 9",
-            "robots.1.speed_m_per_s=2",
-            "robots[0].name=c",
-            "shape.disc.radius_m=3",
-            "size=[1,2]",
-        ],
+        &["seed = 9", "robots.1.speed_m_per_s=2", "robots[0].name=c", "shape.disc.radius_m=3", "size=[1,2]"],
     )
     .unwrap();
     assert_eq!(toy.seed, 9);
@@ -307,32 +198,14 @@ fn wrong_flags_are_named() {
         ("=1", "--set:1:1 --set: a key is missing here"),
         ("seed=", "--set:1:6 --set: `` is no TOML value"),
         ("size=[1", "--set:1:6 --set: `[1` is no TOML value"),
-        (
-            "seed=x",
-            "--set:1:6 `seed` is the text \"x\"; allowed: a whole number, 0 or above",
-        ),
+        ("seed=x", "--set:1:6 `seed` is the text \"x\"; allowed: a whole number, 0 or above"),
         ("sede=2", "--set:1:1 unknown key `sede` in the scenario"),
-        (
-            "shape.disk.radius_m=2",
-            "--set:1:7 unknown choice `disk` for `shape`",
-        ),
-        (
-            "shape.disc.radius=2",
-            "--set:1:12 unknown key `radius` in `shape.disc`",
-        ),
+        ("shape.disk.radius_m=2", "--set:1:7 unknown choice `disk` for `shape`"),
+        ("shape.disc.radius=2", "--set:1:12 unknown key `radius` in `shape.disc`"),
         ("robots.1.name=b", "--set:1:8 --set: `robots` has 1 entry"),
-        (
-            "robots.first.name=b",
-            "--set:1:8 --set: `robots` has 1 entry",
-        ),
-        (
-            "shape[0].name=b",
-            "--set:1:6 --set: `shape` is a table, not an array",
-        ),
-        (
-            "seed.x=1",
-            "--set:1:1 `seed` is a table; allowed: a whole number, 0 or above",
-        ),
+        ("robots.first.name=b", "--set:1:8 --set: `robots` has 1 entry"),
+        ("shape[0].name=b", "--set:1:6 --set: `shape` is a table, not an array"),
+        ("seed.x=1", "--set:1:1 `seed` is a table; allowed: a whole number, 0 or above"),
     ] {
         assert_eq!(toy(&[file], &[flag]).unwrap_err(), expected, "{flag}");
     }
@@ -342,18 +215,10 @@ fn wrong_flags_are_named() {
 fn a_value_outside_its_domain_is_found_by_its_path() {
     let text = "[shape.disc]\nradius_m = -1\n[[robots]]\nname = \"a\"\n[[robots]]\nname = \"b\"\nspeed_m_per_s = nan";
     let document = document(&[("a.toml", text)], &[]).unwrap();
-    let place = |key: &str| {
-        ScenarioError::setting(&document, &SettingError::new(key, -1, "more"))
-            .place()
-            .unwrap()
-    };
+    let place = |key: &str| ScenarioError::setting(&document, &SettingError::new(key, -1, "more")).place().unwrap();
     assert_eq!(place("shape.disc.radius_m"), "a.toml:2:12");
     assert_eq!(place("robots[1].speed_m_per_s"), "a.toml:7:17");
-    assert_eq!(
-        place("robots[0].speed_m_per_s"),
-        "a.toml:3:1",
-        "absent: the table that would hold it"
-    );
+    assert_eq!(place("robots[0].speed_m_per_s"), "a.toml:3:1", "absent: the table that would hold it");
     assert_eq!(place("robots[1]"), "a.toml:5:1");
     assert_eq!(place("shape"), "a.toml:1:2");
     assert_eq!(place("elsewhere.x"), "a.toml:1:1");
@@ -366,10 +231,7 @@ fn what_is_no_text_file_is_refused() {
         let message = layers::read(path, &[], None).unwrap_err().to_string();
         message.replace(&folder.path().display().to_string(), "DIR")
     };
-    assert_eq!(
-        refused(&folder.path().join("none.toml")),
-        "there is no file `DIR/none.toml`"
-    );
+    assert_eq!(refused(&folder.path().join("none.toml")), "there is no file `DIR/none.toml`");
     assert_eq!(refused(folder.path()), "`DIR` is a folder, not a scenario");
     let binary = folder.path().join("binary.toml");
     std::fs::write(&binary, [0x73, 0xFF, 0xFE]).unwrap();
@@ -378,14 +240,8 @@ fn what_is_no_text_file_is_refused() {
 
 #[test]
 fn the_effective_text_reads_as_the_layers_do() {
-    let base = (
-        "base.toml",
-        "size = [1, 2.5]\n[shape.square]\nside_m = 1e-6\n[[robots]]\nname = \"a \\\" b\"",
-    );
-    let top = (
-        "top.toml",
-        "extends = \"base.toml\"\nseed = 18446744073709551615",
-    );
+    let base = ("base.toml", "size = [1, 2.5]\n[shape.square]\nside_m = 1e-6\n[[robots]]\nname = \"a \\\" b\"");
+    let top = ("top.toml", "extends = \"base.toml\"\nseed = 18446744073709551615");
     let layered = document(&[base, top], &["shape={ square = { side_m = inf } }"]).unwrap();
     let expected = [
         "# What these amount to: base.toml, top.toml, --set \"shape={ square = { side_m = inf } }\"",
@@ -397,8 +253,5 @@ fn the_effective_text_reads_as_the_layers_do() {
     assert_eq!(layered.text, expected.join("\n"));
     let again = document(&[("a.toml", &layered.text)], &[]).unwrap();
     assert_eq!(again.text, layered.text, "one file is kept as it is");
-    assert_eq!(
-        deserialize::<Toy>(&again).unwrap(),
-        deserialize::<Toy>(&layered).unwrap()
-    );
+    assert_eq!(deserialize::<Toy>(&again).unwrap(), deserialize::<Toy>(&layered).unwrap());
 }

@@ -27,12 +27,7 @@ fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
     let stops = found.stops().len();
     assert_eq!(found.names(), log.names());
     assert_eq!(found.stops(), &log.stops()[..stops]);
-    let expected: Vec<_> = log
-        .receptions()
-        .iter()
-        .copied()
-        .filter(|r| (r.stop as usize) < stops)
-        .collect();
+    let expected: Vec<_> = log.receptions().iter().copied().filter(|r| (r.stop as usize) < stops).collect();
     assert_eq!(found.receptions(), expected);
     assert!(log.contacts().starts_with(found.contacts()));
     stops
@@ -42,14 +37,10 @@ fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
 fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
     let log = sample::log(5, 7, 300);
     let (folder, _, octets) = recorded(&log);
-    let (broken, good) = (
-        folder.path().join("broken.mcap"),
-        folder.path().join("good.mcap"),
-    );
+    let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
     let mut numbers = Numbers(1);
-    let mut lengths: Vec<usize> = (0..200)
-        .map(|_| usize::try_from(numbers.below(octets.len() as u64)).unwrap())
-        .collect();
+    let mut lengths: Vec<usize> =
+        (0..200).map(|_| usize::try_from(numbers.below(octets.len() as u64)).unwrap()).collect();
     lengths.extend([0, 1, 7, 8, 9, octets.len() - 1]);
     lengths.sort_unstable();
     let mut before = 0;
@@ -65,10 +56,7 @@ fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
         assert!(stops >= before, "a longer rest holds no less");
         before = stops;
         assert_eq!(inspect(&broken).unwrap().damage, recovery.damage);
-        assert!(matches!(
-            read_log(&broken),
-            Err(RecordingError::Broken { .. })
-        ));
+        assert!(matches!(read_log(&broken), Err(RecordingError::Broken { .. })));
     }
     assert_eq!(before, 300);
 }
@@ -94,10 +82,7 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
 fn flipped_bits_are_found_and_what_comes_before_is_saved() {
     let log = sample::log(11, 6, 200);
     let (folder, _, octets) = recorded(&log);
-    let (broken, good) = (
-        folder.path().join("broken.mcap"),
-        folder.path().join("good.mcap"),
-    );
+    let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
     let mut numbers = Numbers(2);
     let mut found = 0;
     for _ in 0..200 {
@@ -131,10 +116,7 @@ fn a_sound_recording_is_copied_whole() {
     assert_eq!(recovery.attachments, 2);
     assert_eq!(read_log(&copy).unwrap(), read_log(&path).unwrap());
     let (a, b) = (inspect(&copy).unwrap(), inspect(&path).unwrap());
-    assert_eq!(
-        (a.topics, a.attachments, a.metadata),
-        (b.topics, b.attachments, b.metadata)
-    );
+    assert_eq!((a.topics, a.attachments, a.metadata), (b.topics, b.attachments, b.metadata));
 }
 
 #[test]
@@ -154,17 +136,11 @@ fn recovery_never_overwrites_what_it_reads() {
     let log = sample::log(14, 3, 5);
     let (folder, path, octets) = recorded(&log);
     let dotted = folder.path().join(".").join("whole.mcap");
-    assert!(matches!(
-        recover(&path, &dotted),
-        Err(RecordingError::SameFile { .. })
-    ));
+    assert!(matches!(recover(&path, &dotted), Err(RecordingError::SameFile { .. })));
     let mut temporary = path.clone().into_os_string();
     temporary.push(".recovering");
     std::fs::copy(&path, &temporary).unwrap();
-    assert!(matches!(
-        recover(temporary.as_ref(), &path),
-        Err(RecordingError::SameFile { .. })
-    ));
+    assert!(matches!(recover(temporary.as_ref(), &path), Err(RecordingError::SameFile { .. })));
     assert_eq!(std::fs::read(&path).unwrap(), octets);
 }
 
@@ -174,32 +150,14 @@ fn files_of_other_formats_are_refused_and_leave_nothing_behind() {
     let other = folder.path().join("other.mcap");
     std::fs::write(&other, "stop,t_s,x_m,y_m\n").unwrap();
     let out = folder.path().join("out.mcap");
-    assert!(matches!(
-        inspect(&other),
-        Err(RecordingError::NotMcap { .. })
-    ));
-    assert!(matches!(
-        read_log(&other),
-        Err(RecordingError::NotMcap { .. })
-    ));
-    assert!(matches!(
-        recover(&other, &out),
-        Err(RecordingError::NotMcap { .. })
-    ));
+    assert!(matches!(inspect(&other), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(read_log(&other), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(recover(&other, &out), Err(RecordingError::NotMcap { .. })));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let missing = folder.path().join("missing.mcap");
-    assert!(matches!(
-        read_log(&missing),
-        Err(RecordingError::Read { .. })
-    ));
-    assert!(matches!(
-        recover(&missing, &out),
-        Err(RecordingError::Read { .. })
-    ));
-    assert!(matches!(
-        inspect(folder.path()),
-        Err(RecordingError::Read { .. })
-    ));
+    assert!(matches!(read_log(&missing), Err(RecordingError::Read { .. })));
+    assert!(matches!(recover(&missing, &out), Err(RecordingError::Read { .. })));
+    assert!(matches!(inspect(folder.path()), Err(RecordingError::Read { .. })));
 }
 
 #[test]
@@ -207,9 +165,7 @@ fn a_recording_without_a_log_names_the_topics_that_it_has() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut recorder = FileRecorder::create(&path).unwrap();
-    recorder
-        .metric(sextant_kernel::SimTime::ZERO, "x_m", 1.0)
-        .unwrap();
+    recorder.metric(sextant_kernel::SimTime::ZERO, "x_m", 1.0).unwrap();
     recorder.finish().unwrap();
     let message = read_log(&path).unwrap_err().to_string();
     assert!(message.ends_with("its topics: /metrics"), "{message}");

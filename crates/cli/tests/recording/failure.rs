@@ -32,21 +32,11 @@ impl Write for Hiccup {
 fn the_first_write_error_answers_every_later_call() {
     let log = sample::log(1, 5, 200);
     for room in [40, 300, 3_000, 10_000] {
-        let mut recorder = Recorder::new(
-            Hiccup {
-                room,
-                failed: false,
-            },
-            Path::new("run.mcap"),
-        )
-        .unwrap();
+        let mut recorder = Recorder::new(Hiccup { room, failed: false }, Path::new("run.mcap")).unwrap();
         let first = sample::record_all(&mut recorder, &log).unwrap_err();
         assert!(first.to_string().contains("no room for it"), "{first}");
         assert!(first.is_of_the_system());
-        assert_eq!(
-            recorder.metric(log.stops()[0].time, "x_m", 1.0),
-            Err(first.clone())
-        );
+        assert_eq!(recorder.metric(log.stops()[0].time, "x_m", 1.0), Err(first.clone()));
         assert_eq!(recorder.summary("{}"), Err(first.clone()));
         assert_eq!(recorder.into_output().err(), Some(first));
     }
@@ -54,14 +44,8 @@ fn the_first_write_error_answers_every_later_call() {
 
 #[test]
 fn a_writer_without_room_for_the_header_fails_at_once() {
-    let hiccup = Hiccup {
-        room: 3,
-        failed: false,
-    };
-    assert!(matches!(
-        Recorder::new(hiccup, Path::new("run.mcap")),
-        Err(RecordingError::Write { .. })
-    ));
+    let hiccup = Hiccup { room: 3, failed: false };
+    assert!(matches!(Recorder::new(hiccup, Path::new("run.mcap")), Err(RecordingError::Write { .. })));
 }
 
 #[test]
@@ -73,16 +57,10 @@ fn an_error_in_the_summary_section_is_not_lost() {
     recorder.into_output().unwrap();
     // Each write of the summary section is small; the footer is the last.
     for missing in [1, 100, 500] {
-        let hiccup = Hiccup {
-            room: whole.len() - missing,
-            failed: false,
-        };
+        let hiccup = Hiccup { room: whole.len() - missing, failed: false };
         let mut recorder = Recorder::new(hiccup, Path::new("run.mcap")).unwrap();
         recorder.log("surveyor", &log).unwrap();
-        assert!(
-            matches!(recorder.into_output(), Err(RecordingError::Write { .. })),
-            "{missing} octets short"
-        );
+        assert!(matches!(recorder.into_output(), Err(RecordingError::Write { .. })), "{missing} octets short");
     }
 }
 
@@ -112,9 +90,6 @@ fn a_recording_in_a_missing_folder_or_over_a_folder_is_refused_before_the_run() 
         "{error}"
     );
     assert!(error.is_of_the_system());
-    assert!(matches!(
-        FileRecorder::create(folder.path()),
-        Err(RecordingError::Create { .. })
-    ));
+    assert!(matches!(FileRecorder::create(folder.path()), Err(RecordingError::Create { .. })));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

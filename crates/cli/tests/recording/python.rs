@@ -1,5 +1,6 @@
 //! An independent reader agrees: the Python packages of the container and of protobuf.
 
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -19,17 +20,13 @@ fn python(arguments: &[&str]) -> std::io::Result<Output> {
 
 /// Whether Python has the packages. A bare machine may lack them; the continuous integration may not.
 fn has_packages() -> bool {
-    let found = python(&["-c", "import mcap.reader, mcap_protobuf.decoder"])
-        .is_ok_and(|output| output.status.success());
+    let found =
+        python(&["-c", "import mcap.reader, mcap_protobuf.decoder"]).is_ok_and(|output| output.status.success());
     if !found {
-        let remedy = format!(
-            "`python3 -m pip install {PACKAGES}`, or set SEXTANT_PYTHON to a Python that has them"
-        );
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "Python lacks the packages {PACKAGES}: {remedy}"
-        );
-        println!("skipped: Python lacks the packages {PACKAGES}: {remedy}");
+        let remedy = format!("`python3 -m pip install {PACKAGES}`, or set SEXTANT_PYTHON to a Python that has them");
+        assert!(std::env::var("CI").as_deref() != Ok("true"), "Python lacks the packages {PACKAGES}: {remedy}");
+        // Not captured by the test harness, so that nobody takes a skipped check for a passed one.
+        let _ = writeln!(std::io::stderr(), "skipped: Python lacks the packages {PACKAGES}: {remedy}");
     }
     found
 }
@@ -41,32 +38,12 @@ fn expected(log: &ReceptionLog) -> [Value; 3] {
     let stops = (0_u32..).zip(log.stops()).map(|(index, stop)| {
         let count = receptions.iter().filter(|r| r.stop == index).count();
         let p = stop.position;
-        json!([
-            index,
-            stop.time.as_nanos(),
-            p.x_m,
-            p.y_m,
-            p.z_m,
-            "surveyor",
-            count
-        ])
+        json!([index, stop.time.as_nanos(), p.x_m, p.y_m, p.z_m, "surveyor", count])
     });
     let stops = stops.collect();
-    let contact = |c: &Contact| {
-        json!([
-            c.time.as_nanos(),
-            c.position.x_m,
-            c.position.y_m,
-            c.position.z_m
-        ])
-    };
-    let reception =
-        |r: &Reception| json!([r.node.0, r.stop, r.received, r.sent, r.sector, r.rssi_dbm]);
-    [
-        stops,
-        receptions.iter().map(reception).collect(),
-        log.contacts().iter().map(contact).collect(),
-    ]
+    let contact = |c: &Contact| json!([c.time.as_nanos(), c.position.x_m, c.position.y_m, c.position.z_m]);
+    let reception = |r: &Reception| json!([r.node.0, r.stop, r.received, r.sent, r.sector, r.rssi_dbm]);
+    [stops, receptions.iter().map(reception).collect(), log.contacts().iter().map(contact).collect()]
 }
 
 fn topic(schema: &str, messages: impl Into<Value>) -> Value {
@@ -84,21 +61,10 @@ fn independent_readers_decode_every_message() {
     sample::record_file(&path, &log);
 
     let [stops, receptions, contacts] = expected(&log);
-    let placed = |n: &PlacedNode| {
-        json!([
-            n.node.0,
-            n.position.x_m,
-            n.position.y_m,
-            n.position.z_m,
-            n.error_m
-        ])
-    };
+    let placed = |n: &PlacedNode| json!([n.node.0, n.position.x_m, n.position.y_m, n.position.z_m, n.error_m]);
     let truth: Value = sample::truth(&log).iter().map(placed).collect();
     let corners = json!([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
-    let half_turn = [
-        std::f64::consts::FRAC_PI_2.sin(),
-        std::f64::consts::FRAC_PI_2.cos(),
-    ];
+    let half_turn = [std::f64::consts::FRAC_PI_2.sin(), std::f64::consts::FRAC_PI_2.cos()];
     let likelihood = json!([2, 8, [-1.25, -2.25], 0.5, ["-1.0", "-2.0", "-inf", "-4.0"]]);
     // The script compares, because its JSON reader is exact to the last bit of a number.
     let expectation = json!({
@@ -128,14 +94,7 @@ fn independent_readers_decode_every_message() {
 
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/python/check_recording.py");
     let output = python(&[&script, &path, &expected].map(|path| path.to_str().unwrap())).unwrap();
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(
-        found["chunks"].as_u64().unwrap() >= 120 / 32,
-        "chunks are closed by count"
-    );
+    assert!(found["chunks"].as_u64().unwrap() >= 120 / 32, "chunks are closed by count");
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use sextant::robot_log::{self, RobotLogError};
 use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::{NodeId, SimTime};
+use sextant_mapper::{Estimate, TopologyMap};
 use tempfile::TempDir;
 
 use crate::sample;
@@ -45,15 +46,9 @@ fn a_log_comes_back_equal_from_the_folder_that_it_was_written_to() {
 #[test]
 fn a_log_without_stops_is_refused_both_ways() {
     let folder = folder("stop,t_s,x_m,y_m\n", "node,stop,received\n");
-    assert!(matches!(
-        robot_log::read(folder.path()),
-        Err(RobotLogError::NoStops { .. })
-    ));
+    assert!(matches!(robot_log::read(folder.path()), Err(RobotLogError::NoStops { .. })));
     let empty = ReceptionLog::default();
-    assert!(matches!(
-        robot_log::write(folder.path(), &empty),
-        Err(RobotLogError::NoStops { .. })
-    ));
+    assert!(matches!(robot_log::write(folder.path(), &empty), Err(RobotLogError::NoStops { .. })));
 }
 
 #[test]
@@ -65,41 +60,23 @@ fn spreadsheets_with_byte_order_mark_crlf_and_their_own_order_of_columns_are_rea
     assert_eq!(log.names(), ["a, \"b\"", "\u{e9}"]);
     assert_eq!(log.stops()[0].position, Position::new(1.0, 2.0, 0.0));
     assert_eq!(log.stops()[1].time, SimTime::from_nanos(1_000_000_000));
-    let heard = Reception {
-        node: NodeId(0),
-        stop: 1,
-        received: 1,
-        sent: 1,
-        sector: None,
-        rssi_dbm: None,
-    };
+    let heard = Reception { node: NodeId(0), stop: 1, received: 1, sent: 1, sector: None, rssi_dbm: None };
     assert_eq!(log.of(NodeId(0)), [heard]);
 }
 
 #[test]
 fn rows_without_receptions_make_nodes_known() {
-    let log = read(
-        STOPS,
-        "node,stop,received,sent\nmute,A,0,\ndeaf,A,0,0\nfar,B,0,4\n",
-    );
+    let log = read(STOPS, "node,stop,received,sent\nmute,A,0,\ndeaf,A,0,0\nfar,B,0,4\n");
     assert_eq!(log.names(), ["mute", "deaf", "far"]);
     // 0 of 1 is what an absent pair means, 0 of 0 and 0 of 4 are not.
-    let counts: Vec<_> = log
-        .receptions()
-        .iter()
-        .map(|r| (r.node.0, r.received, r.sent))
-        .collect();
+    let counts: Vec<_> = log.receptions().iter().map(|r| (r.node.0, r.received, r.sent)).collect();
     assert_eq!(counts, [(1, 0, 0), (2, 0, 4)]);
 }
 
 #[test]
 fn contacts_are_read_where_there_are_any() {
     let folder = folder(STOPS, RECEPTIONS);
-    std::fs::write(
-        folder.path().join("contacts.csv"),
-        "t_s,x_m,y_m,z_m\n0.5,1,2,3\n",
-    )
-    .unwrap();
+    std::fs::write(folder.path().join("contacts.csv"), "t_s,x_m,y_m,z_m\n0.5,1,2,3\n").unwrap();
     let log = robot_log::read(folder.path()).unwrap();
     assert_eq!(log.contacts()[0].position, Position::new(1.0, 2.0, 3.0));
     assert_eq!(log.contacts()[0].time, SimTime::from_nanos(500_000_000));
@@ -145,14 +122,8 @@ fn a_wrong_row_or_header_is_named_with_its_line() {
             "",
             "receptions.csv, line 1: column `node` is missing; the first line names the columns: node,stop,received",
         ),
-        (
-            "node,stop,received,stop\n",
-            "receptions.csv, line 1: column `stop` appears twice",
-        ),
-        (
-            "node,stop,received\nlamp,A,1\nlamp,B\n",
-            "receptions.csv, line 3: 2 cells, but the header has 3 columns",
-        ),
+        ("node,stop,received,stop\n", "receptions.csv, line 1: column `stop` appears twice"),
+        ("node,stop,received\nlamp,A,1\nlamp,B\n", "receptions.csv, line 3: 2 cells, but the header has 3 columns"),
         (
             "node,stop,received\nlamp,A,1\ndoor,A,1\nlamp,A,0\n",
             "receptions.csv, line 4: node `lamp` at this stop is already on line 2; give each pair of node and stop once",
@@ -165,47 +136,56 @@ fn a_wrong_row_or_header_is_named_with_its_line() {
 #[test]
 fn lines_are_counted_as_an_editor_does() {
     let unix = "node,stop,received\n\n\nlamp,A,1\n\"two\nlines\",A,1\ndoor,A,?\n";
-    for text in [
-        unix.to_owned(),
-        unix.replace('\n', "\r\n"),
-        format!("\u{feff}{unix}"),
-    ] {
+    for text in [unix.to_owned(), unix.replace('\n', "\r\n"), format!("\u{feff}{unix}")] {
         let message = refusal(STOPS, &text);
-        assert!(
-            message.starts_with("receptions.csv, line 7, column `received`: found `?`"),
-            "{message}"
-        );
+        assert!(message.starts_with("receptions.csv, line 7, column `received`: found `?`"), "{message}");
     }
 }
 
 #[test]
 fn text_that_is_not_utf_8_is_named_with_its_line() {
     let folder = folder(STOPS, RECEPTIONS);
-    std::fs::write(
-        folder.path().join("receptions.csv"),
-        b"node,stop,received\nlamp,A,1\n\xff,A,1\n",
-    )
-    .unwrap();
+    std::fs::write(folder.path().join("receptions.csv"), b"node,stop,received\nlamp,A,1\n\xff,A,1\n").unwrap();
     let message = robot_log::read(folder.path()).unwrap_err().to_string();
-    assert!(
-        message.ends_with("receptions.csv, line 3: not UTF-8 text"),
-        "{message}"
-    );
+    assert!(message.ends_with("receptions.csv, line 3: not UTF-8 text"), "{message}");
 }
 
 #[test]
 fn a_missing_file_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = robot_log::read(folder.path()).unwrap_err();
-    assert!(
-        matches!(&error, RobotLogError::Read { path, .. } if path.ends_with("stops.csv")),
-        "{error}"
-    );
+    assert!(matches!(&error, RobotLogError::Read { path, .. } if path.ends_with("stops.csv")), "{error}");
     assert!(!error.is_of_the_system());
     let nowhere = folder.path().join("stops.csv/below");
     std::fs::write(folder.path().join("stops.csv"), STOPS).unwrap();
     let error = robot_log::write(&nowhere, &sample::log(1, 1, 1)).unwrap_err();
     assert!(error.is_of_the_system(), "{error}");
+}
+
+#[test]
+fn a_map_has_a_row_for_each_node_that_is_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.csv");
+    let estimate = |x_m, ties, covariance| {
+        let position = Position::new(x_m, 2.0, 0.0);
+        Some(Estimate { position, log_likelihood: -1.0, ties, covariance, infeasible: ties > 1 })
+    };
+    let names = ["a", "b,c", "d"].map(str::to_owned);
+    let mut map = TopologyMap {
+        algorithm: "ml-tm",
+        estimates: vec![estimate(0.1, 1, None), None, estimate(-3.0, 4, None)],
+        grid_step_m: Some(0.1),
+        vertices_evaluated: 7,
+    };
+    robot_log::write_map(&path, &names, &map).unwrap();
+    let plain = "node,x_m,y_m,z_m,ties,infeasible\na,0.1,2,0,1,0\nd,-3,2,0,4,1\n";
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), plain);
+
+    map.estimates = vec![None, estimate(1.0, 1, Some([[4.0, 0.5, 0.0], [0.5, 9.0, 0.0], [0.0; 3]])), None];
+    robot_log::write_map(&path, &names, &map).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let header = "node,x_m,y_m,z_m,ties,infeasible,cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
+    assert_eq!(text, format!("{header}\n\"b,c\",1,2,0,1,0,4,0.5,0,9,0,0\n"));
 }
 
 #[test]
@@ -221,9 +201,7 @@ fn the_truth_comes_back_equal_and_names_each_node_once() {
     std::fs::write(&path, "node,x_m,y_m\na,1,2\na,1,2\n").unwrap();
     let message = robot_log::read_truth(&path).unwrap_err().to_string();
     assert!(
-        message.ends_with(
-            "line 3, column `node`: found `a`; allowed: each node once; this one is given above"
-        ),
+        message.ends_with("line 3, column `node`: found `a`; allowed: each node once; this one is given above"),
         "{message}"
     );
     assert!(robot_log::read_truth(Path::new("/nonexistent/nodes.csv")).is_err());

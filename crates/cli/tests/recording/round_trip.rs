@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use sextant::recording::{
-    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect,
-    read_attachment, read_log, read_truth,
+    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_attachment, read_log,
+    read_truth,
 };
 use sextant_channel::ReceptionLog;
 
@@ -22,19 +22,9 @@ fn a_reception_log_comes_back_equal_with_its_unheard_nodes() {
         assert_eq!(run.cut_stops, 0);
         assert_eq!(run.metadata[ORIGIN_METADATA]["seed"], "42");
         assert_eq!(run.metadata[ORIGIN_METADATA]["version"], "1.2.3");
-        let names: Vec<&str> = run
-            .attachments
-            .iter()
-            .map(|attachment| attachment.name.as_str())
-            .collect();
+        let names: Vec<&str> = run.attachments.iter().map(|attachment| attachment.name.as_str()).collect();
         assert_eq!(names, [SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT]);
-        assert_eq!(
-            read_attachment(&path, SCENARIO_ATTACHMENT)
-                .unwrap()
-                .unwrap()
-                .data,
-            b"name = \"sample\"\n"
-        );
+        assert_eq!(read_attachment(&path, SCENARIO_ATTACHMENT).unwrap().unwrap().data, b"name = \"sample\"\n");
         assert_eq!(read_attachment(&path, "other").unwrap(), None);
     }
 }
@@ -95,35 +85,19 @@ fn an_inspection_counts_messages_by_topic() {
     let log = sample::log(3, 6, 100);
     sample::record_file(&path, &log);
     let inspection = inspect(&path).unwrap();
-    let count = |topic: &str| {
-        inspection
-            .topics
-            .iter()
-            .find(|t| t.topic == topic)
-            .map(|t| t.messages)
-    };
+    let count = |topic: &str| inspection.topics.iter().find(|t| t.topic == topic).map(|t| t.messages);
     assert_eq!(count("/stops"), Some(100));
     assert_eq!(count("/receptions"), Some(log.receptions().len() as u64));
     assert_eq!(count("/robot/surveyor/contacts"), Some(20));
     assert_eq!(inspection.topics.len(), 13);
-    assert_eq!(
-        inspection.messages,
-        inspection
-            .topics
-            .iter()
-            .map(|topic| topic.messages)
-            .sum::<u64>()
-    );
+    assert_eq!(inspection.messages, inspection.topics.iter().map(|topic| topic.messages).sum::<u64>());
     assert_eq!(inspection.damage, None);
     assert_eq!(inspection.start_s, Some(0.0));
     let last = log.stops()[99].time.as_secs_f64();
     assert!((inspection.end_s.unwrap() - last).abs() < 1e-9);
     assert_eq!(inspection.attachments.len(), 2);
     let text = inspection.to_string();
-    assert!(
-        text.starts_with("complete, ") && text.contains("sextant.Reception"),
-        "{text}"
-    );
+    assert!(text.starts_with("complete, ") && text.contains("sextant.Reception"), "{text}");
 }
 
 #[test]
@@ -134,23 +108,11 @@ fn two_robots_share_one_numbering_of_stops() {
     let mut recorder = FileRecorder::create(&path).unwrap();
     recorder.nodes(log.names()).unwrap();
     for (index, stop) in (0..).zip(log.stops()) {
-        let here: Vec<_> = log
-            .receptions()
-            .iter()
-            .copied()
-            .filter(|r| r.stop == index)
-            .collect();
-        recorder
-            .stop(["left", "right"][index as usize % 2], index, stop, &here)
-            .unwrap();
+        let here: Vec<_> = log.receptions().iter().copied().filter(|r| r.stop == index).collect();
+        recorder.stop(["left", "right"][index as usize % 2], index, stop, &here).unwrap();
     }
     recorder.finish().unwrap();
-    let expected = ReceptionLog::new(
-        log.names().to_vec(),
-        log.stops().to_vec(),
-        log.receptions().to_vec(),
-        Vec::new(),
-    )
-    .unwrap();
+    let expected =
+        ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), log.receptions().to_vec(), Vec::new()).unwrap();
     assert_eq!(read_log(&path).unwrap().log, expected);
 }

@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use sextant::recording::messages::Frame;
-use sextant::recording::{
-    FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid,
-};
+use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid};
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SimTime};
 
@@ -38,18 +36,11 @@ impl Numbers {
 /// A log of `nodes` nodes and `stops` stops.
 pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
     let mut numbers = Numbers(seed);
-    let names = (0..nodes).map(|node| {
-        format!(
-            "node {node}, \"quoted\" and {}",
-            if node % 2 == 0 { "é" } else { "x" }
-        )
-    });
+    let names =
+        (0..nodes).map(|node| format!("node {node}, \"quoted\" and {}", if node % 2 == 0 { "é" } else { "x" }));
     let places = (0..stops).map(|stop| {
         let time = SimTime::from_nanos(u64::from(stop) * 1_200_000_001 + numbers.below(1_000_000));
-        Stop {
-            time,
-            position: numbers.position(),
-        }
+        Stop { time, position: numbers.position() }
     });
     let places: Vec<Stop> = places.collect();
     let mut receptions = Vec::new();
@@ -61,25 +52,15 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
             }
             let sent = numbers.small(7);
             let received = numbers.small(sent + 1);
-            let sector = (numbers.below(2) == 0)
-                .then(|| u8::try_from(numbers.below(256)).expect("below 256"));
+            let sector = (numbers.below(2) == 0).then(|| u8::try_from(numbers.below(256)).expect("below 256"));
             let rssi_dbm = (numbers.below(2) == 0).then(|| -90.0 + numbers.coordinate());
             // 0 of 1 is what an absent pair means: a CSV folder does not keep it.
             let received = if sent == 1 { 1 } else { received };
-            receptions.push(Reception {
-                node: NodeId(node),
-                stop,
-                received,
-                sent,
-                sector,
-                rssi_dbm,
-            });
+            receptions.push(Reception { node: NodeId(node), stop, received, sent, sector, rssi_dbm });
         }
     }
-    let contacts = (0..stops / 5).map(|i| Contact {
-        time: SimTime::from_nanos(u64::from(i) * 7),
-        position: numbers.position(),
-    });
+    let contacts =
+        (0..stops / 5).map(|i| Contact { time: SimTime::from_nanos(u64::from(i) * 7), position: numbers.position() });
     let contacts = contacts.collect();
     ReceptionLog::new(names.collect(), places, receptions, contacts).expect("a sound log")
 }
@@ -88,11 +69,7 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
 pub(crate) fn truth(log: &ReceptionLog) -> Vec<PlacedNode> {
     let mut numbers = Numbers(99);
     (0..log.node_count())
-        .map(|i| PlacedNode {
-            node: NodeId::from_index(i),
-            position: numbers.position(),
-            error_m: None,
-        })
+        .map(|i| PlacedNode { node: NodeId::from_index(i), position: numbers.position(), error_m: None })
         .collect()
 }
 
@@ -102,27 +79,14 @@ pub(crate) fn record_all<W: std::io::Write>(
     log: &ReceptionLog,
 ) -> Result<(), RecordingError> {
     let at = |nanos| SimTime::from_nanos(nanos);
-    recorder.origin(Origin {
-        scenario: "sample",
-        seed: 42,
-        version: "1.2.3",
-    })?;
+    recorder.origin(Origin { scenario: "sample", seed: 42, version: "1.2.3" })?;
     recorder.scenario("name = \"sample\"\n")?;
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| Position::new(x, y, 0.0));
-    let solid = Solid {
-        name: "wall".to_owned(),
-        vertices: corners.into(),
-        triangles: vec![[0, 1, 2]],
-    };
+    let solid = Solid { name: "wall".to_owned(), vertices: corners.into(), triangles: vec![[0, 1, 2]] };
     recorder.obstacles(at(0), &[solid])?;
     recorder.world_nodes(at(0), &truth(log))?;
     recorder.log("surveyor", log)?;
-    recorder.robot(
-        at(5),
-        "surveyor",
-        Position::new(1.0, 2.0, 3.0),
-        std::f64::consts::PI,
-    )?;
+    recorder.robot(at(5), "surveyor", Position::new(1.0, 2.0, 3.0), std::f64::consts::PI)?;
     recorder.path(at(6), "surveyor", &corners)?;
     recorder.metric(at(7), "path_length_m", 12.5)?;
     recorder.note(at(8), Level::Warning, "survey", "nobody heard")?;
@@ -134,11 +98,7 @@ pub(crate) fn record_all<W: std::io::Write>(
         outcome: "received".to_owned(),
         power_dbm: Some(-71.5),
     })?;
-    let placed = PlacedNode {
-        node: NodeId(1),
-        position: Position::new(4.0, 5.0, 6.0),
-        error_m: Some(0.25),
-    };
+    let placed = PlacedNode { node: NodeId(1), position: Position::new(4.0, 5.0, 6.0), error_m: Some(0.25) };
     recorder.map(at(10), "ml-tm", &[placed])?;
     let plane = LikelihoodPlane {
         first: Position::new(-1.0, -2.0, 0.0),

@@ -20,19 +20,10 @@ pub(super) struct Entry {
 impl Entry {
     #[inline]
     pub(super) fn new(time: SimTime, rank: Rank, key: EventKey) -> Self {
-        let rank =
-            u64::from(rank.class) << 56 | u64::from(rank.node.0) << HIGH_BITS | key.insertion >> 32;
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the lower half; the upper one is in `rank`"
-        )]
+        let rank = u64::from(rank.class) << 56 | u64::from(rank.node.0) << HIGH_BITS | key.insertion >> 32;
+        #[expect(clippy::cast_possible_truncation, reason = "the lower half; the upper one is in `rank`")]
         let insertion_low = key.insertion as u32;
-        Self {
-            time,
-            rank,
-            insertion_low,
-            slot: key.slot,
-        }
+        Self { time, rank, insertion_low, slot: key.slot }
     }
 
     #[inline]
@@ -43,10 +34,7 @@ impl Entry {
     #[inline]
     pub(super) fn key(&self) -> EventKey {
         let high = self.rank & ((1 << HIGH_BITS) - 1);
-        EventKey {
-            insertion: high << 32 | u64::from(self.insertion_low),
-            slot: self.slot,
-        }
+        EventKey { insertion: high << 32 | u64::from(self.insertion_low), slot: self.slot }
     }
 }
 
@@ -58,24 +46,14 @@ mod tests {
     #[test]
     fn insertion_numbers_order_equal_ranks_beyond_32_bits() {
         let entry = |class, node, insertion, slot| {
-            Entry::new(
-                SimTime::ZERO,
-                Rank::new(class, NodeId(node)),
-                EventKey { insertion, slot },
-            )
+            Entry::new(SimTime::ZERO, Rank::new(class, NodeId(node)), EventKey { insertion, slot })
         };
         let last = (1 << 32) - 1;
         assert!(entry(3, 8, last, 9) < entry(3, 8, last + 1, 2));
         assert!(entry(3, 8, last + 1, 9) < entry(3, 8, last + 2, 2));
         assert!(entry(3, 8, (1 << 56) - 1, 9) < entry(3, 9, 0, 2));
         assert!(entry(3, u32::MAX, 5, 9) < entry(4, 0, 0, 2));
-        let key = EventKey {
-            insertion: (1 << 56) - 2,
-            slot: u32::MAX,
-        };
-        assert_eq!(
-            Entry::new(SimTime::MAX, Rank::new(u8::MAX, NodeId(u32::MAX)), key).key(),
-            key
-        );
+        let key = EventKey { insertion: (1 << 56) - 2, slot: u32::MAX };
+        assert_eq!(Entry::new(SimTime::MAX, Rank::new(u8::MAX, NodeId(u32::MAX)), key).key(), key);
     }
 }

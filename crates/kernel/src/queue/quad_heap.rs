@@ -72,14 +72,7 @@ fn least_child(entries: &[Entry], parent: usize) -> Option<usize> {
         // Two pairs and a final: shorter chains of comparison than one after the other.
         let left = usize::from(children[1] < children[0]);
         let right = 2 + usize::from(children[3] < children[2]);
-        Some(
-            first
-                + if children[right] < children[left] {
-                    right
-                } else {
-                    left
-                },
-        )
+        Some(first + if children[right] < children[left] { right } else { left })
     } else {
         (first..entries.len()).min_by_key(|&child| entries[child])
     }

@@ -61,7 +61,7 @@ impl RadixHeap {
         self.near.pop()
     }
 
-    /// Moves the horizon to the first instant beyond it that has entries, or beyond where there are few.
+    /// Moves the horizon to the first instant beyond it that has entries, or over the next few entries.
     #[inline(never)]
     fn advance(&mut self) {
         if self.occupied == 0 {
@@ -69,18 +69,21 @@ impl RadixHeap {
         }
         let lowest = self.occupied.trailing_zeros() as usize;
         self.occupied &= self.occupied - 1;
-        // Every entry leaves for `near` or a lower bucket; the emptied one keeps its memory.
         let mut bucket = std::mem::take(&mut self.far[lowest]);
         let times = bucket.iter().map(Entry::time);
-        self.horizon = if bucket.len() <= SMALL_BUCKET {
-            times.max()
+        if bucket.len() <= SMALL_BUCKET {
+            // Not to the end of the bucket, which may be years ahead.
+            self.horizon = times.fold(self.horizon, SimTime::max);
+            for entry in bucket.drain(..) {
+                self.near.push(entry);
+            }
         } else {
-            times.min()
+            self.horizon = times.fold(SimTime::MAX, SimTime::min);
+            for entry in bucket.drain(..) {
+                self.push(entry);
+            }
         }
-        .expect("an occupied bucket has entries");
-        for entry in bucket.drain(..) {
-            self.push(entry);
-        }
+        // Emptied: all went to `near` or to lower buckets. It keeps its memory.
         self.far[lowest] = bucket;
     }
 

@@ -17,10 +17,7 @@ struct Slot<E> {
 
 impl<E> Default for Slab<E> {
     fn default() -> Self {
-        Self {
-            slots: Vec::new(),
-            vacant: Vec::new(),
-        }
+        Self { slots: Vec::new(), vacant: Vec::new() }
     }
 }
 
@@ -31,10 +28,7 @@ impl<E> Slab<E> {
     /// If 2³² events are kept already.
     #[inline]
     pub(super) fn insert(&mut self, insertion: u64, event: E) -> EventKey {
-        let filled = Slot {
-            insertion,
-            event: Some(event),
-        };
+        let filled = Slot { insertion, event: Some(event) };
         let slot = if let Some(slot) = self.vacant.pop() {
             self.slots[slot as usize] = filled;
             slot
@@ -49,10 +43,7 @@ impl<E> Slab<E> {
     /// Gives an event out; `None` if it is not here any more.
     #[inline]
     pub(super) fn take(&mut self, key: EventKey) -> Option<E> {
-        let slot = self
-            .slots
-            .get_mut(key.slot as usize)
-            .filter(|slot| slot.insertion == key.insertion)?;
+        let slot = self.slots.get_mut(key.slot as usize).filter(|slot| slot.insertion == key.insertion)?;
         let event = slot.event.take()?;
         self.vacant.push(key.slot);
         Some(event)
@@ -61,9 +52,7 @@ impl<E> Slab<E> {
     /// Whether the event is here.
     #[inline]
     pub(super) fn holds(&self, key: EventKey) -> bool {
-        self.slots
-            .get(key.slot as usize)
-            .is_some_and(|slot| slot.insertion == key.insertion && slot.event.is_some())
+        self.slots.get(key.slot as usize).is_some_and(|slot| slot.insertion == key.insertion && slot.event.is_some())
     }
 
     /// Number of events kept.

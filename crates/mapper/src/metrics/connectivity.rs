@@ -75,10 +75,7 @@ impl ConnectivityError {
     /// point is not perfect.
     #[must_use]
     pub fn symmetric_loss(&self) -> f64 {
-        share(
-            self.lost + self.gained,
-            2 * self.physical - self.lost + self.gained,
-        )
+        share(self.lost + self.gained, 2 * self.physical - self.lost + self.gained)
     }
 
     /// Share of the nodes with neighbours that have lost at most the share `limit` of them: the distribution function
@@ -86,20 +83,13 @@ impl ConnectivityError {
     #[must_use]
     pub fn share_of_nodes_within(&self, limit: f64) -> f64 {
         let errors = || self.per_node.iter().flatten();
-        share(
-            errors().filter(|&&error| error <= limit).count() as u64,
-            errors().count() as u64,
-        )
+        share(errors().filter(|&&error| error <= limit).count() as u64, errors().count() as u64)
     }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
 fn share(part: u64, whole: u64) -> f64 {
-    if whole == 0 {
-        0.0
-    } else {
-        part as f64 / whole as f64
-    }
+    if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
 }
 
 /// The one-hop connectivity error of a map at one neighbourhood radius on the ground.
@@ -118,42 +108,27 @@ pub fn connectivity_error(
     rule: NeighbourhoodRule,
 ) -> Result<ConnectivityError, MetricError> {
     if truth.len() != map.len() {
-        return Err(MetricError::Length {
-            truth: truth.len(),
-            map: map.len(),
-        });
+        return Err(MetricError::Length { truth: truth.len(), map: map.len() });
     }
     if !(radius_m.is_finite() && radius_m > 0.0) {
         return Err(MetricError::Radius(radius_m));
     }
-    let pairs: Vec<(Position, Position)> = truth
-        .iter()
-        .zip(map)
-        .filter_map(|(&truth, image)| image.map(|image| (truth, image)))
-        .collect();
+    let pairs: Vec<(Position, Position)> =
+        truth.iter().zip(map).filter_map(|(&truth, image)| image.map(|image| (truth, image))).collect();
     // Images in coordinates in which the neighbourhood of each node is a box-aligned ellipsoid, and its half-axes in
     // units of the radius.
     let (images, half_axes): (Vec<Position>, Vec<[f64; 3]>) = match rule {
         NeighbourhoodRule::Affine => {
             let affine = Affine::fit(&pairs)?;
-            pairs
-                .iter()
-                .map(|&(_, image)| (affine.to_ground(image), [1.0; 3]))
-                .unzip()
+            pairs.iter().map(|&(_, image)| (affine.to_ground(image), [1.0; 3])).unzip()
         }
         NeighbourhoodRule::EndPoints => {
             let axes = Axes::through(&pairs)?;
-            pairs
-                .iter()
-                .map(|&(_, image)| (axes.scaled(image), [1.0; 3]))
-                .unzip()
+            pairs.iter().map(|&(_, image)| (axes.scaled(image), [1.0; 3])).unzip()
         }
         NeighbourhoodRule::PerNode => {
             let axes = Axes::through(&pairs)?;
-            pairs
-                .iter()
-                .map(|&(truth, image)| (axes.scaled(image), axes.half_axes(truth, image)))
-                .unzip()
+            pairs.iter().map(|&(truth, image)| (axes.scaled(image), axes.half_axes(truth, image))).unzip()
         }
     };
     Ok(count(truth, map, radius_m, &images, &half_axes))
@@ -169,9 +144,7 @@ fn count(
 ) -> ConnectivityError {
     let ground = CellIndex::new(truth, radius_m);
     let mapped = CellIndex::new(images, radius_m);
-    let nodes: Vec<usize> = (0..truth.len())
-        .filter(|&node| map[node].is_some())
-        .collect();
+    let nodes: Vec<usize> = (0..truth.len()).filter(|&node| map[node].is_some()).collect();
     let mut image_of = vec![None; truth.len()];
     for (image, &node) in nodes.iter().enumerate() {
         image_of[node] = Some(image);
@@ -201,15 +174,9 @@ fn count(
             mapped.within(centre, a.max(b).max(c), |other| {
                 let apart = images[other as usize] - centre;
                 let other = nodes[other as usize];
-                let inside =
-                    (apart.x_m / a).powi(2) + (apart.y_m / b).powi(2) + (apart.z_m / c).powi(2)
-                        <= 1.0;
+                let inside = (apart.x_m / a).powi(2) + (apart.y_m / b).powi(2) + (apart.z_m / c).powi(2) <= 1.0;
                 if other != node && inside {
-                    if is_neighbour[other] {
-                        kept += 1
-                    } else {
-                        error.gained += 1
-                    }
+                    if is_neighbour[other] { kept += 1 } else { error.gained += 1 }
                 }
             });
         }
@@ -219,9 +186,7 @@ fn count(
         error.physical += physical;
         error.lost += physical - kept;
         error.isolated += usize::from(physical == 0);
-        error
-            .per_node
-            .push((physical > 0).then(|| share(physical - kept, physical)));
+        error.per_node.push((physical > 0).then(|| share(physical - kept, physical)));
     }
     error
 }
@@ -231,15 +196,11 @@ mod tests {
     use super::*;
     use sextant_kernel::{Purpose, Seed};
 
-    const RULES: [NeighbourhoodRule; 3] = [
-        NeighbourhoodRule::Affine,
-        NeighbourhoodRule::EndPoints,
-        NeighbourhoodRule::PerNode,
-    ];
+    const RULES: [NeighbourhoodRule; 3] =
+        [NeighbourhoodRule::Affine, NeighbourhoodRule::EndPoints, NeighbourhoodRule::PerNode];
 
     fn square(side: u32, layers: u32) -> Vec<Position> {
-        let sites = (0..layers)
-            .flat_map(|z| (0..side).flat_map(move |y| (0..side).map(move |x| [x, y, z])));
+        let sites = (0..layers).flat_map(|z| (0..side).flat_map(move |y| (0..side).map(move |x| [x, y, z])));
         sites.map(|site| site.map(f64::from).into()).collect()
     }
 
@@ -252,13 +213,8 @@ mod tests {
         // Unit square lattice, radius 1: each of the 2 · 5 · 4 edges is two ordered pairs.
         let truth = square(5, 1);
         for rule in RULES {
-            let error =
-                connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, rule).unwrap();
-            assert_eq!(
-                (error.physical, error.lost, error.gained, error.isolated),
-                (80, 0, 0, 0),
-                "{rule:?}"
-            );
+            let error = connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, rule).unwrap();
+            assert_eq!((error.physical, error.lost, error.gained, error.isolated), (80, 0, 0, 0), "{rule:?}");
             assert!(error.symmetric_loss().abs() < 1e-15);
             assert!((error.share_of_nodes_within(0.0) - 1.0).abs() < 1e-15);
         }
@@ -266,10 +222,8 @@ mod tests {
 
     #[test]
     fn stretching_shearing_and_mirroring_the_map_changes_nothing() {
-        let sheared =
-            |p: Position| Position::new(3.0 - 0.5 * p.x_m + 0.2 * p.y_m, 4.0 * p.y_m, p.z_m);
-        let turned =
-            |p: Position| Position::new(0.5 * p.z_m, 2.0 * p.x_m, -3.0 * p.y_m + 0.4 * p.z_m);
+        let sheared = |p: Position| Position::new(3.0 - 0.5 * p.x_m + 0.2 * p.y_m, 4.0 * p.y_m, p.z_m);
+        let turned = |p: Position| Position::new(0.5 * p.z_m, 2.0 * p.x_m, -3.0 * p.y_m + 0.4 * p.z_m);
         for rule in RULES {
             let truth = square(5, 1);
             let error = connectivity_error(&truth, &images(&truth, sheared), 1.5, rule).unwrap();
@@ -312,47 +266,29 @@ mod tests {
     #[test]
     fn counts_agree_with_a_scan_of_all_pairs() {
         let draw = |i, axis, what| Seed(6).normal(Purpose::Mapper, [i, axis, what]);
-        let truth: Vec<Position> = (0..150)
-            .map(|i| {
-                Position::new(
-                    10.0 * draw(i, 0, 0),
-                    6.0 * draw(i, 1, 0),
-                    2.0 * draw(i, 2, 0),
-                )
-            })
-            .collect();
+        let truth: Vec<Position> =
+            (0..150).map(|i| Position::new(10.0 * draw(i, 0, 0), 6.0 * draw(i, 1, 0), 2.0 * draw(i, 2, 0))).collect();
         let map: Vec<Option<Position>> = (0..)
             .zip(&truth)
-            .map(|(i, &p)| {
-                (i % 13 != 5)
-                    .then(|| p + Position::new(draw(i, 0, 1), draw(i, 1, 1), draw(i, 2, 1)))
-            })
+            .map(|(i, &p)| (i % 13 != 5).then(|| p + Position::new(draw(i, 0, 1), draw(i, 1, 1), draw(i, 2, 1))))
             .collect();
-        let pairs: Vec<_> = truth
-            .iter()
-            .zip(&map)
-            .filter_map(|(&p, image)| image.map(|q| (p, q)))
-            .collect();
+        let pairs: Vec<_> = truth.iter().zip(&map).filter_map(|(&p, image)| image.map(|q| (p, q))).collect();
         let affine = Affine::fit(&pairs).unwrap();
         for radius_m in [1.0, 3.0, 8.0] {
             let (mut physical, mut lost, mut gained) = (0, 0, 0);
             for (i, a) in truth.iter().enumerate() {
                 for (j, b) in truth.iter().enumerate().filter(|&(j, _)| j != i) {
                     let near = a.distance_m(*b) <= radius_m;
-                    let near_on_map = map[i].zip(map[j]).is_some_and(|(a, b)| {
-                        affine.to_ground(a).distance_m(affine.to_ground(b)) <= radius_m
-                    });
+                    let near_on_map = map[i]
+                        .zip(map[j])
+                        .is_some_and(|(a, b)| affine.to_ground(a).distance_m(affine.to_ground(b)) <= radius_m);
                     physical += u64::from(near);
                     lost += u64::from(near && !near_on_map);
                     gained += u64::from(!near && near_on_map);
                 }
             }
-            let error =
-                connectivity_error(&truth, &map, radius_m, NeighbourhoodRule::Affine).unwrap();
-            assert_eq!(
-                (error.physical, error.lost, error.gained),
-                (physical, lost, gained)
-            );
+            let error = connectivity_error(&truth, &map, radius_m, NeighbourhoodRule::Affine).unwrap();
+            assert_eq!((error.physical, error.lost, error.gained), (physical, lost, gained));
         }
     }
 
@@ -362,33 +298,19 @@ mod tests {
         let map = images(&truth, |_| Position::ORIGIN);
         for rule in RULES {
             let collapsed = connectivity_error(&truth, &map, 1.0, rule);
-            assert!(
-                matches!(collapsed, Err(MetricError::Degenerate(_))),
-                "{rule:?}: {collapsed:?}"
-            );
+            assert!(matches!(collapsed, Err(MetricError::Degenerate(_))), "{rule:?}: {collapsed:?}");
             let nobody = connectivity_error(&truth, &vec![None; 9], 1.0, rule);
-            assert!(
-                matches!(nobody, Err(MetricError::Degenerate(_))),
-                "{rule:?}: {nobody:?}"
-            );
+            assert!(matches!(nobody, Err(MetricError::Degenerate(_))), "{rule:?}: {nobody:?}");
         }
-        let line: Vec<Position> = (0..6)
-            .map(|i| Position::new(f64::from(i), 0.0, 0.0))
-            .collect();
-        let error =
-            connectivity_error(&line, &images(&line, |p| p), 1.0, NeighbourhoodRule::Affine);
+        let line: Vec<Position> = (0..6).map(|i| Position::new(f64::from(i), 0.0, 0.0)).collect();
+        let error = connectivity_error(&line, &images(&line, |p| p), 1.0, NeighbourhoodRule::Affine);
         assert!(matches!(error, Err(MetricError::Degenerate(_))));
         assert_eq!(
             connectivity_error(&truth, &[], 1.0, NeighbourhoodRule::Affine),
             Err(MetricError::Length { truth: 9, map: 0 })
         );
         assert_eq!(
-            connectivity_error(
-                &truth,
-                &images(&truth, |p| p),
-                -1.0,
-                NeighbourhoodRule::Affine
-            ),
+            connectivity_error(&truth, &images(&truth, |p| p), -1.0, NeighbourhoodRule::Affine),
             Err(MetricError::Radius(-1.0))
         );
     }

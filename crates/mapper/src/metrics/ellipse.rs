@@ -12,11 +12,7 @@ const FLATNESS: f64 = 1e-9;
 fn dimensions(pairs: &[(Position, Position)]) -> usize {
     let mut heights = pairs.iter().map(|(truth, _)| truth.z_m);
     let first = heights.next().unwrap_or(0.0);
-    if heights.all(|height| (height - first).abs() <= 1e-9) {
-        2
-    } else {
-        3
-    }
+    if heights.all(|height| (height - first).abs() <= 1e-9) { 2 } else { 3 }
 }
 
 fn mean(places: impl ExactSizeIterator<Item = Position>) -> Position {
@@ -27,11 +23,7 @@ fn mean(places: impl ExactSizeIterator<Item = Position>) -> Position {
 
 /// `place` with the height dropped in a planar network.
 fn flattened(place: Position, dimensions: usize) -> Vector3<f64> {
-    Vector3::new(
-        place.x_m,
-        place.y_m,
-        if dimensions == 3 { place.z_m } else { 0.0 },
-    )
+    Vector3::new(place.x_m, place.y_m, if dimensions == 3 { place.z_m } else { 0.0 })
 }
 
 /// `matrix` with its height made independent in a planar network, inverted.
@@ -45,11 +37,7 @@ fn inverse(mut matrix: Matrix3<f64>, dimensions: usize) -> Option<Matrix3<f64>> 
         matrix[(2, 2)] = scale;
     }
     let values = matrix.singular_values();
-    if values.min() > FLATNESS * values.max() {
-        matrix.try_inverse()
-    } else {
-        None
-    }
+    if values.min() > FLATNESS * values.max() { matrix.try_inverse() } else { None }
 }
 
 /// The affine map from ground to map with the least sum of squared distances, and its inverse.
@@ -71,35 +59,24 @@ impl Affine {
         let ground = flattened(mean(pairs.iter().map(|pair| pair.0)), dimensions);
         let map = flattened(mean(pairs.iter().map(|pair| pair.1)), dimensions);
         let rows = |side: &dyn Fn(&(Position, Position)) -> Vector3<f64>| {
-            DMatrix::from_fn(pairs.len(), dimensions, |row, column| {
-                side(&pairs[row])[column]
-            })
+            DMatrix::from_fn(pairs.len(), dimensions, |row, column| side(&pairs[row])[column])
         };
         let truths = rows(&|pair| flattened(pair.0, dimensions) - ground);
         let images = rows(&|pair| flattened(pair.1, dimensions) - map);
         let svd = truths.svd(true, true);
         let values = &svd.singular_values;
         if values.min() <= FLATNESS * values.max() {
-            return Err(MetricError::Degenerate(
-                "the mapped nodes lie on one line or plane",
-            ));
+            return Err(MetricError::Degenerate("the mapped nodes lie on one line or plane"));
         }
         let solution = svd.solve(&images, 0.0).map_err(MetricError::Degenerate)?;
-        let linear = Matrix3::from_fn(|row, column| {
-            if row < dimensions && column < dimensions {
-                solution[(column, row)]
-            } else {
-                0.0
-            }
-        });
-        let to_ground =
-            inverse(linear, dimensions).ok_or(MetricError::Degenerate("the map is collapsed"))?;
-        Ok(Self {
-            dimensions,
-            to_ground,
-            ground,
-            map,
-        })
+        let linear =
+            Matrix3::from_fn(
+                |row, column| {
+                    if row < dimensions && column < dimensions { solution[(column, row)] } else { 0.0 }
+                },
+            );
+        let to_ground = inverse(linear, dimensions).ok_or(MetricError::Degenerate("the map is collapsed"))?;
+        Ok(Self { dimensions, to_ground, ground, map })
     }
 
     /// The place on the ground whose image is `image`.
@@ -133,9 +110,7 @@ impl Axes {
         }
         let truths = || pairs.iter().map(|pair| flattened(pair.0, dimensions));
         let low = truths().fold(Vector3::repeat(f64::INFINITY), |low, place| low.inf(&place));
-        let high = truths().fold(Vector3::repeat(f64::NEG_INFINITY), |high, place| {
-            high.sup(&place)
-        });
+        let high = truths().fold(Vector3::repeat(f64::NEG_INFINITY), |high, place| high.sup(&place));
         let (middle, half_extent) = ((low + high) * 0.5, (high - low) * 0.5);
         let nearest = |place: Vector3<f64>| {
             let mut best = (0, f64::INFINITY);
@@ -158,9 +133,7 @@ impl Axes {
             let length = (end - start).norm();
             let ground = (flattened(to.0, dimensions) - flattened(from.0, dimensions)).norm();
             if !(ground > 0.0 && length > 0.0) {
-                return Err(MetricError::Degenerate(
-                    "the ends of a line across the network coincide",
-                ));
+                return Err(MetricError::Degenerate("the ends of a line across the network coincide"));
             }
             let direction = (end - start) / length;
             // A step of one metre on the ground along the axis.
@@ -169,25 +142,14 @@ impl Axes {
             normal += across;
             normal_sum += across * start;
         }
-        let scaled = inverse(basis, dimensions).ok_or(MetricError::Degenerate(
-            "the lines across the network are parallel on the map",
-        ))?;
-        let crossing =
-            DMatrix::from_fn(dimensions, dimensions, |row, column| normal[(row, column)])
-                .lu()
-                .solve(&DVector::from_fn(dimensions, |row, _| normal_sum[row]))
-                .ok_or(MetricError::Degenerate(
-                    "the lines across the network are parallel on the map",
-                ))?;
-        let crossing =
-            Vector3::from_fn(|row, _| if row < dimensions { crossing[row] } else { 0.0 });
-        Ok(Self {
-            dimensions,
-            middle,
-            half_extent,
-            crossing,
-            scaled,
-        })
+        let scaled = inverse(basis, dimensions)
+            .ok_or(MetricError::Degenerate("the lines across the network are parallel on the map"))?;
+        let crossing = DMatrix::from_fn(dimensions, dimensions, |row, column| normal[(row, column)])
+            .lu()
+            .solve(&DVector::from_fn(dimensions, |row, _| normal_sum[row]))
+            .ok_or(MetricError::Degenerate("the lines across the network are parallel on the map"))?;
+        let crossing = Vector3::from_fn(|row, _| if row < dimensions { crossing[row] } else { 0.0 });
+        Ok(Self { dimensions, middle, half_extent, crossing, scaled })
     }
 
     /// Coordinates of `image` along the lines on the map, in metres on the ground.

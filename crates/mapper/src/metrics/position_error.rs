@@ -47,10 +47,7 @@ impl PositionError {
     /// that are mapped; `None` if there are none.
     #[must_use]
     pub fn between(truth: &[Position], map: &[Option<Position>]) -> Option<Self> {
-        let mapped = truth
-            .iter()
-            .zip(map)
-            .filter_map(|(truth, image)| image.map(|image| image.distance_m(*truth)));
+        let mapped = truth.iter().zip(map).filter_map(|(truth, image)| image.map(|image| image.distance_m(*truth)));
         Self::of(&mapped.collect::<Vec<f64>>())
     }
 }
@@ -63,13 +60,9 @@ mod tests {
     fn quantiles_of_eleven_equal_steps_are_known() {
         let errors: Vec<f64> = (0..11).rev().map(f64::from).collect();
         let error = PositionError::of(&errors).unwrap();
-        for (value, expected) in [
-            (error.mean, 5.0),
-            (error.median, 5.0),
-            (error.p90, 9.0),
-            (error.p95, 9.5),
-            (error.max, 10.0),
-        ] {
+        for (value, expected) in
+            [(error.mean, 5.0), (error.median, 5.0), (error.p90, 9.0), (error.p95, 9.5), (error.max, 10.0)]
+        {
             assert!((value - expected).abs() < 1e-12, "{error:?}");
         }
         assert_eq!(PositionError::of(&[]), None);
@@ -78,8 +71,7 @@ mod tests {
     #[test]
     fn unmapped_nodes_have_no_position_error() {
         let truth = [Position::ORIGIN, Position::new(1.0, 0.0, 0.0)];
-        let error =
-            PositionError::between(&truth, &[Some(Position::new(3.0, 4.0, 0.0)), None]).unwrap();
+        let error = PositionError::between(&truth, &[Some(Position::new(3.0, 4.0, 0.0)), None]).unwrap();
         assert!((error.mean - 5.0).abs() < 1e-12 && (error.max - 5.0).abs() < 1e-12);
         assert_eq!(PositionError::between(&truth, &[None, None]), None);
     }

@@ -32,15 +32,7 @@ impl Curve {
         let least = floor.max(1e-17 * top.min(1.0 - top).max(1e-3 * top));
         let chunk = crate::lattice::whole(270.0 / -libm::log10(least)).clamp(1, 64);
         let ln_missed_afar = libm::log1p(-floor);
-        Self {
-            range_m,
-            range_squared: range_m * range_m,
-            slope,
-            top,
-            floor,
-            ln_missed_afar,
-            chunk,
-        }
+        Self { range_m, range_squared: range_m * range_m, slope, top, floor, ln_missed_afar, chunk }
     }
 
     /// The same curve with every outcome possible everywhere.
@@ -63,14 +55,8 @@ impl Curve {
     /// from afar. At most all packets but one.
     pub(crate) fn most_outliers(&self, evidence: &Evidence, least: f64) -> u64 {
         let (ln_top, ln_floor) = (libm::log(self.top), libm::log(self.floor));
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "packet counts are far below 2^53"
-        )]
-        let (heard, missed) = (
-            evidence.heard_packets() as f64,
-            evidence.missed_packets() as f64,
-        );
+        #[expect(clippy::cast_precision_loss, reason = "packet counts are far below 2^53")]
+        let (heard, missed) = (evidence.heard_packets() as f64, evidence.missed_packets() as f64);
         let best = heard * ln_top + missed * self.ln_missed_afar;
         let outliers = (best - least) / (ln_top - ln_floor) + 1e-6;
         (crate::lattice::whole(outliers) as u64).min(evidence.heard_packets() - 1)

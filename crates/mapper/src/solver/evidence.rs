@@ -56,13 +56,7 @@ impl Evidence {
         self.counts.clear();
         self.entries = receptions.len();
         (self.received, self.missed) = (0, 0);
-        for &Reception {
-            stop,
-            received,
-            sent,
-            ..
-        } in receptions
-        {
+        for &Reception { stop, received, sent, .. } in receptions {
             let stop = stop as usize;
             self.listed[stop / 64] |= 1 << (stop % 64);
             let place = stops[stop].position;
@@ -70,19 +64,12 @@ impl Evidence {
             self.received += u64::from(received);
             self.missed += u64::from(missed);
             if received > 0 {
-                self.receivers.push(Receiver {
-                    place,
-                    packets: received,
-                });
+                self.receivers.push(Receiver { place, packets: received });
             }
             if (received, missed) == (1, 0) {
                 self.heard.push(place);
             } else if sent > 0 {
-                self.counts.push(Count {
-                    place,
-                    received,
-                    missed,
-                });
+                self.counts.push(Count { place, received, missed });
             }
         }
     }

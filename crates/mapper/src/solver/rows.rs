@@ -8,6 +8,9 @@ use super::Row;
 use super::evidence::Receiver;
 use crate::Lattice;
 
+/// A factor on R² that is more than the rounding of squared distances, so that no vertex in range is dropped.
+const ROUNDING: f64 = 1.0 + 1e-14;
+
 /// The part of the lattice to look at, and the receptions that cut it.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
@@ -28,39 +31,23 @@ pub(crate) struct Rows {
 impl Rows {
     /// Sets the box to the bounding box of the places within `range_m` of every reception.
     /// Returns whether it holds a vertex.
-    pub(crate) fn intersection(
-        &mut self,
-        lattice: &Lattice,
-        range_m: f64,
-        receivers: &[Receiver],
-    ) -> bool {
+    pub(crate) fn intersection(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver]) -> bool {
         let (low, high) = bounds(receivers);
-        self.span =
-            [0, 1, 2].map(|axis| lattice.span(axis, high[axis] - range_m, low[axis] + range_m));
+        self.span = [0, 1, 2].map(|axis| lattice.span(axis, high[axis] - range_m, low[axis] + range_m).0);
         self.find_rim(lattice, range_m, receivers)
     }
 
     /// Sets the box to hold every place within `range_m` of all receptions but `cap` packets' worth.
     /// Returns whether it holds a vertex.
-    pub(crate) fn relaxed(
-        &mut self,
-        lattice: &Lattice,
-        range_m: f64,
-        receivers: &[Receiver],
-        cap: u64,
-    ) -> bool {
+    pub(crate) fn relaxed(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver], cap: u64) -> bool {
         for axis in 0..3 {
             self.sorted.clear();
-            self.sorted.extend(
-                receivers
-                    .iter()
-                    .map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)),
-            );
+            self.sorted.extend(receivers.iter().map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)));
             self.sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
             // Of the receptions up to the one at which `cap` is exceeded, at least one is in range.
             let high = beyond(self.sorted.iter(), cap) + range_m;
             let low = beyond(self.sorted.iter().rev(), cap) - range_m;
-            self.span[axis] = lattice.span(axis, low, high);
+            self.span[axis] = lattice.span(axis, low, high).0;
         }
         self.find_rim(lattice, range_m, receivers)
     }
@@ -89,48 +76,60 @@ impl Rows {
         true
     }
 
-    /// Calls `visit` with the span of each row of the box that lies within `range_m` of every reception, rows in
-    /// the order of their indices. Vertices at `range_m` but for rounding may be among them.
-    pub(crate) fn each_span(
-        &mut self,
-        lattice: &Lattice,
-        range_m: f64,
-        mut visit: impl FnMut(Row, Range<usize>),
-    ) {
-        let reach = range_m * range_m * (1.0 + 1e-12);
-        let box_low = lattice.coordinate(0, self.span[0].start);
-        let box_high = lattice.coordinate(0, self.span[0].end - 1);
-        for k in self.span[2].clone() {
+    /// Calls `visit` with the span of each row of the box that lies nearer than `range_m` to every reception, rows
+    /// in the order of their indices.
+    pub(crate) fn each_span(&self, lattice: &Lattice, range_m: f64, mut visit: impl FnMut(Row, Range<usize>)) {
+        let reach = range_m * range_m * ROUNDING;
+        // Below this half-length the ends of a span are not known to a small part of a step.
+        let grazing = 1e-4 * range_m;
+        let [along, ys, zs] = self.span.clone();
+        for k in zs {
             let z = lattice.coordinate(2, k);
-            for j in self.span[1].clone() {
+            for j in ys.clone() {
                 let y = lattice.coordinate(1, j);
-                let (mut low, mut high) = (box_low, box_high);
+                let (mut low, mut high, mut shortest) = (f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY);
                 for Receiver { place, .. } in &self.rim {
                     let (dy, dz) = (y - place.y_m, z - place.z_m);
-                    // Not a number, and so neither bound, if the row is out of reach.
-                    let half = (reach - dy * dy - dz * dz).sqrt();
-                    low = if place.x_m - half > low {
-                        place.x_m - half
-                    } else {
-                        low
-                    };
-                    high = if place.x_m + half < high {
-                        place.x_m + half
-                    } else {
-                        high
-                    };
-                    if half.is_nan() {
+                    let square = reach - dy * dy - dz * dz;
+                    let half = square.sqrt();
+                    low = if place.x_m - half > low { place.x_m - half } else { low };
+                    high = if place.x_m + half < high { place.x_m + half } else { high };
+                    shortest = if square < shortest { square } else { shortest };
+                    if square < 0.0 || low > high {
                         high = f64::NEG_INFINITY;
-                    }
-                    if low > high {
                         break;
                     }
                 }
-                let span = lattice.span(0, low, high);
-                if low <= high && !span.is_empty() {
+                if low > high {
+                    continue;
+                }
+                let (span, in_doubt) = lattice.span(0, low, high);
+                let mut span = span.start.max(along.start)..span.end.min(along.end);
+                if in_doubt || shortest < grazing * grazing {
+                    self.shrink(lattice, range_m, [j, k], &mut span);
+                }
+                if !span.is_empty() {
                     visit([j, k], span);
                 }
             }
+        }
+    }
+
+    /// Takes vertices that are not nearer than `range_m` to every reception off the ends of a span.
+    #[cold]
+    fn shrink(&self, lattice: &Lattice, range_m: f64, [j, k]: Row, span: &mut Range<usize>) {
+        let is_within = |i| {
+            let vertex = lattice.position([i, j, k]);
+            self.rim.iter().all(|receiver| {
+                let apart = vertex - receiver.place;
+                apart.dot(apart) < range_m * range_m
+            })
+        };
+        while !span.is_empty() && !is_within(span.start) {
+            span.start += 1;
+        }
+        while !span.is_empty() && !is_within(span.end - 1) {
+            span.end -= 1;
         }
     }
 
@@ -143,17 +142,13 @@ impl Rows {
         cap: u64,
         mut visit: impl FnMut(Row, usize),
     ) {
-        let reach = range_m * range_m * (1.0 + 1e-12);
+        let reach = range_m * range_m * ROUNDING;
         let least = self.rim_packets.saturating_sub(cap);
         let [along, ys, zs] = self.span.clone();
         for k in zs {
             let z = lattice.coordinate(2, k);
             self.layer.clear();
-            self.layer.extend(
-                self.rim
-                    .iter()
-                    .filter(|r| (z - r.place.z_m).powi(2) <= reach),
-            );
+            self.layer.extend(self.rim.iter().filter(|r| (z - r.place.z_m).powi(2) <= reach));
             if packets(&self.layer) < least {
                 continue;
             }
@@ -167,7 +162,7 @@ impl Rows {
                     let square = reach - dy * dy - dz * dz;
                     if square >= 0.0 {
                         let half = square.sqrt();
-                        let span = lattice.span(0, place.x_m - half, place.x_m + half);
+                        let (span, _) = lattice.span(0, place.x_m - half, place.x_m + half);
                         let (start, end) = (span.start.max(along.start), span.end.min(along.end));
                         if start < end {
                             in_reach += u64::from(*packets);
@@ -201,26 +196,16 @@ impl Rows {
         [0, 1, 2]
             .map(|axis| {
                 self.sorted.clear();
-                self.sorted.extend(
-                    receivers
-                        .iter()
-                        .map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)),
-                );
+                self.sorted.extend(receivers.iter().map(|r| (<[f64; 3]>::from(r.place)[axis], r.packets)));
                 let middle = self.sorted.len() / 2;
-                self.sorted
-                    .select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0))
-                    .1
-                    .0
+                self.sorted.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0)).1.0
             })
             .into()
     }
 }
 
 fn packets(receivers: &[Receiver]) -> u64 {
-    receivers
-        .iter()
-        .map(|receiver| u64::from(receiver.packets))
-        .sum()
+    receivers.iter().map(|receiver| u64::from(receiver.packets)).sum()
 }
 
 /// The corners of the bounding box of the receptions.
@@ -230,16 +215,8 @@ fn bounds(receivers: &[Receiver]) -> ([f64; 3], [f64; 3]) {
     for receiver in receivers {
         let place: [f64; 3] = receiver.place.into();
         for axis in 0..3 {
-            low[axis] = if place[axis] < low[axis] {
-                place[axis]
-            } else {
-                low[axis]
-            };
-            high[axis] = if place[axis] > high[axis] {
-                place[axis]
-            } else {
-                high[axis]
-            };
+            low[axis] = if place[axis] < low[axis] { place[axis] } else { low[axis] };
+            high[axis] = if place[axis] > high[axis] { place[axis] } else { high[axis] };
         }
     }
     (low, high)

@@ -1,4 +1,4 @@
-//! The likelihood at a list of vertices, eight at a time.
+//! The likelihood at a list of vertices, a few at a time.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use crate::Lattice;
 use crate::cells::CellIndex;
 
 /// Vertices scored side by side, so that the compiler fills the vector registers.
-const LANES: usize = 8;
+const LANES: usize = 4;
 
 /// Vertices collected before they are scored: bounds the memory.
 const BATCH: usize = 2048;
@@ -19,9 +19,9 @@ const BATCH: usize = 2048;
 /// Which vertices are in the search set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Admission {
-    /// Those within R of every stop that received.
+    /// Those within R of every stop that received: only such vertices are given to the scorer.
     WithinAll,
-    /// Those within R of any stop that received.
+    /// Those within R of any stop that received: the scorer sees to it.
     WithinAny,
 }
 
@@ -53,10 +53,7 @@ impl Scorer<'_> {
     /// Adds the vertices `span` of a row.
     pub(crate) fn push(&mut self, row: Row, span: Range<usize>, sink: &mut impl Sink) {
         let first = self.lattice.index([0, row[0], row[1]]);
-        let (y, z) = (
-            self.lattice.coordinate(1, row[0]),
-            self.lattice.coordinate(2, row[1]),
-        );
+        let (y, z) = (self.lattice.coordinate(1, row[0]), self.lattice.coordinate(2, row[1]));
         for i in span {
             self.survivors.x.push(self.lattice.coordinate(0, i));
             self.survivors.y.push(y);
@@ -76,24 +73,14 @@ impl Scorer<'_> {
         }
         self.evaluated += count as u64;
         let constant = self.find_silent();
-        let Survivors {
-            x,
-            y,
-            z,
-            index,
-            silent,
-        } = &mut *self.survivors;
+        let Survivors { x, y, z, index, silent } = &mut *self.survivors;
         // The last block is filled up with copies of its last vertex, which nobody looks at.
         let full = count.next_multiple_of(LANES);
         for values in [&mut *x, y, z] {
             let last = values[count - 1];
             values.resize(full, last);
         }
-        let (x, y, z) = (
-            x.as_chunks::<LANES>().0,
-            y.as_chunks::<LANES>().0,
-            z.as_chunks::<LANES>().0,
-        );
+        let (x, y, z) = (x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0, z.as_chunks::<LANES>().0);
         for (block, indices) in index.chunks(LANES).enumerate() {
             let mut lanes = Lanes::new(&x[block], &y[block], &z[block]);
             lanes.multiply_all(self.curve, self.evidence, silent, self.admission);
@@ -112,25 +99,19 @@ impl Scorer<'_> {
     /// Finds the silent stops that are in range of a survivor. Returns what the others add to every
     /// log-likelihood.
     fn find_silent(&mut self) -> f64 {
-        let Survivors {
-            x, y, z, silent, ..
-        } = &mut *self.survivors;
+        let Survivors { x, y, z, silent, .. } = &mut *self.survivors;
         let (x0, x1) = bounds(x);
         let (y0, y1) = bounds(y);
         let (z0, z1) = bounds(z);
         let reach = self.curve.range_m;
         silent.clear();
-        for points in self.cells.near_box(
-            [x0 - reach, y0 - reach, z0 - reach],
-            [x1 + reach, y1 + reach, z1 + reach],
-        ) {
+        for points in self.cells.near_box([x0 - reach, y0 - reach, z0 - reach], [x1 + reach, y1 + reach, z1 + reach])
+        {
             for &(place, stop) in points {
                 let dx = place.x_m - place.x_m.clamp(x0, x1);
                 let dy = place.y_m - place.y_m.clamp(y0, y1);
                 let dz = place.z_m - place.z_m.clamp(z0, z1);
-                if dx * dx + dy * dy + dz * dz < self.curve.range_squared
-                    && !self.evidence.is_listed(stop)
-                {
+                if dx * dx + dy * dy + dz * dz < self.curve.range_squared && !self.evidence.is_listed(stop) {
                     silent.push(place);
                 }
             }
@@ -151,14 +132,10 @@ impl Survivors {
 }
 
 fn bounds(values: &[f64]) -> (f64, f64) {
-    values
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
-            (low.min(value), high.max(value))
-        })
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)))
 }
 
-/// Running products at eight vertices: `mantissa · 2^exponent · exp(logarithm)`, so that no product underflows.
+/// Running products at a few vertices: `mantissa · 2^exponent · exp(logarithm)`, so that no product underflows.
 /// A factor of zero is kept as a mantissa of zero.
 struct Lanes<'v> {
     x: &'v [f64; LANES],
@@ -171,56 +148,24 @@ struct Lanes<'v> {
 
 impl<'v> Lanes<'v> {
     fn new(x: &'v [f64; LANES], y: &'v [f64; LANES], z: &'v [f64; LANES]) -> Self {
-        Self {
-            x,
-            y,
-            z,
-            mantissa: [1.0; LANES],
-            exponent: [0; LANES],
-            logarithm: [0.0; LANES],
-        }
+        Self { x, y, z, mantissa: [1.0; LANES], exponent: [0; LANES], logarithm: [0.0; LANES] }
     }
 
     #[inline(always)]
     fn distance_squared(&self, place: Position, lane: usize) -> f64 {
-        let (dx, dy, dz) = (
-            self.x[lane] - place.x_m,
-            self.y[lane] - place.y_m,
-            self.z[lane] - place.z_m,
-        );
+        let (dx, dy, dz) = (self.x[lane] - place.x_m, self.y[lane] - place.y_m, self.z[lane] - place.z_m);
         dx * dx + dy * dy + dz * dz
     }
 
     /// Multiplies by the factors of all evidence in range: what was heard, and the `silent` stops.
-    fn multiply_all(
-        &mut self,
-        curve: &Curve,
-        evidence: &Evidence,
-        silent: &[Position],
-        admission: Admission,
-    ) {
-        match admission {
-            Admission::WithinAll => {
-                let within = |square| {
-                    if square < curve.range_squared {
-                        curve.at(square)
-                    } else {
-                        0.0
-                    }
-                };
-                self.multiply(curve, &evidence.heard, within);
-            }
-            Admission::WithinAny => {
-                self.multiply(curve, &evidence.heard, |square| curve.at(square));
-                self.keep_near(
-                    evidence.receptions().iter().map(|receiver| receiver.place),
-                    curve.range_squared,
-                );
-            }
+    fn multiply_all(&mut self, curve: &Curve, evidence: &Evidence, silent: &[Position], admission: Admission) {
+        if admission == Admission::WithinAny {
+            self.keep_near(evidence.receptions().iter().map(|receiver| receiver.place), curve.range_squared);
         }
+        self.multiply(curve, &evidence.heard, |square| curve.at(square));
         self.multiply(curve, silent, |square| 1.0 - curve.at(square));
         for count in &evidence.counts {
-            self.multiply_count(curve, count, admission);
+            self.multiply_count(curve, count);
         }
     }
 
@@ -240,17 +185,10 @@ impl<'v> Lanes<'v> {
     }
 
     /// Multiplies by the factors of a stop that received some packets and missed others.
-    fn multiply_count(&mut self, curve: &Curve, count: &Count, admission: Admission) {
+    fn multiply_count(&mut self, curve: &Curve, count: &Count) {
         let mut received = [0.0; LANES];
         for (lane, s) in received.iter_mut().enumerate() {
-            let square = self.distance_squared(count.place, lane);
-            *s = curve.at(square);
-            if count.received > 0
-                && admission == Admission::WithinAll
-                && square >= curve.range_squared
-            {
-                self.mantissa[lane] = 0.0;
-            }
+            *s = curve.at(self.distance_squared(count.place, lane));
         }
         self.raise(curve, received, count.received);
         self.raise(curve, received.map(|s| 1.0 - s), count.missed);
@@ -282,11 +220,7 @@ impl<'v> Lanes<'v> {
             }
         }
         for (mantissa, nearest) in self.mantissa.iter_mut().zip(nearest) {
-            *mantissa = if nearest < range_squared {
-                *mantissa
-            } else {
-                0.0
-            };
+            *mantissa = if nearest < range_squared { *mantissa } else { 0.0 };
         }
     }
 
@@ -308,9 +242,7 @@ impl<'v> Lanes<'v> {
     fn log_likelihood(&self, lane: usize) -> f64 {
         if self.mantissa[lane] > 0.0 {
             let exponent = self.exponent[lane] as f64;
-            libm::log(self.mantissa[lane])
-                + exponent * std::f64::consts::LN_2
-                + self.logarithm[lane]
+            libm::log(self.mantissa[lane]) + exponent * std::f64::consts::LN_2 + self.logarithm[lane]
         } else {
             f64::NEG_INFINITY
         }

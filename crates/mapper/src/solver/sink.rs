@@ -19,10 +19,7 @@ pub(crate) struct Peak {
 
 impl Default for Peak {
     fn default() -> Self {
-        Self {
-            highest: f64::NEG_INFINITY,
-            vertices: Vec::new(),
-        }
+        Self { highest: f64::NEG_INFINITY, vertices: Vec::new() }
     }
 }
 
@@ -48,8 +45,7 @@ impl Sink for Peak {
         }
         if value > self.highest {
             self.highest = value;
-            self.vertices
-                .retain(|&(_, other)| other >= value - Self::TOLERANCE);
+            self.vertices.retain(|&(_, other)| other >= value - Self::TOLERANCE);
         }
         let place = self.vertices.partition_point(|&(other, _)| other < index);
         self.vertices.insert(place, (index, value));
@@ -93,11 +89,7 @@ impl Moments {
         let [x, y, z] = self.sum.map(|sum| sum / self.weight);
         let [xx, yy, zz, xy, xz, yz] = self.products.map(|sum| sum / self.weight);
         let (xy, xz, yz) = (xy - x * y, xz - x * z, yz - y * z);
-        [
-            [(xx - x * x).max(0.0), xy, xz],
-            [xy, (yy - y * y).max(0.0), yz],
-            [xz, yz, (zz - z * z).max(0.0)],
-        ]
+        [[(xx - x * x).max(0.0), xy, xz], [xy, (yy - y * y).max(0.0), yz], [xz, yz, (zz - z * z).max(0.0)]]
     }
 }
 
@@ -118,11 +110,7 @@ impl Sink for Moments {
         for (sum, term) in self.sum.iter_mut().zip([x, y, z]) {
             *sum += weight * term;
         }
-        for (sum, term) in self
-            .products
-            .iter_mut()
-            .zip([x * x, y * y, z * z, x * y, x * z, y * z])
-        {
+        for (sum, term) in self.products.iter_mut().zip([x * x, y * y, z * z, x * y, x * z, y * z]) {
             *sum += weight * term;
         }
     }

@@ -55,10 +55,10 @@ impl CsvConfig {
         let (mut nodes, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record.map_err(|error| {
-                let line = error.position().map_or(0, csv::Position::line);
+                let line = line_of(text, error.position());
                 refuse(line, row_fault(&error), COLUMNS)
             })?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = line_of(text, record.position());
             let row: Row = record.deserialize(Some(&header)).map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
             if row.node.is_empty() {
                 return Err(refuse(line, "an empty name".into(), "a name in the column `node`"));
@@ -80,6 +80,14 @@ impl CsvConfig {
         }
         Ok(nodes)
     }
+}
+
+/// The line of a row, from 1. The reader's own count stops at the blank lines and comments before the row.
+fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
+    let byte = position.and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
+    let (before, after) = text.split_at_checked(byte).unwrap_or((text, ""));
+    let skipped = after.lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
+    (before.matches('\n').count() + skipped + 1) as u64
 }
 
 /// What is wrong with a row that is not one.
@@ -122,7 +130,7 @@ mod tests {
     fn a_bad_row_is_named_by_its_line() {
         let line = |text| parse(text).unwrap_err();
         assert_eq!(line("node,x_m,y_m\na,0,0\nb,zero,0\n"), "`nodes.csv`, line 3: `zero` in the column `x_m`");
-        assert_eq!(line("node,x_m,y_m\n\na,0\n"), "`nodes.csv`, line 3: 2 cells below 3 columns");
+        assert_eq!(line("node,x_m,y_m\n\n# b\na,0\n"), "`nodes.csv`, line 4: 2 cells below 3 columns");
         assert_eq!(line("node,x_m,y_m\na,NaN,0\n"), "`nodes.csv`, line 2: node `a` at [NaN, 0, 0]");
         assert_eq!(line("node,x_m,y_m\na,0,0\nb,1,1\na,2,2\n"), "`nodes.csv`, line 4: node `a` again, as in line 2");
         assert_eq!(line("node,x_m,height\na,0,0\n"), "`nodes.csv`, line 1: column `height`");

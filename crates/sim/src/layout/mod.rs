@@ -9,6 +9,8 @@ mod lattice;
 mod nodes;
 mod random;
 mod region;
+#[cfg(test)]
+mod tests;
 
 pub use explicit::ExplicitConfig;
 pub use file::CsvConfig;

@@ -1,0 +1,47 @@
+//! `sextant figure`: pictures of a run for papers and pages.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::diagnostic::Failure;
+use crate::figure::{self, FileFormat, Source};
+use crate::recording::{self, ORIGIN_METADATA};
+
+/// What `sextant figure` is told.
+#[derive(Clone, Debug, Args)]
+pub struct Arguments {
+    /// A recording of `run`
+    #[arg(value_name = "RUN.mcap")]
+    pub recording: PathBuf,
+    /// The folder for the figures; RUN.figures beside the recording if absent. It is made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// The format of the figures
+    #[arg(long, value_enum, default_value_t)]
+    pub format: FileFormat,
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let path = &arguments.recording;
+    let run = recording::read_log(path)?;
+    let drawn = recording::read_drawn(path)?;
+    if drawn.maps.is_empty() {
+        return Err(Failure::bad_input_with_help(
+            format!("`{}` has no map: it has no topic `/map/...`", path.display()),
+            "`sextant run` records a map for each [[maps]] of a scenario, unless it is interrupted",
+        ));
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let scenario = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("scenario"));
+    let source = Source { title: scenario.map_or(&*stem, String::as_str), log: &run.log, drawn: &drawn };
+    let folder = arguments.out.clone().unwrap_or_else(|| path.with_extension("figures"));
+    std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+    let mut stdout = io::stdout().lock();
+    for figure in figure::all(&source) {
+        let written = figure.write(&folder, arguments.format).map_err(|error| Failure::unwritable(&folder, &error))?;
+        writeln!(stdout, "{}", written.display())?;
+    }
+    Ok(())
+}

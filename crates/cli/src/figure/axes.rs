@@ -1,0 +1,113 @@
+//! A frame with numbers at its sides: from metres or shares to places on the picture.
+
+use super::palette::{FAINT_INK, GRID, INK};
+use super::picture::{Anchor, Area, Picture, Point, Stroke, TextStyle, Weight};
+use super::ticks::Ticks;
+
+/// Numbers at ticks.
+pub(super) const TICK_TEXT: TextStyle = TextStyle { em: 12.0, weight: Weight::Regular, color: INK };
+/// Names of axes and entries of legends.
+pub(super) const LABEL_TEXT: TextStyle = TextStyle { em: 13.0, weight: Weight::Regular, color: INK };
+/// Titles.
+pub(super) const TITLE_TEXT: TextStyle = TextStyle { em: 16.0, weight: Weight::Bold, color: INK };
+/// What stands below a title.
+pub(super) const NOTE_TEXT: TextStyle = TextStyle { em: 13.0, weight: Weight::Regular, color: FAINT_INK };
+/// Frames and ticks.
+pub(super) const FRAME: Stroke = Stroke::new(INK, 1.0);
+/// Length of a tick [px].
+pub(super) const TICK: f64 = 5.0;
+/// Ticks of an axis are this far apart [px], or a little more.
+const TICK_DISTANCE: f64 = 62.0;
+
+/// The range of an axis and its name.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Axis {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) name: String,
+    pub(super) shown: Shown,
+}
+
+/// What of an axis is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// Ticks, numbers and name.
+    All,
+    /// Ticks only: a panel below has the numbers.
+    Ticks,
+}
+
+/// Two axes around an area of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Axes {
+    pub(super) across: Axis,
+    pub(super) up: Axis,
+    pub(super) area: Area,
+}
+
+impl Axes {
+    /// Where a pair of numbers is on the picture.
+    pub(super) fn at(&self, x: f64, y: f64) -> Point {
+        let Self { across, up, area } = self;
+        Point::new(
+            area.left + (x - across.low) / (across.high - across.low) * area.width,
+            area.bottom() - (y - up.low) / (up.high - up.low) * area.height,
+        )
+    }
+
+    /// The ticks of both axes; of equal step where both have the same scale.
+    fn ticks(&self) -> (Ticks, Ticks) {
+        let Self { across, up, area } = self;
+        let most = |length: f64| (length / TICK_DISTANCE).max(1.0);
+        let step = |axis: &Axis, length: f64| (axis.high - axis.low) / length;
+        let equal = (step(across, area.width) / step(up, area.height) - 1.0).abs() < 1e-6;
+        if !equal {
+            return (
+                Ticks::new(across.low, across.high, most(area.width), 0.0),
+                Ticks::new(up.low, up.high, most(area.height), 0.0),
+            );
+        }
+        // A low plot has finer ticks upwards, so that it has some.
+        let px = step(across, area.width);
+        let ticks = |axis: &Axis, distance: f64| Ticks::new(axis.low, axis.high, f64::MAX, px * distance);
+        (ticks(across, TICK_DISTANCE), ticks(up, TICK_DISTANCE.min(area.height / 3.5)))
+    }
+
+    /// Thin lines at the ticks; draw them before what they help to read.
+    pub(super) fn draw_grid(&self, picture: &mut Picture) {
+        let (across, up) = self.ticks();
+        let stroke = Stroke::new(GRID, 1.0);
+        for x in across.values {
+            picture.line(self.at(x, self.up.low), self.at(x, self.up.high), stroke);
+        }
+        for y in up.values {
+            picture.line(self.at(self.across.low, y), self.at(self.across.high, y), stroke);
+        }
+    }
+
+    /// The frame with its ticks, numbers and names.
+    pub(super) fn draw(&self, picture: &mut Picture) {
+        let (across, up) = self.ticks();
+        let area = self.area;
+        picture.frame(area, FRAME);
+        let bottom = area.bottom();
+        for &value in &across.values {
+            let x = self.at(value, self.up.low).x;
+            picture.line(Point::new(x, bottom), Point::new(x, bottom + TICK), FRAME);
+            if self.across.shown == Shown::All {
+                picture.text(Point::new(x, bottom + TICK + 10.0), &across.label(value), Anchor::Middle, TICK_TEXT);
+            }
+        }
+        for &value in &up.values {
+            let y = self.at(self.across.low, value).y;
+            picture.line(Point::new(area.left, y), Point::new(area.left - TICK, y), FRAME);
+            picture.text(Point::new(area.left - TICK - 4.0, y), &up.label(value), Anchor::End, TICK_TEXT);
+        }
+        if self.across.shown == Shown::All {
+            let middle = area.left + area.width / 2.0;
+            picture.text(Point::new(middle, bottom + 32.0), &self.across.name, Anchor::Middle, LABEL_TEXT);
+        }
+        let middle = area.top + area.height / 2.0;
+        picture.upward_text(Point::new(area.left - 46.0, middle), &self.up.name, LABEL_TEXT);
+    }
+}

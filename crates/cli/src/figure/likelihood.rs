@@ -1,0 +1,146 @@
+//! The likelihood of one node over the plane of the grid through its maximum.
+
+use sextant_channel::Position;
+
+use crate::recording::{DrawnLikelihood, LikelihoodPlane, Places};
+
+use super::palette::{ACCENT, INK, PAPER, Ramp};
+use super::picture::{Area, Picture, Stroke};
+use super::sheet::{ColourBar, Entry, Sheet, Symbol};
+use super::silhouette::draw_rims;
+use super::source::Source;
+use super::view::{Extent, Panel, View, Views};
+
+/// Powers of ten below the maximum that are told apart.
+const DECADES: f64 = 12.0;
+/// Colours that are told apart.
+const SHADES: f64 = 48.0;
+
+const TRUTH: Stroke = Stroke::new(ACCENT, 2.2);
+const ESTIMATE: Stroke = Stroke::new(INK, 2.2);
+const TRUTH_CASING: Stroke = Stroke::new(PAPER, 4.6);
+const ESTIMATE_CASING: Stroke = Stroke::new(PAPER, 5.0);
+const RIM: Stroke = Stroke::new(INK, 1.2);
+
+/// The figure.
+pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
+    let DrawnLikelihood { map, node, plane } = surface;
+    let id = source.node(node);
+    let truth = id.and_then(|id| source.drawn.nodes.get(&id).copied());
+    let places = source.drawn.maps.iter().find(|(name, _)| name == map).map(|(_, places)| places);
+    let estimate = id.and_then(|id| places.unwrap_or(&Places::new()).get(&id).copied());
+    let levels = levels(plane);
+    let lowest = levels.iter().copied().filter(|level| level.is_finite()).fold(0.0, f64::min);
+    let bar = ColourBar {
+        name: "log\u{2081}\u{2080} (likelihood / maximum)".to_owned(),
+        low: lowest.clamp(-DECADES, -1.0),
+        high: 0.0,
+        open_end: false,
+        finest: 1.0,
+        ramp: Ramp::Areas,
+    };
+    let extent = Extent::around(corners(plane).into_iter().chain(truth).chain(estimate)).unwrap_or_default();
+    let views = Views::new(&extent, &[View::Top]);
+    let mut legend = Vec::new();
+    if truth.is_some() {
+        let symbol = Symbol::Plus { stroke: TRUTH, casing: TRUTH_CASING };
+        legend.push(Entry { symbol, text: "true place".to_owned() });
+    }
+    if estimate.is_some() {
+        let symbol = Symbol::Ring { stroke: ESTIMATE, casing: ESTIMATE_CASING };
+        legend.push(Entry { symbol, text: "estimate".to_owned() });
+    }
+    if !source.solids().is_empty() {
+        legend.push(Entry {
+            symbol: Symbol::Body { fill: bar.ramp.color(0.0), rim: RIM },
+            text: "outline of an obstacle".to_owned(),
+        });
+    }
+    let error = truth.zip(estimate).map(|(truth, estimate)| truth.distance_m(estimate));
+    let error = error.map_or(String::new(), |error_m| format!(", error {error_m:.2} m"));
+    let sheet = Sheet {
+        title: format!("{map}: likelihood of node {node}"),
+        note: format!("{}; plane z = {:.2} m, grid of {} m{error}", source.title, plane.first.z_m, plane.step_m),
+        bar: Some(bar.clone()),
+        legend,
+    };
+    let (mut picture, areas) = sheet.lay_out(&views.sizes());
+    for panel in views.panels(&areas) {
+        draw_cells(&mut picture, &panel, plane, &levels, &bar);
+        draw_rims(&mut picture, &panel, source.solids(), RIM);
+        if let Some(place) = estimate {
+            picture.ring(panel.at(place), 6.5, ESTIMATE_CASING);
+            picture.ring(panel.at(place), 6.5, ESTIMATE);
+        }
+        if let Some(place) = truth {
+            picture.plus(panel.at(place), 8.2, TRUTH_CASING);
+            picture.plus(panel.at(place), 7.0, TRUTH);
+        }
+        panel.axes.draw(&mut picture);
+    }
+    picture
+}
+
+/// Powers of ten to the maximum, at each vertex.
+fn levels(plane: &LikelihoodPlane) -> Vec<f64> {
+    let highest = plane.log_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if !highest.is_finite() {
+        return vec![f64::NEG_INFINITY; plane.log_likelihood.len()];
+    }
+    plane.log_likelihood.iter().map(|&log| (log - highest) / std::f64::consts::LN_10).collect()
+}
+
+/// Two opposite corners of the cells around all vertices.
+fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
+    let rows = plane.log_likelihood.len() / plane.columns as usize;
+    #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
+    let (across, up) = (f64::from(plane.columns), rows as f64);
+    let half = Position::new(0.5, 0.5, 0.0) * plane.step_m;
+    let first = plane.first - half;
+    [first, first + Position::new(across, up, 0.0) * plane.step_m]
+}
+
+/// One rectangle for each run of equal shade along x.
+fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &LikelihoodPlane, levels: &[f64], bar: &ColourBar) {
+    let shade = |level: f64| ((level - bar.low) / (bar.high - bar.low) * SHADES).round().clamp(0.0, SHADES);
+    let [first, _] = corners(plane);
+    for (row, levels) in (0_u32..).zip(levels.chunks_exact(plane.columns as usize)) {
+        let shades: Vec<f64> = levels.iter().map(|&level| shade(level)).collect();
+        let mut column = 0_u32;
+        for run in shades.chunk_by(|a, b| (a - b).abs() < 0.5) {
+            let end = column + u32::try_from(run.len()).expect("a run within the columns");
+            let corner = |column: u32, row: u32| {
+                panel.at(first + Position::new(f64::from(column), f64::from(row), 0.0) * plane.step_m)
+            };
+            let (low, high) = (corner(column, row), corner(end, row + 1));
+            // A run covers the seams to its neighbours.
+            let area =
+                Area { left: low.x, top: high.y - 0.3, width: high.x - low.x + 0.3, height: low.y - high.y + 0.3 };
+            picture.rectangle(area, bar.ramp.color(run[0] / SHADES));
+            column = end;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(log_likelihood: Vec<f64>) -> LikelihoodPlane {
+        LikelihoodPlane { first: Position::new(1.0, 2.0, 0.0), step_m: 0.5, columns: 3, log_likelihood }
+    }
+
+    #[test]
+    fn levels_are_powers_of_ten_below_the_maximum() {
+        let log = vec![-7.0, -7.0 - 100_f64.ln(), f64::NEG_INFINITY];
+        let levels = levels(&plane(log));
+        assert!(levels[0].abs() < 1e-12 && (levels[1] + 2.0).abs() < 1e-12 && levels[2] == f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn cells_reach_half_a_step_beyond_the_vertices() {
+        let [low, high] = corners(&plane(vec![0.0; 6]));
+        assert!(low.distance_m(Position::new(0.75, 1.75, 0.0)) < 1e-12);
+        assert!(high.distance_m(Position::new(2.25, 2.75, 0.0)) < 1e-12);
+    }
+}

@@ -1,0 +1,157 @@
+//! From a picture to the octets of a file, by the backends of plotters.
+
+use std::io;
+use std::path::Path;
+
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontTransform, ShapeStyle, TextStyle as PlottersText};
+
+use super::palette::PAPER;
+use super::picture::{Anchor, Mark, Picture, Point, Run, Stroke, font};
+
+/// Units of the backend's whole-number coordinates in a pixel of an SVG: places are exact to a tenth of a pixel.
+const SVG_UNITS: f64 = 10.0;
+/// Pixels of a PNG in a pixel of the picture: 192 dots an inch.
+const PNG_SCALE: u32 = 2;
+/// Samples along each side of a pixel of a PNG, for smooth edges.
+const SAMPLES: u32 = 3;
+
+/// How a backend wants to be spoken to.
+#[derive(Clone, Copy)]
+struct Manner {
+    /// Units of the backend in a pixel of the picture.
+    units: f64,
+    /// How far below the middle of capital letters the backend takes the middle of a text to be [em].
+    text_drop_em: f64,
+    joints: Joints,
+}
+
+/// How the pieces of a path are joined.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Joints {
+    /// The backend joins them.
+    Backend,
+    /// Piece by piece with a disc at each joint, because the backend leaves holes where a wide path crosses itself.
+    Discs,
+}
+
+/// `picture` as an SVG document.
+pub(super) fn svg(picture: &Picture) -> io::Result<String> {
+    let (width, height) = (whole(picture.width), whole(picture.height));
+    let (wide, high) = (whole(picture.width * SVG_UNITS), whole(picture.height * SVG_UNITS));
+    let mut document = String::new();
+    {
+        let mut backend = SVGBackend::with_string(&mut document, (wide, high));
+        paint(picture, &mut backend, Manner { units: SVG_UNITS, text_drop_em: 0.09, joints: Joints::Backend })?;
+    }
+    // The backend writes the size in its own units, of which pixels are tenths.
+    let size = format!("width=\"{wide}\" height=\"{high}\"");
+    Ok(document.replacen(&size, &format!("width=\"{width}\" height=\"{height}\""), 1))
+}
+
+/// Writes `picture` to the PNG file at `path`.
+pub(super) fn png(picture: &Picture, path: &Path) -> io::Result<()> {
+    let (width, height) = (whole(picture.width) * PNG_SCALE, whole(picture.height) * PNG_SCALE);
+    let fine = (width * SAMPLES, height * SAMPLES);
+    let mut samples = vec![0; fine.0 as usize * fine.1 as usize * 3];
+    {
+        let mut backend = BitMapBackend::with_buffer(&mut samples, fine);
+        let units = f64::from(PNG_SCALE * SAMPLES);
+        paint(picture, &mut backend, Manner { units, text_drop_em: 0.24, joints: Joints::Discs })?;
+    }
+    let mut backend = BitMapBackend::new(path, (width, height));
+    backend.blit_bitmap((0, 0), (width, height), &averaged(&samples, width, height)).map_err(io::Error::other)?;
+    backend.present().map_err(io::Error::other)
+}
+
+/// The mean of each block of samples.
+fn averaged(samples: &[u8], width: u32, height: u32) -> Vec<u8> {
+    let (width, height, side) = (width as usize, height as usize, SAMPLES as usize);
+    let mut pixels = Vec::with_capacity(width * height * 3);
+    for y in 0..height {
+        for x in 0..width {
+            for channel in 0..3 {
+                let at = |i: usize| ((y * side + i / side) * width * side + x * side + i % side) * 3 + channel;
+                let sum: u32 = (0..side * side).map(|i| u32::from(samples[at(i)])).sum();
+                let mean = (sum + SAMPLES * SAMPLES / 2) / (SAMPLES * SAMPLES);
+                pixels.push(u8::try_from(mean).expect("a mean of octets"));
+            }
+        }
+    }
+    pixels
+}
+
+fn paint<B: DrawingBackend>(picture: &Picture, backend: &mut B, manner: Manner) -> io::Result<()> {
+    let unit = |px: f64| units(px * manner.units);
+    let at = |point: Point| (unit(point.x), unit(point.y));
+    let (width, height) = backend.get_size();
+    let far = (width.cast_signed(), height.cast_signed());
+    backend.ensure_prepared().map_err(io::Error::other)?;
+    backend.draw_rect((0, 0), far, &ShapeStyle::from(PAPER).filled(), true).map_err(io::Error::other)?;
+    for mark in &picture.marks {
+        let drawn = match mark {
+            Mark::Path { points, stroke } => {
+                let style = ShapeStyle::from(stroke.color).stroke_width(whole(stroke.width * manner.units).max(1));
+                let points: Vec<_> = points.iter().copied().map(at).collect();
+                match manner.joints {
+                    Joints::Backend => backend.draw_path(points, &style),
+                    Joints::Discs => draw_jointed(backend, &points, *stroke, style),
+                }
+            }
+            Mark::Polygon { points, fill } => {
+                backend.fill_polygon(points.iter().copied().map(at).collect::<Vec<_>>(), fill)
+            }
+            Mark::Rectangle { area, fill } => {
+                let corner = at(Point::new(area.right(), area.bottom()));
+                backend.draw_rect(at(Point::new(area.left, area.top)), corner, fill, true)
+            }
+            Mark::Disc { center, radius, fill } => {
+                backend.draw_circle(at(*center), whole(radius * manner.units), fill, true)
+            }
+            Mark::Text { at: place, text, style, anchor, run } => {
+                let drop = manner.text_drop_em * style.em;
+                let (place, turn) = match run {
+                    Run::Across => (Point::new(place.x, place.y + drop), FontTransform::None),
+                    Run::Upwards => (Point::new(place.x + drop, place.y), FontTransform::Rotate270),
+                };
+                let side = match anchor {
+                    Anchor::Start => HPos::Left,
+                    Anchor::Middle => HPos::Center,
+                    Anchor::End => HPos::Right,
+                };
+                let text_style = PlottersText::from(font(*style, manner.units).transform(turn))
+                    .color(&style.color)
+                    .pos(Pos::new(side, VPos::Center));
+                backend.draw_text(text, &text_style, at(place))
+            }
+        };
+        drawn.map_err(io::Error::other)?;
+    }
+    backend.present().map_err(io::Error::other)
+}
+
+fn draw_jointed<B: DrawingBackend>(
+    backend: &mut B,
+    points: &[(i32, i32)],
+    stroke: Stroke,
+    style: ShapeStyle,
+) -> Result<(), plotters::backend::DrawingErrorKind<B::ErrorType>> {
+    for pair in points.windows(2) {
+        backend.draw_line(pair[0], pair[1], &style)?;
+    }
+    let joints = points.get(1..points.len() - 1).unwrap_or_default();
+    joints.iter().try_for_each(|&joint| {
+        backend.draw_circle(joint, style.stroke_width / 2, &stroke.color.to_rgba(), true)
+    })
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "pictures are some thousand units wide")]
+fn units(px: f64) -> i32 {
+    px.round() as i32
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes of some thousand units")]
+fn whole(px: f64) -> u32 {
+    px.round() as u32
+}

@@ -1,0 +1,300 @@
+//! A picture as a list of marks, in pixels of 1/96 inch from the upper left corner; later marks cover earlier ones.
+
+use std::sync::Once;
+
+use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
+
+/// A place on the picture [px], y downwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    pub(super) x: f64,
+    pub(super) y: f64,
+}
+
+impl Point {
+    pub(super) const fn new(x: f64, y: f64) -> Self {
+        Self { x, y }
+    }
+
+    fn toward(self, other: Self, share: f64) -> Self {
+        Self::new(self.x + (other.x - self.x) * share, self.y + (other.y - self.y) * share)
+    }
+
+    fn distance(self, other: Self) -> f64 {
+        (other.x - self.x).hypot(other.y - self.y)
+    }
+}
+
+/// An upright rectangle [px].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Area {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) width: f64,
+    pub(super) height: f64,
+}
+
+impl Area {
+    pub(super) fn right(&self) -> f64 {
+        self.left + self.width
+    }
+
+    pub(super) fn bottom(&self) -> f64 {
+        self.top + self.height
+    }
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stroke {
+    pub(super) color: RGBColor,
+    /// Width [px].
+    pub(super) width: f64,
+}
+
+impl Stroke {
+    pub(super) const fn new(color: RGBColor, width: f64) -> Self {
+        Self { color, width }
+    }
+}
+
+/// Which part of a text is at its place; the middle of its height always is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// How a text is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TextStyle {
+    /// Height of an em [px].
+    pub(super) em: f64,
+    pub(super) weight: Weight,
+    pub(super) color: RGBColor,
+}
+
+/// How heavy a text is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Weight {
+    Regular,
+    Bold,
+}
+
+/// The direction of a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Run {
+    Across,
+    Upwards,
+}
+
+/// One thing that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Mark {
+    Path { points: Vec<Point>, stroke: Stroke },
+    Polygon { points: Vec<Point>, fill: RGBColor },
+    Rectangle { area: Area, fill: RGBColor },
+    Disc { center: Point, radius: f64, fill: RGBColor },
+    Text { at: Point, text: String, style: TextStyle, anchor: Anchor, run: Run },
+}
+
+/// A picture: its size and its marks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width [px].
+    pub(super) width: f64,
+    /// Height [px].
+    pub(super) height: f64,
+    pub(super) marks: Vec<Mark>,
+}
+
+impl Picture {
+    /// Bare paper.
+    pub(super) fn new(width: f64, height: f64) -> Self {
+        Self { width: width.ceil(), height: height.ceil(), marks: Vec::new() }
+    }
+
+    pub(super) fn path(&mut self, points: Vec<Point>, stroke: Stroke) {
+        if points.len() > 1 {
+            self.marks.push(Mark::Path { points, stroke });
+        }
+    }
+
+    pub(super) fn line(&mut self, from: Point, to: Point, stroke: Stroke) {
+        self.path(vec![from, to], stroke);
+    }
+
+    /// A path drawn as dashes: lengths of strokes and gaps in turn [px]; an unbroken one if `pattern` is empty.
+    pub(super) fn dashed(&mut self, points: &[Point], pattern: &[f64], stroke: Stroke) {
+        if pattern.is_empty() {
+            self.path(points.to_vec(), stroke);
+            return;
+        }
+        for dash in dashes(points, pattern) {
+            self.path(dash, stroke);
+        }
+    }
+
+    pub(super) fn polygon(&mut self, points: Vec<Point>, fill: RGBColor) {
+        if points.len() > 2 {
+            self.marks.push(Mark::Polygon { points, fill });
+        }
+    }
+
+    pub(super) fn rectangle(&mut self, area: Area, fill: RGBColor) {
+        self.marks.push(Mark::Rectangle { area, fill });
+    }
+
+    /// The rim of a rectangle.
+    pub(super) fn frame(&mut self, area: Area, stroke: Stroke) {
+        let (l, t, r, b) = (area.left, area.top, area.right(), area.bottom());
+        let corners = [(l, t), (r, t), (r, b), (l, b), (l, t), (r, t)];
+        self.path(corners.map(|(x, y)| Point::new(x, y)).into(), stroke);
+    }
+
+    /// A square around `center` of the given side [px].
+    pub(super) fn square(&mut self, center: Point, side: f64, fill: RGBColor) {
+        let half = side / 2.0;
+        self.rectangle(Area { left: center.x - half, top: center.y - half, width: side, height: side }, fill);
+    }
+
+    pub(super) fn disc(&mut self, center: Point, radius: f64, fill: RGBColor) {
+        self.marks.push(Mark::Disc { center, radius, fill });
+    }
+
+    /// A ring of straight pieces, too short to be seen as such.
+    pub(super) fn ring(&mut self, center: Point, radius: f64, stroke: Stroke) {
+        const PIECES: u8 = 48;
+        let at = |i: u8| {
+            let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(PIECES)).sin_cos();
+            Point::new(center.x + radius * cos, center.y + radius * sin)
+        };
+        self.path((0..=PIECES).map(at).collect(), stroke);
+    }
+
+    /// An upright cross with arms of length `arm` [px].
+    pub(super) fn plus(&mut self, center: Point, arm: f64, stroke: Stroke) {
+        let Point { x, y } = center;
+        self.line(Point::new(x - arm, y), Point::new(x + arm, y), stroke);
+        self.line(Point::new(x, y - arm), Point::new(x, y + arm), stroke);
+    }
+
+    /// A slanting cross with arms that reach `arm` to each side [px].
+    pub(super) fn cross(&mut self, center: Point, arm: f64, stroke: Stroke) {
+        let Point { x, y } = center;
+        self.line(Point::new(x - arm, y - arm), Point::new(x + arm, y + arm), stroke);
+        self.line(Point::new(x - arm, y + arm), Point::new(x + arm, y - arm), stroke);
+    }
+
+    /// A text across the picture.
+    pub(super) fn text(&mut self, at: Point, text: &str, anchor: Anchor, style: TextStyle) {
+        self.marks.push(Mark::Text { at, text: text.to_owned(), style, anchor, run: Run::Across });
+    }
+
+    /// A text that runs upwards, its middle at `at`.
+    pub(super) fn upward_text(&mut self, at: Point, text: &str, style: TextStyle) {
+        let text = text.to_owned();
+        self.marks.push(Mark::Text { at, text, style, anchor: Anchor::Middle, run: Run::Upwards });
+    }
+}
+
+/// The pieces of a path that remain when it is cut by `pattern`: strokes and gaps in turn [px].
+fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
+    let mut pieces = Vec::new();
+    let (mut step, mut left) = (0, pattern[0]);
+    let mut piece: Vec<Point> = points.first().copied().into_iter().collect();
+    for pair in points.windows(2) {
+        let (mut from, to) = (pair[0], pair[1]);
+        while from.distance(to) > left {
+            from = from.toward(to, left / from.distance(to));
+            if step % 2 == 0 {
+                piece.push(from);
+                pieces.push(std::mem::take(&mut piece));
+            } else {
+                piece = vec![from];
+            }
+            step = (step + 1) % pattern.len();
+            left = pattern[step].max(0.1);
+        }
+        left -= from.distance(to);
+        if step % 2 == 0 {
+            piece.push(to);
+        }
+    }
+    if step % 2 == 0 {
+        pieces.push(piece);
+    }
+    pieces
+}
+
+/// The font of all text. Its embedded copy gives widths and draws pixels; the viewer of an SVG takes its own.
+pub(super) fn font(style: TextStyle, scale: f64) -> FontDesc<'static> {
+    static REGISTERED: Once = Once::new();
+    REGISTERED.call_once(|| {
+        let fonts =
+            [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
+        for (style, font) in fonts {
+            assert!(register_font("sans-serif", style, font).is_ok(), "the embedded font is sound");
+        }
+    });
+    // The size of plotters is the height of a line, 1.24 em.
+    let face = match style.weight {
+        Weight::Regular => FontStyle::Normal,
+        Weight::Bold => FontStyle::Bold,
+    };
+    FontDesc::new(FontFamily::SansSerif, style.em * 1.24 * scale, face)
+}
+
+/// Width of a text [px].
+pub(super) fn text_width(text: &str, style: TextStyle) -> f64 {
+    const FINE: f64 = 16.0;
+    let width = font(style, FINE).layout_box(text).map_or(0, |((left, _), (right, _))| right - left);
+    f64::from(width) / FINE
+}
+
+/// `text` cut to at most `width` [px], with an ellipsis if anything is missing.
+pub(super) fn shortened(text: &str, width: f64, style: TextStyle) -> String {
+    if text_width(text, style) <= width {
+        return text.to_owned();
+    }
+    let mut short = String::new();
+    for letter in text.chars() {
+        short.push(letter);
+        if text_width(&format!("{short}…"), style) > width {
+            short.pop();
+            break;
+        }
+    }
+    short + "…"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STYLE: TextStyle = TextStyle { em: 12.0, weight: Weight::Regular, color: RGBColor(0, 0, 0) };
+
+    #[test]
+    fn dashes_go_on_around_corners() {
+        let corner = [Point::new(0.0, 0.0), Point::new(3.0, 0.0), Point::new(3.0, 4.0)];
+        let pieces = dashes(&corner, &[4.0, 2.0]);
+        assert_eq!(pieces[0], [Point::new(0.0, 0.0), Point::new(3.0, 0.0), Point::new(3.0, 1.0)]);
+        assert_eq!(pieces[1], [Point::new(3.0, 3.0), Point::new(3.0, 4.0)]);
+        assert_eq!(pieces.len(), 2);
+    }
+
+    #[test]
+    fn a_text_of_many_letters_is_cut_to_the_width() {
+        let long = "a name that nobody should give to a scenario ".repeat(50);
+        let short = shortened(&long, 200.0, STYLE);
+        assert!(short.ends_with('…') && text_width(&short, STYLE) <= 200.0 && short.len() > 15, "{short}");
+        assert_eq!(shortened("short", 200.0, STYLE), "short");
+    }
+
+    #[test]
+    fn bold_text_is_wider() {
+        let bold = TextStyle { weight: Weight::Bold, ..STYLE };
+        assert!(text_width("sextant", bold) > text_width("sextant", STYLE));
+    }
+}

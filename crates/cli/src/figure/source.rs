@@ -1,0 +1,67 @@
+//! What figures are drawn from.
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::NodeId;
+
+use crate::recording::{Drawn, Places, Solid};
+
+use super::palette::OBSTACLE;
+use super::sheet::{Entry, Symbol};
+use super::silhouette::RIM;
+use super::view::{Extent, View, Views};
+
+/// What figures are drawn from: a recording that was read.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// What the titles call the run.
+    pub title: &'a str,
+    /// What was heard.
+    pub log: &'a ReceptionLog,
+    /// What is shown in space.
+    pub drawn: &'a Drawn,
+}
+
+impl Source<'_> {
+    /// Plots of the world that have room for the nodes, the obstacles, the survey and `more`: from above, and from the
+    /// side too if anything but obstacles has a height.
+    pub(super) fn views(&self, more: &Places) -> Views {
+        let Drawn { nodes, obstacles, paths, .. } = self.drawn;
+        let places = nodes.values().chain(more.values()).chain(paths.iter().flat_map(|(_, path)| path)).copied();
+        let places = places.chain(self.log.stops().iter().map(|stop| stop.position));
+        let places: Vec<_> = places.chain(self.log.contacts().iter().map(|contact| contact.position)).collect();
+        let flat = Extent::around(places.iter().copied()).is_none_or(|extent| extent.is_flat());
+        let corners = obstacles.iter().flat_map(|solid| &solid.vertices).copied();
+        let extent = Extent::around(places.into_iter().chain(corners)).unwrap_or_default();
+        Views::new(&extent, if flat { &[View::Top] } else { &[View::Top, View::Side] })
+    }
+
+    /// The explanation of obstacles, if there are any.
+    pub(super) fn obstacle_entry(&self) -> Option<Entry> {
+        let text = "obstacle".to_owned();
+        let symbol = Symbol::Body { fill: OBSTACLE, rim: RIM };
+        (!self.drawn.obstacles.is_empty()).then_some(Entry { symbol, text })
+    }
+
+    /// The obstacles.
+    pub(super) fn solids(&self) -> &[Solid] {
+        &self.drawn.obstacles
+    }
+
+    /// The distances of a map's places to the true ones, in the order of the nodes [m].
+    pub(super) fn errors(&self, places: &Places) -> Vec<(NodeId, f64)> {
+        let error = |(&node, &place): (&NodeId, &Position)| {
+            self.drawn.nodes.get(&node).map(|truth| (node, truth.distance_m(place)))
+        };
+        places.iter().filter_map(error).collect()
+    }
+
+    /// The node of this name.
+    pub(super) fn node(&self, name: &str) -> Option<NodeId> {
+        self.log.names().iter().position(|other| other == name).map(NodeId::from_index)
+    }
+}
+
+/// `count` things, with the plural that most nouns have.
+pub(super) fn counted(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}

@@ -1,0 +1,64 @@
+//! Round numbers along an axis.
+
+/// Numbers at equal steps of 1, 2 or 5 times a power of ten.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Ticks {
+    pub(super) values: Vec<f64>,
+    decimals: usize,
+}
+
+impl Ticks {
+    /// At most `most` round numbers from `low` to `high`, and at least `finest` apart.
+    pub(super) fn new(low: f64, high: f64, most: f64, finest: f64) -> Self {
+        let coarse = ((high - low) / most.max(1.0)).max(finest).max(f64::MIN_POSITIVE);
+        let power = coarse.log10().floor();
+        let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * 10_f64.powf(power) >= coarse * (1.0 - 1e-9));
+        let (factor, power) = factor.map_or((1.0, power + 1.0), |factor| (factor, power));
+        let step = factor * 10_f64.powf(power);
+        let first = (low / step - 1e-9).ceil();
+        let values = (0..1000_u16).map(|i| (first + f64::from(i)) * step);
+        let values = values.take_while(|value| *value <= high + 1e-9 * step).collect();
+        let decimals = (1..=9_u8).find(|&decimals| power >= 1.0 - f64::from(decimals)).map_or(9, |d| usize::from(d) - 1);
+        Self { values, decimals }
+    }
+
+    /// The number as it stands at its tick.
+    pub(super) fn label(&self, value: f64) -> String {
+        number(value, self.decimals)
+    }
+}
+
+/// A number with a true minus sign, and no minus before zero.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", value.abs());
+    let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if value < 0.0 && !is_zero { format!("\u{2212}{text}") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(low: f64, high: f64, most: f64, finest: f64) -> Vec<String> {
+        let ticks = Ticks::new(low, high, most, finest);
+        ticks.values.iter().map(|&value| ticks.label(value)).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_numbers_within_the_range() {
+        assert_eq!(labels(-14.2, 13.9, 7.0, 0.0), ["−10", "−5", "0", "5", "10"]);
+        assert_eq!(labels(0.0, 1.0, 5.0, 0.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(0.0, 0.03, 3.0, 0.0), ["0.00", "0.01", "0.02", "0.03"]);
+        assert_eq!(labels(995.0, 3020.0, 5.0, 0.0), ["1000", "1500", "2000", "2500", "3000"]);
+    }
+
+    #[test]
+    fn counts_have_whole_ticks() {
+        assert_eq!(labels(0.0, 3.0, 8.0, 1.0), ["0", "1", "2", "3"]);
+    }
+
+    #[test]
+    fn an_empty_range_has_no_more_than_one_tick() {
+        assert!(labels(2.0, 2.0, 8.0, 0.0).len() <= 1);
+    }
+}

@@ -1,0 +1,177 @@
+//! Looking at the world from above and from the side, with one scale for all directions.
+
+use sextant_channel::Position;
+
+use super::axes::{Axes, Axis, Shown};
+use super::picture::{Area, Point};
+
+/// Widest plot [px].
+const WIDEST: f64 = 600.0;
+/// Plots one above the other are at most this high in all [px].
+const HIGHEST: f64 = 760.0;
+/// Narrowest and lowest plot [px].
+const LEAST: f64 = 100.0;
+/// World between the outermost marks and the frame, as a share of the world's size.
+const BORDER: f64 = 0.03;
+
+/// A direction of sight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum View {
+    /// From above: x to the right, y upwards.
+    Top,
+    /// Along y: x to the right, z upwards.
+    Side,
+}
+
+impl View {
+    /// A place as seen [m].
+    pub(super) fn project(self, place: Position) -> (f64, f64) {
+        match self {
+            Self::Top => (place.x_m, place.y_m),
+            Self::Side => (place.x_m, place.z_m),
+        }
+    }
+}
+
+/// A part of the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Extent {
+    low: Position,
+    high: Position,
+}
+
+impl Extent {
+    /// The smallest box around `places`; `None` without any.
+    pub(super) fn around(places: impl IntoIterator<Item = Position>) -> Option<Self> {
+        let mut places = places.into_iter();
+        let first = places.next()?;
+        Some(places.fold(Self { low: first, high: first }, |extent, p| Self {
+            low: Position::new(extent.low.x_m.min(p.x_m), extent.low.y_m.min(p.y_m), extent.low.z_m.min(p.z_m)),
+            high: Position::new(extent.high.x_m.max(p.x_m), extent.high.y_m.max(p.y_m), extent.high.z_m.max(p.z_m)),
+        }))
+    }
+
+    /// Whether it has no height.
+    pub(super) fn is_flat(&self) -> bool {
+        self.high.z_m - self.low.z_m < 1e-6
+    }
+
+    /// The range of what `view` shows across and upwards [m].
+    fn ranges(&self, view: View) -> [(f64, f64); 2] {
+        let (low, high) = (view.project(self.low), view.project(self.high));
+        [(low.0, high.0), (low.1, high.1)]
+    }
+}
+
+/// Plots of one part of the world, before their place on the page is known.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Views {
+    panels: Vec<(View, [(f64, f64); 2])>,
+    px_per_m: f64,
+}
+
+/// A plot of the world on the page.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Panel {
+    pub(super) view: View,
+    pub(super) axes: Axes,
+}
+
+impl Views {
+    /// `extent` as the `views` show it, one above the other.
+    pub(super) fn new(extent: &Extent, views: &[View]) -> Self {
+        let ranges: Vec<_> = views.iter().map(|&view| extent.ranges(view)).collect();
+        let length = |range: (f64, f64)| range.1 - range.0;
+        let widest = ranges.iter().flatten().map(|&range| length(range)).fold(1.0, f64::max);
+        let border = widest * BORDER;
+        let with_border = |range: (f64, f64)| (range.0 - border, range.1 + border);
+        let ranges: Vec<_> = ranges.into_iter().map(|range| range.map(with_border)).collect();
+        let across = ranges.iter().map(|range| length(range[0])).fold(0.0, f64::max);
+        let up: f64 = ranges.iter().map(|range| length(range[1])).sum();
+        let px_per_m = (WIDEST / across).min(HIGHEST / up);
+        let widened = |range: (f64, f64)| {
+            let missing = (LEAST / px_per_m - length(range)).max(0.0) / 2.0;
+            (range.0 - missing, range.1 + missing)
+        };
+        let panels = views.iter().copied().zip(ranges.into_iter().map(|range| range.map(widened))).collect();
+        Self { panels, px_per_m }
+    }
+
+    /// Widths and heights [px].
+    pub(super) fn sizes(&self) -> Vec<(f64, f64)> {
+        let size = |range: (f64, f64)| (range.1 - range.0) * self.px_per_m;
+        self.panels.iter().map(|(_, [across, up])| (size(*across), size(*up))).collect()
+    }
+
+    /// The plots in the given areas.
+    pub(super) fn panels(&self, areas: &[Area]) -> Vec<Panel> {
+        let count = self.panels.len();
+        let panel = |(i, (&(view, [across, up]), &area)): (usize, (&(View, [(f64, f64); 2]), &Area))| {
+            let shown = if i + 1 < count { Shown::Ticks } else { Shown::All };
+            let name = match view {
+                View::Top => "y [m]",
+                View::Side => "z [m]",
+            };
+            let across = Axis { low: across.0, high: across.1, name: "x [m]".to_owned(), shown };
+            let up = Axis { low: up.0, high: up.1, name: name.to_owned(), shown: Shown::All };
+            Panel { view, axes: Axes { across, up, area } }
+        };
+        self.panels.iter().zip(areas).enumerate().map(panel).collect()
+    }
+
+    /// A radius for `count` dots that leaves space between them [px].
+    pub(super) fn dot_radius(&self, count: usize) -> f64 {
+        let (width, height) = self.sizes().first().copied().unwrap_or((WIDEST, WIDEST));
+        #[expect(clippy::cast_precision_loss, reason = "a number of dots")]
+        let distance = (width * height / count.max(1) as f64).sqrt();
+        (0.15 * distance).clamp(1.2, 3.6)
+    }
+}
+
+impl Panel {
+    /// Where a place of the world is on the picture.
+    pub(super) fn at(&self, place: Position) -> Point {
+        let (x, y) = self.view.project(place);
+        self.axes.at(x, y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_metre_is_as_long_across_as_upwards() {
+        let corners = [Position::new(-3.0, 2.0, 0.0), Position::new(40.0, 9.0, 6.0)];
+        let extent = Extent::around(corners).unwrap();
+        let views = Views::new(&extent, &[View::Top, View::Side]);
+        let areas: Vec<_> =
+            views.sizes().iter().map(|&(width, height)| Area { left: 5.0, top: 7.0, width, height }).collect();
+        for panel in views.panels(&areas) {
+            let origin = panel.at(Position::ORIGIN);
+            let across = panel.at(Position::new(1.0, 0.0, 0.0)).x - origin.x;
+            let up = origin.y - panel.at(Position::new(0.0, 1.0, 1.0)).y;
+            assert!((across - up).abs() < 1e-9 && across > 0.0, "{across} {up}");
+        }
+    }
+
+    #[test]
+    fn all_places_are_within_the_frame() {
+        for corners in [
+            [Position::new(0.0, 0.0, 0.0), Position::new(0.0, 0.0, 0.0)],
+            [Position::new(0.0, 0.0, 0.0), Position::new(1000.0, 1.0, 0.0)],
+            [Position::new(0.0, -50.0, 0.0), Position::new(1.0, 1000.0, 3.0)],
+        ] {
+            let views = Views::new(&Extent::around(corners).unwrap(), &[View::Top, View::Side]);
+            let area = |&(width, height): &(f64, f64)| Area { left: 0.0, top: 0.0, width, height };
+            let areas: Vec<_> = views.sizes().iter().map(area).collect();
+            for (panel, area) in views.panels(&areas).iter().zip(&areas) {
+                assert!(area.width >= LEAST - 1e-9 && area.height >= LEAST - 1e-9 && area.width <= WIDEST + 1e-9);
+                for corner in corners {
+                    let Point { x, y } = panel.at(corner);
+                    assert!(x > 0.0 && x < area.width && y > 0.0 && y < area.height, "{x} {y} {area:?}");
+                }
+            }
+        }
+    }
+}

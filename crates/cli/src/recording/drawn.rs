@@ -1,0 +1,210 @@
+//! Reading back what viewers draw: places, shapes and likelihood surfaces.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use foxglove::messages::{Grid, PointCloud, PosesInFrame, SceneUpdate};
+use prost::Message as _;
+use sextant_channel::Position;
+use sextant_kernel::NodeId;
+
+use super::drawing::{self, LikelihoodPlane, Solid};
+use super::error::RecordingError;
+use super::reader::sound;
+use super::scan::Piece;
+
+/// Coordinates beyond this are no place in a network [m].
+const FARTHEST_M: f64 = 1e9;
+
+/// Node places by node [m].
+pub type Places = BTreeMap<NodeId, Position>;
+
+/// All that a recording shows in space; of each topic the last message.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Where the nodes really are; empty if the recording does not tell.
+    pub nodes: Places,
+    /// The obstacles.
+    pub obstacles: Vec<Solid>,
+    /// Robots with the places that they passed, in the order of the file.
+    pub paths: Vec<(String, Vec<Position>)>,
+    /// Maps with the places that they give to nodes, in the order of the file.
+    pub maps: Vec<(String, Places)>,
+    /// Likelihood surfaces in the order of the file.
+    pub likelihoods: Vec<DrawnLikelihood>,
+}
+
+/// The likelihood of one node as one map sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnLikelihood {
+    /// Name of the map.
+    pub map: String,
+    /// Name of the node.
+    pub node: String,
+    /// The surface.
+    pub plane: LikelihoodPlane,
+}
+
+/// What the recording `path` shows in space.
+///
+/// # Errors
+/// If the file cannot be read, is damaged, or has a drawing of another layout than [`super::Recorder`] writes.
+pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
+    let mut drawn = Drawn::default();
+    sound(path, &mut |piece| {
+        let Piece::Message { channel, data, .. } = piece else {
+            return Ok(());
+        };
+        let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
+        drawn
+            .add(&channel.topic, schema, data)
+            .map_err(|problem| RecordingError::message(path, &channel.topic, problem))
+    })?;
+    Ok(drawn)
+}
+
+impl Drawn {
+    /// Takes a message in, if it is a drawing; says what is wrong with it.
+    fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
+        match schema {
+            "foxglove.PointCloud" if topic == super::WORLD_NODES_TOPIC => self.nodes = places(data)?,
+            "foxglove.PointCloud" => {
+                if let Some(name) = topic.strip_prefix("/map/") {
+                    replace(&mut self.maps, name, places(data)?);
+                }
+            }
+            "foxglove.SceneUpdate" if topic == "/world/obstacles" => self.obstacles = solids(data)?,
+            "foxglove.PosesInFrame" => {
+                let robot = topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/path"));
+                if let Some(name) = robot {
+                    replace(&mut self.paths, name, track(data)?);
+                }
+            }
+            "foxglove.Grid" => {
+                let names = topic.strip_prefix("/likelihood/").and_then(|rest| rest.split_once('/'));
+                if let Some((map, node)) = names {
+                    let likelihood =
+                        DrawnLikelihood { map: map.to_owned(), node: node.to_owned(), plane: plane(data)? };
+                    self.likelihoods.retain(|other| other.map != map || other.node != node);
+                    self.likelihoods.push(likelihood);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+/// Gives `name` a value; a name that is there keeps its place in the order.
+fn replace<T>(list: &mut Vec<(String, T)>, name: &str, value: T) {
+    match list.iter_mut().find(|(other, _)| other == name) {
+        Some((_, old)) => *old = value,
+        None => list.push((name.to_owned(), value)),
+    }
+}
+
+fn place(x_m: f64, y_m: f64, z_m: f64) -> Result<Position, String> {
+    let position = Position::new(x_m, y_m, z_m);
+    // Not a number is within no limit.
+    if [x_m, y_m, z_m].iter().all(|coordinate| coordinate.abs() <= FARTHEST_M) {
+        Ok(position)
+    } else {
+        Err(format!("a place at [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {FARTHEST_M:e} m"))
+    }
+}
+
+fn places(data: &[u8]) -> Result<Places, String> {
+    let cloud = PointCloud::decode(data).map_err(|why| why.to_string())?;
+    let nodes = drawing::nodes_of(&cloud)?;
+    nodes.into_iter().map(|(node, p)| Ok((node, place(p.x_m, p.y_m, p.z_m)?))).collect()
+}
+
+fn track(data: &[u8]) -> Result<Vec<Position>, String> {
+    let poses = PosesInFrame::decode(data).map_err(|why| why.to_string())?.poses;
+    poses
+        .iter()
+        .map(|pose| pose.position.as_ref().ok_or_else(|| "a pose without a position".to_owned()))
+        .map(|position| position.and_then(|p| place(p.x, p.y, p.z)))
+        .collect()
+}
+
+fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {
+    let scene = SceneUpdate::decode(data).map_err(|why| why.to_string())?;
+    let mut solids = Vec::new();
+    for entity in &scene.entities {
+        for surface in &entity.triangles {
+            let vertices: Vec<_> = surface.points.iter().map(|p| place(p.x, p.y, p.z)).collect::<Result<_, _>>()?;
+            let (triangles, rest) = surface.indices.as_chunks::<3>();
+            let beyond = surface.indices.iter().find(|&&index| index as usize >= vertices.len());
+            if let Some(beyond) = beyond {
+                return Err(format!("`{}`: corner {beyond}; there are {}", entity.id, vertices.len()));
+            }
+            if !rest.is_empty() {
+                return Err(format!("`{}`: a triangle with {} corners; allowed: 3", entity.id, rest.len()));
+            }
+            solids.push(Solid { name: entity.id.clone(), vertices, triangles: triangles.to_vec() });
+        }
+    }
+    Ok(solids)
+}
+
+fn plane(data: &[u8]) -> Result<LikelihoodPlane, String> {
+    let grid = Grid::decode(data).map_err(|why| why.to_string())?;
+    let (Some(corner), Some(cell)) = (grid.pose.and_then(|pose| pose.position), grid.cell_size) else {
+        return Err("a grid without a pose or without a size of its cells".to_owned());
+    };
+    let step_m = cell.x;
+    if !(step_m > 0.0 && step_m <= FARTHEST_M && (cell.y - step_m).abs() <= 1e-9 * step_m) {
+        return Err(format!("cells of {} m by {} m; allowed: squares", cell.x, cell.y));
+    }
+    let (values, rest) = grid.data.as_chunks::<4>();
+    let columns = grid.column_count as usize;
+    if grid.cell_stride != 4 || columns == 0 || values.is_empty() || !rest.is_empty() || values.len() % columns != 0 {
+        let octets = grid.data.len();
+        return Err(format!("{octets} octets in {columns} columns; allowed: whole rows of four octets a cell"));
+    }
+    let log_likelihood: Vec<f64> = values.iter().map(|&octets| f64::from(f32::from_le_bytes(octets))).collect();
+    let first = place(corner.x + step_m / 2.0, corner.y + step_m / 2.0, corner.z)?;
+    Ok(LikelihoodPlane { first, step_m, columns: grid.column_count, log_likelihood })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_kernel::SimTime;
+
+    #[test]
+    fn a_likelihood_plane_comes_back_as_it_was_drawn() {
+        let plane = LikelihoodPlane {
+            first: Position::new(1.0, 2.0, 0.5),
+            step_m: 0.25,
+            columns: 2,
+            log_likelihood: vec![-1.5, f64::NEG_INFINITY, 0.0, -3.25],
+        };
+        let data = drawing::grid(SimTime::ZERO, &plane).encode_to_vec();
+        assert_eq!(super::plane(&data), Ok(plane));
+    }
+
+    #[test]
+    fn a_grid_with_a_torn_row_is_refused() {
+        let plane =
+            LikelihoodPlane { first: Position::ORIGIN, step_m: 0.25, columns: 2, log_likelihood: vec![0.0; 3] };
+        assert!(super::plane(&drawing::grid(SimTime::ZERO, &plane).encode_to_vec()).is_err());
+    }
+
+    #[test]
+    fn a_triangle_with_a_corner_that_is_not_there_is_refused() {
+        let solid = Solid { name: "wall".to_owned(), vertices: vec![Position::ORIGIN], triangles: vec![[0, 0, 1]] };
+        let problem = solids(&drawing::scene(SimTime::ZERO, &[solid]).encode_to_vec()).unwrap_err();
+        assert!(problem.contains("corner 1; there are 1"), "{problem}");
+    }
+
+    #[test]
+    fn the_last_message_of_a_topic_counts_and_keeps_the_order() {
+        let mut list = Vec::new();
+        for (name, value) in [("a", 1), ("b", 2), ("a", 3)] {
+            replace(&mut list, name, value);
+        }
+        assert_eq!(list, [("a".to_owned(), 3), ("b".to_owned(), 2)]);
+    }
+}

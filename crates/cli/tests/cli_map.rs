@@ -1,0 +1,128 @@
+//! `sextant map` on the log of a real robot: a folder of CSV files.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use assert_cmd::cargo::cargo_bin_cmd;
+use serde_json::Value;
+
+const PROFILE: &str = "p0=0.9,plateau_m=1,range_m=3";
+
+/// A robot drives along three lanes past four nodes, 2 m from the lanes at most, and hears each node at every stop
+/// within 2 m, and nowhere else.
+fn survey() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("there is room");
+    let nodes = [("a", 1.0, 1.0), ("b", 5.0, 1.0), ("c", 2.0, 4.0), ("d", 6.0, 4.0)];
+    let (mut stops, mut receptions) = ("stop,t_s,x_m,y_m\n".to_owned(), "node,stop,received,sent\n".to_owned());
+    let mut stop = 0;
+    for lane in 0..3 {
+        for step in 0..9 {
+            let (x_m, y_m) = (f64::from(step), 2.5 * f64::from(lane));
+            writeln!(stops, "{stop},{stop},{x_m},{y_m}").expect("a string grows");
+            for (name, node_x_m, node_y_m) in nodes {
+                if f64::hypot(x_m - node_x_m, y_m - node_y_m) <= 2.0 {
+                    writeln!(receptions, "{name},{stop},1,1").expect("a string grows");
+                }
+            }
+            stop += 1;
+        }
+    }
+    let mut truth = "node,x_m,y_m,z_m\n".to_owned();
+    for (name, x_m, y_m) in nodes {
+        writeln!(truth, "{name},{x_m},{y_m},0").expect("a string grows");
+    }
+    std::fs::create_dir(folder.path().join("log")).expect("there is room");
+    for (name, text) in [("log/stops.csv", stops), ("log/receptions.csv", receptions), ("nodes.csv", truth)] {
+        std::fs::write(folder.path().join(name), text).expect("there is room");
+    }
+    folder
+}
+
+/// Runs `sextant map log WORDS` in `folder`; exit code, standard output, standard error.
+fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
+    let mut command = cargo_bin_cmd!("sextant");
+    command.args([&["map", "log"], words].concat()).current_dir(folder).env("NO_COLOR", "1");
+    let output = command.output().expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("the output is text");
+    (output.status.code().expect("the program ends by itself"), text(output.stdout), text(output.stderr))
+}
+
+fn json(folder: &Path, words: &[&str]) -> Value {
+    let words = [&["--profile", PROFILE, "--format", "json"], words].concat();
+    let (code, stdout, stderr) = map(folder, &words);
+    assert_eq!(code, 0, "{stderr}");
+    let mut summary: Value = serde_json::from_str(&stdout).expect("the output is JSON");
+    summary.as_object_mut().expect("it is one object").remove("timing").expect("it has timing");
+    summary
+}
+
+#[test]
+fn a_log_becomes_a_map_that_is_near_the_truth() {
+    let folder = survey();
+    let summary = json(folder.path(), &["--truth", "nodes.csv", "--summary", "summary.json"]);
+    let map = &summary["maps"][0];
+    assert_eq!((&map["algorithm"], &map["mapped"], &map["unmapped"]), (&"ml-tm".into(), &4.into(), &0.into()));
+    let mean_m = map["position_error_m"]["mean"].as_f64().unwrap();
+    assert!(mean_m < 0.6, "{map:#}");
+    assert_eq!(summary["gathering"]["stops"], 27);
+    // Three lanes of 8 m, and two drives back to the start of the next lane.
+    let length_m = summary["gathering"]["path_length_m"].as_f64().unwrap();
+    assert!((length_m - (24.0 + 2.0 * f64::hypot(8.0, 2.5))).abs() < 1e-9, "{length_m}");
+    let written = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
+    let mut written: Value = serde_json::from_str(&written).unwrap();
+    written.as_object_mut().unwrap().remove("timing");
+    assert_eq!(written, summary);
+}
+
+#[test]
+fn without_truth_nothing_is_measured() {
+    let folder = survey();
+    let summary = json(folder.path(), &[]);
+    assert!(summary["maps"][0].get("position_error_m").is_none(), "{summary:#}");
+    std::fs::write(folder.path().join("some.csv"), "node,x_m,y_m\na,1,1\n").unwrap();
+    let words = ["--profile", PROFILE, "--truth", "some.csv"];
+    let (code, _, stderr) = map(folder.path(), &words);
+    assert_eq!(code, 0);
+    assert!(stderr.contains("note: the true places of 3 of 4 nodes are unknown"), "{stderr}");
+    assert_eq!(map(folder.path(), &[&words[..], &["--quiet"]].concat()).2, "");
+}
+
+#[test]
+fn a_map_file_names_every_mapped_node() {
+    let folder = survey();
+    json(folder.path(), &["--out", "map.csv", "--set", "maps.0.algorithm.ml_tm.grid_step_m=0.5"]);
+    let text = std::fs::read_to_string(folder.path().join("map.csv")).unwrap();
+    let mut names: Vec<_> = text.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["a", "b", "c", "d"]);
+    assert!(text.starts_with("node,x_m,y_m,z_m,"), "{text}");
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let folder = survey();
+    let with = |threads| json(folder.path(), &["--truth", "nodes.csv", "--threads", threads]);
+    assert_eq!(with("1"), with("3"));
+}
+
+#[test]
+fn bad_input_exits_with_two_and_a_bad_disk_with_one() {
+    let folder = survey();
+    let refused = |words: &[&str], code: i32, message: &str| {
+        let (found, stdout, stderr) = map(folder.path(), words);
+        assert_eq!((found, stdout.as_str()), (code, ""), "{words:?}: {stderr}");
+        assert!(stderr.contains(message), "{words:?}: {stderr}");
+    };
+    let profile = ["--profile", PROFILE];
+    let with = |words: &[&'static str]| [&profile[..], words].concat();
+    refused(&[], 2, "--profile p0=0.95,plateau_m=2,range_m=10");
+    refused(&["--profile", "p0=2,plateau_m=1,range_m=3"], 2, "p0` is 2; allowed: above 0, at most 1");
+    refused(&["--profile", "p0=0.9,plateau=1,range_m=3"], 2, "did you mean `plateau_m`?");
+    refused(&with(&["--truth", "none.csv"]), 2, "none.csv");
+    refused(&with(&["--set", "maps.0.algorithm.ml_tm.grid_step_m=0"]), 2, "grid_step_m` is 0");
+    refused(&with(&["--set", "maps.0.algorithm.ml_tm.grid_step_m=1e-5"]), 2, "allow more with max_memory_mb");
+    refused(&with(&["--out", "none/map.csv"]), 1, "none/map.csv");
+    refused(&with(&["--summary", "none/summary.json"]), 1, "none/summary.json");
+    std::fs::write(folder.path().join("log/receptions.csv"), "node,stop,received\na,0,1\na,zero,1\n").unwrap();
+    refused(&with(&[]), 2, "receptions.csv, line 3");
+}

@@ -1,0 +1,140 @@
+//! What happens to robots: they arrive, listen, acknowledge, and are told what to do next.
+
+use std::time::Duration;
+
+use sextant_channel::{Contact, Position};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_mac::{RadioState, csma, responder};
+
+use super::Simulation;
+use crate::event::{Event, RobotEvent};
+use crate::node::Network;
+use crate::pilot::Decision;
+use crate::receiver::Fate;
+use crate::{Observer, Progress};
+
+impl Simulation {
+    /// Whether the simulation goes on.
+    pub(super) fn handle_robot(&mut self, robot: usize, event: RobotEvent, observer: &mut impl Observer) -> bool {
+        let now = self.network.now;
+        match event {
+            RobotEvent::Arrived => {
+                let first = now == SimTime::ZERO;
+                let decision = self.pilots[robot].arrive(now, &self.world.obstacles, first);
+                observer.moved(robot, now, self.pilots[robot].position());
+                self.act(robot, decision, observer);
+            }
+            RobotEvent::SlotEnded if self.pilots[robot].responder.is_responding() => {
+                self.pilots[robot].slot_is_over = true;
+            }
+            RobotEvent::SlotEnded => return self.end_slot(robot, observer),
+            RobotEvent::Responder(event) => {
+                self.handle_responder(robot, event);
+                if self.pilots[robot].slot_is_over && !self.pilots[robot].responder.is_responding() {
+                    return self.end_slot(robot, observer);
+                }
+            }
+        }
+        true
+    }
+
+    fn handle_responder(&mut self, robot: usize, event: responder::Event) {
+        if event == responder::Event::TransmissionEnded {
+            let on_air = self.network.acknowledgements[robot].take();
+            let (ack, sequence) = on_air.expect("only an acknowledgement on air ends");
+            self.network.air.end(self.network.now, &ack, &mut self.arrivals);
+            let nodes = self.macs.len();
+            for arrival in std::mem::take(&mut self.arrivals) {
+                if arrival.fate == Fate::Received && arrival.station.index() < nodes {
+                    let event = csma::Event::AckReceived { sequence };
+                    let mac = &mut self.macs[arrival.station.index()];
+                    if let Some(report) = mac.handle(event, &mut self.network.radio(arrival.station, false)) {
+                        self.count(arrival.station, report);
+                    }
+                }
+            }
+        }
+        let pilot = &mut self.pilots[robot];
+        let mut radio = RobotRadio { network: &mut self.network, robot, place: pilot.position() };
+        pilot.responder.handle(event, &mut radio);
+    }
+
+    fn end_slot(&mut self, robot: usize, observer: &mut impl Observer) -> bool {
+        let now = self.network.now;
+        let station = NodeId::from_index(self.macs.len() + robot);
+        let pilot = &mut self.pilots[robot];
+        self.network.air.deafen(station, pilot.position());
+        let index = NodeId::from_index(self.stops.len()).0;
+        let (stop, receptions, decision) = pilot.end_slot(now, &self.world.obstacles, index);
+        observer.stopped(robot, index, &stop, now, &receptions);
+        self.stops.push(stop);
+        for reception in &receptions {
+            let known = &mut self.heard[reception.node.index()];
+            self.nodes_heard += usize::from(!std::mem::replace(known, true));
+        }
+        self.receptions.extend(receptions);
+        self.act(robot, decision, observer);
+        let (stops, nodes_heard, nodes) = (self.stops.len(), self.nodes_heard, self.macs.len());
+        observer.goes_on(Progress { time: now, stops, nodes_heard, nodes })
+    }
+
+    fn act(&mut self, robot: usize, decision: Decision, observer: &mut impl Observer) {
+        let now = self.network.now;
+        let number = NodeId::from_index(robot).0;
+        match decision {
+            Decision::Drive { span, contact } => {
+                observer.moved(robot, now, self.pilots[robot].position());
+                if let Some(position) = contact {
+                    let contact = Contact { time: now + span, position };
+                    observer.met(robot, contact);
+                    self.contacts.push(contact);
+                }
+                self.network.after(span, Event::Robot(number, RobotEvent::Arrived));
+            }
+            Decision::Listen { span } => {
+                let station = NodeId::from_index(self.macs.len() + robot);
+                self.network.air.listen(now, station, self.pilots[robot].position());
+                self.network.after(span, Event::Robot(number, RobotEvent::SlotEnded));
+            }
+            Decision::Finish => {}
+        }
+    }
+}
+
+/// The radio of a robot, as its responder sees it.
+pub(super) struct RobotRadio<'a> {
+    pub(super) network: &'a mut Network,
+    pub(super) robot: usize,
+    pub(super) place: Position,
+}
+
+impl RobotRadio<'_> {
+    fn station(&self) -> NodeId {
+        NodeId::from_index(self.network.nodes.len() + self.robot)
+    }
+}
+
+impl responder::Radio for RobotRadio<'_> {
+    fn after(&mut self, span: Duration, event: responder::Event) {
+        let robot = NodeId::from_index(self.robot).0;
+        self.network.after(span, Event::Robot(robot, RobotEvent::Responder(event)));
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        let (now, station) = (self.network.now, self.station());
+        if state == RadioState::Receive {
+            self.network.air.listen(now, station, self.place);
+        } else {
+            self.network.air.deafen(station, self.place);
+        }
+    }
+
+    fn start_acknowledgement(&mut self, sequence: u8) {
+        let (now, station, airtime) = (self.network.now, self.station(), self.network.phy.ack_airtime());
+        let transmission = self.network.air.begin(now, station, self.place, airtime);
+        self.network.acknowledgements[self.robot] = Some((transmission, sequence));
+        let robot = NodeId::from_index(self.robot).0;
+        let event = Event::Robot(robot, RobotEvent::Responder(responder::Event::TransmissionEnded));
+        self.network.after(airtime, event);
+    }
+}

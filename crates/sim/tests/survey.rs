@@ -1,0 +1,237 @@
+//! Surveys from end to end: accounts that add up, hidden nodes, obstacles, robots that are stopped, reproducibility.
+
+use std::time::Duration;
+
+use sextant_channel::{
+    BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, Stop,
+};
+use sextant_kernel::{Seed, SimTime};
+use sextant_mac::csma::{CsmaConfig, CsmaSettings};
+use sextant_mac::{Phy, RadioStates};
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{
+    BeaconConfig, Body, Command, Controller, Ending, Observer, Outcome, Progress, QueryConfig, Radio, RadioConfig,
+    ReceptionModel, Robot, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig, Unobserved, World,
+};
+
+/// Drives to each place and listens there; notes where it was stopped.
+struct Tour {
+    places: Vec<Position>,
+    next: usize,
+}
+
+impl Controller for Tour {
+    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+        match situation.outcome {
+            Outcome::Started | Outcome::Listened(_) => {
+                self.next += 1;
+                match self.places.get(self.next - 1) {
+                    Some(&place) => Command::Drive(place),
+                    None => Command::Finish(Ending::Complete),
+                }
+            }
+            Outcome::Arrived | Outcome::Blocked(_) => Command::Listen,
+        }
+    }
+}
+
+fn tour(places: Vec<Position>, listen: Duration) -> Robot {
+    let body =
+        Body { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m: 0.25, listen };
+    Robot { body, controller: Box::new(Tour { places, next: 0 }) }
+}
+
+fn nodes(places: &[Position]) -> Vec<PlacedNode> {
+    let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
+    places.iter().enumerate().map(node).collect()
+}
+
+fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
+    Setup {
+        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
+        channel: ChannelConfig {
+            environment: Some(Environment::Suburban),
+            max_range_m: Some(10.0),
+            ..ChannelConfig::default()
+        },
+        radio: Radio::try_from(RadioConfig {
+            tx_power_dbm: -50.0,
+            sensitivity_dbm: -90.0,
+            cca_threshold_dbm: None,
+            noise_floor_dbm: None,
+        })
+        .unwrap(),
+        reception: ReceptionModel::SinrThreshold { least: 2.0 },
+        phy: Phy::Oqpsk2450,
+        csma: CsmaSettings::try_from(CsmaConfig::default()).unwrap(),
+        traffic: Traffic::try_from(TrafficConfig::Beacon(BeaconConfig {
+            mpdu_octets: 20,
+            interval_s: 0.5,
+            jitter: 0.1,
+        }))
+        .unwrap(),
+        radio_states: RadioStates::cc2420(),
+        robots: vec![robot],
+        seed: Seed(seed),
+    }
+}
+
+fn field_of(count: i32) -> Vec<Position> {
+    (0..count * count).map(|i| Position::new(f64::from(i % count), f64::from(i / count), 0.0)).collect()
+}
+
+fn survey(seed: u64) -> Survey {
+    let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
+    Simulation::new(setup(&field_of(12), tour(stops, Duration::from_secs(1)), seed)).unwrap().run(&mut Unobserved)
+}
+
+#[test]
+fn every_packet_ends_in_one_account() {
+    for model in [ReceptionModel::Overlap, ReceptionModel::SinrThreshold { least: 2.0 }, ReceptionModel::Ber] {
+        let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
+        let robot = tour(stops, Duration::from_secs(1));
+        let survey = Simulation::new(Setup { reception: model, ..setup(&field_of(12), robot, 5) })
+            .unwrap()
+            .run(&mut Unobserved);
+        let p = survey.packets;
+        let ends = [
+            p.lost_channel_access,
+            p.lost_queue,
+            p.pending,
+            p.received,
+            p.lost_collision,
+            p.lost_signal,
+            p.out_of_range,
+            p.not_listened,
+        ];
+        assert_eq!(ends.iter().sum::<u64>(), p.offered, "{p:?}");
+        assert!(p.received > 0 && p.lost_collision > 0 && p.lost_signal > 0 && p.not_listened > 0, "{p:?}");
+        let heard: u64 = survey.robots[0].packets.iter().map(|&packets| u64::from(packets)).sum();
+        assert_eq!(heard, p.received);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_survey_and_another_seed_another() {
+    let (first, again, other) = (survey(1), survey(1), survey(2));
+    assert_eq!(first.log, again.log);
+    assert_eq!((first.packets, first.events, first.end), (again.packets, again.events, again.end));
+    assert_ne!(first.log, other.log);
+}
+
+#[test]
+fn nodes_that_cannot_hear_each_other_collide_as_their_backoffs_say() {
+    // Of two hidden nodes that contend at once with 8 backoff slots each, the frames of 20 octets (832 us) overlap if
+    // the slots differ by at most 2: (8 + 14 + 12) of 64; those of 45 octets (1632 us) by at most 5: 58 of 64.
+    for (mpdu_octets, overlap) in [(20, 34.0 / 64.0), (45, 58.0 / 64.0)] {
+        const ROUNDS: u32 = 4000;
+        let mut collided = 0;
+        for seed in 0..ROUNDS {
+            let places = [Position::new(-8.0, 0.0, 0.0), Position::new(8.0, 0.0, 0.0)];
+            let robot = tour(vec![Position::ORIGIN], Duration::from_millis(100));
+            let query = QueryConfig { mpdu_octets, at_s: 0.0, acknowledged: false };
+            let survey = Simulation::new(Setup {
+                channel: ChannelConfig { max_range_m: Some(10.0), ..ChannelConfig::default() },
+                radio: Radio::try_from(RadioConfig {
+                    tx_power_dbm: -20.0,
+                    sensitivity_dbm: -90.0,
+                    cca_threshold_dbm: None,
+                    noise_floor_dbm: None,
+                })
+                .unwrap(),
+                reception: ReceptionModel::Overlap,
+                traffic: Traffic::try_from(TrafficConfig::Query(query)).unwrap(),
+                ..setup(&places, robot, seed.into())
+            })
+            .unwrap()
+            .run(&mut Unobserved);
+            collided += u32::from(survey.packets.lost_collision == 2);
+        }
+        let share = f64::from(collided) / f64::from(ROUNDS);
+        // Five standard errors: a false alarm in 1.7 million.
+        let allowed = 5.0 * (overlap * (1.0 - overlap) / f64::from(ROUNDS)).sqrt();
+        assert!((share - overlap).abs() < allowed, "{mpdu_octets} octets: {share}, not {overlap}");
+    }
+}
+
+#[test]
+fn a_block_of_concrete_silences_the_node_behind_it() {
+    let block = ObstacleConfig {
+        name: Some("block".into()),
+        shape: ShapeConfig::Box(BoxConfig {
+            center_m: Position::new(0.0, 3.0, 0.0),
+            size_m: [4.0, 2.0, 4.0],
+            yaw_deg: 0.0,
+        }),
+        material: Some("concrete".into()),
+        absorption_per_m: None,
+    };
+    let places = [Position::new(0.0, 5.0, 0.0), Position::new(0.0, -5.0, 0.0)];
+    let robot = tour(vec![Position::new(0.0, 0.1, 0.0)], Duration::from_secs(60));
+    let mut setup = setup(&places, robot, 1);
+    setup.world.obstacles =
+        ObstacleField::new(vec![Obstacle::read(block, std::path::Path::new("")).expect("a good block")]);
+    let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
+    let [behind, free] = survey.robots[0].packets[..] else { panic!("two nodes") };
+    // 40 dB more loss: the mean is 19.6 dB below the sensitivity, 2 of its standard deviations of 9.6 dB.
+    assert!(free > 100 && behind < 10, "{free} and {behind} packets of 120");
+}
+
+#[test]
+fn a_robot_halts_before_an_obstacle_and_reports_the_contact() {
+    let wall = ObstacleConfig {
+        name: None,
+        shape: ShapeConfig::Box(BoxConfig {
+            center_m: Position::new(5.0, 0.0, 0.0),
+            size_m: [2.0, 8.0, 4.0],
+            yaw_deg: 0.0,
+        }),
+        material: None,
+        absorption_per_m: Some(1.0),
+    };
+    let robot = tour(vec![Position::new(9.0, 0.0, 0.0)], Duration::from_secs(1));
+    let mut setup = setup(&[Position::new(1.0, 1.0, 0.0)], robot, 1);
+    setup.world.obstacles =
+        ObstacleField::new(vec![Obstacle::read(wall, std::path::Path::new("")).expect("a good wall")]);
+    let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
+    let [contact] = survey.log.contacts() else { panic!("one contact, not {:?}", survey.log.contacts()) };
+    assert!(contact.position.distance_m(Position::new(4.0, 0.0, 0.0)) < 1e-6, "{contact:?}");
+    let [stop] = survey.log.stops() else { panic!("one stop") };
+    assert!((stop.position.x_m - 3.75).abs() < 2e-3, "{stop:?}");
+    assert!((survey.robots[0].path_length_m - 3.75).abs() < 2e-3);
+    assert_eq!(survey.robots[0].ending, Some(Ending::Complete));
+}
+
+/// Ends the simulation at the third stop.
+struct Impatient(Vec<SimTime>);
+
+impl Observer for Impatient {
+    fn stopped(
+        &mut self,
+        _robot: usize,
+        index: u32,
+        _stop: &Stop,
+        end: SimTime,
+        receptions: &[sextant_channel::Reception],
+    ) {
+        assert!(receptions.iter().all(|reception| reception.stop == index));
+        self.0.push(end);
+    }
+
+    fn goes_on(&mut self, progress: Progress) -> bool {
+        progress.stops < 3
+    }
+}
+
+#[test]
+fn an_observer_can_end_a_simulation_and_keeps_what_was_heard() {
+    let stops = (0..12).map(|i| Position::new(f64::from(i), 0.0, 0.0)).collect();
+    let mut observer = Impatient(Vec::new());
+    let robot = tour(stops, Duration::from_secs(1));
+    let survey = Simulation::new(setup(&field_of(4), robot, 1)).unwrap().run(&mut observer);
+    assert!(survey.interrupted);
+    assert_eq!(survey.log.stops().len(), 3);
+    // Stops at 0, 1 and 2 m, one second of listening each and one of driving between them.
+    assert_eq!(observer.0, [1, 3, 5].map(|s| SimTime::ZERO + Duration::from_secs(s)));
+    assert_eq!(survey.robots[0].ending, None);
+}
