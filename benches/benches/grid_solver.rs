@@ -55,7 +55,7 @@ fn compare(criterion: &mut Criterion, workload: &Workload) {
     group.sample_size(10);
     for (name, ml_tm) in &cases {
         let map = ml_tm.map(log).expect("a map");
-        println!(
+        eprintln!(
             "{}/{name}: {nodes} nodes, {} stops, {} receptions, {:?} vertices; infeasible {}, unmapped {}, scored {}",
             workload.name,
             log.stops().len(),

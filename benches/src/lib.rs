@@ -1,3 +1,4 @@
 //! benches
 
 pub mod queue_candidates;
+pub mod workload;

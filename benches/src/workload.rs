@@ -1,6 +1,8 @@
 //! Reception logs of networks that were never simulated: nodes and stops in a plane or a ball, links that succeed or
 //! fail on their own. They have the sizes of real surveys, and no more is asked of them.
 
+use std::collections::BTreeMap;
+
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 
@@ -38,7 +40,11 @@ pub fn plane() -> Workload {
             let (lane, along) = (stop / per_lane, stop % per_lane);
             let along = f64::from(if lane % 2 == 0 { along } else { per_lane - 1 - along });
             let spread = |share: f64| (share * 1.04 - 0.02) * SIDE_M;
-            Position::new(spread(along / f64::from(per_lane - 1)), spread(f64::from(lane) / f64::from(LANES - 1)), 0.0)
+            Position::new(
+                spread(along / f64::from(per_lane - 1)),
+                spread(f64::from(lane) / f64::from(LANES - 1)),
+                0.0,
+            )
         })
         .collect();
     let nodes: Vec<Position> = (0..500)
@@ -69,14 +75,34 @@ pub fn ball() -> Workload {
     Workload { name: "ball", log: survey(seed, &nodes, &stops, 3.0), range_m: 3.0, grid_step_m: 0.25 }
 }
 
+/// A square of `nodes / 0.5` m² with one stop each square metre, 10 m of range, a grid of 0.24 m. W4 has 100 000 nodes
+/// and twice as many stops, W5 ten times that.
+#[must_use]
+pub fn field(nodes: u32) -> Workload {
+    let seed = Seed(4);
+    let side = (f64::from(2 * nodes)).sqrt().round();
+    let sites = (0..).map(f64::from).take_while(|&y| y < side);
+    let stops: Vec<Position> = sites
+        .flat_map(|y| (0..).map(f64::from).take_while(|&x| x < side).map(move |x| Position::new(x, y, 0.0)))
+        .collect();
+    let nodes: Vec<Position> = (0..u64::from(nodes))
+        .map(|node| {
+            let draw = |axis| side * seed.uniform(Purpose::Layout, [node, axis, 0]);
+            Position::new(draw(0), draw(1), 0.0)
+        })
+        .collect();
+    Workload { name: "field", log: survey(seed, &nodes, &stops, 10.0), range_m: 10.0, grid_step_m: 0.24 }
+}
+
 /// What is heard of `nodes` at `stops`: one packet each, under log-distance loss with shadowing drawn for each packet,
 /// and nothing from beyond `range_m`.
 fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> ReceptionLog {
     let (margin_db, exponent, sigma_db) = SUBURBAN;
     let mut receptions = Vec::new();
+    let tiles = tiles(stops, range_m);
     for (node, place) in (0..).zip(nodes) {
-        for (stop, other) in (0..).zip(stops) {
-            let distance_m = place.distance_m(*other);
+        for &stop in near(&tiles, place, range_m) {
+            let distance_m = place.distance_m(stops[stop as usize]);
             if distance_m >= range_m {
                 continue;
             }
@@ -90,4 +116,29 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
     let stops = stops.iter().map(|&position| Stop { time: SimTime::ZERO, position }).collect();
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log without contradictions")
+}
+
+/// Stops by square of side `range_m`.
+fn tiles(stops: &[Position], range_m: f64) -> BTreeMap<[i64; 2], Vec<u32>> {
+    let mut tiles: BTreeMap<_, Vec<u32>> = BTreeMap::new();
+    for (stop, place) in (0..).zip(stops) {
+        tiles.entry(tile(place, range_m)).or_default().push(stop);
+    }
+    tiles
+}
+
+/// The stops in the squares round a place, which hold all within `range_m`.
+fn near<'t>(
+    tiles: &'t BTreeMap<[i64; 2], Vec<u32>>,
+    place: &Position,
+    range_m: f64,
+) -> impl Iterator<Item = &'t u32> {
+    let [y, x] = tile(place, range_m);
+    (y - 1..=y + 1).flat_map(move |y| tiles.range([y, x - 1]..=[y, x + 1])).flat_map(|(_, stops)| stops)
+}
+
+/// Row and column, so that squares of one row are neighbours in the map.
+#[expect(clippy::cast_possible_truncation, reason = "a few thousand squares")]
+fn tile(place: &Position, range_m: f64) -> [i64; 2] {
+    [place.y_m, place.x_m].map(|value| (value / range_m).floor() as i64)
 }

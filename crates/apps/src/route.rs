@@ -75,7 +75,8 @@ impl Search {
 
 /// A square lattice with a vertex at the start.
 struct Lattice {
-    origin: Position,
+    /// Where the vertex `start` is, exactly.
+    from: Position,
     step_m: f64,
     columns: usize,
     rows: usize,
@@ -92,13 +93,14 @@ impl Lattice {
         let (west, south) = (steps(from.x_m - min.x_m), steps(from.y_m - min.y_m));
         let columns = whole(west + steps(max.x_m - from.x_m)) + 1;
         let rows = whole(south + steps(max.y_m - from.y_m)) + 1;
-        let origin = from - Position::new(west * step_m, south * step_m, 0.0);
-        Self { origin, step_m, columns, rows, start: whole(south) * columns + whole(west) }
+        Self { from, step_m, columns, rows, start: whole(south) * columns + whole(west) }
     }
 
     fn place(&self, vertex: usize) -> Position {
         let (column, row) = (vertex % self.columns, vertex / self.columns);
-        self.origin + Position::new(number(column) * self.step_m, number(row) * self.step_m, 0.0)
+        let (west, south) = (self.start % self.columns, self.start / self.columns);
+        let (east, north) = (number(column) - number(west), number(row) - number(south));
+        self.from + Position::new(east * self.step_m, north * self.step_m, 0.0)
     }
 
     fn neighbours(&self, vertex: usize) -> impl Iterator<Item = (usize, u64)> {

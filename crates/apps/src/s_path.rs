@@ -70,11 +70,19 @@ impl SPath {
         let length_m = (size.x_m / lane_spacing_m + 1.0) * size.y_m + size.x_m;
         if length_m / stop_spacing_m > MAX_STOPS {
             let found = format!("{stop_spacing_m}, which makes {:.0} stops", length_m / stop_spacing_m);
-            return Err(SettingError::new("stop_spacing_m", found, format!("a spacing that makes at most {MAX_STOPS:.0} stops")));
+            return Err(SettingError::new(
+                "stop_spacing_m",
+                found,
+                format!("a spacing that makes at most {MAX_STOPS:.0} stops"),
+            ));
         }
         if size.x_m / lane_spacing_m > MAX_STOPS {
             let found = format!("{lane_spacing_m}, which makes {:.0} lanes", size.x_m / lane_spacing_m);
-            return Err(SettingError::new("lane_spacing_m", found, format!("a spacing that makes at most {MAX_STOPS:.0} lanes")));
+            return Err(SettingError::new(
+                "lane_spacing_m",
+                found,
+                format!("a spacing that makes at most {MAX_STOPS:.0} lanes"),
+            ));
         }
         let corners = corners(bounds, lane_spacing_m, Position { z_m, ..surroundings.start });
         let mut planner = Planner::new(surroundings);
@@ -84,7 +92,11 @@ impl SPath {
         }
         let itinerary = planner.finish();
         if itinerary.stops() == 0 {
-            return Err(SettingError::new("region", "a region with no stop that can be reached", "a region with free places"));
+            return Err(SettingError::new(
+                "region",
+                "a region with no stop that can be reached",
+                "a region with free places",
+            ));
         }
         Ok(Self { itinerary })
     }

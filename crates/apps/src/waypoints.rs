@@ -49,7 +49,8 @@ impl Waypoints {
                     Some(None) => ", inside an obstacle".into(),
                     None => format!(", {:.3} m from an obstacle", field.distance_m(place)),
                 };
-                let allowed = format!("a place farther than the robot's radius of {} m from obstacles", surroundings.radius_m);
+                let allowed =
+                    format!("a place farther than the robot's radius of {} m from obstacles", surroundings.radius_m);
                 return refuse(what, &allowed);
             }
             if !planner.go(place, Then::Listen) {

@@ -2,11 +2,12 @@
 
 use sextant_channel::Position;
 use sextant_mapper::{
-    ConnectivityError, NeighbourhoodRule, PositionError, Reflection, Similarity, TopologyMap, connectivity_error,
+    ConnectivityError, Fit, NeighbourhoodRule, PositionError, Reflection, Region, Similarity, TopologyMap,
+    connectivity_error,
 };
 
 use crate::scenario::MetricsConfig;
-use crate::summary::{ConnectivitySummary, ErrorSummary, MapSummary};
+use crate::summary::{ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary};
 
 /// What a map says of itself, without a look at the truth.
 #[must_use]
@@ -38,11 +39,37 @@ pub fn measure(name: &str, map: &TopologyMap, truth: Option<&[Position]>, metric
     let first = connectivity_errors.first().copied().unwrap_or_default();
     MapSummary {
         position_error_m: PositionError::between(truth, &mapped).map(ErrorSummary::from),
+        coverage_95: coverage_95(truth, map),
         aligned_error_m: aligned(truth, &mapped).map(ErrorSummary::from),
         connectivity_error: first.connectivity_error,
         false_neighbour_rate: first.false_neighbour_rate,
         connectivity_errors,
         ..outline(name, map)
+    }
+}
+
+/// Share of the nodes with a 95 % region that are in it.
+#[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
+fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
+    let step_m = map.grid_step_m.unwrap_or(0.0);
+    let regions = map.estimates.iter().map(|estimate| Region::of_95(estimate.as_ref()?, step_m));
+    let inside: Vec<bool> =
+        regions.zip(truth).filter_map(|(region, &truth)| region.map(|region| region.contains(truth))).collect();
+    let count = inside.iter().filter(|&&inside| inside).count();
+    (!inside.is_empty()).then(|| count as f64 / inside.len() as f64)
+}
+
+impl From<&Fit> for FittedProfileSummary {
+    fn from(fit: &Fit) -> Self {
+        let range_m = fit.curve.range_m();
+        Self {
+            rounds: fit.rounds,
+            converged: fit.converged,
+            range_m,
+            probability: (0..8).map(|i| fit.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
+            dead_stops: fit.dead_stops.clone(),
+            outliers: fit.outliers.len(),
+        }
     }
 }
 

@@ -161,6 +161,16 @@ pub struct MapSummary {
     /// Distance between mapped and true places [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_m: Option<ErrorSummary>,
+    /// Mean distance between a node and the mean of its posterior under the true channel and obstacles of the
+    /// simulation, which no map of this log can beat by much: the error is to be compared with it [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posterior_bound_m: Option<f64>,
+    /// Share of the mapped nodes that are within their 95 % region, if the map has such regions, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage_95: Option<f64>,
+    /// The reception profile, if it was estimated from the log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitted_profile: Option<FittedProfileSummary>,
     /// The same after the best rotation, reflection, scale and shift [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_m: Option<ErrorSummary>,
@@ -182,6 +192,23 @@ pub struct MapSummary {
     /// Vertices at which a likelihood was computed, of all nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertices_evaluated: Option<u64>,
+}
+
+/// A reception profile that was estimated from the log.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FittedProfileSummary {
+    /// Rounds of the estimation.
+    pub rounds: u32,
+    /// Whether it converged.
+    pub converged: bool,
+    /// Distance from which on receptions are outliers [m].
+    pub range_m: f64,
+    /// Probability of a reception at 0, 1/8, 2/8, .. of the range.
+    pub probability: Vec<f64>,
+    /// Stops that were left out because the receiver was dead.
+    pub dead_stops: Vec<u32>,
+    /// Receptions that were left out because they came from far beyond the range.
+    pub outliers: usize,
 }
 
 /// How large an error is [m].

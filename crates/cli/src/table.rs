@@ -23,6 +23,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
+        fitted_profiles(&summary.maps, out)?;
         writeln!(out)?;
     }
     for application in &summary.applications {
@@ -69,14 +70,23 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
 fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     let measured = maps.iter().any(|map| map.position_error_m.is_some());
     let mut header = vec!["map", "mapped"];
+    let bounded = maps.iter().any(|map| map.posterior_bound_m.is_some());
+    let covered = maps.iter().any(|map| map.coverage_95.is_some());
     let errors = ["mean", "median", "p90", "p95", "max", "aligned mean", "connectivity error", "false neighbours"];
     if measured {
         header.extend(errors);
+    }
+    if bounded {
+        header.push("bound");
+    }
+    if covered {
+        header.push("in 95 % region");
     }
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     for map in maps {
         let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
         let mut row = vec![name, format!("{}/{}", map.mapped, map.mapped + map.unmapped)];
+        let share = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |x| format!("{:.1} %", 100.0 * x));
         if measured {
             let metres = |pick: fn(&ErrorSummary) -> f64, error: &Option<ErrorSummary>| {
                 error.as_ref().map_or_else(|| "-".to_owned(), |error| format!("{:.2} m", pick(error)))
@@ -91,11 +101,35 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             row.push(share(map.connectivity_error));
             row.push(share(map.false_neighbour_rate));
         }
+        if bounded {
+            row.push(map.posterior_bound_m.map_or_else(|| "-".to_owned(), |bound_m| format!("{bound_m:.2} m")));
+        }
+        if covered {
+            row.push(share(map.coverage_95));
+        }
         rows.push(row);
     }
     let mut align = vec![Align::Right; rows[0].len()];
     align[0] = Align::Left;
     columns(&rows, &align, out)
+}
+
+fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(profile) = &map.fitted_profile else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        let rounds = counted(profile.rounds as usize, "round");
+        let end = if profile.converged { "converged" } else { "did not converge" };
+        write!(out, "{name}: fitted profile of range {:.2} m {end} in {rounds}", profile.range_m)?;
+        if !profile.dead_stops.is_empty() {
+            write!(out, ", without {} of a dead receiver", counted(profile.dead_stops.len(), "stop"))?;
+        }
+        if profile.outliers > 0 {
+            write!(out, ", without {} from far beyond", counted(profile.outliers, "reception"))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 fn timing_line(timing: &Timing) -> String {

@@ -75,6 +75,37 @@ fn a_log_becomes_a_map_that_is_near_the_truth() {
 }
 
 #[test]
+fn a_log_of_an_unknown_channel_is_mapped_under_a_fitted_profile() {
+    let folder = survey();
+    let (code, stdout, stderr) = map(folder.path(), &["--truth", "nodes.csv", "--format", "json"]);
+    assert_eq!(code, 0, "{stderr}");
+    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let mapped = &summary["maps"][0];
+    assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &"ml-tm".into()));
+    assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < 0.6, "{mapped:#}");
+    assert!(mapped["coverage_95"].as_f64().unwrap() >= 0.75, "{mapped:#}");
+    let profile = &mapped["fitted_profile"];
+    assert_eq!(profile["converged"], true, "{profile:#}");
+    // Every node was heard up to 2 m.
+    assert!((profile["range_m"].as_f64().unwrap() - 2.0).abs() < 0.5, "{profile:#}");
+    let (_, text, _) = map(folder.path(), &["--profile", "fitted", "--truth", "nodes.csv"]);
+    assert!(text.contains("ml-tm: fitted profile of range") && text.contains("converged in"), "{text}");
+    assert!(text.contains("in 95 % region"), "{text}");
+}
+
+#[test]
+fn a_log_of_a_known_channel_is_mapped_under_its_curve() {
+    let folder = survey();
+    let profile = "channel:exponent=2,sigma_db=1,tx_power_dbm=-50,sensitivity_dbm=-57";
+    let (code, stdout, stderr) =
+        map(folder.path(), &["--profile", profile, "--truth", "nodes.csv", "--format", "json"]);
+    assert_eq!(code, 0, "{stderr}");
+    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    assert!(summary["maps"][0]["position_error_m"]["mean"].as_f64().unwrap() < 0.6, "{summary:#}");
+    assert!(summary["maps"][0].get("fitted_profile").is_none());
+}
+
+#[test]
 fn without_truth_nothing_is_measured() {
     let folder = survey();
     let summary = json(folder.path(), &[]);
@@ -115,7 +146,9 @@ fn bad_input_exits_with_two_and_a_bad_disk_with_one() {
     };
     let profile = ["--profile", PROFILE];
     let with = |words: &[&'static str]| [&profile[..], words].concat();
-    refused(&[], 2, "--profile p0=0.95,plateau_m=2,range_m=10");
+    refused(&["--profile", "square"], 2, "unknown choice `square`");
+    refused(&["--profile", "channel:sigma_db=8"], 2, "tx_power_dbm` is absent; allowed: a number");
+    refused(&["--profile", "fitted:max_rounds=0"], 2, "max_rounds` is 0; allowed: 1 or more");
     refused(&["--profile", "p0=2,plateau_m=1,range_m=3"], 2, "p0` is 2; allowed: above 0, at most 1");
     refused(&["--profile", "p0=0.9,plateau=1,range_m=3"], 2, "did you mean `plateau_m`?");
     refused(&with(&["--truth", "none.csv"]), 2, "none.csv");

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::SettingError;
 
-use crate::{MapError, MlTm, MlTmConfig, TopologyMap};
+use crate::{Fit, FittedMlTm, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap};
 
 /// One map to compute from the reception log, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -26,12 +26,23 @@ pub enum AlgorithmConfig {
     MlTm(MlTmConfig),
 }
 
+impl AlgorithmConfig {
+    /// The reception profile that is assumed, if one is.
+    pub fn profile_mut(&mut self) -> Option<&mut ProfileConfig> {
+        match self {
+            Self::MlTm(config) => Some(&mut config.profile),
+        }
+    }
+}
+
 /// A mapping algorithm, ready to map any log.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Mapper {
     /// Maximum likelihood on a grid.
     MlTm(MlTm),
+    /// Maximum likelihood on a grid under a profile estimated from the log.
+    FittedMlTm(FittedMlTm),
 }
 
 impl Mapper {
@@ -39,7 +50,7 @@ impl Mapper {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::MlTm(_) => MlTm::NAME,
+            Self::MlTm(_) | Self::FittedMlTm(_) => MlTm::NAME,
         }
     }
 
@@ -48,8 +59,17 @@ impl Mapper {
     /// # Errors
     /// If the map would need more than the memory allowed.
     pub fn map(&self, log: &ReceptionLog) -> Result<TopologyMap, MapError> {
+        self.map_and_fit(log).map(|(map, _)| map)
+    }
+
+    /// The map of the nodes in `log`, and the reception profile if it was estimated from the log.
+    ///
+    /// # Errors
+    /// If the map would need more than the memory allowed.
+    pub fn map_and_fit(&self, log: &ReceptionLog) -> Result<(TopologyMap, Option<Fit>), MapError> {
         match self {
-            Self::MlTm(ml_tm) => ml_tm.map(log),
+            Self::MlTm(ml_tm) => ml_tm.map(log).map(|map| (map, None)),
+            Self::FittedMlTm(fitted) => fitted.map(log),
         }
     }
 }
@@ -59,9 +79,11 @@ impl TryFrom<AlgorithmConfig> for Mapper {
 
     fn try_from(config: AlgorithmConfig) -> Result<Self, SettingError> {
         match config {
-            AlgorithmConfig::MlTm(config) => {
-                MlTm::try_from(config).map(Self::MlTm).map_err(|error| error.within("ml_tm"))
+            AlgorithmConfig::MlTm(config) => match config.profile.clone() {
+                ProfileConfig::Fitted(fitted) => FittedMlTm::new(config, fitted).map(Self::FittedMlTm),
+                ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(config).map(Self::MlTm),
             }
+            .map_err(|error| error.within("ml_tm")),
         }
     }
 }

@@ -98,6 +98,19 @@ impl MlTm {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "ml-tm";
 
+    /// The same algorithm with another profile. Steps of the grid longer than its range are shortened to it.
+    #[must_use]
+    pub fn with_profile(&self, profile: ReceptionProfile) -> Self {
+        let grid_step_m = self.grid_step_m.min(profile.range_m());
+        Self { grid_step_m, profile, ..self.clone() }
+    }
+
+    /// Distance of neighbouring vertices [m].
+    #[must_use]
+    pub fn grid_step_m(&self) -> f64 {
+        self.grid_step_m
+    }
+
     /// The reception profile that the likelihood uses.
     #[must_use]
     pub fn profile(&self) -> &ReceptionProfile {
@@ -224,7 +237,7 @@ impl TryFrom<MlTmConfig> for MlTm {
     fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
         let MlTmConfig { grid_step_m, profile, estimate, ties, z_range_m, max_memory_mb } = config;
         SettingError::positive("grid_step_m", grid_step_m)?;
-        let profile = ReceptionProfile::try_from(profile).map_err(|error| error.within("profile"))?;
+        let profile = ReceptionProfile::for_grid(profile, grid_step_m).map_err(|error| error.within("profile"))?;
         if grid_step_m > profile.range_m() {
             let allowed = format!("above 0, at most the range of the profile ({} m)", profile.range_m());
             return Err(SettingError::new("grid_step_m", grid_step_m, allowed));

@@ -4,6 +4,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::{FittedConfig, TableProfile};
+
+mod cell;
+mod channel;
+
+pub(crate) use cell::averaged_over_cell;
+pub use channel::{ChannelProfileConfig, at_least_one};
+
 /// Lowest probability that a robust profile gives to any outcome: one shadowed packet from far away
 /// then costs a vertex a factor and does not rule it out.
 pub(crate) const DEFAULT_FLOOR: f64 = 1e-6;
@@ -14,6 +22,10 @@ pub(crate) const DEFAULT_FLOOR: f64 = 1e-6;
 pub enum ProfileConfig {
     /// Constant near the node, then falling linearly to nothing.
     Trapezoid(TrapezoidConfig),
+    /// The curve that a known channel implies.
+    Channel(ChannelProfileConfig),
+    /// A curve that never rises, estimated from the log itself.
+    Fitted(FittedConfig),
 }
 
 /// The trapezoid as written in a scenario.
@@ -62,6 +74,8 @@ impl TrapezoidConfig {
 pub enum ReceptionProfile {
     /// Constant near the node, then falling linearly to nothing.
     Trapezoid(Trapezoid),
+    /// Values at equal distances.
+    Table(TableProfile),
 }
 
 /// S(d) = p0 for d ≤ r, p0 (R − d)/(R − r) for r < d < R, 0 from R on (Gunathillake 2018, eq. 3.2), then
@@ -76,11 +90,32 @@ pub struct Trapezoid {
 }
 
 impl ReceptionProfile {
+    /// The profile for the vertices of a grid of `grid_step_m`: with the mean over its cells, if the settings ask
+    /// for it; 0 for no grid.
+    ///
+    /// # Errors
+    /// If a value is outside its domain or absent; for a fitted profile, which needs a log and not only settings (see
+    /// [`Fitted`](crate::Fitted)).
+    pub fn for_grid(config: ProfileConfig, grid_step_m: f64) -> Result<Self, SettingError> {
+        match config {
+            ProfileConfig::Trapezoid(config) => {
+                Trapezoid::try_from(config).map(Self::Trapezoid).map_err(|error| error.within("trapezoid"))
+            }
+            ProfileConfig::Channel(config) => {
+                config.table(grid_step_m).map(Self::Table).map_err(|error| error.within("channel"))
+            }
+            ProfileConfig::Fitted(_) => {
+                Err(SettingError::new("fitted", "a profile estimated from the log", "a profile known beforehand"))
+            }
+        }
+    }
+
     /// The distance from which on a reception is impossible (or left to the floor) [m].
     #[must_use]
     pub fn range_m(&self) -> f64 {
         match self {
             Self::Trapezoid(trapezoid) => trapezoid.range_m,
+            Self::Table(table) => table.range_m(),
         }
     }
 
@@ -89,6 +124,7 @@ impl ReceptionProfile {
     pub fn probability(&self, distance_m: f64) -> f64 {
         match self {
             Self::Trapezoid(trapezoid) => trapezoid.probability(distance_m),
+            Self::Table(table) => table.probability(distance_m),
         }
     }
 }
@@ -143,11 +179,7 @@ impl TryFrom<ProfileConfig> for ReceptionProfile {
     type Error = SettingError;
 
     fn try_from(config: ProfileConfig) -> Result<Self, SettingError> {
-        match config {
-            ProfileConfig::Trapezoid(config) => {
-                Trapezoid::try_from(config).map(Self::Trapezoid).map_err(|error| error.within("trapezoid"))
-            }
-        }
+        Self::for_grid(config, 0.0)
     }
 }
 

@@ -4,7 +4,8 @@
 //! of g carry information; the others multiply every vertex by the same constant. The work is kept small in this
 //! order: the bounding box of the places within R of every reception; for each lattice row in it, the span that
 //! lies within R of the receptions on the rim (those whose ball does not hold the whole box); for the vertices
-//! that survive, the product over the receptions and the stops in range that heard nothing. Nothing is stored
+//! that survive, the product over the receptions and the stops in range that heard nothing, of which a bound in single
+//! precision spares all but a few vertices if only the highest is wanted. Nothing is stored
 //! per vertex of the lattice, so that memory does not grow with it.
 //!
 //! If no vertex survives, outliers are admitted: a good place found near the median of the receptions bounds
@@ -15,6 +16,7 @@ mod curve;
 mod evidence;
 mod rows;
 mod score;
+mod screen;
 mod sink;
 
 use sextant_channel::{Position, Reception, Stop};

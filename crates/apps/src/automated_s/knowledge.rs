@@ -43,7 +43,13 @@ const ROUND: u32 = 16;
 
 impl Knowledge {
     /// Notes a stop: the nodes heard, and which ways are open.
-    pub(super) fn note_stop(&mut self, situation: &Situation<'_>, heard: &[Heard], range_m: f64, silent_below: usize) {
+    pub(super) fn note_stop(
+        &mut self,
+        situation: &Situation<'_>,
+        heard: &[Heard],
+        range_m: f64,
+        silent_below: usize,
+    ) {
         self.nodes.resize(situation.node_count.max(self.nodes.len()), Acquaintance::default());
         let place = situation.position;
         let stop = self.visits.len();
@@ -65,7 +71,8 @@ impl Knowledge {
             if clear_m < range_m {
                 self.add_contact(place + direction * (clear_m + self.hull_m));
             }
-            let free = [1.0, 0.5].into_iter().map(|share| share * range_m).filter(|&far_m| !is_silent && clear_m >= far_m);
+            let free =
+                [1.0, 0.5].into_iter().map(|share| share * range_m).filter(|&far_m| !is_silent && clear_m >= far_m);
             self.openings.extend(free.map(|far_m| place + direction * far_m));
         }
     }
@@ -117,7 +124,8 @@ impl Knowledge {
 
     /// Whether there are nodes never heard, or heard less than `packets` times after `returns` returns for them.
     pub(super) fn misses_nodes(&self, packets: u32, returns: u32) -> bool {
-        let is_missed = |node: &Acquaintance| node.packets < packets && (node.packets == 0 || node.returns >= returns);
+        let is_missed =
+            |node: &Acquaintance| node.packets < packets && (node.packets == 0 || node.returns >= returns);
         self.nodes.iter().any(is_missed)
     }
 
@@ -163,8 +171,7 @@ impl Knowledge {
             self.contacts.iter().all(|&contact| {
                 // A robot that stands close to an obstacle may leave it.
                 let (from_m, to_m) = (a.distance_m(contact), b.distance_m(contact));
-                let least_m = keep_m.min(from_m.max(self.hull_m));
-                distance_to_segment_m(contact, a, b) >= least_m && (to_m >= keep_m || to_m >= from_m)
+                distance_to_segment_m(contact, a, b) >= keep_m.min(from_m) && (to_m >= keep_m || to_m >= from_m)
             })
         };
         let passable = |a: Position, b: Position| {
@@ -178,15 +185,7 @@ impl Knowledge {
                 || situation.clearance_m(b - a, seen_m) >= seen_m
                     && (seen_m >= length_m || is_free(a + (b - a) * (seen_m / length_m), b))
         };
-        let w = Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m }.way(here, to, passable);
-        if w.is_none() {
-            eprintln!("DBG none hull {} contacts {:?}", self.hull_m, self.contacts.iter().map(|c| ((c.x_m*100.0).round()/100.0, (c.y_m*100.0).round()/100.0)).collect::<Vec<_>>());
-            for (e, n) in [(1.,0.),(1.,1.),(0.,1.),(-1.,1.),(-1.,0.),(-1.,-1.),(0.,-1.),(1.,-1.)] {
-                let b = here + Position::new(e, n, 0.0) * 0.5;
-                eprintln!("DBG edge {e} {n} {} clear {}", passable(here, b), situation.clearance_m(b - here, 1.0));
-            }
-        }
-        w
+        Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m }.way(here, to, passable)
     }
 }
 

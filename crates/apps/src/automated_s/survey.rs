@@ -5,24 +5,21 @@ use sextant_kernel::SettingError;
 use sextant_sim::{Command, Controller, Ending, Outcome, Situation};
 
 use super::knowledge::Knowledge;
+use super::lane::{Cut, HEARING_STOPS, Lane};
 use super::settings::{AfterLanes, AutomatedSConfig, Settings, Until};
+use super::trip::{Goal, Trip};
 
-/// Hearing stops that a lane needs before silence ends it early: one lost packet at its start does not.
-const HEARING_STOPS: u32 = 3;
 /// Changes of task between two commands, at most: more would be a bug, and end the survey.
 const MAX_CHANGES: u32 = 64;
-/// New ways looked for on one trip, at most.
-const MAX_REPLANS: u32 = 32;
-/// How often the robot comes back for one node, in packets wanted.
-const RETURNS_PER_PACKET: u32 = 2;
 /// Lanes in a row that hear nobody, and end a sweep; one that covers all of the lane before it is enough.
 const EMPTY_LANES: u32 = 2;
 /// The same for a sweep that begins out of reach of the network.
 const EMPTY_LANES_OUTSIDE: u32 = 8;
+/// Share of the lane spacing by which a further sweep runs beside the one before: the golden section, so that all
+/// lanes of many sweeps lie apart.
+const AGAIN: f64 = 0.381_966;
 /// Share of the lane spacing within which a stop covers a place.
-const COVERED: f64 = 0.75;
-/// The same on a closer look.
-const CLOSELY_COVERED: f64 = 0.375;
+pub(super) const COVERED: f64 = 0.75;
 
 /// A survey in lanes along y that works without a map (thesis, appendix C.1.2).
 ///
@@ -37,9 +34,9 @@ const CLOSELY_COVERED: f64 = 0.375;
 /// steps is capped.
 #[derive(Clone, Debug)]
 pub struct AutomatedS {
-    settings: Settings,
-    knowledge: Knowledge,
-    task: Task,
+    pub(super) settings: Settings,
+    pub(super) knowledge: Knowledge,
+    pub(super) task: Task,
     lane: Lane,
     /// Direction of the lanes' order along x: 1 east, -1 west.
     sweep: f64,
@@ -55,13 +52,14 @@ pub struct AutomatedS {
     cuts: Vec<Cut>,
     /// An obstacle was met, and a stop was made first.
     is_blocked: bool,
-    start: Position,
+    /// Where the first lane began.
+    pub(super) start: Position,
     steps: u32,
 }
 
 /// What the robot is doing.
 #[derive(Clone, Debug, PartialEq)]
-enum Task {
+pub(super) enum Task {
     /// Nobody was heard yet: a square spiral. Its side, and where that began.
     Search { side: u32, from: Position },
     /// Along y.
@@ -78,50 +76,9 @@ enum Task {
     Finish(Ending),
 }
 
-/// A trip past known obstacles.
-#[derive(Clone, Debug, PartialEq)]
-struct Trip {
-    goal: Position,
-    /// The way that is left, the next place last.
-    way: Vec<Position>,
-    replans: u32,
-    then: Goal,
-}
-
-/// Why the robot travels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Goal {
-    /// To sweep the other side of the start.
-    OtherSide,
-    /// To listen at a place passed by, or again.
-    Check,
-}
-
-/// The lane that is being driven.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Lane {
-    /// 1 north, -1 south.
-    heading: f64,
-    start_y_m: f64,
-    first_stop: usize,
-    hearing_stops: u32,
-    silent_run: u32,
-    /// Least and greatest y of its stops that heard somebody [m].
-    audible_m: Option<(f64, f64)>,
-    /// The same of the lane before.
-    audible_before_m: Option<(f64, f64)>,
-}
-
-/// Where an obstacle cut a lane short (`obstacleRegistry` of the thesis).
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Cut {
-    heading: f64,
-    place: Position,
-}
-
 /// How the last move went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Move {
+pub(super) enum Move {
     Free,
     Blocked,
 }
@@ -134,7 +91,7 @@ impl TryFrom<&AutomatedSConfig> for AutomatedS {
             settings: Settings::try_from(config)?,
             knowledge: Knowledge::default(),
             task: Task::Search { side: 0, from: Position::ORIGIN },
-            lane: Lane { heading: 1.0, start_y_m: 0.0, first_stop: 0, hearing_stops: 0, silent_run: 0, audible_m: None, audible_before_m: None },
+            lane: Lane::FIRST,
             sweep: 1.0,
             sweeps: 0,
             sweep_began: 0,
@@ -154,7 +111,6 @@ impl Controller for AutomatedS {
         let Settings { step_m, lane_spacing_m, silent_below_nodes, .. } = self.settings;
         let last_move = match situation.outcome {
             Outcome::Started => {
-                self.start = here;
                 self.task = Task::Search { side: 0, from: here };
                 return Command::Listen;
             }
@@ -232,6 +188,7 @@ impl AutomatedS {
     /// Drives a square spiral, a lane's distance between its turns, until somebody is heard.
     fn search(&mut self, here: Position, side: u32, from: Position, last_move: Move) -> Option<Command> {
         if self.knowledge.hears_somebody() {
+            self.start = here;
             self.begin_lane(here);
             return None;
         }
@@ -248,28 +205,16 @@ impl AutomatedS {
 
     fn begin_lane(&mut self, here: Position) {
         self.task = Task::Lane;
-        let is_known = self.lane.hearing_stops >= HEARING_STOPS;
-        self.lane = Lane {
-            heading: self.lane.heading,
-            start_y_m: here.y_m,
-            first_stop: self.knowledge.stops().saturating_sub(1),
-            hearing_stops: 0,
-            silent_run: 0,
-            audible_m: None,
-            audible_before_m: if is_known { self.lane.audible_m } else { self.lane.audible_before_m },
-        };
+        self.lane = self.lane.next(here, self.knowledge.stops().saturating_sub(1));
         self.count_stop(here);
     }
 
     /// Counts the stop just made towards the lane.
     fn count_stop(&mut self, here: Position) {
         if self.knowledge.hears_somebody() {
-            let (south, north) = self.lane.audible_m.unwrap_or((here.y_m, here.y_m));
-            self.lane.audible_m = Some((south.min(here.y_m), north.max(here.y_m)));
-            self.lane.hearing_stops += 1;
-            self.lane.silent_run = 0;
+            self.lane.count_hearing(here);
         } else {
-            self.lane.silent_run += 1;
+            self.lane.count_silent();
         }
     }
 
@@ -286,7 +231,7 @@ impl AutomatedS {
             return None;
         }
         let is_silent = self.lane.silent_run >= self.settings.silent_stops_to_turn;
-        let is_beyond = self.left_of_network_m(here.y_m, heading) <= 0.0;
+        let is_beyond = self.lane.left_of_network_m(here.y_m, heading) <= 0.0;
         if is_silent && (self.lane.hearing_stops >= HEARING_STOPS || is_beyond) || self.was_driven(here) {
             self.end_lane(situation);
             return None;
@@ -294,19 +239,12 @@ impl AutomatedS {
         Self::drive(here, 0.0, heading * self.settings.step_m)
     }
 
-    /// How far this lane, or the one before, heard somebody beyond `y_m` towards `heading` [m].
-    fn left_of_network_m(&self, y_m: f64, heading: f64) -> f64 {
-        let audible = [self.lane.audible_m, self.lane.audible_before_m];
-        let left_m = audible.into_iter().flatten().map(|(south, north)| if heading > 0.0 { north - y_m } else { y_m - south });
-        left_m.reduce(f64::max).unwrap_or(0.0)
-    }
-
     /// Whether all that is ahead on the lane was driven before on this sweep.
     fn was_driven(&self, here: Position) -> bool {
         let Settings { step_m, .. } = self.settings;
         let earlier = self.sweep_began..self.lane.first_stop.max(self.sweep_began);
         let mut ahead_m = step_m;
-        let last_m = self.left_of_network_m(here.y_m, self.lane.heading).max(2.0 * step_m);
+        let last_m = self.lane.left_of_network_m(here.y_m, self.lane.heading).max(2.0 * step_m);
         while ahead_m <= last_m {
             let place = here + Position::new(0.0, self.lane.heading * ahead_m, 0.0);
             if !self.knowledge.was_near(place, 0.5 * step_m, earlier.clone()) {
@@ -325,7 +263,7 @@ impl AutomatedS {
         } else {
             (self.empty_lanes, self.empty_lanes_to_end) = (0, EMPTY_LANES);
         }
-        let missed_m = self.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
+        let missed_m = self.lane.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
         let was_whole = missed_m <= self.settings.lane_spacing_m && self.empty_lanes_to_end == EMPTY_LANES;
         if was_empty && (was_whole || self.empty_lanes >= self.empty_lanes_to_end) {
             self.end_sweep(situation);
@@ -358,7 +296,9 @@ impl AutomatedS {
             self.task = Task::Shift { from: here };
             return None;
         }
-        if last_move == Move::Blocked || self.left_of_network_m(here.y_m, -self.lane.heading) < -self.settings.step_m {
+        if last_move == Move::Blocked
+            || self.lane.left_of_network_m(here.y_m, -self.lane.heading) < -self.settings.step_m
+        {
             self.end_sweep(situation);
             return None;
         }
@@ -380,7 +320,7 @@ impl AutomatedS {
                 && !self.knowledge.was_near(
                     Position { y_m: here.y_m, ..cut.place },
                     COVERED * lane_m,
-                    0..self.knowledge.stops(),
+                    self.sweep_began..self.knowledge.stops(),
                 )
                 && situation.clearance_m(Position::new(-self.sweep, 0.0, 0.0), back_m) >= back_m
         };
@@ -422,83 +362,13 @@ impl AutomatedS {
     }
 
     /// Sweeps the other way from here. A sweep over lanes that were driven before runs between them.
-    fn begin_sweep(&mut self, here: Position) {
+    pub(super) fn begin_sweep(&mut self, here: Position) {
         self.sweep = -self.sweep;
         self.sweep_began = self.knowledge.stops();
         let is_outside = self.sweeps > 1;
         self.empty_lanes_to_end = if is_outside { EMPTY_LANES_OUTSIDE } else { EMPTY_LANES };
-        let ahead_m = if is_outside { 0.5 * self.settings.lane_spacing_m } else { 0.0 };
+        let aside = if self.sweep < 0.0 { AGAIN } else { 1.0 - AGAIN };
+        let ahead_m = if is_outside { aside * self.settings.lane_spacing_m } else { 0.0 };
         self.task = Task::Shift { from: here - Position::new(self.sweep * ahead_m, 0.0, 0.0) };
-    }
-
-    /// Goes where packets of missing nodes may be had: places passed by if some were never heard, then those where
-    /// they were heard best.
-    fn check(&mut self, situation: &Situation<'_>) {
-        let here = situation.position;
-        let Settings { packets_per_node, lane_spacing_m, .. } = self.settings;
-        while self.misses_nodes()
-            && let Some(goal) = [COVERED, CLOSELY_COVERED]
-                .into_iter()
-                .find_map(|share| self.knowledge.nearest_opening(here, share * lane_spacing_m))
-        {
-            if self.set_out(situation, goal, Goal::Check) {
-                return;
-            }
-            eprintln!("DBG no way from {here:?} to {goal:?}");
-            self.knowledge.give_up_opening(goal);
-        }
-        while let Some(goal) = self.knowledge.place_to_listen_again(here, packets_per_node, self.returns()) {
-            if self.set_out(situation, goal, Goal::Check) {
-                return;
-            }
-        }
-        self.task = Task::Finish(Ending::Stuck);
-    }
-
-    /// How often the robot comes back for one node.
-    fn returns(&self) -> u32 {
-        self.settings.packets_per_node.saturating_mul(RETURNS_PER_PACKET)
-    }
-
-    /// Whether there are nodes that no place known is good for.
-    fn misses_nodes(&self) -> bool {
-        self.knowledge.misses_nodes(self.settings.packets_per_node, self.returns())
-    }
-
-    /// Sets out for `goal`; `false` and no change if no way is known.
-    fn set_out(&mut self, situation: &Situation<'_>, goal: Position, then: Goal) -> bool {
-        let Some(way) = self.way(situation, goal) else { return false };
-        eprintln!("DBG {:?} to {goal:?} way {way:?}", situation.position);
-        self.task = Task::Travel(Trip { goal, way, replans: 0, then });
-        true
-    }
-
-    /// A way to `goal`, the next place last.
-    fn way(&self, situation: &Situation<'_>, goal: Position) -> Option<Vec<Position>> {
-        let Settings { step_m, lane_spacing_m, .. } = self.settings;
-        let mut way = self.knowledge.way(situation, goal, 0.5 * step_m, 2.0 * lane_spacing_m)?;
-        way.reverse();
-        Some(way)
-    }
-
-    fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> Option<Command> {
-        if last_move == Move::Blocked {
-            trip.replans += 1;
-            let way = if trip.replans > MAX_REPLANS { None } else { self.way(situation, trip.goal) };
-            eprintln!("DBG replan {:?} {way:?}", situation.position);
-            trip.way = way.unwrap_or_default();
-        }
-        if let Some(place) = trip.way.pop() {
-            self.task = Task::Travel(trip);
-            return Some(Command::Drive(place));
-        }
-        match trip.then {
-            Goal::OtherSide => self.begin_sweep(situation.position),
-            Goal::Check => {
-                self.knowledge.give_up_opening(trip.goal);
-                self.check(situation);
-            }
-        }
-        None
     }
 }

@@ -48,7 +48,8 @@ fn an_s_path_leaves_out_covered_stops_and_drives_round_obstacles() {
     let trace = drive(&config, &blocked, at(-1.0, -1.0));
     assert_eq!(trace.ending, Ending::Complete);
     let least_m = blocked.robot_radius_m + 5e-3;
-    let free: Vec<Position> = all.stops.into_iter().filter(|stop| blocked.field.distance_m(*stop) > least_m).collect();
+    let free: Vec<Position> =
+        all.stops.into_iter().filter(|stop| blocked.field.distance_m(*stop) > least_m).collect();
     assert!(free.len() < 59, "the obstacles cover some");
     assert_eq!(trace.stops, free, "all the others are made, in the same order");
     assert!(trace.path_length_m() > all_length_m(&free), "the way round is longer");
@@ -74,7 +75,8 @@ fn the_way_to_a_place_behind_a_box_leads_round_its_nearer_corners() {
 fn a_robot_that_flies_may_pass_over_an_obstacle() {
     let world = world(field(&[([0.0, 0.0], [2.0, 200.0], 0.0)]));
     let places_m = vec![Position::new(-3.0, 0.0, 4.0), Position::new(3.0, 0.0, 4.0)];
-    let trace = drive(&ControllerConfig::Waypoints(WaypointsConfig { places_m: places_m.clone() }), &world, at(-3.0, 0.0));
+    let trace =
+        drive(&ControllerConfig::Waypoints(WaypointsConfig { places_m: places_m.clone() }), &world, at(-3.0, 0.0));
     assert_eq!(trace.stops, places_m);
     assert!((trace.path_length_m() - 10.0).abs() < 1e-9);
 }
@@ -91,7 +93,8 @@ fn places_that_cannot_be_reached_are_refused_by_their_index() {
     let world = world(field(&walls));
     let surroundings = Surroundings { obstacles: &world.field, start: at(0.0, 0.0), radius_m: 0.25 };
     let fault = |places_m: Vec<Position>| {
-        let error = ControllerConfig::Waypoints(WaypointsConfig { places_m }).build(&surroundings).err().expect("refused");
+        let error =
+            ControllerConfig::Waypoints(WaypointsConfig { places_m }).build(&surroundings).err().expect("refused");
         (error.key, error.found)
     };
     assert_eq!(fault(vec![]).0, "waypoints.places_m");

@@ -40,7 +40,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let mut stdout = io::stdout().lock();
     for figure in figure::all(&source) {
-        let written = figure.write(&folder, arguments.format).map_err(|error| Failure::unwritable(&folder, &error))?;
+        let written =
+            figure.write(&folder, arguments.format).map_err(|error| Failure::unwritable(&folder, &error))?;
         writeln!(stdout, "{}", written.display())?;
     }
     Ok(())

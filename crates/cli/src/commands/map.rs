@@ -23,8 +23,10 @@ pub struct Arguments {
     /// A recording of `run`, or a folder with stops.csv and receptions.csv
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
-    /// How likely a packet is received over a distance: p0=0.95,plateau_m=2,range_m=10[,floor=..,ceiling=..].
-    /// Needed for a folder; for a recording, that of its scenario if absent
+    /// How likely a packet is received over a distance: `fitted` (estimated from the log itself),
+    /// trapezoid:p0=0.95,plateau_m=2,range_m=10[,floor=..,ceiling=..], or channel:exponent=..,sigma_db=..,
+    /// tx_power_dbm=..,sensitivity_dbm=..[,max_range_m=..]. If absent, that of the scenario for a recording, `fitted`
+    /// for a folder
     #[arg(long, value_name = "PROFILE")]
     pub profile: Option<String>,
     /// Measure the maps against the true places: a CSV file with columns node,x_m,y_m,z_m. For a recording, the
@@ -78,8 +80,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let map_start = now();
     let mut summaries: Vec<MapSummary> = Vec::new();
     for named in &settings.maps {
-        let map = named.mapper.map(&input.log).map_err(|error| Failure::bad_input(error.to_string()))?;
-        summaries.push(measure(&named.name, &map, truth.as_deref(), &settings.metrics));
+        let (map, fit) =
+            named.mapper.map_and_fit(&input.log).map_err(|error| Failure::bad_input(error.to_string()))?;
+        let summary = measure(&named.name, &map, truth.as_deref(), &settings.metrics);
+        summaries.push(MapSummary { fitted_profile: fit.as_ref().map(Into::into), ..summary });
         if let Some(out) = &arguments.out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.clone() };
             robot_log::write_map(&path, input.log.names(), &map)?;

@@ -1,7 +1,7 @@
 //! A frame with numbers at its sides: from metres or shares to places on the picture.
 
 use super::palette::{FAINT_INK, GRID, INK};
-use super::picture::{Anchor, Area, Picture, Point, Stroke, TextStyle, Weight};
+use super::picture::{Anchor, Area, Picture, Point, Stroke, TextStyle, Weight, text_width};
 use super::ticks::Ticks;
 
 /// Numbers at ticks.
@@ -98,8 +98,10 @@ impl Axes {
                 picture.text(Point::new(x, bottom + TICK + 10.0), &across.label(value), Anchor::Middle, TICK_TEXT);
             }
         }
+        let mut widest: f64 = 26.0;
         for &value in &up.values {
             let y = self.at(self.across.low, value).y;
+            widest = widest.max(text_width(&up.label(value), TICK_TEXT));
             picture.line(Point::new(area.left, y), Point::new(area.left - TICK, y), FRAME);
             picture.text(Point::new(area.left - TICK - 4.0, y), &up.label(value), Anchor::End, TICK_TEXT);
         }
@@ -108,6 +110,6 @@ impl Axes {
             picture.text(Point::new(middle, bottom + 32.0), &self.across.name, Anchor::Middle, LABEL_TEXT);
         }
         let middle = area.top + area.height / 2.0;
-        picture.upward_text(Point::new(area.left - 46.0, middle), &self.up.name, LABEL_TEXT);
+        picture.upward_text(Point::new(area.left - TICK - 4.0 - widest - 14.0, middle), &self.up.name, LABEL_TEXT);
     }
 }

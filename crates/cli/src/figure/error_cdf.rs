@@ -52,7 +52,12 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
     let (mut picture, areas) = Sheet { title, note, bar: None, legend }.lay_out(&[SIZE]);
     let name = |text: &str| text.to_owned();
     let axes = Axes {
-        across: Axis { low: 0.0, high: 1.04 * largest_m.max(1e-3), name: name("position error [m]"), shown: Shown::All },
+        across: Axis {
+            low: 0.0,
+            high: 1.04 * largest_m.max(1e-3),
+            name: name("position error [m]"),
+            shown: Shown::All,
+        },
         up: Axis { low: 0.0, high: 1.02, name: name("share of mapped nodes"), shown: Shown::All },
         area: areas[0],
     };

@@ -2,9 +2,9 @@
 
 use sextant_channel::Position;
 
-use crate::recording::{DrawnLikelihood, LikelihoodPlane, Places};
+use crate::recording::{DrawnLikelihood, LikelihoodPlane, Places, Solid};
 
-use super::palette::{ACCENT, INK, PAPER, Ramp};
+use super::palette::{ACCENT, INK, PAPER, Ramp, THREAD};
 use super::picture::{Area, Picture, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
 use super::silhouette::draw_rims;
@@ -16,11 +16,15 @@ const DECADES: f64 = 12.0;
 /// Colours that are told apart.
 const SHADES: f64 = 48.0;
 
+/// World around the surface that is shown [m].
+const SURROUNDINGS_M: f64 = 1.0;
+
 const TRUTH: Stroke = Stroke::new(ACCENT, 2.2);
 const ESTIMATE: Stroke = Stroke::new(INK, 2.2);
 const TRUTH_CASING: Stroke = Stroke::new(PAPER, 4.6);
 const ESTIMATE_CASING: Stroke = Stroke::new(PAPER, 5.0);
 const RIM: Stroke = Stroke::new(INK, 1.2);
+const NOTHING: Stroke = Stroke::new(THREAD, 0.8);
 
 /// The figure.
 pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
@@ -36,10 +40,16 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
         low: lowest.clamp(-DECADES, -1.0),
         high: 0.0,
         open_end: false,
-        finest: 1.0,
+        finest: 0.0,
         ramp: Ramp::Areas,
     };
     let extent = Extent::around(corners(plane).into_iter().chain(truth).chain(estimate)).unwrap_or_default();
+    let extent = extent.widened(SURROUNDINGS_M);
+    let near = |solid: &&Solid| {
+        let around = Extent::around(solid.vertices.iter().copied());
+        around.is_some_and(|around| around.is_seen_within(&extent, View::Top))
+    };
+    let solids: Vec<Solid> = source.solids().iter().filter(near).cloned().collect();
     let views = Views::new(&extent, &[View::Top]);
     let mut legend = Vec::new();
     if truth.is_some() {
@@ -50,11 +60,10 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
         let symbol = Symbol::Ring { stroke: ESTIMATE, casing: ESTIMATE_CASING };
         legend.push(Entry { symbol, text: "estimate".to_owned() });
     }
-    if !source.solids().is_empty() {
-        legend.push(Entry {
-            symbol: Symbol::Body { fill: bar.ramp.color(0.0), rim: RIM },
-            text: "outline of an obstacle".to_owned(),
-        });
+    legend.push(Entry { symbol: Symbol::Body { fill: PAPER, rim: NOTHING }, text: "impossible".to_owned() });
+    if !solids.is_empty() {
+        let symbol = Symbol::Line { stroke: RIM, pattern: &[] };
+        legend.push(Entry { symbol, text: "rim of an obstacle".to_owned() });
     }
     let error = truth.zip(estimate).map(|(truth, estimate)| truth.distance_m(estimate));
     let error = error.map_or(String::new(), |error_m| format!(", error {error_m:.2} m"));
@@ -67,7 +76,7 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
     let (mut picture, areas) = sheet.lay_out(&views.sizes());
     for panel in views.panels(&areas) {
         draw_cells(&mut picture, &panel, plane, &levels, &bar);
-        draw_rims(&mut picture, &panel, source.solids(), RIM);
+        draw_rims(&mut picture, &panel, &solids, RIM);
         if let Some(place) = estimate {
             picture.ring(panel.at(place), 6.5, ESTIMATE_CASING);
             picture.ring(panel.at(place), 6.5, ESTIMATE);
@@ -100,23 +109,28 @@ fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
     [first, first + Position::new(across, up, 0.0) * plane.step_m]
 }
 
-/// One rectangle for each run of equal shade along x.
+/// One rectangle for each run of equal shade along x; where the likelihood is zero, paper is left.
 fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &LikelihoodPlane, levels: &[f64], bar: &ColourBar) {
-    let shade = |level: f64| ((level - bar.low) / (bar.high - bar.low) * SHADES).round().clamp(0.0, SHADES);
+    let shade = |level: f64| {
+        let shade = ((level - bar.low) / (bar.high - bar.low) * SHADES).round().clamp(0.0, SHADES);
+        (level > f64::NEG_INFINITY).then_some(shade)
+    };
     let [first, _] = corners(plane);
     for (row, levels) in (0_u32..).zip(levels.chunks_exact(plane.columns as usize)) {
-        let shades: Vec<f64> = levels.iter().map(|&level| shade(level)).collect();
+        let shades: Vec<Option<f64>> = levels.iter().map(|&level| shade(level)).collect();
         let mut column = 0_u32;
-        for run in shades.chunk_by(|a, b| (a - b).abs() < 0.5) {
+        for run in shades.chunk_by(|a, b| a == b) {
             let end = column + u32::try_from(run.len()).expect("a run within the columns");
             let corner = |column: u32, row: u32| {
                 panel.at(first + Position::new(f64::from(column), f64::from(row), 0.0) * plane.step_m)
             };
             let (low, high) = (corner(column, row), corner(end, row + 1));
-            // A run covers the seams to its neighbours.
-            let area =
-                Area { left: low.x, top: high.y - 0.3, width: high.x - low.x + 0.3, height: low.y - high.y + 0.3 };
-            picture.rectangle(area, bar.ramp.color(run[0] / SHADES));
+            if let Some(shade) = run[0] {
+                let (width, height) = (high.x - low.x, low.y - high.y);
+                // A run covers the seams to its neighbours.
+                let area = Area { left: low.x, top: high.y - 0.6, width: width + 0.6, height: height + 0.6 };
+                picture.rectangle(area, bar.ramp.color(shade / SHADES));
+            }
             column = end;
         }
     }

@@ -22,7 +22,7 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
     let errors = source.errors(places);
     let distribution = PositionError::of(&errors.iter().map(|&(_, error_m)| error_m).collect::<Vec<_>>());
     let bar = distribution.map(|distribution| colour_bar(&distribution));
-    let views = source.views(places);
+    let views = source.views(places.values().copied());
     let radius = views.dot_radius(source.log.node_count());
     let absent: Vec<NodeId> = truth.keys().copied().filter(|node| !places.contains_key(node)).collect();
     let mut legend = Vec::new();
@@ -72,12 +72,7 @@ fn colour_bar(distribution: &PositionError) -> ColourBar {
 }
 
 /// Title and note.
-fn heading(
-    source: &Source<'_>,
-    name: &str,
-    mapped: usize,
-    distribution: Option<PositionError>,
-) -> (String, String) {
+fn heading(source: &Source<'_>, name: &str, mapped: usize, distribution: Option<PositionError>) -> (String, String) {
     let total = source.log.node_count();
     let share = format!("{name}: {mapped} of {total} nodes mapped");
     match distribution {

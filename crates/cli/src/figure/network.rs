@@ -3,8 +3,6 @@
 use plotters::style::RGBColor;
 use sextant_channel::{Position, ReceptionLog};
 
-use crate::recording::Places;
-
 use super::palette::{ACCENT, CURVES, INK, Ramp};
 use super::picture::{Picture, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
@@ -27,7 +25,7 @@ pub(super) fn draw(source: &Source<'_>) -> Picture {
         finest: 1.0,
         ramp: Ramp::Marks,
     };
-    let views = source.views(&Places::new());
+    let views = source.views(source.survey());
     let radius = 0.75 * views.dot_radius(drawn.nodes.len());
     let side = 2.2 * views.dot_radius(log.stops().len().max(drawn.nodes.len()));
     let (picture, areas) = sheet(source, &bar, radius, side).lay_out(&views.sizes());
@@ -66,10 +64,8 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
         });
     }
     if !log.contacts().is_empty() {
-        legend.push(Entry {
-            symbol: Symbol::Cross { stroke: CONTACT },
-            text: "contact of a range sensor".to_owned(),
-        });
+        legend
+            .push(Entry { symbol: Symbol::Cross { stroke: CONTACT }, text: "contact of a range sensor".to_owned() });
     }
     legend.extend(source.obstacle_entry());
     let length_m: f64 = drawn.paths.iter().map(|(_, path)| length_m(path)).sum();

@@ -1,11 +1,13 @@
 //! From a picture to the octets of a file, by the backends of plotters.
 
+use std::fmt::Display;
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, ShapeStyle, TextStyle as PlottersText};
+use plotters::style::{FontTransform, ShapeStyle, TextStyle as PlottersText};
 
 use super::palette::PAPER;
 use super::picture::{Anchor, Mark, Picture, Point, Run, Stroke, font};
@@ -60,9 +62,11 @@ pub(super) fn png(picture: &Picture, path: &Path) -> io::Result<()> {
         let units = f64::from(PNG_SCALE * SAMPLES);
         paint(picture, &mut backend, Manner { units, text_drop_em: 0.24, joints: Joints::Discs })?;
     }
+    // The backend would not say in plain words that the file cannot be made.
+    File::create(path)?;
     let mut backend = BitMapBackend::new(path, (width, height));
-    backend.blit_bitmap((0, 0), (width, height), &averaged(&samples, width, height)).map_err(io::Error::other)?;
-    backend.present().map_err(io::Error::other)
+    backend.blit_bitmap((0, 0), (width, height), &averaged(&samples, width, height)).map_err(refused)?;
+    backend.present().map_err(refused)
 }
 
 /// The mean of each block of samples.
@@ -87,17 +91,18 @@ fn paint<B: DrawingBackend>(picture: &Picture, backend: &mut B, manner: Manner) 
     let at = |point: Point| (unit(point.x), unit(point.y));
     let (width, height) = backend.get_size();
     let far = (width.cast_signed(), height.cast_signed());
-    backend.ensure_prepared().map_err(io::Error::other)?;
-    backend.draw_rect((0, 0), far, &ShapeStyle::from(PAPER).filled(), true).map_err(io::Error::other)?;
+    backend.ensure_prepared().map_err(refused)?;
+    backend.draw_rect((0, 0), far, &ShapeStyle::from(PAPER).filled(), true).map_err(refused)?;
     for mark in &picture.marks {
         let drawn = match mark {
             Mark::Path { points, stroke } => {
                 let style = ShapeStyle::from(stroke.color).stroke_width(whole(stroke.width * manner.units).max(1));
                 let points: Vec<_> = points.iter().copied().map(at).collect();
-                match manner.joints {
-                    Joints::Backend => backend.draw_path(points, &style),
-                    Joints::Discs => draw_jointed(backend, &points, *stroke, style),
+                if manner.joints == Joints::Discs {
+                    draw_jointed(backend, &points, *stroke, style)?;
+                    continue;
                 }
+                backend.draw_path(points, &style)
             }
             Mark::Polygon { points, fill } => {
                 backend.fill_polygon(points.iter().copied().map(at).collect::<Vec<_>>(), fill)
@@ -126,9 +131,9 @@ fn paint<B: DrawingBackend>(picture: &Picture, backend: &mut B, manner: Manner) 
                 backend.draw_text(text, &text_style, at(place))
             }
         };
-        drawn.map_err(io::Error::other)?;
+        drawn.map_err(refused)?;
     }
-    backend.present().map_err(io::Error::other)
+    backend.present().map_err(refused)
 }
 
 fn draw_jointed<B: DrawingBackend>(
@@ -136,14 +141,19 @@ fn draw_jointed<B: DrawingBackend>(
     points: &[(i32, i32)],
     stroke: Stroke,
     style: ShapeStyle,
-) -> Result<(), plotters::backend::DrawingErrorKind<B::ErrorType>> {
+) -> io::Result<()> {
     for pair in points.windows(2) {
-        backend.draw_line(pair[0], pair[1], &style)?;
+        backend.draw_line(pair[0], pair[1], &style).map_err(refused)?;
     }
     let joints = points.get(1..points.len() - 1).unwrap_or_default();
     joints.iter().try_for_each(|&joint| {
-        backend.draw_circle(joint, style.stroke_width / 2, &stroke.color.to_rgba(), true)
+        backend.draw_circle(joint, style.stroke_width / 2, &stroke.color, true).map_err(refused)
     })
+}
+
+/// What a backend says, in words.
+fn refused(why: impl Display) -> io::Error {
+    io::Error::other(why.to_string())
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "pictures are some thousand units wide")]

@@ -101,7 +101,7 @@ pub(super) enum Mark {
 
 /// A picture: its size and its marks.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub(super) struct Picture {
     /// Width [px].
     pub(super) width: f64,
     /// Height [px].
@@ -123,6 +123,15 @@ impl Picture {
 
     pub(super) fn line(&mut self, from: Point, to: Point, stroke: Stroke) {
         self.path(vec![from, to], stroke);
+    }
+
+    /// The part of a path that is within `area`.
+    pub(super) fn path_within(&mut self, area: Area, points: &[Point], stroke: Stroke) {
+        for pair in points.windows(2) {
+            if let Some([from, to]) = clipped(area, [pair[0], pair[1]]) {
+                self.line(from, to, stroke);
+            }
+        }
     }
 
     /// A path drawn as dashes: lengths of strokes and gaps in turn [px]; an unbroken one if `pattern` is empty.
@@ -170,7 +179,8 @@ impl Picture {
             let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(PIECES)).sin_cos();
             Point::new(center.x + radius * cos, center.y + radius * sin)
         };
-        self.path((0..=PIECES).map(at).collect(), stroke);
+        // The end covers the beginning, or a notch would be seen between them.
+        self.path((0..=PIECES + 1).map(at).collect(), stroke);
     }
 
     /// An upright cross with arms of length `arm` [px].
@@ -197,6 +207,25 @@ impl Picture {
         let text = text.to_owned();
         self.marks.push(Mark::Text { at, text, style, anchor: Anchor::Middle, run: Run::Upwards });
     }
+}
+
+/// The part of a line that is within `area` (Liang and Barsky, 1984).
+fn clipped(area: Area, [from, to]: [Point; 2]) -> Option<[Point; 2]> {
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    for (start, change, low, high) in
+        [(from.x, to.x - from.x, area.left, area.right()), (from.y, to.y - from.y, area.top, area.bottom())]
+    {
+        if change.abs() < 1e-12 {
+            if start < low || start > high {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low - start) / change, (high - start) / change);
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+    }
+    (enter < leave).then(|| [from.toward(to, enter), from.toward(to, leave)])
 }
 
 /// The pieces of a path that remain when it is cut by `pattern`: strokes and gaps in turn [px].
@@ -232,8 +261,7 @@ fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
 pub(super) fn font(style: TextStyle, scale: f64) -> FontDesc<'static> {
     static REGISTERED: Once = Once::new();
     REGISTERED.call_once(|| {
-        let fonts =
-            [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
+        let fonts = [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
         for (style, font) in fonts {
             assert!(register_font("sans-serif", style, font).is_ok(), "the embedded font is sound");
         }
@@ -282,6 +310,17 @@ mod tests {
         assert_eq!(pieces[0], [Point::new(0.0, 0.0), Point::new(3.0, 0.0), Point::new(3.0, 1.0)]);
         assert_eq!(pieces[1], [Point::new(3.0, 3.0), Point::new(3.0, 4.0)]);
         assert_eq!(pieces.len(), 2);
+    }
+
+    #[test]
+    fn a_line_is_cut_at_the_sides_of_an_area() {
+        let area = Area { left: 0.0, top: 0.0, width: 10.0, height: 4.0 };
+        let line = |a: (f64, f64), b: (f64, f64)| clipped(area, [Point::new(a.0, a.1), Point::new(b.0, b.1)]);
+        assert_eq!(line((-5.0, 2.0), (15.0, 2.0)), Some([Point::new(0.0, 2.0), Point::new(10.0, 2.0)]));
+        assert_eq!(line((5.0, 2.0), (5.0, 8.0)), Some([Point::new(5.0, 2.0), Point::new(5.0, 4.0)]));
+        assert_eq!(line((1.0, 1.0), (2.0, 3.0)), Some([Point::new(1.0, 1.0), Point::new(2.0, 3.0)]));
+        assert_eq!(line((-5.0, -2.0), (15.0, -2.0)), None);
+        assert_eq!(line((-4.0, 2.0), (2.0, -4.0)), None);
     }
 
     #[test]

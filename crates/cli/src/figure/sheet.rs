@@ -10,13 +10,13 @@ use super::ticks::Ticks;
 /// Space around everything [px].
 const MARGIN: f64 = 14.0;
 /// Space left of a plot, for numbers and the name of its axis [px].
-const LEFT: f64 = 70.0;
+const LEFT: f64 = 76.0;
 /// Space below the lowest plot, for numbers and the name of its axis [px].
 const BELOW: f64 = 46.0;
 /// Space between two plots [px].
 const BETWEEN: f64 = 18.0;
 /// Space right of a plot for a colour bar [px].
-const BAR_SPACE: f64 = 84.0;
+const BAR_SPACE: f64 = 88.0;
 /// Height of a row of the legend [px].
 const ROW: f64 = 22.0;
 /// From the symbol of a legend to its text [px].
@@ -48,6 +48,7 @@ pub(super) enum Symbol {
 pub(super) struct ColourBar {
     pub(super) name: String,
     pub(super) low: f64,
+    /// Above `low`.
     pub(super) high: f64,
     /// Numbers beyond `high` have its colour.
     pub(super) open_end: bool,
@@ -59,7 +60,7 @@ pub(super) struct ColourBar {
 impl ColourBar {
     /// The colour of a number.
     pub(super) fn color(&self, value: f64) -> RGBColor {
-        self.ramp.color((value - self.low) / (self.high - self.low).max(f64::MIN_POSITIVE))
+        self.ramp.color((value - self.low) / (self.high - self.low))
     }
 }
 
@@ -173,15 +174,18 @@ impl ColourBar {
         picture.frame(area, FRAME);
         let ticks = Ticks::new(self.low, self.high, height / 48.0, self.finest);
         let mut widest: f64 = 0.0;
-        for &value in &ticks.values {
-            let y = area.bottom() - (value - self.low) / (self.high - self.low).max(f64::MIN_POSITIVE) * height;
+        let place = |value: f64| area.bottom() - (value - self.low) / (self.high - self.low) * height;
+        let mut numbers: Vec<_> = ticks.values.iter().map(|&value| (place(value), ticks.label(value))).collect();
+        if self.open_end {
+            numbers.retain(|(y, _)| *y > area.top + 16.0);
+            numbers.push((area.top, format!("\u{2265} {}", ticks.label(self.high))));
+        }
+        for (y, text) in numbers {
             picture.line(Point::new(area.right(), y), Point::new(area.right() + TICK, y), FRAME);
-            let text = ticks.label(value);
             picture.text(Point::new(area.right() + TICK + 4.0, y), &text, Anchor::Start, TICK_TEXT);
             widest = widest.max(text_width(&text, TICK_TEXT));
         }
-        let name = if self.open_end { format!("{} (and above)", self.name) } else { self.name.clone() };
         let x = (area.right() + TICK + 4.0 + widest + 14.0).min(beside.right() + BAR_SPACE);
-        picture.upward_text(Point::new(x, area.top + height / 2.0), &name, LABEL_TEXT);
+        picture.upward_text(Point::new(x, area.top + height / 2.0), &self.name, LABEL_TEXT);
     }
 }

@@ -18,13 +18,19 @@ pub(super) fn draw_solids(picture: &mut Picture, panel: &Panel, solids: &[Solid]
     solids.iter().for_each(|solid| Silhouette::of(solid, panel.view).draw(picture, panel));
 }
 
-/// Draws the rims of the obstacles only.
+/// Draws the rims of the obstacles, as far as they are within the frame.
 pub(super) fn draw_rims(picture: &mut Picture, panel: &Panel, solids: &[Solid], stroke: Stroke) {
     let at = |corner: &Corner| panel.axes.at(corner.0, corner.1);
     for solid in solids {
         match Silhouette::of(solid, panel.view) {
-            Silhouette::Convex(hull) => picture.path(hull.iter().chain(hull.first()).map(at).collect(), stroke),
-            Silhouette::Pieces { rim, .. } => rim.iter().for_each(|[a, b]| picture.line(at(a), at(b), stroke)),
+            Silhouette::Convex(hull) => {
+                let around: Vec<_> = hull.iter().chain(hull.first()).map(at).collect();
+                picture.path_within(panel.axes.area, &around, stroke);
+            }
+            Silhouette::Pieces { rim, .. } => {
+                rim.iter()
+                    .for_each(|edge| picture.path_within(panel.axes.area, &[at(&edge[0]), at(&edge[1])], stroke));
+            }
         }
     }
 }

@@ -22,13 +22,18 @@ pub struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Plots of the world that have room for the nodes, the obstacles, the survey and `more`: from above, and from the
-    /// side too if anything but obstacles has a height.
-    pub(super) fn views(&self, more: &Places) -> Views {
-        let Drawn { nodes, obstacles, paths, .. } = self.drawn;
-        let places = nodes.values().chain(more.values()).chain(paths.iter().flat_map(|(_, path)| path)).copied();
-        let places = places.chain(self.log.stops().iter().map(|stop| stop.position));
-        let places: Vec<_> = places.chain(self.log.contacts().iter().map(|contact| contact.position)).collect();
+    /// Where the robots were and what they met.
+    pub(super) fn survey(&self) -> impl Iterator<Item = Position> {
+        let paths = self.drawn.paths.iter().flat_map(|(_, path)| path).copied();
+        let stops = self.log.stops().iter().map(|stop| stop.position);
+        paths.chain(stops).chain(self.log.contacts().iter().map(|contact| contact.position))
+    }
+
+    /// Plots of the world that have room for the nodes, the obstacles and `more`: from above, and from the side too if
+    /// anything but obstacles has a height.
+    pub(super) fn views(&self, more: impl Iterator<Item = Position>) -> Views {
+        let Drawn { nodes, obstacles, .. } = self.drawn;
+        let places: Vec<_> = nodes.values().copied().chain(more).collect();
         let flat = Extent::around(places.iter().copied()).is_none_or(|extent| extent.is_flat());
         let corners = obstacles.iter().flat_map(|solid| &solid.vertices).copied();
         let extent = Extent::around(places.into_iter().chain(corners)).unwrap_or_default();

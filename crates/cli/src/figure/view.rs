@@ -51,6 +51,18 @@ impl Extent {
         }))
     }
 
+    /// With `by` more on each side [m].
+    pub(super) fn widened(&self, by: f64) -> Self {
+        let by = Position::new(by, by, by);
+        Self { low: self.low - by, high: self.high + by }
+    }
+
+    /// Whether any of it is within `other` as `view` shows them.
+    pub(super) fn is_seen_within(&self, other: &Self, view: View) -> bool {
+        let pairs = self.ranges(view).into_iter().zip(other.ranges(view));
+        pairs.into_iter().all(|(own, other)| own.0 < other.1 && own.1 > other.0)
+    }
+
     /// Whether it has no height.
     pub(super) fn is_flat(&self) -> bool {
         self.high.z_m - self.low.z_m < 1e-6
@@ -106,17 +118,18 @@ impl Views {
     /// The plots in the given areas.
     pub(super) fn panels(&self, areas: &[Area]) -> Vec<Panel> {
         let count = self.panels.len();
-        let panel = |(i, (&(view, [across, up]), &area)): (usize, (&(View, [(f64, f64); 2]), &Area))| {
-            let shown = if i + 1 < count { Shown::Ticks } else { Shown::All };
+        let mut panels = Vec::new();
+        for (&(view, [across, up]), &area) in self.panels.iter().zip(areas) {
+            let shown = if panels.len() + 1 < count { Shown::Ticks } else { Shown::All };
             let name = match view {
                 View::Top => "y [m]",
                 View::Side => "z [m]",
             };
             let across = Axis { low: across.0, high: across.1, name: "x [m]".to_owned(), shown };
             let up = Axis { low: up.0, high: up.1, name: name.to_owned(), shown: Shown::All };
-            Panel { view, axes: Axes { across, up, area } }
-        };
-        self.panels.iter().zip(areas).enumerate().map(panel).collect()
+            panels.push(Panel { view, axes: Axes { across, up, area } });
+        }
+        panels
     }
 
     /// A radius for `count` dots that leaves space between them [px].

@@ -1,14 +1,16 @@
 //! The pipeline of `run`: simulate, record, map, measure, sum up.
 
+mod bound;
 mod gather;
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::time::Instant;
 
 use sextant_apps::ControllerConfig;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
-use sextant_mapper::{Mapper, Surface, TopologyMap};
+use sextant_mapper::{Fit, Mapper, Surface, TopologyMap};
 use sextant_sim::{Ending, Simulation, Survey};
 
 use crate::commands::Format;
@@ -108,10 +110,16 @@ fn gather(
 /// Computes, records and measures the maps of the scenario.
 fn map(scenario: &Scenario, survey: &Survey, recorder: &mut FileRecorder) -> Result<Vec<MapSummary>, Failure> {
     let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
+    let bound_m = if scenario.maps().is_empty() { None } else { bound::posterior_bound_m(scenario, survey, &truth) };
     let mut summaries = Vec::new();
     for named in scenario.maps() {
-        let map = named.mapper.map(&survey.log).map_err(|error| Failure::bad_input(error.to_string()))?;
-        let summary = measure(&named.name, &map, Some(&truth), scenario.metrics());
+        let (map, fit) =
+            named.mapper.map_and_fit(&survey.log).map_err(|error| Failure::bad_input(error.to_string()))?;
+        let summary = MapSummary {
+            posterior_bound_m: bound_m,
+            fitted_profile: fit.as_ref().map(Into::into),
+            ..measure(&named.name, &map, Some(&truth), scenario.metrics())
+        };
         recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
         for (what, value) in [
             ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
@@ -125,7 +133,7 @@ fn map(scenario: &Scenario, survey: &Survey, recorder: &mut FileRecorder) -> Res
             let note = format!("{} of {} nodes were never heard and are not mapped", map.unmapped(), truth.len());
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
         }
-        record_likelihoods(scenario, named, survey, recorder)?;
+        record_likelihoods(scenario, named, fit.as_ref(), survey, recorder)?;
         summaries.push(summary);
     }
     Ok(summaries)
@@ -143,11 +151,14 @@ fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
 fn record_likelihoods(
     scenario: &Scenario,
     named: &NamedMap,
+    fit: Option<&Fit>,
     survey: &Survey,
     recorder: &mut FileRecorder,
 ) -> Result<(), Failure> {
-    let Mapper::MlTm(ml_tm) = &named.mapper else {
-        return Ok(());
+    let (ml_tm, log) = match (&named.mapper, fit) {
+        (Mapper::MlTm(ml_tm), _) => (ml_tm.clone(), Cow::Borrowed(&survey.log)),
+        (Mapper::FittedMlTm(fitted), Some(fit)) => (fitted.with_fit(fit), Cow::Owned(fit.evidence(&survey.log))),
+        _ => return Ok(()),
     };
     for name in &scenario.recording().likelihood {
         let at = survey.log.names().iter().position(|other| other == name).expect("the scenario was checked");
@@ -156,9 +167,8 @@ fn record_likelihoods(
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
             continue;
         }
-        let surface = ml_tm
-            .surface(&survey.log, NodeId::from_index(at))
-            .map_err(|error| Failure::bad_input(error.to_string()))?;
+        let surface =
+            ml_tm.surface(&log, NodeId::from_index(at)).map_err(|error| Failure::bad_input(error.to_string()))?;
         recorder.likelihood(survey.end, &named.name, name, &plane(&surface))?;
     }
     Ok(())

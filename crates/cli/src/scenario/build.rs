@@ -15,6 +15,7 @@ use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
 use super::document::Document;
 use super::error::{ScenarioError, ScenarioErrors};
+use super::known_channel::KnownChannel;
 use super::layers;
 use crate::summary::ScenarioSummary;
 use crate::table::counted;
@@ -105,6 +106,12 @@ impl Scenario {
         &self.parts.world
     }
 
+    /// What there is to know of its channel.
+    #[must_use]
+    pub fn known_channel(&self) -> KnownChannel {
+        known_channel(&self.config)
+    }
+
     /// The maps to compute.
     #[must_use]
     pub fn maps(&self) -> &[NamedMap] {
@@ -187,7 +194,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let reception = errors.take("reception", ReceptionModel::try_from(config.reception));
     let radio_states = errors.take("energy", RadioStates::try_from(config.energy));
     let robots = check_robots(config, world.as_ref(), errors);
-    let maps = check_maps(&config.maps, errors);
+    let maps = check_maps(&config.maps, Some(known_channel(config)), errors);
     errors.take("metrics", config.metrics.check());
     let (Some(world), Some(radio), Some(csma), Some(traffic), Some(reception), Some(radio_states)) =
         (world, radio, csma, traffic, reception, radio_states)
@@ -230,11 +237,24 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
     robots
 }
 
-pub(super) fn check_maps(configs: &[MapConfig], errors: &mut Errors<'_>) -> Vec<NamedMap> {
+fn known_channel(config: &ScenarioConfig) -> KnownChannel {
+    KnownChannel::new(config.radio, config.channel, config.traffic, &config.robots)
+}
+
+/// The maps to compute; what they leave open of their profile is taken from `channel`, if it is known.
+pub(super) fn check_maps(
+    configs: &[MapConfig],
+    channel: Option<KnownChannel>,
+    errors: &mut Errors<'_>,
+) -> Vec<NamedMap> {
     let mut maps: Vec<NamedMap> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
         let table = format!("maps[{i}]");
-        let mapper = Mapper::try_from(config.algorithm.clone()).map_err(|error| error.within("algorithm"));
+        let mut config = config.clone();
+        if let Some(channel) = channel {
+            channel.complete(&mut config);
+        }
+        let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
         let Some(mapper) = errors.take(&table, mapper) else {
             continue;
         };

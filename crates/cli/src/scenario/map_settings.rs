@@ -4,17 +4,22 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::Deserialize;
+use sextant_apps::ControllerConfig;
+use sextant_channel::ChannelConfig;
 use sextant_mapper::MapConfig;
+use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
 
 use super::build::{Errors, NamedMap, check_maps};
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
 use super::document::{self, Document, Source, Value};
-use super::error::{ScenarioError, ScenarioErrors};
+use super::error::ScenarioErrors;
+use super::known_channel::KnownChannel;
 use super::layers;
 
-/// What `sextant map` computes if nothing says otherwise; the profile comes from the flag.
-const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n";
+/// What `sextant map` computes if nothing says otherwise.
+const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
+                       profile.fitted = {} }\n";
 
 /// Which maps to make of a log, and how to compare them with the truth.
 #[derive(Clone, Debug)]
@@ -25,20 +30,28 @@ pub struct MapSettings {
     pub metrics: MetricsConfig,
 }
 
-/// The part of a scenario that concerns maps.
+/// The part of a scenario that concerns maps, and what they may take from the other parts.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
+    #[serde(default)]
+    radio: Option<RadioConfig>,
+    #[serde(default)]
+    channel: ChannelConfig,
+    #[serde(default)]
+    traffic: Option<TrafficConfig>,
+    #[serde(default)]
+    robots: Vec<RobotConfig<ControllerConfig>>,
     maps: Vec<MapConfig>,
     #[serde(default)]
     metrics: MetricsConfig,
 }
 
 impl MapSettings {
-    /// The maps of the scenario `text` (called `name` in messages), or one `ml-tm` map if there is no scenario or it
-    /// has no maps. `profile` (`p0=0.9,plateau_m=2,range_m=10`, the keys of `maps.N.algorithm.ml_tm.profile.trapezoid`,
-    /// after the name of another profile and a colon if wanted) replaces the profile of every map; `set` are flags
-    /// as of `run`.
+    /// The maps of the scenario `text` (called `name` in messages), or one `ml-tm` map with a fitted profile if there is
+    /// no scenario or it has no maps. `profile` replaces the profile of every map: the name of a profile, alone
+    /// (`fitted`) or with a colon and its keys (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); keys without a name are those
+    /// of a trapezoid. `set` are flags as of `run`.
     ///
     /// # Errors
     /// If anything is wrong: everything that was found.
@@ -59,7 +72,11 @@ impl MapSettings {
             map_count = 1;
         }
         if let Some(profile) = profile {
-            let (name, settings) = profile.split_once(':').unwrap_or(("trapezoid", profile));
+            let (name, settings) = profile.split_once(':').unwrap_or(if profile.contains(['=', ' ']) {
+                ("trapezoid", profile)
+            } else {
+                (profile, "")
+            });
             for map in 0..map_count {
                 let flag = format!("maps[{map}].algorithm.ml_tm.profile.{name}={{ {settings} }}");
                 sources.push(source("--profile", &flag));
@@ -71,27 +88,23 @@ impl MapSettings {
             layers::lay_flag(&mut root, &sources)?;
         }
         let document = Document { root, sources, text: String::new() };
-        let written: Written = deserialize(&document).map_err(|error| with_help(error, profile))?;
+        let written: Written = deserialize(&document)?;
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let maps = check_maps(&written.maps, &mut errors);
+        let channel = match (written.radio, written.traffic) {
+            (Some(radio), Some(traffic)) => Some(KnownChannel::new(radio, written.channel, traffic, &written.robots)),
+            _ => None,
+        };
+        let maps = check_maps(&written.maps, channel, &mut errors);
         errors.take("metrics", written.metrics.check());
         ScenarioErrors::check(errors.found)?;
         Ok(Self { maps, metrics: written.metrics })
     }
 }
 
-fn with_help(error: ScenarioError, profile: Option<&str>) -> ScenarioError {
-    if profile.is_none() && error.to_string().starts_with("`profile` is missing") {
-        return ScenarioError::new("nothing says how far the radio reaches")
-            .help("for example: --profile p0=0.95,plateau_m=2,range_m=10");
-    }
-    error
-}
-
-/// Drops all but the part of a scenario that concerns maps; the number of maps.
+/// Drops all but the parts of a scenario that concern maps; the number of maps.
 fn keep_maps(value: &mut Value) -> usize {
     let Value::Table(table) = value else { return 0 };
-    table.retain(|key, _| key == "maps" || key == "metrics");
+    table.retain(|key, _| ["radio", "channel", "traffic", "robots", "maps", "metrics"].contains(&key.as_str()));
     match table.get("maps").map(|maps| &maps.value) {
         Some(Value::Array(maps)) => maps.len(),
         _ => 0,
@@ -128,9 +141,29 @@ mod tests {
     }
 
     #[test]
+    fn a_channel_profile_takes_what_it_leaves_open_from_the_scenario() {
+        let map = |channel: &str, profile: &str| {
+            let text = format!(
+                "radio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n{channel}\n\
+                 traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
+                 algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
+            );
+            let settings = MapSettings::new(Some(("x", &text)), None, &[]).unwrap();
+            settings.maps[0].mapper.clone()
+        };
+        let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
+        let known = map(channel, "");
+        let written = "exponent = 3.6, sigma_db = 8.2, tx_power_dbm = -50, sensitivity_dbm = -90, max_range_m = 10";
+        assert_eq!(known, map("", written));
+        assert_ne!(known, map(channel, "max_range_m = 9"));
+        let suburban = "channel = { environment = \"suburban\", max_range_m = 10 }";
+        assert_ne!(known, map(suburban, ""));
+    }
+
+    #[test]
     fn a_wrong_profile_is_refused_at_the_flag() {
         let refused = |profile: Option<&str>| MapSettings::new(None, profile, &[]).unwrap_err().to_string();
-        assert_eq!(refused(None), "nothing says how far the radio reaches");
+        assert!(refused(Some("channel:sigma_db=8")).contains("`"), "{}", refused(Some("channel:sigma_db=8")));
         assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
         assert!(refused(Some("p=2")).contains("unknown key `p`"));
         assert!(refused(Some("p0 2")).contains("is no TOML value"));

@@ -7,12 +7,14 @@ mod document;
 mod effective;
 mod error;
 mod key_path;
+mod known_channel;
 mod layers;
 mod map_settings;
 
 pub use build::{NamedMap, Scenario};
 pub use config::{MacConfig, MetricsConfig, RecordingConfig, ScenarioConfig};
 pub use error::{ScenarioError, ScenarioErrors};
+pub use known_channel::KnownChannel;
 pub use map_settings::MapSettings;
 
 use deserialize::Refusal;

@@ -172,3 +172,35 @@ impl Axes {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_has_its_own_ratios_unless_they_are_wild() {
+        let place = |x, y| Position::new(f64::from(x), f64::from(y), 0.0);
+        let mut pairs: Vec<_> =
+            (-2..=2).flat_map(|y| (-2..=2).map(move |x| (place(x, y), place(x, y) * 3.0))).collect();
+        pairs[0].1 = Position::new(-7.2, -5.4, 0.0);
+        pairs[6].1 = Position::new(-0.3, -90.0, 0.0);
+        pairs[11].1 = Position::new(-3.6, 8.0, 0.0);
+        let axes = Axes::through(&pairs).unwrap();
+        let half_axes = |node: usize| axes.half_axes(pairs[node].0, pairs[node].1);
+        // (-2, -2) is 1.2 and 0.9 times as far out as the network's ratio of 3 would have it.
+        let expected = [
+            (0, [1.2, 0.9, 1.0]),
+            // (-1, -1): a tenth and thirty times as far, limited to half and twice.
+            (6, [0.5, 2.0, 1.0]),
+            // (-1, 0) is on the line along x: it has no ratio of its own along y.
+            (11, [1.2, 1.0, 1.0]),
+            (24, [1.0, 1.0, 1.0]),
+        ];
+        for (node, expected) in expected {
+            for (found, expected) in half_axes(node).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "node {node}: {:?}", half_axes(node));
+            }
+        }
+        assert!(axes.scaled(Position::new(3.0, -6.0, 0.0)).distance_m(Position::new(1.0, -2.0, 0.0)) < 1e-12);
+    }
+}

@@ -108,7 +108,7 @@ impl Rows {
                 if in_doubt || shortest < grazing * grazing {
                     self.shrink(lattice, range_m, [j, k], &mut span);
                 }
-                if !span.is_empty() {
+                if span.start < span.end {
                     visit([j, k], span);
                 }
             }
@@ -125,10 +125,10 @@ impl Rows {
                 apart.dot(apart) < range_m * range_m
             })
         };
-        while !span.is_empty() && !is_within(span.start) {
+        while span.start < span.end && !is_within(span.start) {
             span.start += 1;
         }
-        while !span.is_empty() && !is_within(span.end - 1) {
+        while span.start < span.end && !is_within(span.end - 1) {
             span.end -= 1;
         }
     }

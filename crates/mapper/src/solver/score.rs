@@ -6,6 +6,7 @@ use sextant_channel::Position;
 
 use super::curve::Curve;
 use super::evidence::{Count, Evidence};
+use super::screen::{Scene, Screen};
 use super::{Row, Sink};
 use crate::Lattice;
 use crate::cells::CellIndex;
@@ -34,6 +35,10 @@ pub(crate) struct Survivors {
     index: Vec<u64>,
     /// Stops in range that have no entry for the node.
     silent: Vec<Position>,
+    /// Bounding box of the vertices.
+    corners: [[f64; 3]; 2],
+    screen: Screen,
+    chosen: Vec<usize>,
 }
 
 /// Scores the vertices of one node.
@@ -66,43 +71,70 @@ impl Scorer<'_> {
     }
 
     /// Scores the vertices added since the last time and gives them to `sink`.
-    pub(crate) fn flush(&mut self, sink: &mut impl Sink) {
+    pub(crate) fn flush<S: Sink>(&mut self, sink: &mut S) {
         let count = self.survivors.index.len();
         if count == 0 {
             return;
         }
         self.evaluated += count as u64;
         let constant = self.find_silent();
-        let Survivors { x, y, z, index, silent } = &mut *self.survivors;
-        // The last block is filled up with copies of its last vertex, which nobody looks at.
-        let full = count.next_multiple_of(LANES);
-        for values in [&mut *x, y, z] {
-            let last = values[count - 1];
-            values.resize(full, last);
+        let mut chosen = std::mem::take(&mut self.survivors.chosen);
+        chosen.clear();
+        if S::WANTS_FEW && count > 2 * LANES && self.bound() {
+            // The most promising vertices rule out most others.
+            let first = self.survivors.screen.highest::<LANES>();
+            self.score(first, LANES, constant, sink);
+            let candidates = self.survivors.screen.candidates(sink.least() - constant);
+            chosen.extend(candidates.filter(|vertex| !first.contains(vertex)));
+        } else {
+            // The middle first: the likelihood is often highest there, and then rules out the rest early.
+            chosen.extend((count / 2..count).chain(0..count / 2));
         }
-        let (x, y, z) = (x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0, z.as_chunks::<LANES>().0);
-        for (block, indices) in index.chunks(LANES).enumerate() {
-            let mut lanes = Lanes::new(&x[block], &y[block], &z[block]);
-            lanes.multiply_all(self.curve, self.evidence, silent, self.admission);
-            for (lane, &vertex) in indices.iter().enumerate() {
-                let value = lanes.log_likelihood(lane);
-                if value > f64::NEG_INFINITY {
-                    self.any_admitted = true;
-                    let place = Position::new(x[block][lane], y[block][lane], z[block][lane]);
-                    sink.take(vertex, place, value + constant);
-                }
+        for block in chosen.chunks(LANES) {
+            // The last block is filled up with copies of a vertex, which nobody looks at.
+            let lanes = std::array::from_fn(|lane| block[lane.min(block.len() - 1)]);
+            self.score(lanes, block.len(), constant, sink);
+        }
+        self.survivors.chosen = chosen;
+        self.survivors.clear();
+    }
+
+    /// Bounds the likelihoods of the survivors; returns whether it did.
+    fn bound(&mut self) -> bool {
+        let Survivors { x, y, z, silent, corners, screen, .. } = &mut *self.survivors;
+        let scene =
+            Scene { curve: self.curve, evidence: self.evidence, silent, vertices: [x, y, z], corners: *corners };
+        screen.bound(&scene)
+    }
+
+    /// Gives `sink` the log-likelihoods of the first `count` of a few survivors.
+    fn score(&mut self, vertices: [usize; LANES], count: usize, constant: f64, sink: &mut impl Sink) {
+        let Survivors { x, y, z, index, silent, .. } = &*self.survivors;
+        let (x, y, z) = (vertices.map(|v| x[v]), vertices.map(|v| y[v]), vertices.map(|v| z[v]));
+        let mut lanes = Lanes::new(&x, &y, &z);
+        lanes.multiply_entries(self.curve, self.evidence, self.admission);
+        // What is missed can only lower a likelihood.
+        if lanes.highest() + constant < sink.least() {
+            return;
+        }
+        lanes.multiply(self.curve, silent, |square| 1.0 - self.curve.at(square));
+        for (lane, &vertex) in vertices[..count].iter().enumerate() {
+            let value = lanes.log_likelihood(lane);
+            if value > f64::NEG_INFINITY {
+                self.any_admitted = true;
+                sink.take(index[vertex], Position::new(x[lane], y[lane], z[lane]), value + constant);
             }
         }
-        self.survivors.clear();
     }
 
     /// Finds the silent stops that are in range of a survivor. Returns what the others add to every
     /// log-likelihood.
     fn find_silent(&mut self) -> f64 {
-        let Survivors { x, y, z, silent, .. } = &mut *self.survivors;
+        let Survivors { x, y, z, silent, corners, .. } = &mut *self.survivors;
         let (x0, x1) = bounds(x);
         let (y0, y1) = bounds(y);
         let (z0, z1) = bounds(z);
+        *corners = [[x0, y0, z0], [x1, y1, z1]];
         let reach = self.curve.range_m;
         silent.clear();
         for points in self.cells.near_box([x0 - reach, y0 - reach, z0 - reach], [x1 + reach, y1 + reach, z1 + reach])
@@ -157,13 +189,12 @@ impl<'v> Lanes<'v> {
         dx * dx + dy * dy + dz * dz
     }
 
-    /// Multiplies by the factors of all evidence in range: what was heard, and the `silent` stops.
-    fn multiply_all(&mut self, curve: &Curve, evidence: &Evidence, silent: &[Position], admission: Admission) {
+    /// Multiplies by the factors of what the log has of the node.
+    fn multiply_entries(&mut self, curve: &Curve, evidence: &Evidence, admission: Admission) {
         if admission == Admission::WithinAny {
             self.keep_near(evidence.receptions().iter().map(|receiver| receiver.place), curve.range_squared);
         }
         self.multiply(curve, &evidence.heard, |square| curve.at(square));
-        self.multiply(curve, silent, |square| 1.0 - curve.at(square));
         for count in &evidence.counts {
             self.multiply_count(curve, count);
         }
@@ -236,6 +267,10 @@ impl<'v> Lanes<'v> {
             let fraction = f64::from_bits(bits & FRACTION | ONE);
             *mantissa = if *mantissa > 0.0 { fraction } else { 0.0 };
         }
+    }
+
+    fn highest(&self) -> f64 {
+        (0..LANES).map(|lane| self.log_likelihood(lane)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     #[expect(clippy::cast_precision_loss, reason = "exponents are far below 2^53")]

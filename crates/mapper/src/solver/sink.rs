@@ -6,8 +6,14 @@ use crate::Lattice;
 
 /// Takes the log-likelihoods of vertices, each once, in no particular order.
 pub(crate) trait Sink {
+    /// Whether most vertices make no difference, so that it pays to bound their likelihoods first.
+    const WANTS_FEW: bool;
+
     /// The vertex `index` at `place` has the finite log-likelihood `value`.
     fn take(&mut self, index: u64, place: Position, value: f64);
+
+    /// The log-likelihood below which a vertex makes no difference any more.
+    fn least(&self) -> f64;
 }
 
 /// The vertices of highest likelihood.
@@ -39,6 +45,8 @@ impl Peak {
 }
 
 impl Sink for Peak {
+    const WANTS_FEW: bool = true;
+
     fn take(&mut self, index: u64, _: Position, value: f64) {
         if value < self.highest - Self::TOLERANCE {
             return;
@@ -49,6 +57,10 @@ impl Sink for Peak {
         }
         let place = self.vertices.partition_point(|&(other, _)| other < index);
         self.vertices.insert(place, (index, value));
+    }
+
+    fn least(&self) -> f64 {
+        self.highest - Self::TOLERANCE
     }
 }
 
@@ -94,6 +106,8 @@ impl Moments {
 }
 
 impl Sink for Moments {
+    const WANTS_FEW: bool = false;
+
     fn take(&mut self, _: u64, place: Position, value: f64) {
         let reference = *self.reference.get_or_insert(place);
         if value > self.highest {
@@ -114,17 +128,33 @@ impl Sink for Moments {
             *sum += weight * term;
         }
     }
+
+    fn least(&self) -> f64 {
+        self.highest - Self::NEGLIGIBLE
+    }
 }
 
 impl<A: Sink, B: Sink> Sink for (A, B) {
+    const WANTS_FEW: bool = A::WANTS_FEW && B::WANTS_FEW;
+
     fn take(&mut self, index: u64, place: Position, value: f64) {
         self.0.take(index, place, value);
         self.1.take(index, place, value);
     }
+
+    fn least(&self) -> f64 {
+        self.0.least().min(self.1.least())
+    }
 }
 
 impl Sink for Vec<(u64, f64)> {
+    const WANTS_FEW: bool = false;
+
     fn take(&mut self, index: u64, _: Position, value: f64) {
         self.push((index, value));
+    }
+
+    fn least(&self) -> f64 {
+        f64::NEG_INFINITY
     }
 }

@@ -45,7 +45,11 @@ impl ExplicitConfig {
             return Err(SettingError::new("names", found, format!("{wanted} names, one for each place")));
         }
         if let Some(i) = names.iter().position(|name| name.trim().is_empty()) {
-            return Err(SettingError::new(format!("names[{i}]"), "empty", "a name with at least one letter or digit"));
+            return Err(SettingError::new(
+                format!("names[{i}]"),
+                "empty",
+                "a name with at least one letter or digit",
+            ));
         }
         if let Some((before, i)) = twin(names.iter().map(String::as_str)) {
             let found = format!("`{}`, as names[{before}]", names[i]);

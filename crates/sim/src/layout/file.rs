@@ -44,13 +44,19 @@ impl CsvConfig {
         let refuse = |line: u64, what: String, allowed: &str| {
             SettingError::new("file", format!("`{}`, line {line}: {what}", self.file.display()), allowed)
         };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| refuse(1, error.to_string(), COLUMNS))?.clone();
         if let Some(column) = header.iter().find(|column| !matches!(*column, "node" | "x_m" | "y_m" | "z_m")) {
             return Err(refuse(1, format!("column `{column}`"), "the columns `node`, `x_m`, `y_m`, `z_m`"));
         }
-        if let Some(column) = ["node", "x_m", "y_m"].into_iter().find(|&column| !header.iter().any(|it| it == column)) {
-            return Err(refuse(1, format!("no column `{column}`"), "the columns `node`, `x_m`, `y_m`, and optional `z_m`"));
+        if let Some(column) = ["node", "x_m", "y_m"].into_iter().find(|&column| !header.iter().any(|it| it == column))
+        {
+            return Err(refuse(
+                1,
+                format!("no column `{column}`"),
+                "the columns `node`, `x_m`, `y_m`, and optional `z_m`",
+            ));
         }
         let (mut nodes, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
@@ -59,7 +65,9 @@ impl CsvConfig {
                 refuse(line, row_fault(&error), COLUMNS)
             })?;
             let line = line_of(text, record.position());
-            let row: Row = record.deserialize(Some(&header)).map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
+            let row: Row = record
+                .deserialize(Some(&header))
+                .map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
             if row.node.is_empty() {
                 return Err(refuse(line, "an empty name".into(), "a name in the column `node`"));
             }
@@ -93,7 +101,9 @@ fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
 /// What is wrong with a row that is not one.
 fn row_fault(error: &csv::Error) -> String {
     match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => format!("{len} cells below {expected_len} columns"),
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            format!("{len} cells below {expected_len} columns")
+        }
         _ => error.to_string(),
     }
 }

@@ -57,7 +57,11 @@ impl LatticeConfig {
         let sites = site_count(&region, self.spacing_m);
         if sites > MAX_SITES {
             let found = format!("{}, which makes {sites:.0} sites", self.spacing_m);
-            return Err(SettingError::new("spacing_m", found, format!("a spacing that makes at most {MAX_SITES:.0} sites")));
+            return Err(SettingError::new(
+                "spacing_m",
+                found,
+                format!("a spacing that makes at most {MAX_SITES:.0} sites"),
+            ));
         }
         let mut sites = self.sites(self.spacing_m, &region, obstacles, seed);
         let fit = sites.len();
@@ -69,7 +73,11 @@ impl LatticeConfig {
             }
             None if fit == 0 => {
                 let found = format!("{}, with which no site fits", self.spacing_m);
-                return Err(SettingError::new("spacing_m", found, "a spacing with a site in the region, clear of obstacles"));
+                return Err(SettingError::new(
+                    "spacing_m",
+                    found,
+                    "a spacing with a site in the region, clear of obstacles",
+                ));
             }
             None => {}
         }
@@ -102,7 +110,8 @@ impl LatticeConfig {
                     let z_m = if region.is_planar() { min.z_m } else { site(origin.z_m, k) + shift(2) };
                     let position = Position::new(site(origin.x_m, i) + shift(0), site(origin.y_m, j) + shift(1), z_m);
                     let clear = obstacles.is_empty()
-                        || (obstacles.containing(position).is_none() && obstacles.distance_m(position) >= self.clearance_m);
+                        || (obstacles.containing(position).is_none()
+                            && obstacles.distance_m(position) >= self.clearance_m);
                     if region.contains(position) && clear {
                         let lot = seed.bits(Purpose::Layout, [address[0], address[1], address[2] | 3]);
                         sites.push(Site { lot, position });
@@ -114,7 +123,14 @@ impl LatticeConfig {
     }
 
     /// The error that `count` nodes are more than `fit`, with a spacing at which they would.
-    fn too_many(&self, count: usize, fit: usize, region: &Region, obstacles: &ObstacleField, seed: Seed) -> SettingError {
+    fn too_many(
+        &self,
+        count: usize,
+        fit: usize,
+        region: &Region,
+        obstacles: &ObstacleField,
+        seed: Seed,
+    ) -> SettingError {
         let per_side = if region.is_planar() { 1.0 / 2.0 } else { 1.0 / 3.0 };
         let mut allowed = format!("at most {fit} with spacing_m = {}", self.spacing_m);
         // Three digits are enough for a suggestion; the share of sites that fit hardly depends on the spacing.

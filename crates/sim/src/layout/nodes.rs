@@ -48,8 +48,12 @@ impl NodesConfig {
     ) -> Result<Vec<PlacedNode>, SettingError> {
         match self {
             Self::Explicit(config) => config.place(obstacles).map_err(|error| error.within("explicit")),
-            Self::Lattice(config) => config.place(obstacles, seed).map(numbered).map_err(|error| error.within("lattice")),
-            Self::Random(config) => config.place(obstacles, seed).map(numbered).map_err(|error| error.within("random")),
+            Self::Lattice(config) => {
+                config.place(obstacles, seed).map(numbered).map_err(|error| error.within("lattice"))
+            }
+            Self::Random(config) => {
+                config.place(obstacles, seed).map(numbered).map_err(|error| error.within("random"))
+            }
             Self::Csv(config) => config.place(obstacles, base_dir).map_err(|error| error.within("csv")),
         }
     }

@@ -43,7 +43,8 @@ impl RandomConfig {
         }
         let Bounds { min, max } = region.bounds();
         let size = max - min;
-        let mut placed = Placed { min_distance_m: self.min_distance_m, positions: Vec::new(), cells: BTreeMap::new() };
+        let mut placed =
+            Placed { min_distance_m: self.min_distance_m, positions: Vec::new(), cells: BTreeMap::new() };
         for node in 0..self.count as u64 {
             let places = (0..DRAWS).map(|draw| {
                 let [u, v, w] = [0, 1, 2].map(|axis| seed.uniform(Purpose::Layout, [node, draw, axis]));
@@ -76,7 +77,10 @@ struct Placed {
 }
 
 impl Placed {
-    #[expect(clippy::cast_possible_truncation, reason = "a cast from f64 saturates; far cells may then share an index")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a cast from f64 saturates; far cells may then share an index"
+    )]
     fn cell(&self, p: Position) -> [i64; 3] {
         <[f64; 3]>::from(p).map(|coordinate_m| (coordinate_m / self.min_distance_m).floor() as i64)
     }

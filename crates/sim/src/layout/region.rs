@@ -68,8 +68,14 @@ enum Shape {
     /// All of the bounds.
     Bounds,
     /// Within `radius_m` of the upright axis through `center`.
-    Round { center: Position, radius_m: f64 },
-    Ball { center: Position, radius_m: f64 },
+    Round {
+        center: Position,
+        radius_m: f64,
+    },
+    Ball {
+        center: Position,
+        radius_m: f64,
+    },
     Polygon(Vec<[f64; 2]>),
 }
 
@@ -84,9 +90,7 @@ impl TryFrom<&RegionConfig> for Region {
             RegionConfig::Rectangle { min_m, max_m } => {
                 rectangle(min_m, max_m).map_err(|error| error.within("rectangle"))
             }
-            RegionConfig::Box { min_m, max_m } => {
-                upright_box(min_m, max_m).map_err(|error| error.within("box"))
-            }
+            RegionConfig::Box { min_m, max_m } => upright_box(min_m, max_m).map_err(|error| error.within("box")),
             RegionConfig::Polygon { ref corners_m, z_m } => {
                 polygon(corners_m, z_m).map_err(|error| error.within("polygon"))
             }
@@ -191,7 +195,11 @@ fn polygon(corners: &[[f64; 2]], z_m: f64) -> Result<Region, SettingError> {
     }
     for (i, [x, y]) in corners.iter().enumerate() {
         if !(x.is_finite() && y.is_finite()) {
-            return Err(SettingError::new(format!("corners_m[{i}]"), format!("[{x}, {y}]"), "finite coordinates in metres"));
+            return Err(SettingError::new(
+                format!("corners_m[{i}]"),
+                format!("[{x}, {y}]"),
+                "finite coordinates in metres",
+            ));
         }
     }
     if let Some((a, b)) = crossing_sides(corners) {
@@ -284,7 +292,10 @@ mod tests {
         let origin = Position::ORIGIN;
         assert_eq!(key(RegionConfig::Disc { center_m: origin, radius_m: 0.0 }), "disc.radius_m");
         assert_eq!(key(RegionConfig::Ball { center_m: origin, radius_m: f64::NAN }), "ball.radius_m");
-        assert_eq!(key(RegionConfig::Rectangle { min_m: origin, max_m: Position::new(1.0, 0.0, 0.0) }), "rectangle.max_m");
+        assert_eq!(
+            key(RegionConfig::Rectangle { min_m: origin, max_m: Position::new(1.0, 0.0, 0.0) }),
+            "rectangle.max_m"
+        );
         assert_eq!(key(RegionConfig::Box { min_m: origin, max_m: Position::new(1.0, 1.0, 0.0) }), "box.max_m");
         let bow_tie = vec![[0., 0.], [1., 1.], [1., 0.], [0., 1.]];
         assert_eq!(key(RegionConfig::Polygon { corners_m: bow_tie, z_m: 0.0 }), "polygon.corners_m");

@@ -37,10 +37,9 @@ fn random(count: usize) -> RandomConfig {
 fn exactly_as_many_nodes_as_wanted_are_inside_the_region_and_clear_of_obstacles() {
     let region = Region::try_from(&disc(8.0)).unwrap();
     for seed in 0..20 {
-        for (nodes, clearance_m) in [
-            (NodesConfig::Lattice(lattice(Some(150))), 0.1),
-            (NodesConfig::Random(random(150)), 0.3),
-        ] {
+        for (nodes, clearance_m) in
+            [(NodesConfig::Lattice(lattice(Some(150))), 0.1), (NodesConfig::Random(random(150)), 0.3)]
+        {
             let positions = positions(&nodes, seed);
             assert_eq!(positions.len(), 150);
             for p in positions {
@@ -120,7 +119,8 @@ fn too_many_nodes_are_refused_with_how_many_fit_and_a_spacing_that_would_do() {
     let spacing = error.allowed.rsplit(' ').next().unwrap();
     let config = LatticeConfig { spacing_m: spacing.parse().unwrap(), ..lattice(Some(400)) };
     assert_eq!(place(&NodesConfig::Lattice(config), &shed(), 1).unwrap().len(), 400, "{error}");
-    let error = place(&NodesConfig::Random(RandomConfig { min_distance_m: 3.0, ..random(400) }), &shed(), 1).unwrap_err();
+    let error =
+        place(&NodesConfig::Random(RandomConfig { min_distance_m: 3.0, ..random(400) }), &shed(), 1).unwrap_err();
     assert_eq!(error.key, "random.count");
 }
 

@@ -1,0 +1,196 @@
+//! Prints a table of the grid solver's times against the literal product and a NumPy script, on one thread and on two.
+//!
+//! Usage: `grid_solver_table [W1|W2|linear|W4|W5]..`, by default W1, W2 and linear. `PYTHON` names an interpreter with
+//! NumPy (`python3` if unset); without one the columns of the peer stay empty. Nodes are sought with the range widened
+//! by half a cell diagonal, so that every node has an answer. Times are the least of several runs; those of the
+//! literal product and of the peer are scaled from a sample of the nodes.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+use sextant_benches::workload::{self, Workload};
+use sextant_channel::ReceptionLog;
+use sextant_kernel::NodeId;
+use sextant_mapper::{Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TieRule, TrapezoidConfig};
+
+/// Nodes of which the literal product is computed.
+const LITERAL_NODES: usize = 5;
+/// Nodes given to the peer's product, and to its matrix product.
+const PEER_NODES: [usize; 2] = [5, 500];
+
+fn main() -> std::io::Result<()> {
+    let mut names: Vec<String> = std::env::args().skip(1).collect();
+    if names.is_empty() {
+        names = ["W1", "W2", "linear"].map(String::from).to_vec();
+    }
+    let mut out = std::io::stdout().lock();
+    writeln!(
+        out,
+        "| | nodes | stops | receptions a node | one thread [ms] | two threads [ms] | nodes/s | vertices/s | literal product [s], ratio | NumPy product [s], ratio | NumPy GEMM [s], ratio | same vertex |"
+    )?;
+    writeln!(out, "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")?;
+    for name in &names {
+        match name.as_str() {
+            "W1" => row(&mut out, name, &workload::plane(), 30, true)?,
+            "W2" => row(&mut out, name, &workload::ball(), 10, true)?,
+            "W4" => row(&mut out, name, &workload::field(100_000), 3, false)?,
+            "W5" => row(&mut out, name, &workload::field(1_000_000), 1, false)?,
+            "linear" => {
+                for nodes in [1_000, 10_000, 100_000] {
+                    row(&mut out, &format!("{nodes} nodes"), &workload::field(nodes), 3, false)?;
+                }
+            }
+            _ => return Err(std::io::Error::other(format!("`{name}`; allowed: W1, W2, linear, W4, W5"))),
+        }
+    }
+    Ok(())
+}
+
+fn row(
+    out: &mut impl std::io::Write,
+    name: &str,
+    workload: &Workload,
+    runs: usize,
+    peers: bool,
+) -> std::io::Result<()> {
+    let log = &workload.log;
+    let flat = log.stops().iter().all(|stop| stop.position.z_m.abs() < 1e-9);
+    let half_diagonal_m = 0.5 * workload.grid_step_m * if flat { 2.0_f64 } else { 3.0 }.sqrt();
+    let range_m = workload.range_m + half_diagonal_m;
+    let profile = TrapezoidConfig::new(0.95, 0.2 * range_m, range_m);
+    let config = MlTmConfig::new(workload.grid_step_m, ProfileConfig::Trapezoid(profile.clone()));
+    let ml_tm = MlTm::try_from(MlTmConfig { ties: TieRule::First, ..config }).expect("good settings");
+    let lattice = ml_tm.lattice(log).expect("a lattice");
+    let (one, map) = least(1, runs, || ml_tm.map(log).expect("a map"));
+    let (two, _) = least(2, runs, || ml_tm.map(log).expect("a map"));
+    assert_eq!((map.infeasible(), map.unmapped()), (0, 0), "every node is answered");
+    let place = |node: usize| map.estimates[node].as_ref().map(|estimate| estimate.position);
+    let nodes = log.node_count();
+    let scale = |sample: usize| count(nodes) / count(sample);
+    write!(
+        out,
+        "| {name} | {nodes} | {} | {:.0} | {:.2} | {:.2} | {:.0} | {:.3e} |",
+        log.stops().len(),
+        count(log.receptions().len()) / count(nodes),
+        one * 1e3,
+        two * 1e3,
+        count(nodes) / one,
+        map_vertices(map.vertices_evaluated) / one,
+    )?;
+    let ratio = |seconds: f64| format!(" {seconds:.3}, {:.0} |", seconds / one);
+    if !peers {
+        return writeln!(out, " | | | |");
+    }
+    let sample: Vec<usize> = (0..LITERAL_NODES).map(|i| i * nodes / LITERAL_NODES).collect();
+    let (seconds, best) = least(1, 1, || {
+        sample.iter().map(|&node| literal(&lattice, log, ml_tm.profile(), node)).collect::<Vec<u64>>()
+    });
+    let same = |(&node, &index): (&usize, &u64)| place(node) == Some(lattice.position(lattice.vertex(index)));
+    let agreed = sample.iter().zip(&best).filter(|&pair| same(pair)).count();
+    write!(out, "{}", ratio(seconds * scale(LITERAL_NODES)))?;
+    let folder = std::env::temp_dir().join(format!("sextant-grid-ml-{}", std::process::id()));
+    let mut agreement = format!("literal {agreed} of {LITERAL_NODES}");
+    for (version, sample) in [("product", PEER_NODES[0]), ("gemm", PEER_NODES[1])] {
+        let sample = sample.min(nodes);
+        write_case(&folder, log, &lattice, &profile, sample)?;
+        match peer(&folder, version) {
+            Some((seconds, best)) => {
+                let all: Vec<usize> = (0..sample).collect();
+                let agreed = all.iter().zip(&best).filter(|&pair| same(pair)).count();
+                agreement += &format!(", {version} {agreed} of {sample}");
+                write!(out, "{}", ratio(seconds * scale(sample)))?;
+            }
+            None => write!(out, " |")?,
+        }
+    }
+    std::fs::remove_dir_all(&folder)?;
+    writeln!(out, " {agreement} |")
+}
+
+/// Least seconds of several runs on so many threads, and what came out.
+#[expect(clippy::disallowed_methods, reason = "a stopwatch")]
+fn least<T: Send>(threads: usize, runs: usize, run: impl Fn() -> T + Sync) -> (f64, T) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    pool.install(|| {
+        let time = || {
+            let start = Instant::now();
+            let result = run();
+            (start.elapsed().as_secs_f64(), result)
+        };
+        (1..runs).map(|_| time()).fold(time(), |best, next| if next.0 < best.0 { next } else { best })
+    })
+}
+
+/// The vertex with the highest product over all stops.
+fn literal(lattice: &Lattice, log: &ReceptionLog, profile: &ReceptionProfile, node: usize) -> u64 {
+    let mut heard = vec![false; log.stops().len()];
+    for reception in log.of(NodeId::from_index(node)) {
+        heard[reception.stop as usize] = true;
+    }
+    let mut best = (0, f64::NEG_INFINITY);
+    for index in 0..lattice.len() {
+        let vertex = lattice.position(lattice.vertex(index));
+        let mut product = 1.0;
+        for (stop, &heard) in log.stops().iter().zip(&heard) {
+            let s = profile.probability(vertex.distance_m(stop.position));
+            product *= if heard { s } else { 1.0 - s };
+        }
+        if product > best.1 {
+            best = (index, product);
+        }
+    }
+    best.0
+}
+
+/// Writes what the peer reads.
+fn write_case(
+    folder: &Path,
+    log: &ReceptionLog,
+    lattice: &Lattice,
+    profile: &TrapezoidConfig,
+    nodes: usize,
+) -> std::io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let octets = |values: &mut dyn Iterator<Item = f64>| values.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
+    let stops = octets(&mut log.stops().iter().flat_map(|stop| <[f64; 3]>::from(stop.position)));
+    std::fs::write(folder.join("stops.f64"), stops)?;
+    let vertices = (0..lattice.len()).flat_map(|index| <[f64; 3]>::from(lattice.position(lattice.vertex(index))));
+    std::fs::write(folder.join("vertices.f64"), octets(&mut { vertices }))?;
+    let mut heard = vec![0_u8; nodes * log.stops().len()];
+    for (node, row) in heard.chunks_mut(log.stops().len()).enumerate() {
+        for reception in log.of(NodeId::from_index(node)) {
+            row[reception.stop as usize] = 1;
+        }
+    }
+    std::fs::write(folder.join("heard.u8"), heard)?;
+    let TrapezoidConfig { p0, plateau_m, range_m, floor, ceiling } = *profile;
+    std::fs::write(folder.join("profile.f64"), octets(&mut [p0, plateau_m, range_m, floor, ceiling].into_iter()))
+}
+
+/// Seconds and best vertices of the peer; `None` if it does not run here.
+fn peer(folder: &Path, version: &str) -> Option<(f64, Vec<u64>)> {
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/grid_ml.py");
+    let mut command = Command::new(python);
+    command.arg(script).arg(folder).arg(version);
+    for variable in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"] {
+        command.env(variable, "1");
+    }
+    let output = command.output().ok().filter(|output| output.status.success())?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    let (seconds, best) = text.trim().split_once('\n')?;
+    let best = best.split(' ').map(str::parse).collect::<Result<_, _>>().ok()?;
+    Some((seconds.parse().ok()?, best))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a count of things in memory")]
+fn count(number: usize) -> f64 {
+    number as f64
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
+fn map_vertices(number: u64) -> f64 {
+    number as f64
+}

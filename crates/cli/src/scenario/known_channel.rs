@@ -1,0 +1,59 @@
+//! What a scenario knows of its channel: the reception profile that it implies.
+
+use sextant_apps::ControllerConfig;
+use sextant_channel::{Channel, ChannelConfig, CorrelationConfig, ObstacleField, PathLossConfig};
+use sextant_kernel::Seed;
+use sextant_mapper::{ChannelProfileConfig, MapConfig, ProfileConfig};
+use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
+
+/// The channel of a scenario, as a mapper that was told of it would know it.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownChannel {
+    /// The radios.
+    pub radio: RadioConfig,
+    /// What happens to power on its way.
+    pub channel: ChannelConfig,
+    /// Packets that a node sends, on average, while the first robot listens at a stop.
+    pub packets_per_stop: f64,
+}
+
+impl KnownChannel {
+    pub(super) fn new(
+        radio: RadioConfig,
+        channel: ChannelConfig,
+        traffic: TrafficConfig,
+        robots: &[RobotConfig<ControllerConfig>],
+    ) -> Self {
+        let packets_per_stop = match (traffic, robots.first()) {
+            (TrafficConfig::Beacon(beacon), Some(robot)) => robot.listen_s / beacon.interval_s,
+            (TrafficConfig::Beacon(_) | TrafficConfig::Query(_), _) => 1.0,
+        };
+        Self { radio, channel, packets_per_stop }
+    }
+
+    /// Fills in what the channel profile of a map, if it has one, leaves open.
+    pub(super) fn complete(&self, map: &mut MapConfig) {
+        let (Some(ProfileConfig::Channel(profile)), Ok(channel)) =
+            (map.algorithm.profile_mut(), Channel::new(self.channel, ObstacleField::default(), Seed(0)))
+        else {
+            return;
+        };
+        let law = self.channel.path_loss.map(|PathLossConfig::LogDistance(law)| law);
+        let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
+        exponent.get_or_insert(channel.path_loss().exponent());
+        sigma_db.get_or_insert(channel.sigma_db());
+        tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
+        sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
+        profile.max_range_m = profile.max_range_m.or(self.channel.max_range_m);
+        profile.reference_distance_m = profile.reference_distance_m.or(law.map(|law| law.reference_distance_m));
+        profile.min_distance_m = profile.min_distance_m.or(law.map(|law| law.min_distance_m));
+        profile.packets_per_stop.get_or_insert(self.packets_per_stop);
+    }
+
+    /// Whether the receptions at two stops are independent once the place of the node is known.
+    #[must_use]
+    pub fn is_independent(&self) -> bool {
+        let correlation = self.channel.shadowing.map(|shadowing| shadowing.correlation);
+        !matches!(correlation, Some(CorrelationConfig::Spatial(_)))
+    }
+}

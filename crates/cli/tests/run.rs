@@ -1,0 +1,219 @@
+//! `sextant run` from end to end: what it writes, and what is left when it is disturbed.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::Value;
+use sextant::recording;
+use tempfile::TempDir;
+
+/// Simulated seconds of listening at each stop that keep the smoke scenario busy for a minute or more.
+const ENDLESS: &str = "robots.0.listen_s=100000";
+
+fn scenario(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(name)
+}
+
+fn sextant() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
+    command.env("NO_COLOR", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn run(arguments: &[&str], out: &Path) -> std::process::Output {
+    sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(out).args(arguments).output().expect("it starts")
+}
+
+fn summary(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).expect("a summary")).expect("JSON")
+}
+
+#[test]
+fn the_same_scenario_and_seed_give_the_same_bytes_at_any_number_of_threads() {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let mut summaries = Vec::new();
+    for (threads, name) in [("1", "one.mcap"), ("2", "two.mcap")] {
+        let json = file(&format!("{name}.json"));
+        let output = run(&["--threads", threads, "--summary", json.to_str().unwrap()], &file(name));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let mut summary = summary(&json);
+        assert!(summary.as_object_mut().unwrap().remove("timing").is_some());
+        summaries.push(summary);
+    }
+    assert_eq!(summaries[0], summaries[1]);
+    let bytes = |name| std::fs::read(file(name)).unwrap();
+    assert!(bytes("one.mcap") == bytes("two.mcap"), "the recordings differ");
+    let other = run(&["--seed", "2"], &file("other.mcap"));
+    assert!(other.status.success());
+    assert!(bytes("one.mcap") != bytes("other.mcap"), "another seed gave the same recording");
+}
+
+#[test]
+fn the_summary_has_the_keys_that_scripts_rely_on_and_its_packets_add_up() {
+    let folder = TempDir::new().unwrap();
+    let output = run(&["--format", "json"], &folder.path().join("smoke.mcap"));
+    let json: Value = serde_json::from_slice(&output.stdout).expect("one JSON object on standard output");
+    for (table, keys) in [
+        ("scenario", &["name", "file", "sha256", "seed", "version"][..]),
+        ("simulation", &["sim_time_s", "events", "nodes", "obstacles"]),
+        (
+            "gathering",
+            &[
+                "stops",
+                "path_length_m",
+                "duration_s",
+                "packets_offered",
+                "packets_sent",
+                "packets_received",
+                "lost_collision",
+                "lost_channel_access",
+                "lost_signal",
+                "energy_j",
+            ],
+        ),
+        ("timing", &["wall_s", "gather_s", "map_s", "events_per_s", "peak_rss_bytes"]),
+    ] {
+        for key in keys {
+            assert!(!json[table][key].is_null(), "{table}.{key} is missing: {json:#}");
+        }
+    }
+    let map = &json["maps"][0];
+    for key in ["algorithm", "mapped", "unmapped", "connectivity_error", "false_neighbour_rate", "grid_step_m"] {
+        assert!(!map[key].is_null(), "maps[0].{key} is missing: {map:#}");
+    }
+    for key in ["mean", "median", "p90", "p95", "max"] {
+        assert!(map["position_error_m"][key].is_f64() && map["aligned_error_m"][key].is_f64(), "{key}: {map:#}");
+    }
+    let count = |key: &str| json["gathering"][key].as_u64().unwrap_or_default();
+    let ends = [
+        "packets_received",
+        "lost_collision",
+        "lost_channel_access",
+        "lost_signal",
+        "lost_queue",
+        "out_of_range",
+        "not_listened",
+        "pending",
+    ];
+    assert_eq!(ends.iter().map(|key| count(key)).sum::<u64>(), count("packets_offered"));
+}
+
+#[test]
+fn a_map_of_the_recording_is_the_map_of_the_run() {
+    let folder = TempDir::new().unwrap();
+    let (mcap, of_run, of_map) =
+        (folder.path().join("smoke.mcap"), folder.path().join("run.json"), folder.path().join("map.json"));
+    assert!(run(&["--summary", of_run.to_str().unwrap()], &mcap).status.success());
+    let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let (mut of_run, of_map) = (summary(&of_run), summary(&of_map));
+    // Only a run knows the true channel.
+    let bound_m = of_run["maps"][0].as_object_mut().unwrap().remove("posterior_bound_m").unwrap();
+    assert!((0.01..1.0).contains(&bound_m.as_f64().unwrap()), "{bound_m}");
+    assert_eq!(of_run["maps"], of_map["maps"]);
+}
+
+/// Starts a run that does not end by itself, and waits until it has recorded something.
+fn start_endless(out: &Path) -> Child {
+    let child = sextant()
+        .arg("run")
+        .arg(scenario("smoke.toml"))
+        .args(["--set", ENDLESS, "--set", "recording.frames=true", "--out"])
+        .arg(out)
+        .spawn()
+        .expect("it starts");
+    let part = out.with_extension("mcap.part");
+    for _ in 0..1200 {
+        if std::fs::metadata(&part).is_ok_and(|file| file.len() > 500_000) {
+            return child;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    panic!("no recording has grown at {}", part.display());
+}
+
+#[cfg(unix)]
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill starts");
+    assert!(status.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_a_whole_recording_of_what_was_heard() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("cut.mcap");
+    // One stop takes seconds here, and the run ends after the stop at which it is asked to.
+    let child = sextant()
+        .arg("run")
+        .arg(scenario("smoke.toml"))
+        .args(["--set", "robots.0.listen_s=2000", "--out"])
+        .arg(&out)
+        .spawn()
+        .expect("it starts");
+    std::thread::sleep(Duration::from_millis(700));
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    let run = recording::read_log(&out).expect("a whole recording");
+    assert!(!run.log.stops().is_empty() && run.log.stops().len() < 100, "{} stops", run.log.stops().len());
+    assert!(!out.with_extension("mcap.part").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn what_a_killed_run_had_recorded_can_be_recovered_and_mapped() {
+    let folder = TempDir::new().unwrap();
+    let (out, good) = (folder.path().join("killed.mcap"), folder.path().join("good.mcap"));
+    let mut child = start_endless(&out);
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    assert!(!out.exists(), "a killed run must not look finished");
+    let part = out.with_extension("mcap.part");
+    let output = sextant().arg("recover").arg(&part).arg("--out").arg(&good).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let inspection = recording::inspect(&good).expect("a good recording");
+    assert!(inspection.damage.is_none());
+    assert!(inspection.to_string().contains("/mac/frames"), "{inspection}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_an_error_and_what_was_written_stays() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("full.mcap");
+    // A limit on the size of files stands in for the disk: the write that crosses it fails.
+    let script = "trap '' XFSZ; ulimit -f 128; exec \"$0\" run \"$1\" --out \"$2\"";
+    let output = Command::new("bash")
+        .args(["-c", script, env!("CARGO_BIN_EXE_sextant")])
+        .arg(scenario("smoke.toml"))
+        .arg(&out)
+        .output()
+        .expect("bash starts");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(error.contains("cannot write") && error.contains("sextant recover"), "{error}");
+    assert!(!out.exists() && out.with_extension("mcap.part").exists());
+}
+
+#[test]
+fn an_output_folder_that_is_none_is_told_before_anything_is_simulated() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let output = run(&["--set", ENDLESS], &folder.path().join("file/smoke.mcap"));
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert!(error.contains("cannot create"), "{error}");
+}
+
+#[test]
+fn a_grid_beyond_the_memory_is_refused_with_its_size_and_a_step_that_fits() {
+    let folder = TempDir::new().unwrap();
+    let step = ["--set", "maps.0.algorithm.ml_tm.grid_step_m=1e-6"];
+    let output = run(&step, &folder.path().join("smoke.mcap"));
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("vertices") && error.contains("grid_step_m of"), "{error}");
+}

@@ -1,0 +1,165 @@
+//! Where the nodes are, given the curve.
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::NodeId;
+
+use super::curve::{Counts, FittedCurve};
+use super::receivers;
+use crate::lattice::whole;
+use crate::local_posterior::{Heights, LocalPosterior, local_posterior};
+
+/// Smallest step of a grid, in bins of the curve.
+const LEAST_STEP: f64 = 0.5;
+/// Weight below which a place is not counted.
+const SLIGHT: f64 = 5e-4;
+/// How many standard deviations beyond the range a reception is an outlier.
+const SURE: f64 = 3.0;
+
+/// Where a node is thought to be.
+#[derive(Clone, Debug)]
+pub(super) struct Belief {
+    pub(super) mean: Position,
+    pub(super) spread_m: [f64; 3],
+}
+
+impl Belief {
+    /// The median of the stops that heard the node, along each axis: far receptions do not move it much.
+    pub(super) fn first(log: &ReceptionLog, node: NodeId, heights: Heights) -> Self {
+        let (mut mean, mut spread_m) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            let coordinate = |(place, packets): (Position, u32)| (<[f64; 3]>::from(place)[axis], packets);
+            let mut sorted: Vec<(f64, u32)> = receivers(log, node).map(coordinate).collect();
+            sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            mean[axis] = sorted[sorted.len() / 2].0;
+            let middle_half = sorted[sorted.len() * 3 / 4].0 - sorted[sorted.len() / 4].0;
+            spread_m[axis] = 0.25 * middle_half;
+        }
+        // A survey may be a straight line: nodes lie beside it.
+        let widest = spread_m.iter().fold(0.0_f64, |widest, &spread| widest.max(spread));
+        let spread_m = spread_m.map(|spread| spread.max(0.5 * widest));
+        match heights {
+            Heights::Level(z_m) => mean[2] = z_m,
+            Heights::Between(low, high) => mean[2] = mean[2].clamp(low, high),
+        }
+        Self { mean: mean.into(), spread_m }
+    }
+}
+
+/// One round: the curve that it starts with, and the stops that count.
+pub(super) struct Round<'a> {
+    pub(super) log: &'a ReceptionLog,
+    pub(super) heights: Heights,
+    pub(super) curve: &'a FittedCurve,
+    pub(super) is_dead: &'a [bool],
+}
+
+/// What one node adds to a round.
+pub(super) struct Expected {
+    pub(super) belief: Belief,
+    pub(super) counts: Counts,
+    /// Stops that did not hear the node, with the logarithm of the probability of that.
+    pub(super) silent: Vec<(u32, f64)>,
+}
+
+/// A stop near a node.
+struct Listener {
+    stop: u32,
+    place: Position,
+    received: f64,
+    missed: f64,
+}
+
+impl Round<'_> {
+    /// The posterior of a node and what it says of the curve.
+    pub(super) fn expect(&self, node: NodeId, belief: &Belief) -> Expected {
+        let (listeners, far) = self.listeners(node, belief);
+        let posterior = self.posterior(belief, &listeners);
+        let mut counts = Counts::new(self.curve.bins());
+        let last = counts.bins.len() - 1;
+        counts.bins[last] = far;
+        let (belief, places) = match posterior {
+            Some(found) => (Belief { mean: found.mean, spread_m: found.spread_m }, found.places),
+            None => (belief.clone(), vec![(belief.mean, 1.0)]),
+        };
+        let mut silent: Vec<(u32, f64)> = Vec::new();
+        let kept: f64 = places.iter().map(|&(_, weight)| weight).filter(|&weight| weight > SLIGHT).sum();
+        for Listener { stop, place, received, missed } in &listeners {
+            let mut ln_missed = 0.0;
+            for &(vertex, weight) in places.iter().filter(|&&(_, weight)| weight > SLIGHT) {
+                let weight = weight / kept;
+                let bin = self.curve.bin(vertex.distance_m(*place));
+                if !self.is_dead[*stop as usize] {
+                    counts.bins[bin][0] += weight * (received + missed);
+                    counts.bins[bin][1] += weight * received;
+                }
+                ln_missed += weight * missed * libm::log1p(-self.curve.value(bin));
+            }
+            if *received <= 0.0 {
+                silent.push((*stop, ln_missed));
+            }
+        }
+        Expected { belief, counts, silent }
+    }
+
+    /// Receptions of a node from far beyond the range.
+    pub(super) fn outliers(&self, node: NodeId) -> Vec<(NodeId, u32)> {
+        let belief = Belief::first(self.log, node, self.heights);
+        let (listeners, _) = self.listeners(node, &belief);
+        let Some(LocalPosterior { mean, spread_m, .. }) = self.posterior(&belief, &listeners) else {
+            return Vec::new();
+        };
+        let sure_m = self.curve.range_m() + SURE * spread_m.iter().fold(self.curve.bin_m(), |most, &s| most.max(s));
+        let entries = self.log.of(node).iter().filter(|entry| entry.received > 0);
+        let far = entries.filter(|entry| self.log.stops()[entry.stop as usize].position.distance_m(mean) > sure_m);
+        far.map(|entry| (node, entry.stop)).collect()
+    }
+
+    /// The stops that may tell one place of the node from another, dead ones included, and the packets sent and
+    /// received over all larger distances.
+    fn listeners(&self, node: NodeId, belief: &Belief) -> (Vec<Listener>, [f64; 2]) {
+        let spread_m = belief.spread_m.iter().map(|spread| spread * spread).sum::<f64>().sqrt();
+        let near_m = self.curve.reach_m().min(1.2 * self.curve.range_m()) + 4.0 * spread_m + 4.0 * self.curve.bin_m();
+        let mut listeners = Vec::new();
+        let mut far = [0.0; 2];
+        let mut entries = self.log.of(node).iter().peekable();
+        for (index, stop) in (0_u32..).zip(self.log.stops()) {
+            let entry = entries.next_if(|entry| entry.stop == index);
+            let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
+            let (received, missed) = (f64::from(received), f64::from(sent - received));
+            if stop.position.distance_m(belief.mean) <= near_m {
+                listeners.push(Listener { stop: index, place: stop.position, received, missed });
+            } else if !self.is_dead[index as usize] {
+                far[0] += received + missed;
+                far[1] += received;
+            }
+        }
+        (listeners, far)
+    }
+
+    fn posterior(&self, belief: &Belief, listeners: &[Listener]) -> Option<LocalPosterior> {
+        let values: Vec<[f64; 2]> = (0..self.curve.bins())
+            .map(|bin| self.curve.value(bin))
+            .map(|s| [libm::log(s), libm::log1p(-s)])
+            .collect();
+        let per_m = 1.0 / self.curve.bin_m();
+        let live: Vec<&Listener> =
+            listeners.iter().filter(|listener| !self.is_dead[listener.stop as usize]).collect();
+        let log_likelihood = |vertex: Position| {
+            let mut sum = 0.0;
+            for listener in &live {
+                let apart = vertex - listener.place;
+                let along = apart.dot(apart).sqrt() * per_m;
+                let below = whole(along).min(values.len() - 1);
+                let above = (below + 1).min(values.len() - 1);
+                #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
+                let share = (along - below as f64).min(1.0);
+                let mix = |i: usize| values[below][i] + share * (values[above][i] - values[below][i]);
+                sum += listener.received * mix(0) + listener.missed * mix(1);
+            }
+            sum
+        };
+        let least_step_m = LEAST_STEP * self.curve.bin_m();
+        let spread_m = belief.spread_m.map(|spread| spread.max(2.0 * least_step_m));
+        local_posterior(self.heights, belief.mean, spread_m, least_step_m, &log_likelihood)
+    }
+}

@@ -1,0 +1,215 @@
+//! A reception profile estimated from the log itself.
+
+mod curve;
+mod dead_stops;
+mod expectation;
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, SettingError};
+
+use crate::local_posterior::Heights;
+use crate::profile::averaged_over_cell;
+use crate::{ReceptionProfile, TableProfile};
+use curve::{Counts, FittedCurve};
+use expectation::{Belief, Round};
+
+/// The fitted profile as written in a scenario: a curve that never rises, estimated from the log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FittedConfig {
+    /// Rounds after which the estimation ends whether it has converged or not; 1 or more.
+    #[serde(default = "default_max_rounds")]
+    pub max_rounds: u32,
+    /// Change of the curve from one round to the next below which it has converged: root of the mean square over all
+    /// pairs of a node and a stop in range. A fifth of the statistical error is enough where that is more.
+    #[serde(default = "default_tolerance")]
+    pub tolerance: f64,
+}
+
+fn default_max_rounds() -> u32 {
+    80
+}
+
+fn default_tolerance() -> f64 {
+    1e-3
+}
+
+impl Default for FittedConfig {
+    fn default() -> Self {
+        Self { max_rounds: default_max_rounds(), tolerance: default_tolerance() }
+    }
+}
+
+/// How a reception profile is estimated from a log.
+///
+/// Expectation maximisation: the positions of the nodes under the present curve, as posteriors and not as points;
+/// then the curve of highest likelihood under these posteriors, which is the isotonic regression of the shares of
+/// packets received over distance, weighed by packets sent; and again, until the curve stays. Nothing is known
+/// beforehand but that the probability does not rise with distance. Receptions from far beyond the range that comes
+/// out are no evidence, nor are stops at which a receiver was dead.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    max_rounds: u32,
+    tolerance: f64,
+}
+
+/// A reception profile estimated from a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// The curve.
+    pub curve: TableProfile,
+    /// Rounds that it took.
+    pub rounds: u32,
+    /// Whether the curve stays.
+    pub converged: bool,
+    /// Stops at which nothing was heard although it is all but impossible that a working receiver hears nothing there.
+    pub dead_stops: Vec<u32>,
+    /// Receptions from far beyond the range, as node and stop.
+    pub outliers: Vec<(NodeId, u32)>,
+    /// Nodes from which the curve was estimated.
+    pub nodes: usize,
+}
+
+/// Most nodes that the curve is estimated from, in a plane and in space: it then has an accuracy of some thousandths.
+const ENOUGH_NODES: [usize; 2] = [512, 192];
+/// A curve that changes by less than this share of its own statistical error stays.
+const NOISE: f64 = 0.2;
+/// Rounds before stops are tested, because the first curves reach too far.
+const ROUNDS_BEFORE_TESTS: u32 = 6;
+
+impl Fitted {
+    /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes [m]; if
+    /// absent they are at the height of the stops if these share one, and anywhere otherwise.
+    /// The same bits for any number of threads.
+    #[must_use]
+    pub fn fit(&self, log: &ReceptionLog, z_range_m: Option<[f64; 2]>) -> Option<Fit> {
+        let heights = heights(log.stops(), z_range_m)?;
+        let heard: Vec<NodeId> =
+            (0..log.node_count()).map(NodeId::from_index).filter(|&node| is_heard(log, node)).collect();
+        let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];
+        let sample: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
+        let mut beliefs: Vec<Belief> = sample.iter().map(|&node| Belief::first(log, node, heights)).collect();
+        let mut curve = FittedCurve::first(log, &sample, &beliefs)?;
+        let mut is_dead = vec![false; log.stops().len()];
+        let (mut rounds, mut converged) = (0, false);
+        while rounds < self.max_rounds && !converged {
+            let round = Round { log, heights, curve: &curve, is_dead: &is_dead };
+            let results: Vec<_> =
+                sample.par_iter().zip(&beliefs).map(|(&node, belief)| round.expect(node, belief)).collect();
+            let mut counts = Counts::new(curve.bins());
+            let mut ln_silence = vec![0.0; is_dead.len()];
+            beliefs.clear();
+            for result in results {
+                counts.add(&result.counts);
+                for (stop, ln_missed) in result.silent {
+                    ln_silence[stop as usize] += ln_missed;
+                }
+                beliefs.push(result.belief);
+            }
+            let next = curve.updated(&counts);
+            rounds += 1;
+            let (distance, error) = next.distance(&curve, &counts);
+            let is_settled = distance < self.tolerance.max(NOISE * error);
+            curve = next;
+            if rounds >= ROUNDS_BEFORE_TESTS {
+                let found = dead_stops::find(log, &ln_silence);
+                converged = is_settled && found == is_dead;
+                is_dead = found;
+            }
+        }
+        let round = Round { log, heights, curve: &curve, is_dead: &is_dead };
+        let outliers = heard.par_iter().flat_map_iter(|&node| round.outliers(node)).collect();
+        let dead_stops = (0..).zip(&is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();
+        Some(Fit { curve: curve.table(), rounds, converged, dead_stops, outliers, nodes: sample.len() })
+    }
+}
+
+impl Fit {
+    /// The profile for the vertices of a grid of `grid_step_m`: the mean of the curve over the cell of each.
+    ///
+    /// # Panics
+    /// Never: a fitted curve is above its floor at some distance.
+    #[must_use]
+    pub fn profile(&self, grid_step_m: f64) -> ReceptionProfile {
+        let curve = &self.curve;
+        let step_m = curve.step_m();
+        let range_m = curve.range_m() + 0.5 * 3.0_f64.sqrt() * grid_step_m;
+        let samples = crate::lattice::whole((range_m / step_m).ceil());
+        #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
+        let averaged = (0..=samples)
+            .map(|i| averaged_over_cell(|d| curve.probability(d), step_m * i as f64, grid_step_m).clamp(0.0, 1.0));
+        let table = TableProfile::new(step_m, averaged.collect(), curve.floor(), curve.ceiling());
+        ReceptionProfile::Table(table.unwrap_or_else(|_| curve.clone()))
+    }
+
+    /// The part of `log` that is evidence: without dead stops, and with receptions from far beyond the range as `0` of
+    /// `0`. Stops have new indices.
+    ///
+    /// # Panics
+    /// If this is not the fit of `log`.
+    #[must_use]
+    pub fn evidence(&self, log: &ReceptionLog) -> ReceptionLog {
+        let mut is_dead = vec![false; log.stops().len()];
+        self.dead_stops.iter().for_each(|&stop| is_dead[stop as usize] = true);
+        let mut kept: Vec<Stop> = Vec::new();
+        let new_index: Vec<u32> = log
+            .stops()
+            .iter()
+            .zip(&is_dead)
+            .map(|(&stop, &dead)| {
+                let index = u32::try_from(kept.len()).expect("a log has less than 2^32 stops");
+                if !dead {
+                    kept.push(stop);
+                }
+                index
+            })
+            .collect();
+        let entry = |reception: &Reception| {
+            let far = self.outliers.binary_search(&(reception.node, reception.stop)).is_ok();
+            let (received, sent) = if far { (0, 0) } else { (reception.received, reception.sent) };
+            Reception { stop: new_index[reception.stop as usize], received, sent, ..*reception }
+        };
+        let live = log.receptions().iter().filter(|reception| !is_dead[reception.stop as usize]);
+        let receptions = live.map(entry).collect();
+        ReceptionLog::new(log.names().to_vec(), kept, receptions, log.contacts().to_vec())
+            .expect("a part of a log is a log")
+    }
+}
+
+fn is_heard(log: &ReceptionLog, node: NodeId) -> bool {
+    log.of(node).iter().any(|reception| reception.received > 0)
+}
+
+/// Where nodes may be; `None` without stops.
+fn heights(stops: &[Stop], z_range_m: Option<[f64; 2]>) -> Option<Heights> {
+    let first = stops.first()?.position.z_m;
+    let level = |z_m: f64| Heights::Level(z_m);
+    #[expect(clippy::float_cmp, reason = "stops of a planar survey have the very same height")]
+    let is_planar = |stops: &[Stop]| stops.iter().all(|stop| stop.position.z_m == first);
+    Some(match z_range_m {
+        Some([low, high]) if high > low => Heights::Between(low, high),
+        Some([z_m, _]) => level(z_m),
+        None if is_planar(stops) => level(first),
+        None => Heights::Between(f64::NEG_INFINITY, f64::INFINITY),
+    })
+}
+
+/// Where stops at which a node was heard lie, with the packets heard.
+fn receivers(log: &ReceptionLog, node: NodeId) -> impl Iterator<Item = (Position, u32)> + Clone {
+    let heard = log.of(node).iter().filter(|reception| reception.received > 0);
+    heard.map(|reception| (log.stops()[reception.stop as usize].position, reception.received))
+}
+
+impl TryFrom<FittedConfig> for Fitted {
+    type Error = SettingError;
+
+    fn try_from(FittedConfig { max_rounds, tolerance }: FittedConfig) -> Result<Self, SettingError> {
+        if max_rounds == 0 {
+            return Err(SettingError::new("max_rounds", 0, "1 or more"));
+        }
+        Ok(Self { max_rounds, tolerance: SettingError::positive("tolerance", tolerance)? })
+    }
+}

@@ -1,0 +1,57 @@
+//! ML-TM under a profile estimated from the log.
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::SettingError;
+
+use crate::{Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap, TrapezoidConfig};
+
+/// ML-TM under a profile that is estimated from the log first: for logs of which nobody knows the channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedMlTm {
+    fitted: Fitted,
+    /// The algorithm, but for its profile.
+    ml_tm: MlTm,
+    z_range_m: Option<[f64; 2]>,
+}
+
+impl FittedMlTm {
+    /// The algorithm with the settings of `config`, whose profile is replaced by one fitted as `fitted` says.
+    ///
+    /// # Errors
+    /// If a value is outside its domain.
+    pub fn new(config: MlTmConfig, fitted: FittedConfig) -> Result<Self, SettingError> {
+        let fitted = Fitted::try_from(fitted).map_err(|error| error.within("profile.fitted"))?;
+        let z_range_m = config.z_range_m;
+        // Any profile does to check the other settings.
+        let reach_m = if config.grid_step_m > 0.0 { config.grid_step_m } else { 1.0 };
+        let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.5, 0.0, reach_m));
+        Ok(Self { fitted, ml_tm: MlTm::try_from(MlTmConfig { profile, ..config })?, z_range_m })
+    }
+
+    /// The profile of `log`; `None` if no node was heard.
+    #[must_use]
+    pub fn fit(&self, log: &ReceptionLog) -> Option<Fit> {
+        self.fitted.fit(log, self.z_range_m)
+    }
+
+    /// The algorithm under a fitted profile, for the part of the log that is [evidence](Fit::evidence).
+    #[must_use]
+    pub fn with_fit(&self, fit: &Fit) -> MlTm {
+        let step_m = self.ml_tm.grid_step_m().min(fit.curve.range_m());
+        self.ml_tm.with_profile(fit.profile(step_m))
+    }
+
+    /// The map of the nodes in `log`, and the profile that it was made with.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`].
+    pub fn map(&self, log: &ReceptionLog) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        match self.fit(log) {
+            Some(fit) => {
+                let map = self.with_fit(&fit).map(&fit.evidence(log))?;
+                Ok((map, Some(fit)))
+            }
+            None => Ok((self.ml_tm.map(log)?, None)),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! The reception profile that a known channel implies.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{
+    Channel, ChannelConfig, CorrelationConfig, Db, Dbm, LogDistanceConfig, ObstacleField, PathLossConfig,
+    ShadowingConfig,
+};
+use sextant_kernel::{Seed, SettingError};
+
+use super::DEFAULT_FLOOR;
+use super::cell::averaged_over_cell;
+use crate::TableProfile;
+
+/// The profile of a known channel as written in a scenario. In a scenario, what is absent is taken from its radio, its
+/// channel and its traffic; anywhere else, the first four are needed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelProfileConfig {
+    /// Path loss exponent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// Standard deviation of shadowing [dB].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_db: Option<f64>,
+    /// Transmit power at the reference distance [dBm].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tx_power_dbm: Option<f64>,
+    /// Least power that is received [dBm].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivity_dbm: Option<f64>,
+    /// Hard communication radius [m]; none if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_range_m: Option<f64>,
+    /// Distance at which the transmit power is given [m]; 1 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_distance_m: Option<f64>,
+    /// Distance below which the loss stays what it is there [m]; 0.1 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min_distance_m: Option<f64>,
+    /// Share of the packets that are strong enough and also survive collisions, above 0, at most 1.
+    #[serde(default = "default_delivery")]
+    pub delivery: f64,
+    /// Packets that a node sends, on average, while the robot listens at a stop, if the log counts a stop at which
+    /// any of them was heard as one of one; 1 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub packets_per_stop: Option<f64>,
+    /// Whether the probability at a vertex is the mean over its grid cell. Without it a hard radius rules out the
+    /// vertices nearest to a node wherever the node's own place is barely in range.
+    #[serde(default = "default_cell_average")]
+    pub cell_average: bool,
+    /// Lowest probability of a reception, at any distance.
+    #[serde(default = "super::default_floor")]
+    pub floor: f64,
+    /// Highest probability of a reception, at any distance.
+    #[serde(default = "super::default_ceiling")]
+    pub ceiling: f64,
+}
+
+fn default_delivery() -> f64 {
+    1.0
+}
+
+fn default_cell_average() -> bool {
+    true
+}
+
+impl Default for ChannelProfileConfig {
+    /// Everything absent, all packets delivered, averaged over the grid cell.
+    fn default() -> Self {
+        Self {
+            exponent: None,
+            sigma_db: None,
+            tx_power_dbm: None,
+            sensitivity_dbm: None,
+            max_range_m: None,
+            reference_distance_m: None,
+            min_distance_m: None,
+            delivery: default_delivery(),
+            packets_per_stop: None,
+            cell_average: default_cell_average(),
+            floor: DEFAULT_FLOOR,
+            ceiling: 1.0 - DEFAULT_FLOOR,
+        }
+    }
+}
+
+/// Samples of the curve.
+const SAMPLES: u32 = 2000;
+/// Probability at which a curve without a hard radius ends, the floor standing for what is beyond.
+const NEGLIGIBLE: f64 = 1e-3;
+
+impl ChannelProfileConfig {
+    /// The curve on a grid of `grid_step_m`; 0 for no grid.
+    ///
+    /// With q(d) the channel's own probability of a reception (see [`Channel::reception_probability`]), `delivery`
+    /// times that survives; a stop at which n packets are sent hears at least one with `1 − (1 − delivery q)ⁿ`, n being
+    /// the one or the other whole number next to `packets_per_stop`, in the shares that give this mean.
+    pub(super) fn table(&self, grid_step_m: f64) -> Result<TableProfile, SettingError> {
+        let needed = |key, value: Option<f64>| {
+            value.ok_or_else(|| SettingError::new(key, "absent", "a number; in a scenario, that of its channel"))
+        };
+        let (tx, sensitivity) =
+            (needed("tx_power_dbm", self.tx_power_dbm)?, needed("sensitivity_dbm", self.sensitivity_dbm)?);
+        SettingError::finite("tx_power_dbm", tx)?;
+        SettingError::finite("sensitivity_dbm", sensitivity)?;
+        if !(self.delivery > 0.0 && self.delivery <= 1.0) {
+            return Err(SettingError::new("delivery", self.delivery, "above 0, at most 1"));
+        }
+        let packets = SettingError::positive("packets_per_stop", self.packets_per_stop.unwrap_or(1.0))?;
+        let law = LogDistanceConfig::default();
+        let config = ChannelConfig {
+            environment: None,
+            path_loss: Some(PathLossConfig::LogDistance(LogDistanceConfig {
+                exponent: Some(needed("exponent", self.exponent)?),
+                reference_distance_m: self.reference_distance_m.unwrap_or(law.reference_distance_m),
+                min_distance_m: self.min_distance_m.unwrap_or(law.min_distance_m),
+            })),
+            shadowing: Some(ShadowingConfig {
+                sigma_db: Some(needed("sigma_db", self.sigma_db)?),
+                correlation: CorrelationConfig::PerPacket,
+            }),
+            max_range_m: self.max_range_m,
+            obstacles_attenuate: false,
+        };
+        let channel = Channel::new(config, ObstacleField::default(), Seed(0)).map_err(flat)?;
+        let probability = |distance_m: f64| {
+            let q = channel.reception_probability(Dbm(tx), Dbm(sensitivity), distance_m, Db(0.0));
+            at_least_one(self.delivery * q, packets)
+        };
+        let hard_m = channel.max_range_m();
+        let range_m = range(probability, hard_m).ok_or_else(|| {
+            let allowed = format!("a power that is received at least once in {} packets", 1.0 / NEGLIGIBLE);
+            SettingError::new("tx_power_dbm", tx, allowed)
+        })?;
+        let cell_m = if self.cell_average { grid_step_m } else { 0.0 };
+        let whole_range_m = range_m + 0.5 * 3.0_f64.sqrt() * cell_m;
+        let step_m = whole_range_m / f64::from(SAMPLES);
+        let samples = (0..=SAMPLES).map(|i| {
+            let distance_m = (step_m * f64::from(i)).min(whole_range_m);
+            if cell_m > 0.0 {
+                averaged_over_cell(probability, distance_m, cell_m)
+            } else {
+                // The last sample is at the hard radius, whatever the rounding.
+                probability(if i == SAMPLES { range_m } else { distance_m })
+            }
+        });
+        TableProfile::new(step_m, samples.collect(), self.floor, self.ceiling)
+    }
+}
+
+/// Probability that at least one of the packets sent at a stop arrives, each with `q`: `1 − (1 − q)ⁿ`, n being the one or the
+/// other whole number next to `packets`, in the shares that give this mean.
+#[expect(clippy::cast_possible_truncation, reason = "nobody sends 2^31 packets at a stop")]
+#[must_use]
+pub fn at_least_one(q: f64, packets: f64) -> f64 {
+    let none = |n: f64| libm::pow(1.0 - q, n);
+    let (few, more) = (packets.floor(), packets.fract());
+    debug_assert!(few as i32 >= 0, "a number of packets");
+    1.0 - (1.0 - more) * none(few) - more * none(few + 1.0)
+}
+
+/// The distance at which a falling `probability` is negligible, at most `hard_m` [m]; `None` if it is everywhere.
+fn range(probability: impl Fn(f64) -> f64, hard_m: f64) -> Option<f64> {
+    let (mut near, mut far) = (1e-3, 1e-3);
+    if probability(near) <= NEGLIGIBLE {
+        return None;
+    }
+    while probability(far) > NEGLIGIBLE && far < hard_m {
+        near = far;
+        far *= 2.0;
+    }
+    if far >= hard_m && probability(hard_m) > NEGLIGIBLE {
+        return Some(hard_m);
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (near + far);
+        if probability(middle) > NEGLIGIBLE { near = middle } else { far = middle }
+    }
+    Some(far)
+}
+
+/// The error with the key of this table instead of the channel's.
+fn flat(error: SettingError) -> SettingError {
+    let key = error.key.rsplit('.').next().unwrap_or_default().to_owned();
+    SettingError { key, ..error }
+}

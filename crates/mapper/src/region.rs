@@ -1,0 +1,97 @@
+//! Where a node is with a stated probability.
+
+use nalgebra::{DMatrix, DVector};
+use sextant_channel::Position;
+
+use crate::Estimate;
+
+/// Below this variance along the height a map is planar [m²].
+const FLAT_M2: f64 = 1e-12;
+/// 95 % quantile of the chi-squared law with two and with three degrees of freedom.
+const CHI_SQUARED_95: [f64; 2] = [5.991_464_547_107_982, 7.814_727_903_251_178];
+
+/// An ellipse (an ellipsoid, if the heights are uncertain as well) that holds a node with a probability of 95 %: all
+/// places x with `(x − m)ᵀ (C + I h²/12)⁻¹ (x − m) ≤ χ²₀.₉₅`, where m and C are the posterior mean and covariance and h
+/// is the step of the grid, whose cells a node is somewhere in. In a plane the height does not count.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    mean: Position,
+    /// Inverse of the covariance, two or three rows [1/m²].
+    precision: DMatrix<f64>,
+    /// Square root of the determinant of the covariance [m² or m³].
+    volume: f64,
+}
+
+impl Region {
+    /// The region that holds the node with 95 %; `None` for an estimate without a covariance. `grid_step_m` is the step
+    /// of the grid on which it was computed [m], 0 if there was none.
+    #[must_use]
+    pub fn of_95(estimate: &Estimate, grid_step_m: f64) -> Option<Self> {
+        let covariance = estimate.covariance?;
+        let dimensions = if covariance[2][2] > FLAT_M2 { 3 } else { 2 };
+        let within_cell = grid_step_m * grid_step_m / 12.0;
+        let matrix = DMatrix::from_fn(dimensions, dimensions, |row, column| {
+            covariance[row][column] + if row == column { within_cell } else { 0.0 }
+        });
+        let volume = matrix.determinant().max(0.0).sqrt();
+        let precision = matrix.try_inverse()?;
+        Some(Self { mean: estimate.position, precision, volume })
+    }
+
+    /// Whether `place` is in the region.
+    #[must_use]
+    pub fn contains(&self, place: Position) -> bool {
+        let apart: [f64; 3] = (place - self.mean).into();
+        let apart = DVector::from_column_slice(&apart[..self.dimensions()]);
+        apart.dot(&(&self.precision * &apart)) <= CHI_SQUARED_95[self.dimensions() - 2]
+    }
+
+    /// 2 for an ellipse, 3 for an ellipsoid.
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        self.precision.nrows()
+    }
+
+    /// Area of the ellipse [m²] or volume of the ellipsoid [m³].
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        let squared = CHI_SQUARED_95[self.dimensions() - 2];
+        let unit = if self.dimensions() == 2 { squared } else { 4.0 / 3.0 * squared * squared.sqrt() };
+        std::f64::consts::PI * unit * self.volume
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(covariance: [[f64; 3]; 3]) -> Estimate {
+        let position = Position::new(1.0, 2.0, 0.0);
+        Estimate { position, log_likelihood: 0.0, ties: 1, covariance: Some(covariance), infeasible: false }
+    }
+
+    #[test]
+    fn the_ellipse_has_its_half_axes_where_the_chi_squared_law_puts_them() {
+        let region = Region::of_95(&estimate([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]]), 0.0).unwrap();
+        let half = 5.991_464_547_107_982_f64.sqrt();
+        for (x_m, y_m, is_in) in [
+            (2.0 * half - 1e-9, 0.0, true),
+            (2.0 * half + 1e-9, 0.0, false),
+            (0.0, half - 1e-9, true),
+            (0.0, half + 1e-9, false),
+        ] {
+            // Nor does the height count in a plane.
+            assert_eq!(region.contains(Position::new(1.0 + x_m, 2.0 + y_m, 7.0)), is_in);
+        }
+        assert!((region.size() - std::f64::consts::PI * 2.0 * half * half).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_node_that_one_vertex_explains_is_somewhere_in_its_cell() {
+        let region = Region::of_95(&estimate([[0.0; 3]; 3]), 0.6).unwrap();
+        assert!(region.contains(Position::new(1.29, 2.29, 0.0)) && !region.contains(Position::new(1.5, 2.0, 0.0)));
+        assert_eq!(Region::of_95(&Estimate { covariance: None, ..estimate([[0.0; 3]; 3]) }, 0.6), None);
+        let space = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(Region::of_95(&estimate(space), 0.0).unwrap().dimensions(), 3);
+    }
+}
