@@ -22,7 +22,14 @@ fn sextant() -> Command {
 }
 
 fn run(arguments: &[&str], out: &Path) -> std::process::Output {
-    sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(out).args(arguments).output().expect("it starts")
+    sextant()
+        .arg("run")
+        .arg(scenario("smoke.toml"))
+        .arg("--out")
+        .arg(out)
+        .args(arguments)
+        .output()
+        .expect("it starts")
 }
 
 fn summary(path: &Path) -> Value {
@@ -115,19 +122,12 @@ fn a_map_of_the_recording_is_the_map_of_the_run() {
     assert_eq!(of_run["maps"], of_map["maps"]);
 }
 
-/// Starts a run that does not end by itself, and waits until it has recorded something.
-fn start_endless(out: &Path) -> Child {
-    let child = sextant()
-        .arg("run")
-        .arg(scenario("smoke.toml"))
-        .args(["--set", ENDLESS, "--set", "recording.frames=true", "--out"])
-        .arg(out)
-        .spawn()
-        .expect("it starts");
+/// Waits until a recording has grown beyond its first chunks.
+fn wait_for_growth(out: &Path) {
     let part = out.with_extension("mcap.part");
     for _ in 0..1200 {
         if std::fs::metadata(&part).is_ok_and(|file| file.len() > 500_000) {
-            return child;
+            return;
         }
         std::thread::sleep(Duration::from_millis(50));
     }
@@ -167,7 +167,14 @@ fn ctrl_c_leaves_a_whole_recording_of_what_was_heard() {
 fn what_a_killed_run_had_recorded_can_be_recovered_and_mapped() {
     let folder = TempDir::new().unwrap();
     let (out, good) = (folder.path().join("killed.mcap"), folder.path().join("good.mcap"));
-    let mut child = start_endless(&out);
+    let mut child = sextant()
+        .arg("run")
+        .arg(scenario("smoke.toml"))
+        .args(["--set", ENDLESS, "--set", "recording.frames=true", "--out"])
+        .arg(&out)
+        .spawn()
+        .expect("it starts");
+    wait_for_growth(&out);
     signal(&child, "-KILL");
     child.wait().unwrap();
     assert!(!out.exists(), "a killed run must not look finished");

@@ -61,9 +61,7 @@ impl Event {
     #[must_use]
     pub const fn class(self) -> Class {
         match self {
-            Self::TransmissionEnded | Self::AckReceived { .. } | Self::ReceiveReady => {
-                Class::EndOfSignal
-            }
+            Self::TransmissionEnded | Self::AckReceived { .. } | Self::ReceiveReady => Class::EndOfSignal,
             Self::CcaEnded { .. } => Class::EndOfCca,
             Self::TransmitReady => Class::StartOfSignal,
             Self::BackoffExpired => Class::StartOfCca,
@@ -137,26 +135,15 @@ struct Attempt {
 
 impl Attempt {
     const fn with_cca(self) -> Self {
-        Self {
-            ccas: self.ccas + 1,
-            ..self
-        }
+        Self { ccas: self.ccas + 1, ..self }
     }
 
     const fn with_transmission(self) -> Self {
-        Self {
-            transmissions: self.transmissions + 1,
-            ..self
-        }
+        Self { transmissions: self.transmissions + 1, ..self }
     }
 
     const fn report(self, outcome: Outcome) -> Report {
-        Report {
-            frame: self.frame,
-            outcome,
-            ccas: self.ccas,
-            transmissions: self.transmissions,
-        }
+        Report { frame: self.frame, outcome, ccas: self.ccas, transmissions: self.transmissions }
     }
 }
 
@@ -185,11 +172,7 @@ impl Csma {
     /// A machine at rest.
     #[must_use]
     pub const fn new(settings: CsmaSettings, phy: Phy) -> Self {
-        Self {
-            settings,
-            phy,
-            state: State::Idle,
-        }
+        Self { settings, phy, state: State::Idle }
     }
 
     /// Whether a frame is under way, so that [`Csma::start`] must wait for its [`Report`].
@@ -210,13 +193,7 @@ impl Csma {
     /// If a frame is under way.
     pub fn start(&mut self, frame: Transmission, radio: &mut impl Radio) {
         assert!(!self.is_busy(), "a frame is under way");
-        let attempt = Attempt {
-            frame,
-            busy: 0,
-            exponent: 0,
-            ccas: 0,
-            transmissions: 0,
-        };
+        let attempt = Attempt { frame, busy: 0, exponent: 0, ccas: 0, transmissions: 0 };
         self.state = match self.state {
             State::Spacing(_) => State::Spacing(Some(attempt)),
             _ => self.contend(attempt, radio),
@@ -246,9 +223,7 @@ impl Csma {
                 radio.start_transmission(attempt.frame);
                 (State::Transmitting(attempt.with_transmission()), None)
             }
-            (State::Transmitting(attempt), Event::TransmissionEnded)
-                if attempt.frame.ack_request =>
-            {
+            (State::Transmitting(attempt), Event::TransmissionEnded) if attempt.frame.ack_request => {
                 radio.enter(RadioState::Turnaround);
                 radio.after(self.phy.turnaround(), Event::ReceiveReady);
                 (State::TurningToReceive(attempt), None)
@@ -263,18 +238,14 @@ impl Csma {
                 radio.after(left, Event::AckWaitExpired);
                 (State::AwaitingAck(attempt), None)
             }
-            (State::AwaitingAck(attempt), Event::AckReceived { sequence })
-                if sequence == attempt.frame.sequence =>
-            {
+            (State::AwaitingAck(attempt), Event::AckReceived { sequence }) if sequence == attempt.frame.sequence => {
                 radio.cancel_timer();
                 let state = self.space(attempt.frame, Duration::ZERO, None, radio);
                 (state, Some(attempt.report(Outcome::Acknowledged)))
             }
             (State::AwaitingAck(attempt), Event::AckWaitExpired) => self.retry(attempt, radio),
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
-            (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => {
-                (self.contend(attempt, radio), None)
-            }
+            (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.contend(attempt, radio), None),
             (state, Event::AckReceived { .. }) => (state, None),
             (state, event) => panic!("{event:?} cannot happen in {state:?}"),
         };
@@ -284,14 +255,7 @@ impl Csma {
 
     /// Starts an access to the channel from its beginning.
     fn contend(&self, attempt: Attempt, radio: &mut impl Radio) -> State {
-        self.back_off(
-            Attempt {
-                busy: 0,
-                exponent: self.settings.min_be(),
-                ..attempt
-            },
-            radio,
-        )
+        self.back_off(Attempt { busy: 0, exponent: self.settings.min_be(), ..attempt }, radio)
     }
 
     fn back_off(&self, attempt: Attempt, radio: &mut impl Radio) -> State {
@@ -306,23 +270,10 @@ impl Csma {
         let busy = attempt.busy + 1;
         if busy > self.settings.max_backoffs() {
             radio.enter(self.resting_state());
-            return (
-                State::Idle,
-                Some(attempt.report(Outcome::ChannelAccessFailure)),
-            );
+            return (State::Idle, Some(attempt.report(Outcome::ChannelAccessFailure)));
         }
         let exponent = (attempt.exponent + 1).min(self.settings.max_be());
-        (
-            self.back_off(
-                Attempt {
-                    busy,
-                    exponent,
-                    ..attempt
-                },
-                radio,
-            ),
-            None,
-        )
+        (self.back_off(Attempt { busy, exponent, ..attempt }, radio), None)
     }
 
     /// No acknowledgement came: contends anew with the same sequence number, or gives up.
@@ -332,24 +283,12 @@ impl Csma {
             let state = self.space(attempt.frame, waited, None, radio);
             return (state, Some(attempt.report(Outcome::NoAck)));
         }
-        (
-            self.space(attempt.frame, waited, Some(attempt), radio),
-            None,
-        )
+        (self.space(attempt.frame, waited, Some(attempt), radio), None)
     }
 
     /// Keeps silent for what is left of the interframe spacing after `waited`; then `next` contends.
-    fn space(
-        &self,
-        frame: Transmission,
-        waited: Duration,
-        next: Option<Attempt>,
-        radio: &mut impl Radio,
-    ) -> State {
-        let left = self
-            .phy
-            .interframe_spacing(frame.mpdu_octets)
-            .saturating_sub(waited);
+    fn space(&self, frame: Transmission, waited: Duration, next: Option<Attempt>, radio: &mut impl Radio) -> State {
+        let left = self.phy.interframe_spacing(frame.mpdu_octets).saturating_sub(waited);
         if !left.is_zero() {
             radio.enter(self.resting_state());
             radio.after(left, Event::InterframeSpaceEnded);

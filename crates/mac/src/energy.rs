@@ -94,10 +94,7 @@ impl RadioStates {
     }
 
     fn from_milliamperes(supply_v: f64, tx: &[(f64, f64)], rx: f64, idle: f64, sleep: f64) -> Self {
-        let level = |&(dbm, ma): &(f64, f64)| TxLevel {
-            power: Dbm(dbm),
-            current_a: ma * 1e-3,
-        };
+        let level = |&(dbm, ma): &(f64, f64)| TxLevel { power: Dbm(dbm), current_a: ma * 1e-3 };
         Self {
             supply_v,
             tx: tx.iter().map(level).collect(),
@@ -121,11 +118,7 @@ impl RadioStates {
     }
 
     fn tx_a(&self, power: Dbm) -> f64 {
-        let level = self
-            .tx
-            .iter()
-            .find(|level| level.power >= power)
-            .or(self.tx.last());
+        let level = self.tx.iter().find(|level| level.power >= power).or(self.tx.last());
         level.expect("a radio has a transmit level").current_a
     }
 }
@@ -137,9 +130,7 @@ impl TryFrom<EnergyConfig> for RadioStates {
         Ok(match config {
             EnergyConfig::Cc2420 => Self::cc2420(),
             EnergyConfig::At86rf233 => Self::at86rf233(),
-            EnergyConfig::Custom(custom) => {
-                Self::try_from(custom).map_err(|error| error.within("custom"))?
-            }
+            EnergyConfig::Custom(custom) => Self::try_from(custom).map_err(|error| error.within("custom"))?,
         })
     }
 }
@@ -200,11 +191,7 @@ impl EnergyMeter {
     /// A meter of a radio that is in `state` at `now`.
     #[must_use]
     pub const fn new(state: RadioState, now: SimTime) -> Self {
-        Self {
-            state,
-            since: now,
-            spans: [Duration::ZERO; 5],
-        }
+        Self { state, since: now, spans: [Duration::ZERO; 5] }
     }
 
     /// The state that the radio is in.
@@ -255,10 +242,7 @@ mod tests {
     }
 
     fn assert_close(found: f64, expected: f64, tolerance: f64) {
-        assert!(
-            (found - expected).abs() < tolerance,
-            "{found}, not {expected}"
-        );
+        assert!((found - expected).abs() < tolerance, "{found}, not {expected}");
     }
 
     #[test]
@@ -271,31 +255,15 @@ mod tests {
         assert_close(microjoules(&ti, Transmit, 0.0, long), 222.2, 0.05);
         assert_close(microjoules(&ti, Receive, 0.0, long), 240.0, 0.05);
         assert_close(microjoules(&ti, Receive, 0.0, PHY.cca()), 7.22, 0.005);
-        assert_close(
-            microjoules(&ti, Turnaround, 0.0, PHY.turnaround()),
-            10.83,
-            0.005,
-        );
-        assert_close(
-            1e-3 * microjoules(&ti, Receive, 0.0, Duration::from_secs(1)),
-            56.4,
-            0.05,
-        );
+        assert_close(microjoules(&ti, Turnaround, 0.0, PHY.turnaround()), 10.83, 0.005);
+        assert_close(1e-3 * microjoules(&ti, Receive, 0.0, Duration::from_secs(1)), 56.4, 0.05);
         let microchip = RadioStates::at86rf233();
         assert_close(microjoules(&microchip, Transmit, 4.0, short), 34.4, 0.05);
         assert_close(microjoules(&microchip, Receive, 4.0, short), 29.5, 0.05);
         assert_close(microjoules(&microchip, Transmit, 4.0, long), 176.2, 0.05);
         assert_close(microjoules(&microchip, Receive, 4.0, long), 150.7, 0.05);
-        assert_close(
-            microjoules(&microchip, Receive, 4.0, PHY.cca()),
-            4.53,
-            0.005,
-        );
-        assert_close(
-            microjoules(&microchip, Turnaround, 4.0, PHY.turnaround()),
-            6.80,
-            0.005,
-        );
+        assert_close(microjoules(&microchip, Receive, 4.0, PHY.cca()), 4.53, 0.005);
+        assert_close(microjoules(&microchip, Turnaround, 4.0, PHY.turnaround()), 6.80, 0.005);
     }
 
     #[test]
@@ -332,13 +300,7 @@ mod tests {
         for (state, us) in spans {
             assert_eq!(meter.span(state), Duration::from_micros(us), "{state:?}");
         }
-        let config = CustomRadioConfig {
-            supply_v: 2.0,
-            tx_ma: 4.0,
-            rx_ma: 3.0,
-            idle_ma: 2.0,
-            sleep_ma: 1.0,
-        };
+        let config = CustomRadioConfig { supply_v: 2.0, tx_ma: 4.0, rx_ma: 3.0, idle_ma: 2.0, sleep_ma: 1.0 };
         let radio = RadioStates::try_from(EnergyConfig::Custom(config)).expect("good currents");
         let spent = meter.spent(&radio, Dbm(0.0));
         assert_close(spent.tx_j, 320e-9, 1e-15);
@@ -349,34 +311,10 @@ mod tests {
 
     #[test]
     fn a_custom_radio_needs_a_voltage_and_no_negative_current() {
-        let good = CustomRadioConfig {
-            supply_v: 3.0,
-            tx_ma: 1.0,
-            rx_ma: 1.0,
-            idle_ma: 0.0,
-            sleep_ma: 0.0,
-        };
-        let key = |custom| {
-            RadioStates::try_from(EnergyConfig::Custom(custom))
-                .err()
-                .map(|error| error.key)
-        };
+        let good = CustomRadioConfig { supply_v: 3.0, tx_ma: 1.0, rx_ma: 1.0, idle_ma: 0.0, sleep_ma: 0.0 };
+        let key = |custom| RadioStates::try_from(EnergyConfig::Custom(custom)).err().map(|error| error.key);
         assert_eq!(key(good), None);
-        assert_eq!(
-            key(CustomRadioConfig {
-                supply_v: 0.0,
-                ..good
-            })
-            .as_deref(),
-            Some("custom.supply_v")
-        );
-        assert_eq!(
-            key(CustomRadioConfig {
-                rx_ma: f64::NAN,
-                ..good
-            })
-            .as_deref(),
-            Some("custom.rx_ma")
-        );
+        assert_eq!(key(CustomRadioConfig { supply_v: 0.0, ..good }).as_deref(), Some("custom.supply_v"));
+        assert_eq!(key(CustomRadioConfig { rx_ma: f64::NAN, ..good }).as_deref(), Some("custom.rx_ma"));
     }
 }

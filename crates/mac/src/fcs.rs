@@ -8,9 +8,7 @@
 /// ```
 #[must_use]
 pub fn fcs(octets: &[u8]) -> u16 {
-    octets.iter().fold(0, |crc, &octet| {
-        (crc >> 8) ^ TABLE[usize::from((crc ^ u16::from(octet)) & 0xFF)]
-    })
+    octets.iter().fold(0, |crc, &octet| (crc >> 8) ^ TABLE[usize::from((crc ^ u16::from(octet)) & 0xFF)])
 }
 
 /// Remainder of each octet.
@@ -21,11 +19,7 @@ const TABLE: [u16; 256] = {
         let mut crc = octet;
         let mut bit = 0;
         while bit < 8 {
-            crc = if crc & 1 == 1 {
-                (crc >> 1) ^ 0x8408
-            } else {
-                crc >> 1
-            };
+            crc = if crc & 1 == 1 { (crc >> 1) ^ 0x8408 } else { crc >> 1 };
             bit += 1;
         }
         table[octet as usize] = crc;

@@ -181,12 +181,7 @@ pub enum WriteError {
 impl<'a> Frame<'a> {
     /// A data frame that asks for no acknowledgement.
     #[must_use]
-    pub const fn data(
-        sequence: u8,
-        source: Endpoint,
-        destination: Endpoint,
-        payload: &'a [u8],
-    ) -> Self {
+    pub const fn data(sequence: u8, source: Endpoint, destination: Endpoint, payload: &'a [u8]) -> Self {
         Self {
             version: Version::V2003,
             frame_pending: false,
@@ -257,10 +252,7 @@ impl<'a> Frame<'a> {
             return Err(ParseError::Oversized(mpdu.len()));
         }
         let Some((covered, &check)) = mpdu.split_last_chunk() else {
-            return Err(ParseError::Truncated {
-                octets: mpdu.len(),
-                part: "FCS",
-            });
+            return Err(ParseError::Truncated { octets: mpdu.len(), part: "FCS" });
         };
         let (found, computed) = (u16::from_le_bytes(check), fcs(covered));
         if found != computed {
@@ -273,42 +265,22 @@ impl<'a> Frame<'a> {
             None => None,
             Some(width) => {
                 let pan = cursor.u16("destination PAN")?;
-                Some(Endpoint {
-                    pan,
-                    address: Address::parse(width, &mut cursor)?,
-                })
+                Some(Endpoint { pan, address: Address::parse(width, &mut cursor)? })
             }
         };
         let source = match (control.source, destination) {
             (None, _) => None,
-            (Some(width), Some(to)) if control.pan_id_compression => Some(Endpoint {
-                pan: to.pan,
-                address: Address::parse(width, &mut cursor)?,
-            }),
+            (Some(width), Some(to)) if control.pan_id_compression => {
+                Some(Endpoint { pan: to.pan, address: Address::parse(width, &mut cursor)? })
+            }
             (Some(width), _) => {
                 let pan = cursor.u16("source PAN")?;
-                Some(Endpoint {
-                    pan,
-                    address: Address::parse(width, &mut cursor)?,
-                })
+                Some(Endpoint { pan, address: Address::parse(width, &mut cursor)? })
             }
         };
         let body = Body::parse(control.kind, &mut cursor)?;
-        let Control {
-            version,
-            frame_pending,
-            ack_request,
-            ..
-        } = control;
-        Ok(Self {
-            version,
-            frame_pending,
-            ack_request,
-            sequence,
-            destination,
-            source,
-            body,
-        })
+        let Control { version, frame_pending, ack_request, .. } = control;
+        Ok(Self { version, frame_pending, ack_request, sequence, destination, source, body })
     }
 
     fn control(&self) -> Control {
@@ -341,14 +313,9 @@ impl<'a> Body<'a> {
             },
             Kind::Command => {
                 let id = cursor.u8("command identifier")?;
-                let command = Command::ALL
-                    .into_iter()
-                    .find(|&command| command as u8 == id);
+                let command = Command::ALL.into_iter().find(|&command| command as u8 == id);
                 let command = command.ok_or(ParseError::ReservedCommand(id))?;
-                Ok(Body::Command {
-                    command,
-                    payload: cursor.rest(),
-                })
+                Ok(Body::Command { command, payload: cursor.rest() })
             }
         }
     }

@@ -62,8 +62,6 @@ mod fcs;
 mod timing;
 
 pub use class::Class;
-pub use energy::{
-    CustomRadioConfig, EnergyConfig, EnergyMeter, EnergySpent, RadioState, RadioStates,
-};
+pub use energy::{CustomRadioConfig, EnergyConfig, EnergyMeter, EnergySpent, RadioState, RadioStates};
 pub use fcs::fcs;
 pub use timing::{ACK_MPDU_OCTETS, MAX_MPDU_OCTETS, Phy};

@@ -18,10 +18,7 @@ pub fn noise_floor(sensitivity: Dbm) -> Dbm {
 /// `BER = (8/15)(1/16) sum_{k=2}^{16} (-1)^k C(16,k) exp(20 sinr (1/k - 1))`.
 #[must_use]
 pub fn bit_error_rate(sinr: f64) -> f64 {
-    let sum: f64 = TERMS
-        .iter()
-        .map(|&(weight, slope)| weight * libm::exp(slope * sinr))
-        .sum();
+    let sum: f64 = TERMS.iter().map(|&(weight, slope)| weight * libm::exp(slope * sinr)).sum();
     // At a ratio of 0 the terms cancel to 1/2, up to their rounding.
     sum.clamp(0.0, 0.5)
 }
@@ -37,10 +34,7 @@ pub fn chunk_success(sinr: f64, bits: f64) -> f64 {
 /// split wherever the interference changes.
 #[must_use]
 pub fn frame_success(chunks: impl IntoIterator<Item = (f64, f64)>) -> f64 {
-    chunks
-        .into_iter()
-        .map(|(sinr, bits)| chunk_success(sinr, bits))
-        .product()
+    chunks.into_iter().map(|(sinr, bits)| chunk_success(sinr, bits)).product()
 }
 
 /// Weight and exponent per unit of SINR of each term of the sum, k from 16 down to 2: the small ones first.
@@ -51,10 +45,7 @@ const TERMS: [(f64, f64); 15] = {
     while k >= 2 {
         let order = k as f64;
         let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-        terms[16 - k] = (
-            8.0 / 15.0 / 16.0 * sign * binomial,
-            20.0 * (1.0 / order - 1.0),
-        );
+        terms[16 - k] = (8.0 / 15.0 / 16.0 * sign * binomial, 20.0 * (1.0 / order - 1.0));
         binomial = binomial * order / (17.0 - order);
         k -= 1;
     }
@@ -75,11 +66,7 @@ mod tests {
         for _ in 0..60 {
             let middle = (low + high) / 2.0;
             let lost = 1.0 - chunk_success(Db(middle).to_factor(), 8.0 * octets);
-            if lost > loss {
-                low = middle
-            } else {
-                high = middle
-            }
+            if lost > loss { low = middle } else { high = middle }
         }
         low
     }
@@ -117,14 +104,8 @@ mod tests {
             (127.0, 1.092, -0.71),
         ];
         for (octets, one_percent, half) in table {
-            assert!(
-                (sinr_db(octets, 0.01) - one_percent).abs() < 6e-4,
-                "{octets} octets, 1 %"
-            );
-            assert!(
-                (sinr_db(octets, 0.5) - half).abs() < 6e-3,
-                "{octets} octets, 50 %"
-            );
+            assert!((sinr_db(octets, 0.01) - one_percent).abs() < 6e-4, "{octets} octets, 1 %");
+            assert!((sinr_db(octets, 0.5) - half).abs() < 6e-3, "{octets} octets, 50 %");
         }
     }
 
@@ -145,9 +126,7 @@ mod tests {
 
     #[test]
     fn the_bit_error_rate_falls_with_the_ratio() {
-        let rates: Vec<f64> = (0..400)
-            .map(|i| bit_error_rate(f64::from(i) * 0.01))
-            .collect();
+        let rates: Vec<f64> = (0..400).map(|i| bit_error_rate(f64::from(i) * 0.01)).collect();
         assert!(rates.is_sorted_by(|a, b| a > b));
     }
 
@@ -155,8 +134,7 @@ mod tests {
     fn a_frame_is_as_good_as_its_chunks_together() {
         let (good, bad) = (2.0, 0.6);
         let whole = frame_success([(good, 100.0), (bad, 60.0)]);
-        let parts =
-            chunk_success(good, 40.0) * chunk_success(good, 60.0) * chunk_success(bad, 60.0);
+        let parts = chunk_success(good, 40.0) * chunk_success(good, 60.0) * chunk_success(bad, 60.0);
         assert!(relative_error(whole, parts) < 1e-12);
         assert!(whole < chunk_success(good, 160.0) && whole > chunk_success(bad, 160.0));
     }

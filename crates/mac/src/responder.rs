@@ -77,13 +77,7 @@ impl Responder {
     /// A station with this address, listening.
     #[must_use]
     pub const fn new(phy: Phy, pan: u16, address: Address) -> Self {
-        Self {
-            phy,
-            pan,
-            address,
-            state: State::Listening,
-            last: BTreeMap::new(),
-        }
+        Self { phy, pan, address, state: State::Listening, last: BTreeMap::new() }
     }
 
     /// Whether an acknowledgement is on its way: the radio is deaf, and a CCA of this station reads busy.
@@ -103,25 +97,16 @@ impl Responder {
             return Verdict::NotForUs;
         }
         // A broadcast must not ask for an acknowledgement; one that does gets none.
-        let is_broadcast = frame
-            .destination
-            .is_none_or(|to| to.address == Address::BROADCAST);
+        let is_broadcast = frame.destination.is_none_or(|to| to.address == Address::BROADCAST);
         if !frame.ack_request || is_broadcast {
             return Verdict::Deliver;
         }
-        self.state = State::TurningToTransmit {
-            sequence: frame.sequence,
-        };
+        self.state = State::TurningToTransmit { sequence: frame.sequence };
         radio.enter(RadioState::Turnaround);
         radio.after(self.phy.turnaround(), Event::TransmitReady);
-        let is_known = frame
-            .source
-            .is_some_and(|from| self.last.insert(from, frame.sequence) == Some(frame.sequence));
-        if is_known {
-            Verdict::Duplicate
-        } else {
-            Verdict::Deliver
-        }
+        let is_known =
+            frame.source.is_some_and(|from| self.last.insert(from, frame.sequence) == Some(frame.sequence));
+        if is_known { Verdict::Duplicate } else { Verdict::Deliver }
     }
 
     /// Takes note of what happened.
@@ -197,10 +182,7 @@ mod tests {
     /// A frame of `node` to the robot that asks for an acknowledgement.
     fn request(node: u32, sequence: u8) -> Frame<'static> {
         let source = endpoint(Address::of(NodeId(node)));
-        Frame {
-            ack_request: true,
-            ..Frame::data(sequence, source, endpoint(ROBOT), b"?")
-        }
+        Frame { ack_request: true, ..Frame::data(sequence, source, endpoint(ROBOT), b"?") }
     }
 
     /// Verdict on a frame, and the acknowledgement that went out, if any.
@@ -218,58 +200,27 @@ mod tests {
     fn an_acknowledgement_starts_192_us_after_the_frame_without_carrier_sense() {
         let mut radio = Script::default();
         let mut responder = robot();
-        assert_eq!(
-            responder.receive(&request(7, 5), &mut radio),
-            Verdict::Deliver
-        );
-        assert_eq!(
-            radio.timers,
-            [(Duration::from_micros(192), Event::TransmitReady)]
-        );
+        assert_eq!(responder.receive(&request(7, 5), &mut radio), Verdict::Deliver);
+        assert_eq!(radio.timers, [(Duration::from_micros(192), Event::TransmitReady)]);
         assert!(responder.is_responding() && radio.acks.is_empty());
         responder.handle(Event::TransmitReady, &mut radio);
         assert_eq!(radio.acks, [5]);
         assert!(responder.is_responding());
         responder.handle(Event::TransmissionEnded, &mut radio);
         assert!(!responder.is_responding());
-        assert_eq!(
-            radio.states,
-            [
-                RadioState::Turnaround,
-                RadioState::Transmit,
-                RadioState::Receive
-            ]
-        );
+        assert_eq!(radio.states, [RadioState::Turnaround, RadioState::Transmit, RadioState::Receive]);
         assert_eq!(radio.timers.len(), 1);
     }
 
     #[test]
     fn a_duplicate_is_acknowledged_again_and_delivered_once() {
         let mut responder = robot();
-        assert_eq!(
-            respond(&mut responder, &request(7, 5)),
-            (Verdict::Deliver, Some(5))
-        );
-        assert_eq!(
-            respond(&mut responder, &request(7, 5)),
-            (Verdict::Duplicate, Some(5))
-        );
-        assert_eq!(
-            respond(&mut responder, &request(8, 5)),
-            (Verdict::Deliver, Some(5))
-        );
-        assert_eq!(
-            respond(&mut responder, &request(7, 5)),
-            (Verdict::Duplicate, Some(5))
-        );
-        assert_eq!(
-            respond(&mut responder, &request(7, 6)),
-            (Verdict::Deliver, Some(6))
-        );
-        assert_eq!(
-            respond(&mut responder, &request(7, 5)),
-            (Verdict::Deliver, Some(5))
-        );
+        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Deliver, Some(5)));
+        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Duplicate, Some(5)));
+        assert_eq!(respond(&mut responder, &request(8, 5)), (Verdict::Deliver, Some(5)));
+        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Duplicate, Some(5)));
+        assert_eq!(respond(&mut responder, &request(7, 6)), (Verdict::Deliver, Some(6)));
+        assert_eq!(respond(&mut responder, &request(7, 5)), (Verdict::Deliver, Some(5)));
     }
 
     #[test]
@@ -279,62 +230,26 @@ mod tests {
         let frame = Frame::data(5, source, endpoint(Address::BROADCAST), b"!");
         assert_eq!(respond(&mut responder, &frame), (Verdict::Deliver, None));
         assert_eq!(respond(&mut responder, &frame), (Verdict::Deliver, None));
-        let frame = Frame {
-            ack_request: true,
-            ..frame
-        };
+        let frame = Frame { ack_request: true, ..frame };
         assert_eq!(respond(&mut responder, &frame), (Verdict::Deliver, None));
     }
 
     #[test]
     fn a_frame_that_asks_for_no_acknowledgement_gets_none() {
-        let frame = Frame {
-            ack_request: false,
-            ..request(7, 5)
-        };
+        let frame = Frame { ack_request: false, ..request(7, 5) };
         assert_eq!(respond(&mut robot(), &frame), (Verdict::Deliver, None));
     }
 
     #[test]
     fn frames_for_others_are_neither_delivered_nor_acknowledged() {
         let mut responder = robot();
-        let for_node = Frame {
-            destination: Some(endpoint(Address::Short(2))),
-            ..request(7, 5)
-        };
-        let other_pan = Frame {
-            destination: Some(Endpoint {
-                pan: 9,
-                address: ROBOT,
-            }),
-            ..request(7, 5)
-        };
-        let without_destination = Frame {
-            destination: None,
-            ..request(7, 5)
-        };
-        for frame in [
-            for_node,
-            other_pan,
-            without_destination,
-            Frame::acknowledgement(5),
-        ] {
-            assert_eq!(
-                respond(&mut responder, &frame),
-                (Verdict::NotForUs, None),
-                "{frame:?}"
-            );
+        let for_node = Frame { destination: Some(endpoint(Address::Short(2))), ..request(7, 5) };
+        let other_pan = Frame { destination: Some(Endpoint { pan: 9, address: ROBOT }), ..request(7, 5) };
+        let without_destination = Frame { destination: None, ..request(7, 5) };
+        for frame in [for_node, other_pan, without_destination, Frame::acknowledgement(5)] {
+            assert_eq!(respond(&mut responder, &frame), (Verdict::NotForUs, None), "{frame:?}");
         }
-        let any_pan = Frame {
-            destination: Some(Endpoint {
-                pan: BROADCAST_PAN,
-                address: ROBOT,
-            }),
-            ..request(7, 5)
-        };
-        assert_eq!(
-            respond(&mut responder, &any_pan),
-            (Verdict::Deliver, Some(5))
-        );
+        let any_pan = Frame { destination: Some(Endpoint { pan: BROADCAST_PAN, address: ROBOT }), ..request(7, 5) };
+        assert_eq!(respond(&mut responder, &any_pan), (Verdict::Deliver, Some(5)));
     }
 }

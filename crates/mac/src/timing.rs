@@ -49,15 +49,8 @@ struct Numbers {
 
 impl Phy {
     /// Every physical layer.
-    pub const ALL: [Self; 7] = [
-        Self::Oqpsk2450,
-        Self::Bpsk868,
-        Self::Bpsk915,
-        Self::Ask868,
-        Self::Ask915,
-        Self::Oqpsk868,
-        Self::Oqpsk915,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Oqpsk2450, Self::Bpsk868, Self::Bpsk915, Self::Ask868, Self::Ask915, Self::Oqpsk868, Self::Oqpsk915];
 
     const fn numbers(self) -> Numbers {
         let (symbol_ns, shr_symbols, phr_tenths, octet_tenths) = match self {
@@ -68,12 +61,7 @@ impl Phy {
             Self::Ask915 => (20_000, 6 + 1, 16, 16),
             Self::Oqpsk868 => (40_000, 8 + 2, 20, 20),
         };
-        Numbers {
-            symbol_ns,
-            shr_symbols,
-            phr_tenths,
-            octet_tenths,
-        }
+        Numbers { symbol_ns, shr_symbols, phr_tenths, octet_tenths }
     }
 
     /// Span of `count` symbols.
@@ -172,11 +160,7 @@ impl Phy {
     /// Silence that a sender owes after a frame of `mpdu_octets`, or after its acknowledgement.
     #[must_use]
     pub const fn interframe_spacing(self, mpdu_octets: u8) -> Duration {
-        if mpdu_octets <= MAX_SIFS_MPDU_OCTETS {
-            self.short_spacing()
-        } else {
-            self.long_spacing()
-        }
+        if mpdu_octets <= MAX_SIFS_MPDU_OCTETS { self.short_spacing() } else { self.long_spacing() }
     }
 }
 
@@ -192,19 +176,10 @@ mod tests {
     fn the_2450_mhz_layer_has_the_spans_of_the_standard() {
         let phy = Phy::Oqpsk2450;
         assert_eq!((phy.symbol(), phy.octet()), (us(16), us(32)));
-        assert_eq!(
-            (phy.synchronisation_header(), phy.header()),
-            (us(160), us(192))
-        );
-        assert_eq!(
-            (phy.cca(), phy.turnaround(), phy.backoff_period()),
-            (us(128), us(192), us(320))
-        );
+        assert_eq!((phy.synchronisation_header(), phy.header()), (us(160), us(192)));
+        assert_eq!((phy.cca(), phy.turnaround(), phy.backoff_period()), (us(128), us(192), us(320)));
         assert_eq!((phy.ack_wait(), phy.ack_airtime()), (us(864), us(352)));
-        assert_eq!(
-            (phy.short_spacing(), phy.long_spacing()),
-            (us(192), us(640))
-        );
+        assert_eq!((phy.short_spacing(), phy.long_spacing()), (us(192), us(640)));
         for octets in 5..=127 {
             assert_eq!(phy.airtime(octets), us((6 + u64::from(octets)) * 32));
         }
@@ -213,29 +188,13 @@ mod tests {
 
     #[test]
     fn the_other_layers_have_their_own_spans() {
-        let spans = |phy: Phy| {
-            [
-                phy.backoff_period(),
-                phy.cca(),
-                phy.turnaround(),
-                phy.airtime(20),
-            ]
-        };
-        assert_eq!(
-            spans(Phy::Bpsk915),
-            [us(500), us(200), us(300), us((48 + 160) * 25)]
-        );
-        assert_eq!(
-            spans(Phy::Bpsk868),
-            [us(1000), us(400), us(600), us((48 + 160) * 50)]
-        );
+        let spans = |phy: Phy| [phy.backoff_period(), phy.cca(), phy.turnaround(), phy.airtime(20)];
+        assert_eq!(spans(Phy::Bpsk915), [us(500), us(200), us(300), us((48 + 160) * 25)]);
+        assert_eq!(spans(Phy::Bpsk868), [us(1000), us(400), us(600), us((48 + 160) * 50)]);
         // 3.4 + 20 * 0.4 symbols of 80 us; 8.6 + 20 * 1.6 symbols of 20 us.
         assert_eq!(spans(Phy::Ask868), [us(1600), us(640), us(960), us(912)]);
         assert_eq!(spans(Phy::Ask915), [us(400), us(160), us(240), us(812)]);
-        assert_eq!(
-            spans(Phy::Oqpsk868),
-            [us(800), us(320), us(480), us((12 + 40) * 40)]
-        );
+        assert_eq!(spans(Phy::Oqpsk868), [us(800), us(320), us(480), us((12 + 40) * 40)]);
         assert_eq!(spans(Phy::Oqpsk915), spans(Phy::Oqpsk2450));
         let wait = |phy: Phy, symbols| assert_eq!(phy.ack_wait(), phy.symbols(symbols), "{phy:?}");
         wait(Phy::Bpsk868, 120);
@@ -250,20 +209,10 @@ mod tests {
         let kb_per_s = [250, 20, 40, 250, 250, 100, 250];
         for (phy, rate) in Phy::ALL.into_iter().zip(kb_per_s) {
             assert_eq!(phy.octet() * rate, Duration::from_millis(8), "{phy:?}");
-            assert_eq!(
-                phy.airtime(127),
-                phy.header() + 127 * phy.octet(),
-                "{phy:?}"
-            );
-            assert!(
-                (phy.bit_rate_per_s() - 1e3 * f64::from(rate)).abs() < 1e-6,
-                "{phy:?}"
-            );
+            assert_eq!(phy.airtime(127), phy.header() + 127 * phy.octet(), "{phy:?}");
+            assert!((phy.bit_rate_per_s() - 1e3 * f64::from(rate)).abs() < 1e-6, "{phy:?}");
             // The acknowledgement is over before the wait for it is.
-            assert!(
-                phy.turnaround() + phy.ack_airtime() < phy.ack_wait(),
-                "{phy:?}"
-            );
+            assert!(phy.turnaround() + phy.ack_airtime() < phy.ack_wait(), "{phy:?}");
         }
     }
 }

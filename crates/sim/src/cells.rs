@@ -19,12 +19,10 @@ impl<T> Cells<T> {
     /// Empty cells over the bounds of `places` for look-ups within `reach_m`.
     pub(crate) fn covering(places: impl Iterator<Item = Position> + Clone, reach_m: f64) -> Self {
         let infinite = Position::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        let low = places.clone().fold(infinite, |a, p| {
-            Position::new(a.x_m.min(p.x_m), a.y_m.min(p.y_m), a.z_m.min(p.z_m))
-        });
-        let high = places.fold(infinite * -1.0, |a, p| {
-            Position::new(a.x_m.max(p.x_m), a.y_m.max(p.y_m), a.z_m.max(p.z_m))
-        });
+        let low =
+            places.clone().fold(infinite, |a, p| Position::new(a.x_m.min(p.x_m), a.y_m.min(p.y_m), a.z_m.min(p.z_m)));
+        let high =
+            places.fold(infinite * -1.0, |a, p| Position::new(a.x_m.max(p.x_m), a.y_m.max(p.y_m), a.z_m.max(p.z_m)));
         let extent = high - low;
         let widest = extent.x_m.max(extent.y_m).max(extent.z_m);
         if !widest.is_finite() || !reach_m.is_finite() {

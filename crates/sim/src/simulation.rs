@@ -87,7 +87,8 @@ impl Simulation {
             NodeFrame::broadcast(PAN, last, traffic.mpdu_octets())
         };
         longest.map_err(|error| error.within(traffic.key()))?;
-        let channel = Channel::new(channel, world.obstacles.clone(), seed).map_err(|error| error.within("channel"))?;
+        let channel =
+            Channel::new(channel, world.obstacles.clone(), seed).map_err(|error| error.within("channel"))?;
         let places = || world.nodes.iter().map(|node| node.position);
         let air = Air::new(
             AirSettings {
@@ -235,7 +236,8 @@ impl Simulation {
         let state = &mut self.network.nodes[node.index()];
         state.fate = state.fate.max(best);
         let first_robot = self.macs.len();
-        let is_received = |arrival: &Arrival| arrival.fate == Fate::Received && arrival.station.index() >= first_robot;
+        let is_received =
+            |arrival: &Arrival| arrival.fate == Fate::Received && arrival.station.index() >= first_robot;
         if !observer.wants_frames() && !self.arrivals.iter().any(is_received) {
             return;
         }

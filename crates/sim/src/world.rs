@@ -36,7 +36,9 @@ impl WorldConfig {
     /// If an obstacle has no volume, a node stands in an obstacle, or the nodes do not fit.
     pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
         let obstacles = (self.obstacles.iter().enumerate())
-            .map(|(i, config)| Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]"))))
+            .map(|(i, config)| {
+                Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]")))
+            })
             .collect::<Result<Vec<_>, _>>()?;
         let obstacles = ObstacleField::new(obstacles);
         let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;

@@ -64,8 +64,8 @@ fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup 
         .unwrap(),
         reception: ReceptionModel::Overlap,
         phy: Phy::Oqpsk2450,
-        csma: CsmaSettings::try_from(CsmaConfig::default()).unwrap(),
-        traffic: Traffic::try_from(TrafficConfig::Query(query)).unwrap(),
+        csma: CsmaSettings::try_from(CsmaConfig::default()).expect("good settings"),
+        traffic: Traffic::try_from(TrafficConfig::Query(query)).expect("good settings"),
         radio_states: RadioStates::cc2420(),
         robots: vec![Robot {
             body: Body {

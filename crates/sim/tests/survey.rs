@@ -36,8 +36,7 @@ impl Controller for Tour {
 }
 
 fn tour(places: Vec<Position>, listen: Duration) -> Robot {
-    let body =
-        Body { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m: 0.25, listen };
+    let body = Body { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m: 0.25, listen };
     Robot { body, controller: Box::new(Tour { places, next: 0 }) }
 }
 
@@ -63,7 +62,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         .unwrap(),
         reception: ReceptionModel::SinrThreshold { least: 2.0 },
         phy: Phy::Oqpsk2450,
-        csma: CsmaSettings::try_from(CsmaConfig::default()).unwrap(),
+        csma: CsmaSettings::try_from(CsmaConfig::default()).expect("good settings"),
         traffic: Traffic::try_from(TrafficConfig::Beacon(BeaconConfig {
             mpdu_octets: 20,
             interval_s: 0.5,
@@ -82,7 +81,9 @@ fn field_of(count: i32) -> Vec<Position> {
 
 fn survey(seed: u64) -> Survey {
     let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
-    Simulation::new(setup(&field_of(12), tour(stops, Duration::from_secs(1)), seed)).unwrap().run(&mut Unobserved)
+    Simulation::new(setup(&field_of(12), tour(stops, Duration::from_secs(1)), seed))
+        .expect("good settings")
+        .run(&mut Unobserved)
 }
 
 #[test]

@@ -34,8 +34,8 @@ mod recover;
 mod scan;
 mod sink;
 
-pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use drawing::{LikelihoodPlane, PlacedNode, Solid};
+pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use error::RecordingError;
 pub use foxglove::messages::log::Level;
 pub use inspect::{AttachmentInfo, Damage, Inspection, Topic, inspect};

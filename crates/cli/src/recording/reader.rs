@@ -133,7 +133,10 @@ pub fn read_attachment(path: &Path, name: &str) -> Result<Option<Attachment>, Re
 }
 
 /// Scans a file that must be whole.
-pub(super) fn sound(path: &Path, visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>) -> Result<(), RecordingError> {
+pub(super) fn sound(
+    path: &Path,
+    visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
+) -> Result<(), RecordingError> {
     match scan(path, visit)? {
         None => Ok(()),
         Some(damage) => Err(RecordingError::Broken {

@@ -24,13 +24,7 @@ pub struct CsmaConfig {
 
 impl Default for CsmaConfig {
     fn default() -> Self {
-        Self {
-            min_be: 3,
-            max_be: 5,
-            max_backoffs: 4,
-            max_retries: 3,
-            rx_on_when_idle: false,
-        }
+        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, rx_on_when_idle: false }
     }
 }
 
@@ -79,13 +73,7 @@ impl CsmaSettings {
 impl Default for CsmaSettings {
     /// The defaults of the standard, receiver off between frames.
     fn default() -> Self {
-        Self {
-            min_be: 3,
-            max_be: 5,
-            max_backoffs: 4,
-            max_retries: 3,
-            resting_state: RadioState::Idle,
-        }
+        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, resting_state: RadioState::Idle }
     }
 }
 
@@ -93,31 +81,17 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
     type Error = SettingError;
 
     fn try_from(config: CsmaConfig) -> Result<Self, SettingError> {
-        let CsmaConfig {
-            min_be,
-            max_be,
-            max_backoffs,
-            max_retries,
-            rx_on_when_idle,
-        } = config;
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle } = config;
         let max_be = within("max_be", max_be, 3, 8)?;
         if min_be > max_be {
-            return Err(SettingError::new(
-                "min_be",
-                min_be,
-                format!("0 to max_be, which is {max_be}"),
-            ));
+            return Err(SettingError::new("min_be", min_be, format!("0 to max_be, which is {max_be}")));
         }
         Ok(Self {
             min_be,
             max_be,
             max_backoffs: within("max_backoffs", max_backoffs, 0, 5)?,
             max_retries: within("max_retries", max_retries, 0, 7)?,
-            resting_state: if rx_on_when_idle {
-                RadioState::Receive
-            } else {
-                RadioState::Idle
-            },
+            resting_state: if rx_on_when_idle { RadioState::Receive } else { RadioState::Idle },
         })
     }
 }
@@ -136,53 +110,18 @@ mod tests {
 
     #[test]
     fn the_defaults_as_written_are_the_defaults_as_used() {
-        assert_eq!(
-            CsmaSettings::try_from(CsmaConfig::default()),
-            Ok(CsmaSettings::default())
-        );
+        assert_eq!(CsmaSettings::try_from(CsmaConfig::default()), Ok(CsmaSettings::default()));
     }
 
     #[test]
     fn each_setting_is_held_to_the_range_of_the_standard() {
         let good = CsmaConfig::default();
         let key = |config: CsmaConfig| CsmaSettings::try_from(config).err().map(|error| error.key);
-        assert_eq!(
-            key(CsmaConfig { min_be: 6, ..good }).as_deref(),
-            Some("min_be")
-        );
-        assert_eq!(
-            key(CsmaConfig { max_be: 2, ..good }).as_deref(),
-            Some("max_be")
-        );
-        assert_eq!(
-            key(CsmaConfig { max_be: 9, ..good }).as_deref(),
-            Some("max_be")
-        );
-        assert_eq!(
-            key(CsmaConfig {
-                max_backoffs: 6,
-                ..good
-            })
-            .as_deref(),
-            Some("max_backoffs")
-        );
-        assert_eq!(
-            key(CsmaConfig {
-                max_retries: 8,
-                ..good
-            })
-            .as_deref(),
-            Some("max_retries")
-        );
-        assert_eq!(
-            key(CsmaConfig {
-                min_be: 0,
-                max_be: 8,
-                max_backoffs: 5,
-                max_retries: 7,
-                ..good
-            }),
-            None
-        );
+        assert_eq!(key(CsmaConfig { min_be: 6, ..good }).as_deref(), Some("min_be"));
+        assert_eq!(key(CsmaConfig { max_be: 2, ..good }).as_deref(), Some("max_be"));
+        assert_eq!(key(CsmaConfig { max_be: 9, ..good }).as_deref(), Some("max_be"));
+        assert_eq!(key(CsmaConfig { max_backoffs: 6, ..good }).as_deref(), Some("max_backoffs"));
+        assert_eq!(key(CsmaConfig { max_retries: 8, ..good }).as_deref(), Some("max_retries"));
+        assert_eq!(key(CsmaConfig { min_be: 0, max_be: 8, max_backoffs: 5, max_retries: 7, ..good }), None);
     }
 }

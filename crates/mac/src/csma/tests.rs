@@ -84,20 +84,12 @@ impl Script {
 
     /// When [us] this step was commanded.
     fn instants(&self, step: Step) -> Vec<u64> {
-        self.log
-            .iter()
-            .filter(|entry| entry.1 == step)
-            .map(|entry| entry.0)
-            .collect()
+        self.log.iter().filter(|entry| entry.1 == step).map(|entry| entry.0).collect()
     }
 
     fn windows(&self) -> Vec<u32> {
         let window = |&(_, step): &(u64, Step)| {
-            if let Step::Draw { max } = step {
-                Some(max)
-            } else {
-                None
-            }
+            if let Step::Draw { max } = step { Some(max) } else { None }
         };
         self.log.iter().filter_map(window).collect()
     }
@@ -128,8 +120,7 @@ impl Radio for Script {
         assert_eq!(self.meter.state(), RadioState::Receive);
         self.note(Step::Cca);
         let busy = self.busy.pop_front().unwrap_or(false);
-        self.air
-            .push((self.now + self.phy.cca(), Event::CcaEnded { busy }));
+        self.air.push((self.now + self.phy.cca(), Event::CcaEnded { busy }));
     }
 
     fn start_transmission(&mut self, frame: Transmission) {
@@ -144,15 +135,8 @@ impl Radio for Script {
     }
 }
 
-const BROADCAST: Transmission = Transmission {
-    mpdu_octets: 20,
-    ack_request: false,
-    sequence: 7,
-};
-const UNICAST: Transmission = Transmission {
-    ack_request: true,
-    ..BROADCAST
-};
+const BROADCAST: Transmission = Transmission { mpdu_octets: 20, ack_request: false, sequence: 7 };
+const UNICAST: Transmission = Transmission { ack_request: true, ..BROADCAST };
 const BUSY: [bool; 5] = [true; 5];
 
 fn machine() -> Csma {
@@ -160,10 +144,7 @@ fn machine() -> Csma {
 }
 
 fn machine_with(config: CsmaConfig) -> Csma {
-    Csma::new(
-        CsmaSettings::try_from(config).expect("good settings"),
-        Phy::Oqpsk2450,
-    )
+    Csma::new(CsmaSettings::try_from(config).expect("good settings"), Phy::Oqpsk2450)
 }
 
 #[test]
@@ -183,15 +164,7 @@ fn a_frame_on_an_idle_channel_goes_out_after_backoff_cca_and_turnaround() {
         (2752, Step::Enter(RadioState::Idle)),
     ];
     assert_eq!(radio.log, expected);
-    assert_eq!(
-        report,
-        Report {
-            frame: BROADCAST,
-            outcome: Outcome::Sent,
-            ccas: 1,
-            transmissions: 1
-        }
-    );
+    assert_eq!(report, Report { frame: BROADCAST, outcome: Outcome::Sent, ccas: 1, transmissions: 1 });
 }
 
 #[test]
@@ -205,15 +178,7 @@ fn a_busy_channel_is_given_up_after_five_ccas() {
     assert_eq!(radio.instants(Step::Cca), [640, 5568, 5696, 15_744, 16_192]);
     assert_eq!(radio.now_us(), 16_192 + 128);
     let outcome = Outcome::ChannelAccessFailure;
-    assert_eq!(
-        report,
-        Report {
-            frame: BROADCAST,
-            outcome,
-            ccas: 5,
-            transmissions: 0
-        }
-    );
+    assert_eq!(report, Report { frame: BROADCAST, outcome, ccas: 5, transmissions: 0 });
     // Nothing was sent, so no silence is owed.
     csma.start(BROADCAST, &mut radio);
     assert_eq!(radio.windows().len(), 6);
@@ -226,32 +191,19 @@ fn the_fifth_cca_can_still_find_the_channel_idle() {
     let mut csma = machine();
     csma.start(BROADCAST, &mut radio);
     let report = radio.report(&mut csma);
-    assert_eq!(
-        (report.outcome, report.ccas, report.transmissions),
-        (Outcome::Sent, 5, 1)
-    );
+    assert_eq!((report.outcome, report.ccas, report.transmissions), (Outcome::Sent, 5, 1));
 }
 
 #[test]
 fn the_settings_bound_backoffs_and_exponents() {
-    let config = CsmaConfig {
-        min_be: 0,
-        max_be: 3,
-        max_backoffs: 5,
-        ..CsmaConfig::default()
-    };
+    let config = CsmaConfig { min_be: 0, max_be: 3, max_backoffs: 5, ..CsmaConfig::default() };
     let mut radio = Script::new(&[], &[true; 6], &[]);
     let mut csma = machine_with(config);
     csma.start(BROADCAST, &mut radio);
     assert_eq!(radio.report(&mut csma).ccas, 6);
     assert_eq!(radio.windows(), [0, 1, 3, 7, 7, 7]);
 
-    let config = CsmaConfig {
-        min_be: 8,
-        max_be: 8,
-        max_backoffs: 0,
-        ..config
-    };
+    let config = CsmaConfig { min_be: 8, max_be: 8, max_backoffs: 0, ..config };
     let mut radio = Script::new(&[255], &BUSY, &[]);
     let mut csma = machine_with(config);
     csma.start(BROADCAST, &mut radio);
@@ -274,15 +226,7 @@ fn the_receiver_is_ready_when_the_acknowledgement_starts_and_the_frame_ends_with
         (end + 192 + 352, Step::Enter(RadioState::Idle)),
     ];
     assert_eq!(radio.log[radio.log.len() - 4..], expected);
-    assert_eq!(
-        report,
-        Report {
-            frame: UNICAST,
-            outcome: Outcome::Acknowledged,
-            ccas: 1,
-            transmissions: 1
-        }
-    );
+    assert_eq!(report, Report { frame: UNICAST, outcome: Outcome::Acknowledged, ccas: 1, transmissions: 1 });
     assert_eq!(Event::ReceiveReady.class(), Class::EndOfSignal);
     assert!(Event::ReceiveReady.class() < Class::StartOfSignal);
 }
@@ -295,21 +239,10 @@ fn a_frame_without_acknowledgement_is_sent_four_times() {
     let report = radio.report(&mut csma);
     // Backoff 0, CCA, turnaround, frame; the wait is 864 us from the end of the frame.
     let period = 128 + 192 + 832 + 864;
-    assert_eq!(
-        radio.instants(Step::Transmit),
-        [0, 1, 2, 3].map(|i| 320 + i * period)
-    );
+    assert_eq!(radio.instants(Step::Transmit), [0, 1, 2, 3].map(|i| 320 + i * period));
     assert_eq!(radio.now_us(), 4 * period);
     assert_eq!(radio.windows(), [7; 4]);
-    assert_eq!(
-        report,
-        Report {
-            frame: UNICAST,
-            outcome: Outcome::NoAck,
-            ccas: 4,
-            transmissions: 4
-        }
-    );
+    assert_eq!(report, Report { frame: UNICAST, outcome: Outcome::NoAck, ccas: 4, transmissions: 4 });
 }
 
 #[test]
@@ -318,18 +251,12 @@ fn a_late_acknowledgement_ends_the_retries() {
     let mut csma = machine();
     csma.start(UNICAST, &mut radio);
     let report = radio.report(&mut csma);
-    assert_eq!(
-        (report.outcome, report.transmissions),
-        (Outcome::Acknowledged, 3)
-    );
+    assert_eq!((report.outcome, report.transmissions), (Outcome::Acknowledged, 3));
 }
 
 #[test]
 fn an_acknowledgement_of_another_frame_does_not_count() {
-    let config = CsmaConfig {
-        max_retries: 0,
-        ..CsmaConfig::default()
-    };
+    let config = CsmaConfig { max_retries: 0, ..CsmaConfig::default() };
     let mut radio = Script::new(&[], &[], &[Some(8)]);
     let mut csma = machine_with(config);
     csma.start(UNICAST, &mut radio);
@@ -357,15 +284,7 @@ fn a_channel_access_failure_in_a_retry_ends_the_frame() {
     csma.start(UNICAST, &mut radio);
     let report = radio.report(&mut csma);
     let outcome = Outcome::ChannelAccessFailure;
-    assert_eq!(
-        report,
-        Report {
-            frame: UNICAST,
-            outcome,
-            ccas: 6,
-            transmissions: 1
-        }
-    );
+    assert_eq!(report, Report { frame: UNICAST, outcome, ccas: 6, transmissions: 1 });
 }
 
 #[test]
@@ -376,10 +295,7 @@ fn each_retry_starts_again_with_the_first_exponent_and_all_backoffs() {
     csma.start(UNICAST, &mut radio);
     let report = radio.report(&mut csma);
     assert_eq!(radio.windows(), [7, 15, 31, 31, 31, 7, 15, 31, 31, 31]);
-    assert_eq!(
-        (report.outcome, report.ccas, report.transmissions),
-        (Outcome::Acknowledged, 10, 2)
-    );
+    assert_eq!((report.outcome, report.ccas, report.transmissions), (Outcome::Acknowledged, 10, 2));
 }
 
 #[test]
@@ -387,11 +303,7 @@ fn the_next_frame_waits_for_the_end_of_the_interframe_spacing() {
     // Until the next draw, from the end of the frame or of its acknowledgement.
     for (mpdu_octets, spacing) in [(5, 192), (18, 192), (19, 640), (127, 640)] {
         for ack_request in [false, true] {
-            let frame = Transmission {
-                mpdu_octets,
-                ack_request,
-                sequence: 7,
-            };
+            let frame = Transmission { mpdu_octets, ack_request, sequence: 7 };
             let mut radio = Script::new(&[], &[], &[ack_request.then_some(7)]);
             let mut csma = machine();
             csma.start(frame, &mut radio);
@@ -401,10 +313,7 @@ fn the_next_frame_waits_for_the_end_of_the_interframe_spacing() {
             csma.start(frame, &mut radio);
             assert!(csma.is_busy());
             let event = radio.next().expect("the spacing ends");
-            assert_eq!(
-                (event, radio.now_us()),
-                (Event::InterframeSpaceEnded, end + spacing)
-            );
+            assert_eq!((event, radio.now_us()), (Event::InterframeSpaceEnded, end + spacing));
             assert_eq!(csma.handle(event, &mut radio), None);
             assert_eq!(radio.instants(Step::Draw { max: 7 }), [0, end + spacing]);
         }
@@ -434,28 +343,19 @@ fn a_wait_for_an_acknowledgement_that_is_shorter_than_the_spacing_is_filled_up()
     radio.report(&mut csma);
     let airtime = 272 + 20 * 32;
     let period = (8 + 12 + 40) * 80 + airtime;
-    assert_eq!(
-        radio.instants(Step::Transmit),
-        [0, 1, 2, 3].map(|i| 20 * 80 + i * period)
-    );
+    assert_eq!(radio.instants(Step::Transmit), [0, 1, 2, 3].map(|i| 20 * 80 + i * period));
 }
 
 #[test]
 fn a_receiver_that_stays_on_rests_in_receive() {
-    let config = CsmaConfig {
-        rx_on_when_idle: true,
-        ..CsmaConfig::default()
-    };
+    let config = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
     let mut radio = Script::new(&[3], &[true], &[]);
     let mut csma = machine_with(config);
     assert_eq!(csma.resting_state(), RadioState::Receive);
     csma.start(BROADCAST, &mut radio);
     radio.report(&mut csma);
     assert!(radio.instants(Step::Enter(RadioState::Idle)).is_empty());
-    assert_eq!(
-        radio.meter.span(RadioState::Receive),
-        Duration::from_micros(3 * 320 + 2 * 128)
-    );
+    assert_eq!(radio.meter.span(RadioState::Receive), Duration::from_micros(3 * 320 + 2 * 128));
 }
 
 #[test]
@@ -467,10 +367,7 @@ fn a_broadcast_of_a_lone_node_costs_63_microjoules_and_an_acknowledged_frame_94(
             let mut csma = machine();
             csma.start(frame, &mut radio);
             radio.report(&mut csma);
-            1e6 * radio
-                .meter
-                .spent(&RadioStates::cc2420(), sextant_channel::Dbm(0.0))
-                .total_j()
+            1e6 * radio.meter.spent(&RadioStates::cc2420(), sextant_channel::Dbm(0.0)).total_j()
         };
         (one(3) + one(4)) / 2.0
     };

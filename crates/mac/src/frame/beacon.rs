@@ -61,11 +61,7 @@ pub struct Beacon<'a> {
 fn fit(field: &'static str, value: usize, allowed: usize) -> Result<u8, WriteError> {
     match u8::try_from(value) {
         Ok(octet) if value <= allowed => Ok(octet),
-        _ => Err(WriteError::BeaconField {
-            field,
-            found: value,
-            allowed,
-        }),
+        _ => Err(WriteError::BeaconField { field, found: value, allowed }),
     }
 }
 
@@ -100,11 +96,7 @@ impl Superframe {
 impl<'a> Beacon<'a> {
     pub(super) fn write(&self, mpdu: &mut Vec<u8>) -> Result<(), WriteError> {
         mpdu.extend(self.superframe.to_bits()?.to_le_bytes());
-        let count = fit(
-            "the number of guaranteed slots",
-            self.guaranteed.len(),
-            MAX_LISTED,
-        )?;
+        let count = fit("the number of guaranteed slots", self.guaranteed.len(), MAX_LISTED)?;
         mpdu.push(count | if self.gts_permit { GTS_PERMIT } else { 0 });
         if count > 0 {
             let directions = self.guaranteed.iter().rev();
@@ -115,27 +107,11 @@ impl<'a> Beacon<'a> {
             let first = nibble("the first slot of a guaranteed slot", slot.first_slot)?;
             mpdu.push(first | nibble("the length of a guaranteed slot", slot.slots)? << 4);
         }
-        let short = fit(
-            "the number of short pending addresses",
-            self.pending_short.len(),
-            MAX_LISTED,
-        )?;
-        let extended = fit(
-            "the number of extended pending addresses",
-            self.pending_extended.len(),
-            MAX_LISTED,
-        )?;
+        let short = fit("the number of short pending addresses", self.pending_short.len(), MAX_LISTED)?;
+        let extended = fit("the number of extended pending addresses", self.pending_extended.len(), MAX_LISTED)?;
         mpdu.push(short | extended << 4);
-        mpdu.extend(
-            self.pending_short
-                .iter()
-                .flat_map(|address| address.to_le_bytes()),
-        );
-        mpdu.extend(
-            self.pending_extended
-                .iter()
-                .flat_map(|address| address.to_le_bytes()),
-        );
+        mpdu.extend(self.pending_short.iter().flat_map(|address| address.to_le_bytes()));
+        mpdu.extend(self.pending_extended.iter().flat_map(|address| address.to_le_bytes()));
         mpdu.extend(self.payload);
         Ok(())
     }
@@ -144,11 +120,7 @@ impl<'a> Beacon<'a> {
         let superframe = Superframe::from_bits(cursor.u16("superframe specification")?);
         let specification = cursor.u8("GTS specification")?;
         let count = specification & 7;
-        let directions = if count > 0 {
-            cursor.u8("GTS directions")?
-        } else {
-            0
-        };
+        let directions = if count > 0 { cursor.u8("GTS directions")? } else { 0 };
         let mut guaranteed = Vec::new();
         for index in 0..count {
             let device = cursor.u16("GTS list")?;

@@ -12,21 +12,13 @@ pub(super) struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     /// The start of a frame whose FCS was taken off.
     pub(super) const fn new(covered: &'a [u8]) -> Self {
-        Self {
-            rest: covered,
-            octets: covered.len() + 2,
-        }
+        Self { rest: covered, octets: covered.len() + 2 }
     }
 
     /// The next octets; `part` names them in the error.
-    pub(super) fn take<const N: usize>(
-        &mut self,
-        part: &'static str,
-    ) -> Result<[u8; N], ParseError> {
-        let (&head, rest) = self.rest.split_first_chunk().ok_or(ParseError::Truncated {
-            octets: self.octets,
-            part,
-        })?;
+    pub(super) fn take<const N: usize>(&mut self, part: &'static str) -> Result<[u8; N], ParseError> {
+        let (&head, rest) =
+            self.rest.split_first_chunk().ok_or(ParseError::Truncated { octets: self.octets, part })?;
         self.rest = rest;
         Ok(head)
     }

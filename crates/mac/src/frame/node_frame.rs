@@ -32,26 +32,14 @@ impl NodeFrame {
     ///
     /// # Errors
     /// As [`NodeFrame::broadcast`]; six octets more for a station beyond n65533.
-    pub fn acknowledged(
-        pan: u16,
-        node: NodeId,
-        to: NodeId,
-        mpdu_octets: u8,
-    ) -> Result<Self, SettingError> {
+    pub fn acknowledged(pan: u16, node: NodeId, to: NodeId, mpdu_octets: u8) -> Result<Self, SettingError> {
         Self::new(pan, node, Address::of(to), mpdu_octets)
     }
 
     fn new(pan: u16, node: NodeId, to: Address, mpdu_octets: u8) -> Result<Self, SettingError> {
-        let source = Endpoint {
-            pan,
-            address: Address::of(node),
-        };
+        let source = Endpoint { pan, address: Address::of(node) };
         let destination = Endpoint { pan, address: to };
-        let frame = Self {
-            source,
-            destination,
-            mpdu_octets,
-        };
+        let frame = Self { source, destination, mpdu_octets };
         let least = frame.overhead_octets();
         if !(least..=MAX_MPDU_OCTETS).contains(&mpdu_octets) {
             let allowed = format!("{least} to {MAX_MPDU_OCTETS} octets for node {node}");

@@ -6,28 +6,16 @@ use sextant_kernel::NodeId;
 use super::*;
 
 fn octets(hex: &str) -> Vec<u8> {
-    let digits: Vec<u8> = hex
-        .chars()
-        .filter_map(|c| c.to_digit(16)?.try_into().ok())
-        .collect();
-    digits
-        .chunks_exact(2)
-        .map(|pair| pair[0] << 4 | pair[1])
-        .collect()
+    let digits: Vec<u8> = hex.chars().filter_map(|c| c.to_digit(16)?.try_into().ok()).collect();
+    digits.chunks_exact(2).map(|pair| pair[0] << 4 | pair[1]).collect()
 }
 
 fn short(pan: u16, address: u16) -> Endpoint {
-    Endpoint {
-        pan,
-        address: Address::Short(address),
-    }
+    Endpoint { pan, address: Address::Short(address) }
 }
 
 fn extended(pan: u16, address: u64) -> Endpoint {
-    Endpoint {
-        pan,
-        address: Address::Extended(address),
-    }
+    Endpoint { pan, address: Address::Extended(address) }
 }
 
 fn written(frame: &Frame<'_>) -> Vec<u8> {
@@ -49,10 +37,7 @@ fn assert_octets(frame: &Frame<'_>, hex: &str) {
 
 #[test]
 fn data_with_short_addresses_has_the_octets_that_an_analyser_decodes() {
-    let frame = Frame {
-        ack_request: true,
-        ..Frame::data(5, short(0x1234, 7), short(0x1234, 0), b"hello")
-    };
+    let frame = Frame { ack_request: true, ..Frame::data(5, short(0x1234, 7), short(0x1234, 0), b"hello") };
     assert_octets(&frame, "61880534120000070068656c6c6f8788");
 }
 
@@ -66,10 +51,7 @@ fn a_broadcast_has_the_octets_that_an_analyser_decodes() {
 fn data_with_extended_addresses_has_the_octets_that_an_analyser_decodes() {
     let destination = extended(0x1234, 0x0706_0504_0302_0100);
     let source = extended(0x1234, 0x0F0E_0D0C_0B0A_0908);
-    let frame = Frame {
-        ack_request: true,
-        ..Frame::data(7, source, destination, b"x")
-    };
+    let frame = Frame { ack_request: true, ..Frame::data(7, source, destination, b"x") };
     assert_octets(&frame, "61cc073412000102030405060708090a0b0c0d0e0f786ef3");
 }
 
@@ -82,23 +64,13 @@ fn an_acknowledgement_has_the_octets_that_an_analyser_decodes() {
 
 #[test]
 fn a_beacon_has_the_octets_that_an_analyser_decodes() {
-    assert_octets(
-        &beacon(1, Vec::new(), b"BCN"),
-        "0080013412000046cf000042434efad5",
-    );
+    assert_octets(&beacon(1, Vec::new(), b"BCN"), "0080013412000046cf000042434efad5");
 }
 
 #[test]
 fn a_data_request_has_the_octets_that_an_analyser_decodes() {
-    let body = Body::Command {
-        command: Command::DataRequest,
-        payload: &[],
-    };
-    let frame = Frame {
-        ack_request: true,
-        body,
-        ..Frame::data(6, short(0x1234, 7), short(0x1234, 0), &[])
-    };
+    let body = Body::Command { command: Command::DataRequest, payload: &[] };
+    let frame = Frame { ack_request: true, body, ..Frame::data(6, short(0x1234, 7), short(0x1234, 0), &[]) };
     assert_octets(&frame, "63880634120000070004f016");
 }
 
@@ -119,146 +91,62 @@ fn beacon(sequence: u8, guaranteed: Vec<GuaranteedSlot>, payload: &[u8]) -> Fram
         pending_extended: Vec::new(),
         payload,
     });
-    Frame {
-        destination: None,
-        body,
-        ..Frame::data(sequence, short(0x1234, 0), short(0, 0), &[])
-    }
+    Frame { destination: None, body, ..Frame::data(sequence, short(0x1234, 0), short(0, 0), &[]) }
 }
 
 #[test]
 fn guaranteed_slots_take_a_mask_of_directions_and_three_octets_each() {
-    let slot = |device, first_slot, slots, receive_only| GuaranteedSlot {
-        device,
-        first_slot,
-        slots,
-        receive_only,
-    };
-    let frame = beacon(
-        1,
-        vec![slot(0x0102, 14, 2, false), slot(0x0304, 11, 3, true)],
-        &[],
-    );
+    let slot = |device, first_slot, slots, receive_only| GuaranteedSlot { device, first_slot, slots, receive_only };
+    let frame = beacon(1, vec![slot(0x0102, 14, 2, false), slot(0x0304, 11, 3, true)], &[]);
     let mpdu = written(&frame);
-    assert_eq!(
-        mpdu[9..17],
-        [0x02, 0b10, 0x02, 0x01, 0x2E, 0x04, 0x03, 0x3B]
-    );
+    assert_eq!(mpdu[9..17], [0x02, 0b10, 0x02, 0x01, 0x2E, 0x04, 0x03, 0x3B]);
     assert_eq!(Frame::parse(&mpdu), Ok(frame));
 }
 
 #[test]
 fn a_beacon_request_names_a_destination_and_no_source() {
-    let body = Body::Command {
-        command: Command::BeaconRequest,
-        payload: &[],
-    };
+    let body = Body::Command { command: Command::BeaconRequest, payload: &[] };
     let everybody = short(BROADCAST_PAN, 0xFFFF);
-    let frame = Frame {
-        source: None,
-        body,
-        ..Frame::data(1, everybody, everybody, &[])
-    };
-    assert_eq!(
-        written(&frame)[..8],
-        [0x03, 0x08, 1, 0xFF, 0xFF, 0xFF, 0xFF, 7]
-    );
+    let frame = Frame { source: None, body, ..Frame::data(1, everybody, everybody, &[]) };
+    assert_eq!(written(&frame)[..8], [0x03, 0x08, 1, 0xFF, 0xFF, 0xFF, 0xFF, 7]);
 }
 
 #[test]
 fn two_pans_are_both_named() {
     let frame = Frame::data(1, short(0x1111, 1), short(0x2222, 2), &[]);
-    assert_eq!(
-        written(&frame)[..11],
-        [0x01, 0x88, 1, 0x22, 0x22, 2, 0, 0x11, 0x11, 1, 0]
-    );
+    assert_eq!(written(&frame)[..11], [0x01, 0x88, 1, 0x22, 0x22, 2, 0, 0x11, 0x11, 1, 0]);
 }
 
 #[test]
 fn a_frame_that_is_none_is_refused_with_the_reason() {
     let reason = |hex: &str| Frame::parse(&with_fcs(octets(hex))).expect_err("no frame");
-    assert_eq!(
-        Frame::parse(&[1]),
-        Err(ParseError::Truncated {
-            octets: 1,
-            part: "FCS"
-        })
-    );
+    assert_eq!(Frame::parse(&[1]), Err(ParseError::Truncated { octets: 1, part: "FCS" }));
     assert_eq!(Frame::parse(&[0; 128]), Err(ParseError::Oversized(128)));
-    let bad_fcs = ParseError::BadFcs {
-        found: 0xE216,
-        computed: 0xE215,
-    };
+    let bad_fcs = ParseError::BadFcs { found: 0xE216, computed: 0xE215 };
     assert_eq!(Frame::parse(&octets("02000516e2")), Err(bad_fcs));
-    assert_eq!(
-        reason("0200"),
-        ParseError::Truncated {
-            octets: 4,
-            part: "sequence number"
-        }
-    );
-    assert_eq!(
-        reason("41880934"),
-        ParseError::Truncated {
-            octets: 6,
-            part: "destination PAN"
-        }
-    );
-    assert_eq!(
-        reason("4188093412ffff07"),
-        ParseError::Truncated {
-            octets: 10,
-            part: "addresses"
-        }
-    );
+    assert_eq!(reason("0200"), ParseError::Truncated { octets: 4, part: "sequence number" });
+    assert_eq!(reason("41880934"), ParseError::Truncated { octets: 6, part: "destination PAN" });
+    assert_eq!(reason("4188093412ffff07"), ParseError::Truncated { octets: 10, part: "addresses" });
     assert_eq!(reason("040005"), ParseError::ReservedType(4));
     assert_eq!(reason("022005"), ParseError::UnsupportedVersion(2));
     assert_eq!(reason("0a0005"), ParseError::Secured);
-    assert_eq!(
-        reason("010405"),
-        ParseError::ReservedAddressingMode("destination")
-    );
-    assert_eq!(
-        reason("014005"),
-        ParseError::ReservedAddressingMode("source")
-    );
-    assert_eq!(
-        reason("4108051234"),
-        ParseError::CompressionWithoutBothAddresses
-    );
+    assert_eq!(reason("010405"), ParseError::ReservedAddressingMode("destination"));
+    assert_eq!(reason("014005"), ParseError::ReservedAddressingMode("source"));
+    assert_eq!(reason("4108051234"), ParseError::CompressionWithoutBothAddresses);
     assert_eq!(reason("0308013412ffff0a"), ParseError::ReservedCommand(10));
-    assert_eq!(
-        reason("0200053f"),
-        ParseError::AcknowledgementWithPayload(1)
-    );
+    assert_eq!(reason("0200053f"), ParseError::AcknowledgementWithPayload(1));
 }
 
 #[test]
 fn a_frame_that_does_not_fit_is_not_written() {
     let ends = (short(1, 1), short(1, 2));
     let mut mpdu = Vec::new();
-    assert_eq!(
-        Frame::data(1, ends.0, ends.1, &[0; 116]).write(&mut mpdu),
-        Ok(())
-    );
+    assert_eq!(Frame::data(1, ends.0, ends.1, &[0; 116]).write(&mut mpdu), Ok(()));
     assert_eq!(mpdu.len(), 127);
-    assert_eq!(
-        Frame::data(1, ends.0, ends.1, &[0; 117]).write(&mut mpdu),
-        Err(WriteError::Oversized(128))
-    );
-    let slot = GuaranteedSlot {
-        device: 1,
-        first_slot: 16,
-        slots: 1,
-        receive_only: false,
-    };
-    let error = beacon(1, vec![slot], &[])
-        .write(&mut mpdu)
-        .expect_err("16 needs five bits");
-    assert_eq!(
-        error.to_string(),
-        "the first slot of a guaranteed slot of the beacon is 16; allowed: 0 to 15"
-    );
+    assert_eq!(Frame::data(1, ends.0, ends.1, &[0; 117]).write(&mut mpdu), Err(WriteError::Oversized(128)));
+    let slot = GuaranteedSlot { device: 1, first_slot: 16, slots: 1, receive_only: false };
+    let error = beacon(1, vec![slot], &[]).write(&mut mpdu).expect_err("16 needs five bits");
+    assert_eq!(error.to_string(), "the first slot of a guaranteed slot of the beacon is 16; allowed: 0 to 15");
 }
 
 #[test]
@@ -269,33 +157,22 @@ fn a_frame_of_a_node_has_the_size_asked_for() {
         assert!(NodeFrame::broadcast(1, node, least - 1).is_err());
         assert!(NodeFrame::broadcast(1, node, 128).is_err());
         for size in least..=127 {
-            NodeFrame::broadcast(1, node, size)
-                .expect("a good size")
-                .write(3, &mut mpdu);
+            NodeFrame::broadcast(1, node, size).expect("a good size").write(3, &mut mpdu);
             assert_eq!(mpdu.len(), usize::from(size));
             let frame = Frame::parse(&mpdu).expect("a frame");
-            assert_eq!(
-                frame.source.and_then(|from| from.address.node()),
-                Some(node)
-            );
+            assert_eq!(frame.source.and_then(|from| from.address.node()), Some(node));
             assert!(!frame.ack_request && frame.sequence == 3);
-            let Body::Data(payload) = frame.body else {
-                panic!("{frame:?}")
-            };
+            let Body::Data(payload) = frame.body else { panic!("{frame:?}") };
             assert_eq!(payload.first().copied(), (size > least).then_some(0x3F));
         }
     }
     let (node, near, far) = (NodeId(7), NodeId(9), NodeId(70_000));
-    NodeFrame::acknowledged(1, node, near, 11)
-        .expect("a good size")
-        .write(3, &mut mpdu);
+    NodeFrame::acknowledged(1, node, near, 11).expect("a good size").write(3, &mut mpdu);
     assert_eq!(mpdu[..9], [0x61, 0x88, 3, 1, 0, 9, 0, 7, 0]);
     assert!(NodeFrame::acknowledged(1, far, near, 16).is_err());
     assert!(NodeFrame::acknowledged(1, node, far, 16).is_err());
     assert!(NodeFrame::acknowledged(1, far, far, 22).is_err());
-    NodeFrame::acknowledged(1, far, far, 23)
-        .expect("a good size")
-        .write(3, &mut mpdu);
+    NodeFrame::acknowledged(1, far, far, 23).expect("a good size").write(3, &mut mpdu);
     assert_eq!(mpdu.len(), 23);
 }
 
@@ -304,9 +181,7 @@ fn writing_into_a_used_buffer_allocates_nothing() {
     let mut mpdu = Vec::with_capacity(127);
     let place = mpdu.as_ptr();
     for size in [127, 11, 64, 127] {
-        NodeFrame::broadcast(1, NodeId(1), size)
-            .expect("a good size")
-            .write(0, &mut mpdu);
+        NodeFrame::broadcast(1, NodeId(1), size).expect("a good size").write(0, &mut mpdu);
     }
     assert_eq!((mpdu.as_ptr(), mpdu.capacity()), (place, 127));
 }
@@ -354,14 +229,7 @@ fn any_body(payload: &'static [u8]) -> impl Strategy<Value = Body<'static>> {
     );
     let beacon = (any_superframe(), any::<bool>(), lists).prop_map(
         move |(superframe, gts_permit, (guaranteed, pending_short, pending_extended))| {
-            Body::Beacon(Beacon {
-                superframe,
-                gts_permit,
-                guaranteed,
-                pending_short,
-                pending_extended,
-                payload,
-            })
+            Body::Beacon(Beacon { superframe, gts_permit, guaranteed, pending_short, pending_extended, payload })
         },
     );
     let command = proptest::sample::select(&Command::ALL[..]);

@@ -40,11 +40,7 @@ fn enumerate(medium: Medium) -> Exact {
         let weight = 1 << (WEIGHT_BITS - bits);
         for fate in fates {
             received += if fate.delivered.is_some() { weight } else { 0 };
-            failed += if fate.report.outcome == Outcome::ChannelAccessFailure {
-                weight
-            } else {
-                0
-            };
+            failed += if fate.report.outcome == Outcome::ChannelAccessFailure { weight } else { 0 };
         }
         while draws.pop_if(|(drawn, max)| drawn == max).is_some() {}
         let Some((drawn, _)) = draws.last_mut() else {
@@ -53,10 +49,7 @@ fn enumerate(medium: Medium) -> Exact {
         *drawn += 1;
     }
     let mean = |sum: u128| sum as f64 / 2_f64.powi(100) / f64::from(medium.stations);
-    Exact {
-        received: mean(received),
-        failed: mean(failed),
-    }
+    Exact { received: mean(received), failed: mean(failed) }
 }
 
 /// A mean over rounds, and its standard error.
@@ -69,9 +62,7 @@ struct Estimate {
 /// The fates in each of `rounds` rounds with random draws.
 fn simulate(medium: Medium, rounds: usize) -> Vec<Vec<Fate>> {
     let mut draws = Seed(20_260).stream(Purpose::Backoff, 0);
-    (0..rounds)
-        .map(|_| medium.run(|_, max| draws.random_range(0..=max)))
-        .collect()
+    (0..rounds).map(|_| medium.run(|_, max| draws.random_range(0..=max))).collect()
 }
 
 /// The mean of `value` over stations and rounds. Its error counts a round as one number: the
@@ -85,10 +76,7 @@ fn estimate(rounds: &[Vec<Fate>], value: impl Fn(&Fate) -> f64) -> Estimate {
     }
     let count = rounds.len() as f64;
     let mean = sum / count;
-    Estimate {
-        mean,
-        error: ((squares / count - mean * mean) / count).sqrt(),
-    }
+    Estimate { mean, error: ((squares / count - mean * mean) / count).sqrt() }
 }
 
 fn received(rounds: &[Vec<Fate>]) -> Estimate {
@@ -96,28 +84,19 @@ fn received(rounds: &[Vec<Fate>]) -> Estimate {
 }
 
 fn ended(rounds: &[Vec<Fate>], outcome: Outcome) -> Estimate {
-    estimate(rounds, |fate| {
-        f64::from(u8::from(fate.report.outcome == outcome))
-    })
+    estimate(rounds, |fate| f64::from(u8::from(fate.report.outcome == outcome)))
 }
 
 #[track_caller]
 fn assert_close(found: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (found - expected).abs() <= tolerance,
-        "{found}, not {expected} within {tolerance}"
-    );
+    assert!((found - expected).abs() <= tolerance, "{found}, not {expected} within {tolerance}");
 }
 
 impl Estimate {
     /// Four standard errors, of the estimate and of the reference together: a false alarm once in 16 000.
     #[track_caller]
     fn assert_is(&self, reference: f64, reference_error: f64) {
-        assert_close(
-            self.mean,
-            reference,
-            4.0 * self.error.hypot(reference_error),
-        );
+        assert_close(self.mean, reference, 4.0 * self.error.hypot(reference_error));
     }
 }
 
@@ -136,11 +115,7 @@ fn two_stations_collide_exactly_if_their_first_draws_are_equal() {
 #[test]
 fn two_stations_have_the_probabilities_of_the_enumeration_as_fractions() {
     for (octets, numerator) in [(44, 7_339_941.0), (114, 7_336_021.0), (127, 7_334_369.0)] {
-        assert_close(
-            enumerate(Medium::new(2, octets)).received,
-            numerator / 8_388_608.0,
-            0.0,
-        );
+        assert_close(enumerate(Medium::new(2, octets)).received, numerator / 8_388_608.0, 0.0);
     }
 }
 
@@ -158,11 +133,7 @@ fn three_and_four_stations_have_the_probabilities_of_the_enumeration() {
         received(&rounds).assert_is(delivered, 0.0);
         // The error is that of the reference: it is so rare that none may be seen.
         let failures = ended(&rounds, Outcome::ChannelAccessFailure);
-        assert_close(
-            failures.mean,
-            failed,
-            4.0 * (failed / (ROUNDS * stations as usize) as f64).sqrt(),
-        );
+        assert_close(failures.mean, failed, 4.0 * (failed / (ROUNDS * stations as usize) as f64).sqrt());
     }
 }
 
@@ -174,27 +145,15 @@ fn a_cca_that_starts_when_a_frame_ends_reads_idle() {
     for (tie, expected, other) in [(Tie::Idle, idle, busy), (Tie::Busy, busy, idle)] {
         let estimate = received(&simulate(Medium { tie, ..medium }, ROUNDS));
         estimate.assert_is(expected, 0.0);
-        assert!(
-            (estimate.mean - other).abs() > 6.0 * estimate.error,
-            "{estimate:?}"
-        );
+        assert!((estimate.mean - other).abs() > 6.0 * estimate.error, "{estimate:?}");
     }
 }
 
 #[test]
 fn hidden_stations_collide_if_their_draws_are_closer_than_a_frame() {
     for (octets, overlap) in [(20, 34.0 / 64.0), (45, 58.0 / 64.0), (114, 1.0)] {
-        let exact = enumerate(Medium {
-            range: Range::RobotOnly,
-            ..Medium::new(2, octets)
-        });
-        assert_eq!(
-            exact,
-            Exact {
-                received: 1.0 - overlap,
-                failed: 0.0
-            }
-        );
+        let exact = enumerate(Medium { range: Range::RobotOnly, ..Medium::new(2, octets) });
+        assert_eq!(exact, Exact { received: 1.0 - overlap, failed: 0.0 });
     }
 }
 
@@ -234,13 +193,7 @@ fn acknowledged_frames_fare_as_in_another_simulation() {
         (10, 114, [0.4956, 0.5084, 0.0047, 0.971]),
     ];
     for (stations, octets, expected) in table {
-        let rounds = simulate(
-            Medium {
-                ack_request: true,
-                ..Medium::new(stations, octets)
-            },
-            20_000,
-        );
+        let rounds = simulate(Medium { ack_request: true, ..Medium::new(stations, octets) }, 20_000);
         let estimates = [
             received(&rounds),
             ended(&rounds, Outcome::ChannelAccessFailure),
@@ -256,13 +209,7 @@ fn acknowledged_frames_fare_as_in_another_simulation() {
 #[test]
 fn a_third_station_that_senses_the_gap_before_an_acknowledgement_hits_it() {
     // Two stations, frames of 1600 us: without the gap 0.875 of the first copies would get through.
-    let rounds = simulate(
-        Medium {
-            ack_request: true,
-            ..Medium::new(2, 44)
-        },
-        20_000,
-    );
+    let rounds = simulate(Medium { ack_request: true, ..Medium::new(2, 44) }, 20_000);
     let first = estimate(&rounds, |fate| f64::from(u8::from(fate.first_copy)));
     first.assert_is(0.842, 5e-4);
 }

@@ -70,11 +70,7 @@ struct Air {
 
 impl Air {
     fn push(&mut self, span: Duration, class: u8, station: usize, event: Event) -> EventKey {
-        self.queue.push(
-            self.now + span,
-            Rank::new(class, NodeId::from_index(station)),
-            event,
-        )
+        self.queue.push(self.now + span, Rank::new(class, NodeId::from_index(station)), event)
     }
 
     fn start(&mut self, from: usize, sequence: u8, is_clean: bool) {
@@ -82,11 +78,7 @@ impl Air {
             other.is_clean = false;
         }
         let is_clean = is_clean && self.signals.is_empty();
-        self.signals.push(Signal {
-            from,
-            sequence,
-            is_clean,
-        });
+        self.signals.push(Signal { from, sequence, is_clean });
         if self.medium.range == Range::Everybody {
             for heard in self.sensing.iter_mut().flatten() {
                 *heard = true;
@@ -96,8 +88,7 @@ impl Air {
 
     fn end(&mut self, from: usize) -> Signal {
         let index = self.signals.iter().position(|signal| signal.from == from);
-        self.signals
-            .swap_remove(index.expect("what ends has started"))
+        self.signals.swap_remove(index.expect("what ends has started"))
     }
 }
 
@@ -118,16 +109,12 @@ impl<D: FnMut(usize, u32) -> u32> csma::Radio for StationRadio<'_, D> {
             (csma::Event::BackoffExpired, Tie::Busy) => 0,
             _ => event.class() as u8,
         };
-        let key = self
-            .air
-            .push(span, class, self.station, Event::Mac(self.station, event));
+        let key = self.air.push(span, class, self.station, Event::Mac(self.station, event));
         self.air.timers[self.station] = Some(key);
     }
 
     fn cancel_timer(&mut self) {
-        let key = self.air.timers[self.station]
-            .take()
-            .expect("a timer is set");
+        let key = self.air.timers[self.station].take().expect("a timer is set");
         self.air.queue.cancel(key).expect("the timer is pending");
     }
 
@@ -140,36 +127,20 @@ impl<D: FnMut(usize, u32) -> u32> csma::Radio for StationRadio<'_, D> {
         };
         self.air.sensing[self.station] = Some(is_heard);
         let class = csma::Event::CcaEnded { busy: is_heard }.class() as u8;
-        self.air.push(
-            PHY.cca(),
-            class,
-            self.station,
-            Event::CcaEnded(self.station),
-        );
+        self.air.push(PHY.cca(), class, self.station, Event::CcaEnded(self.station));
     }
 
     fn start_transmission(&mut self, frame: Transmission) {
-        self.air
-            .start(self.station, frame.sequence, !self.robot_is_deaf);
+        self.air.start(self.station, frame.sequence, !self.robot_is_deaf);
         let event = csma::Event::TransmissionEnded;
         let airtime = PHY.airtime(frame.mpdu_octets);
-        self.air.push(
-            airtime,
-            event.class() as u8,
-            self.station,
-            Event::Mac(self.station, event),
-        );
+        self.air.push(airtime, event.class() as u8, self.station, Event::Mac(self.station, event));
     }
 }
 
 impl responder::Radio for Air {
     fn after(&mut self, span: Duration, event: responder::Event) {
-        self.push(
-            span,
-            event.class() as u8,
-            self.sensing.len(),
-            Event::Robot(event),
-        );
+        self.push(span, event.class() as u8, self.sensing.len(), Event::Robot(event));
     }
 
     fn enter(&mut self, _: RadioState) {}
@@ -183,13 +154,7 @@ impl responder::Radio for Air {
 impl Medium {
     /// Stations in range of each other, without acknowledgements.
     pub(crate) const fn new(stations: u8, mpdu_octets: u8) -> Self {
-        Self {
-            stations,
-            mpdu_octets,
-            ack_request: false,
-            tie: Tie::Idle,
-            range: Range::Everybody,
-        }
+        Self { stations, mpdu_octets, ack_request: false, tie: Tie::Idle, range: Range::Everybody }
     }
 
     /// Runs until nothing is pending; `draw` gives a station a number from zero to the one it is told.
@@ -213,18 +178,9 @@ impl Medium {
         let mut reports = vec![None; stations];
 
         for (sequence, machine) in (0..self.stations).zip(&mut machines) {
-            let frame = Transmission {
-                mpdu_octets: self.mpdu_octets,
-                ack_request: self.ack_request,
-                sequence,
-            };
+            let frame = Transmission { mpdu_octets: self.mpdu_octets, ack_request: self.ack_request, sequence };
             let station = usize::from(sequence);
-            let mut radio = StationRadio {
-                air: &mut air,
-                draw: &mut draw,
-                station,
-                robot_is_deaf: false,
-            };
+            let mut radio = StationRadio { air: &mut air, draw: &mut draw, station, robot_is_deaf: false };
             machine.start(frame, &mut radio);
         }
         while let Some((now, event)) = air.queue.pop() {
@@ -240,9 +196,7 @@ impl Medium {
                     if event != responder::Event::TransmissionEnded {
                         continue;
                     }
-                    let Signal {
-                        sequence, is_clean, ..
-                    } = air.end(stations);
+                    let Signal { sequence, is_clean, .. } = air.end(stations);
                     if !is_clean {
                         continue;
                     }
@@ -250,51 +204,26 @@ impl Medium {
                 }
             };
             if event == csma::Event::TransmissionEnded {
-                let Signal {
-                    sequence, is_clean, ..
-                } = air.end(station);
+                let Signal { sequence, is_clean, .. } = air.end(station);
                 if is_clean {
                     let from = endpoint(Address::Short(u16::from(sequence)));
                     let frame = Frame::data(sequence, from, to_robot, &[]);
-                    let frame = Frame {
-                        ack_request: self.ack_request,
-                        ..frame
-                    };
+                    let frame = Frame { ack_request: self.ack_request, ..frame };
                     if robot.receive(&frame, &mut air) == Verdict::Deliver {
-                        assert_eq!(
-                            delivered[station].replace(now),
-                            None,
-                            "a frame is delivered once"
-                        );
+                        assert_eq!(delivered[station].replace(now), None, "a frame is delivered once");
                         first_copy[station] = copies[station] == 0;
                     }
                 }
                 copies[station] += 1;
             }
             let robot_is_deaf = robot.is_responding();
-            let mut radio = StationRadio {
-                air: &mut air,
-                draw: &mut draw,
-                station,
-                robot_is_deaf,
-            };
+            let mut radio = StationRadio { air: &mut air, draw: &mut draw, station, robot_is_deaf };
             if let Some(report) = machines[station].handle(event, &mut radio) {
-                assert!(
-                    reports[station].replace(report).is_none(),
-                    "a frame ends once"
-                );
+                assert!(reports[station].replace(report).is_none(), "a frame ends once");
             }
         }
-        let reports = reports
-            .into_iter()
-            .map(|report| report.expect("every frame ends"));
+        let reports = reports.into_iter().map(|report| report.expect("every frame ends"));
         let fates = reports.zip(delivered).zip(first_copy);
-        fates
-            .map(|((report, delivered), first_copy)| Fate {
-                delivered,
-                first_copy,
-                report,
-            })
-            .collect()
+        fates.map(|((report, delivered), first_copy)| Fate { delivered, first_copy, report }).collect()
     }
 }
