@@ -61,7 +61,7 @@ fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup 
             cca_threshold_dbm: None,
             noise_floor_dbm: None,
         })
-        .unwrap(),
+        .expect("good settings"),
         reception: ReceptionModel::Overlap,
         phy: Phy::Oqpsk2450,
         csma: CsmaSettings::try_from(CsmaConfig::default()).expect("good settings"),

@@ -59,7 +59,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
             cca_threshold_dbm: None,
             noise_floor_dbm: None,
         })
-        .unwrap(),
+        .expect("good settings"),
         reception: ReceptionModel::SinrThreshold { least: 2.0 },
         phy: Phy::Oqpsk2450,
         csma: CsmaSettings::try_from(CsmaConfig::default()).expect("good settings"),
@@ -68,7 +68,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
             interval_s: 0.5,
             jitter: 0.1,
         }))
-        .unwrap(),
+        .expect("good settings"),
         radio_states: RadioStates::cc2420(),
         robots: vec![robot],
         seed: Seed(seed),
