@@ -1,30 +1,31 @@
 //! The pipeline of `run`: simulate, record, map, measure, sum up.
 
 mod bound;
+mod evaluation;
 mod gather;
+mod outcome;
 
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::time::Instant;
 
-use sextant_apps::ControllerConfig;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mapper::{Fit, Mapper, Surface, TopologyMap};
-use sextant_sim::{Ending, Simulation, Survey};
+use sextant_sim::{Simulation, Survey};
 
 use crate::commands::Format;
 use crate::commands::run::Arguments;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::measure::measure;
 use crate::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
 use crate::scenario::{NamedMap, Scenario};
-use crate::summary::{
-    EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary, Timing, peak_rss_bytes,
-};
+use crate::summary::{MapSummary, Summary, Timing, peak_rss_bytes};
 use crate::table;
 use crate::terminal;
+
+pub use evaluation::{Evaluation, bound_m, evaluate};
+pub use outcome::sum_up;
 
 use gather::{Gathering, Track};
 
@@ -110,16 +111,10 @@ fn gather(
 /// Computes, records and measures the maps of the scenario.
 fn map(scenario: &Scenario, survey: &Survey, recorder: &mut FileRecorder) -> Result<Vec<MapSummary>, Failure> {
     let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
-    let bound_m = if scenario.maps().is_empty() { None } else { bound::posterior_bound_m(scenario, survey, &truth) };
+    let bound_m = evaluation::bound_m(scenario, survey);
     let mut summaries = Vec::new();
     for named in scenario.maps() {
-        let (map, fit) =
-            named.mapper.map_and_fit(&survey.log).map_err(|error| Failure::bad_input(error.to_string()))?;
-        let summary = MapSummary {
-            posterior_bound_m: bound_m,
-            fitted_profile: fit.as_ref().map(Into::into),
-            ..measure(&named.name, &map, Some(&truth), scenario.metrics())
-        };
+        let Evaluation { map, fit, summary } = evaluation::evaluate(scenario, named, survey, bound_m)?;
         recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
         for (what, value) in [
             ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
@@ -188,67 +183,6 @@ fn plane(surface: &Surface) -> LikelihoodPlane {
         columns: u32::try_from(columns).expect("a window of less than 2^32 columns"),
         log_likelihood: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
     }
-}
-
-fn sum_up(scenario: &Scenario, survey: &Survey, maps: Vec<MapSummary>) -> Summary {
-    let packets = survey.packets;
-    let robots = survey.robots.iter().zip(&scenario.config().robots).map(|(record, config)| RobotSummary {
-        name: record.name.clone(),
-        stops: record.stops,
-        path_length_m: record.path_length_m,
-        ending: record.ending.map(|ending| match ending {
-            Ending::Complete => "complete",
-            Ending::StepsExhausted => "steps_exhausted",
-            Ending::Stuck => "stuck",
-        }),
-        unreached: unreached(&record.packets, wanted(&config.controller), survey.log.names()),
-    });
-    Summary {
-        scenario: Some(scenario.summary()),
-        simulation: Some(SimulationSummary {
-            sim_time_s: survey.end.as_secs_f64(),
-            events: survey.events,
-            nodes: scenario.world().nodes.len(),
-            obstacles: scenario.world().obstacles.len(),
-        }),
-        gathering: Some(GatheringSummary {
-            stops: survey.log.stops().len(),
-            path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
-            duration_s: Some(survey.end.as_secs_f64()),
-            packets_offered: Some(packets.offered),
-            packets_sent: Some(packets.sent),
-            packets_received: packets.received,
-            lost_collision: Some(packets.lost_collision),
-            lost_channel_access: Some(packets.lost_channel_access),
-            lost_signal: Some(packets.lost_signal),
-            lost_queue: Some(packets.lost_queue),
-            out_of_range: Some(packets.out_of_range),
-            not_listened: Some(packets.not_listened),
-            pending: Some(packets.pending),
-            energy_j: Some(EnergySummary {
-                tx: survey.energy.tx_j,
-                rx: survey.energy.rx_j,
-                idle: survey.energy.idle_j + survey.energy.sleep_j,
-            }),
-            robots: robots.collect(),
-            interrupted: survey.interrupted,
-        }),
-        maps,
-        ..Summary::default()
-    }
-}
-
-/// How many packets of each node a robot is to hear.
-fn wanted(controller: &ControllerConfig) -> u32 {
-    match controller {
-        ControllerConfig::AutomatedS(automated) => automated.packets_per_node,
-        ControllerConfig::SPath(_) | ControllerConfig::Waypoints(_) => 1,
-    }
-}
-
-/// Names of the nodes of which fewer packets were heard than wanted.
-fn unreached(packets: &[u32], wanted: u32, names: &[String]) -> Vec<String> {
-    packets.iter().zip(names).filter(|&(&heard, _)| heard < wanted).map(|(_, name)| name.clone()).collect()
 }
 
 fn print(summary: &Summary, arguments: &Arguments) -> Result<(), Failure> {

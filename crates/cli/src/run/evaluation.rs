@@ -1,0 +1,52 @@
+//! One map of a survey, and how good it is.
+
+use sextant_channel::Position;
+use sextant_mapper::{Fit, TopologyMap};
+use sextant_sim::Survey;
+
+use super::bound;
+use crate::diagnostic::Failure;
+use crate::measure::measure;
+use crate::scenario::{NamedMap, Scenario};
+use crate::summary::MapSummary;
+
+/// A map, what was estimated on the way, and how far it is from the truth.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The map.
+    pub map: TopologyMap,
+    /// The reception profile, if it was estimated from the log.
+    pub fit: Option<Fit>,
+    /// What the map says of itself, and its errors.
+    pub summary: MapSummary,
+}
+
+/// Computes the map `named` of what `survey` heard and measures it against the world of `scenario`. `bound_m` is the
+/// [`bound_m`] of the survey, which all its maps share.
+///
+/// # Errors
+/// If the map cannot be computed.
+pub fn evaluate(
+    scenario: &Scenario,
+    named: &NamedMap,
+    survey: &Survey,
+    bound_m: Option<f64>,
+) -> Result<Evaluation, Failure> {
+    let (map, fit) = named.mapper.map_and_fit(&survey.log).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let summary = MapSummary {
+        posterior_bound_m: bound_m,
+        fitted_profile: fit.as_ref().map(Into::into),
+        ..measure(&named.name, &map, Some(&truth(scenario)), scenario.metrics())
+    };
+    Ok(Evaluation { map, fit, summary })
+}
+
+/// The posterior bound of all maps of `survey` [m]; `None` if the scenario has no maps, or where it does not apply.
+#[must_use]
+pub fn bound_m(scenario: &Scenario, survey: &Survey) -> Option<f64> {
+    if scenario.maps().is_empty() { None } else { bound::posterior_bound_m(scenario, survey, &truth(scenario)) }
+}
+
+fn truth(scenario: &Scenario) -> Vec<Position> {
+    scenario.world().nodes.iter().map(|node| node.position).collect()
+}

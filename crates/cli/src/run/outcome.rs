@@ -1,0 +1,70 @@
+//! What a run brought, as a summary.
+
+use sextant_apps::ControllerConfig;
+use sextant_sim::{Ending, Survey};
+
+use crate::scenario::Scenario;
+use crate::summary::{EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary};
+
+/// The results of a survey and its maps, without timing.
+#[must_use]
+pub fn sum_up(scenario: &Scenario, survey: &Survey, maps: Vec<MapSummary>) -> Summary {
+    let packets = survey.packets;
+    let robots = survey.robots.iter().zip(&scenario.config().robots).map(|(record, config)| RobotSummary {
+        name: record.name.clone(),
+        stops: record.stops,
+        path_length_m: record.path_length_m,
+        ending: record.ending.map(|ending| match ending {
+            Ending::Complete => "complete",
+            Ending::StepsExhausted => "steps_exhausted",
+            Ending::Stuck => "stuck",
+        }),
+        unreached: unreached(&record.packets, wanted(&config.controller), survey.log.names()),
+    });
+    Summary {
+        scenario: Some(scenario.summary()),
+        simulation: Some(SimulationSummary {
+            sim_time_s: survey.end.as_secs_f64(),
+            events: survey.events,
+            nodes: scenario.world().nodes.len(),
+            obstacles: scenario.world().obstacles.len(),
+        }),
+        gathering: Some(GatheringSummary {
+            stops: survey.log.stops().len(),
+            path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
+            duration_s: Some(survey.end.as_secs_f64()),
+            packets_offered: Some(packets.offered),
+            packets_sent: Some(packets.sent),
+            packets_received: packets.received,
+            lost_collision: Some(packets.lost_collision),
+            lost_channel_access: Some(packets.lost_channel_access),
+            lost_signal: Some(packets.lost_signal),
+            lost_queue: Some(packets.lost_queue),
+            out_of_range: Some(packets.out_of_range),
+            not_listened: Some(packets.not_listened),
+            pending: Some(packets.pending),
+            energy_j: Some(EnergySummary {
+                tx: survey.energy.tx_j,
+                rx: survey.energy.rx_j,
+                idle: survey.energy.idle_j + survey.energy.sleep_j,
+            }),
+            robots: robots.collect(),
+            interrupted: survey.interrupted,
+        }),
+        maps,
+        ..Summary::default()
+    }
+}
+
+/// How many packets of each node a robot is to hear.
+fn wanted(controller: &ControllerConfig) -> u32 {
+    match controller {
+        ControllerConfig::AutomatedS(automated) => automated.packets_per_node,
+        ControllerConfig::SPath(_) | ControllerConfig::Waypoints(_) => 1,
+    }
+}
+
+/// Names of the nodes of which fewer packets were heard than wanted.
+fn unreached(packets: &[u32], wanted: u32, names: &[String]) -> Vec<String> {
+    packets.iter().zip(names).filter(|&(&heard, _)| heard < wanted).map(|(_, name)| name.clone()).collect()
+}
