@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 
 /// A survey to be mapped.
@@ -98,7 +98,7 @@ pub fn field(nodes: u32) -> Workload {
 /// and nothing from beyond `range_m`.
 fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> ReceptionLog {
     let (margin_db, exponent, sigma_db) = SUBURBAN;
-    let mut receptions = Vec::new();
+    let mut receptions = ReceptionLogBuilder::default();
     let tiles = tiles(stops, range_m);
     for (node, place) in (0..).zip(nodes) {
         for &stop in near(&tiles, place, range_m) {
@@ -115,7 +115,7 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
     }
     let stops = stops.iter().map(|&position| Stop { time: SimTime::ZERO, position }).collect();
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
-    ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log without contradictions")
+    receptions.build(names, stops, Vec::new()).expect("a log without contradictions")
 }
 
 /// Stops by square of side `range_m`.

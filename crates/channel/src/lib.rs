@@ -60,6 +60,8 @@ pub use obstacle::{Obstacle, ObstacleConfig};
 pub use path_loss::{LogDistance, LogDistanceConfig, PathLossConfig};
 pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
-pub use reception::{Contact, LogError, Reception, ReceptionLog, Stop};
+pub use reception::{
+    Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
+};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, SpatialConfig};
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

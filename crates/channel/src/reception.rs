@@ -1,8 +1,15 @@
 //! What a listener heard: all that a mapper may know.
 
+mod builder;
+mod columns;
+mod view;
+
 use sextant_kernel::{NodeId, SimTime};
 
 use crate::Position;
+pub use builder::ReceptionLogBuilder;
+use columns::Columns;
+pub use view::{Receptions, ReceptionsIter};
 
 /// A place where the robot listened for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,13 +49,31 @@ pub struct Contact {
 
 /// Everything that robots recorded on a survey: where they listened, what they heard there, where
 /// they drove and what they met. No ground truth. Receptions are sorted by node, then by stop, at most one a pair.
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// Receptions are stored by columns: four octets each for the stop, and more only for what some reception of the log
+/// has other than one packet received of one, no sector, no signal strength.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ReceptionLog {
     names: Vec<String>,
     stops: Vec<Stop>,
-    receptions: Vec<Reception>,
+    /// Sorted by node, then by stop.
+    columns: Columns,
+    /// Where the receptions of each node begin, and the end of the last.
     first: Vec<usize>,
     contacts: Vec<Contact>,
+}
+
+impl Default for ReceptionLog {
+    /// A log of no nodes and no stops.
+    fn default() -> Self {
+        Self {
+            names: Vec::new(),
+            stops: Vec::new(),
+            columns: Columns::default(),
+            first: vec![0],
+            contacts: Vec::new(),
+        }
+    }
 }
 
 /// Why a reception log cannot be what it says.
@@ -108,7 +133,8 @@ pub enum LogError {
 
 impl ReceptionLog {
     /// A log of the nodes `names` (index = [`NodeId`]; nodes never heard included where they are known to exist).
-    /// The receptions may come in any order.
+    /// The receptions may come in any order. A log too large for a list of [`Reception`]s is made with a
+    /// [`ReceptionLogBuilder`].
     ///
     /// # Errors
     /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
@@ -116,34 +142,12 @@ impl ReceptionLog {
     pub fn new(
         names: Vec<String>,
         stops: Vec<Stop>,
-        mut receptions: Vec<Reception>,
+        receptions: Vec<Reception>,
         contacts: Vec<Contact>,
     ) -> Result<Self, LogError> {
-        for (stop, &Stop { position: p, .. }) in stops.iter().enumerate() {
-            if !p.is_finite() {
-                return Err(LogError::NotFinite { stop, x_m: p.x_m, y_m: p.y_m, z_m: p.z_m });
-            }
-        }
-        receptions.sort_by_key(|r| (r.node, r.stop));
-        let mut first = vec![0; names.len() + 1];
-        let mut previous = None;
-        for &Reception { node, stop, received, sent, .. } in &receptions {
-            let name = names.get(node.index()).ok_or(LogError::UnknownNode { node: node.0, nodes: names.len() })?;
-            if stop as usize >= stops.len() {
-                return Err(LogError::UnknownStop { node: name.clone(), stop, stops: stops.len() });
-            }
-            if received > sent {
-                return Err(LogError::MoreThanSent { node: name.clone(), stop, received, sent });
-            }
-            if previous.replace((node, stop)) == Some((node, stop)) {
-                return Err(LogError::Twice { node: name.clone(), stop });
-            }
-            first[node.index() + 1] += 1;
-        }
-        for i in 1..first.len() {
-            first[i] += first[i - 1];
-        }
-        Ok(Self { names, stops, receptions, first, contacts })
+        let mut builder = ReceptionLogBuilder::default();
+        builder.extend(receptions);
+        builder.build(names, stops, contacts)
     }
 
     /// Number of nodes, heard or not.
@@ -166,8 +170,8 @@ impl ReceptionLog {
 
     /// All receptions, by node, then by stop.
     #[must_use]
-    pub fn receptions(&self) -> &[Reception] {
-        &self.receptions
+    pub fn receptions(&self) -> Receptions<'_> {
+        Receptions::of_nodes(self, 0..self.names.len())
     }
 
     /// The receptions of one node, by stop.
@@ -175,8 +179,8 @@ impl ReceptionLog {
     /// # Panics
     /// If the log has no such node.
     #[must_use]
-    pub fn of(&self, node: NodeId) -> &[Reception] {
-        &self.receptions[self.first[node.index()]..self.first[node.index() + 1]]
+    pub fn of(&self, node: NodeId) -> Receptions<'_> {
+        Receptions::of_nodes(self, node.index()..node.index() + 1)
     }
 
     /// Where the robots met obstacles.
@@ -204,13 +208,18 @@ mod tests {
         let log = log(vec![heard(1, 2), heard(0, 1), heard(1, 0)]).unwrap();
         assert_eq!(log.of(NodeId(0)), [heard(0, 1)]);
         assert_eq!(log.of(NodeId(1)), [heard(1, 0), heard(1, 2)]);
+        assert_eq!(log.of(NodeId(1)).stops(), [0, 2]);
+        assert_eq!(log.receptions(), [heard(0, 1), heard(1, 0), heard(1, 2)]);
     }
 
     #[test]
     fn impossible_receptions_are_refused() {
         assert!(matches!(log(vec![heard(2, 0)]), Err(LogError::UnknownNode { node: 2, nodes: 2 })));
+        assert!(matches!(log(vec![heard(u32::MAX, 0)]), Err(LogError::UnknownNode { node: u32::MAX, .. })));
         assert!(matches!(log(vec![heard(1, 3)]), Err(LogError::UnknownStop { stop: 3, stops: 3, .. })));
         assert!(matches!(log(vec![heard(1, 1), heard(1, 1)]), Err(LogError::Twice { stop: 1, .. })));
+        let apart = vec![heard(1, 1), heard(0, 2), heard(1, 0), heard(1, 1)];
+        assert!(matches!(log(apart), Err(LogError::Twice { stop: 1, .. })));
         assert!(matches!(
             log(vec![Reception { received: 2, ..heard(0, 0) }]),
             Err(LogError::MoreThanSent { received: 2, sent: 1, .. })

@@ -19,7 +19,7 @@ mod score;
 mod screen;
 mod sink;
 
-use sextant_channel::{Position, Reception, Stop};
+use sextant_channel::{Position, Receptions, Stop};
 
 use crate::cells::CellIndex;
 use crate::{Lattice, ReceptionProfile};
@@ -80,7 +80,7 @@ impl<'a> Solver<'a> {
     pub(crate) fn search(
         &self,
         scratch: &mut Scratch,
-        receptions: &[Reception],
+        receptions: Receptions<'_>,
         margin: f64,
         sink: &mut impl Sink,
     ) -> Search {

@@ -206,7 +206,7 @@ fn a_log_in_space_is_fitted_as_well() {
 /// The log with entries changed.
 fn changed(
     log: &ReceptionLog,
-    change: impl FnMut(&Reception) -> Option<Reception>,
+    change: impl FnMut(Reception) -> Option<Reception>,
     more: &[(u32, u32)],
 ) -> ReceptionLog {
     let mut receptions: Vec<Reception> = log.receptions().iter().filter_map(change).collect();
@@ -227,7 +227,7 @@ fn receptions_from_far_beyond_the_range_are_found_and_do_no_harm() {
         (node, u32::try_from(stop.expect("the survey is wide")).unwrap())
     };
     let strange: Vec<(u32, u32)> = (0..70).step_by(10).map(far).collect();
-    survey.log = changed(&survey.log, |reception| Some(*reception), &strange);
+    survey.log = changed(&survey.log, Some, &strange);
     let (map, fit, error_m) = mapped(&ml_tm(0.25), &survey);
     let found: Vec<(u32, u32)> = fit.outliers.iter().map(|(node, stop)| (node.0, *stop)).collect();
     assert_eq!(found, strange);
@@ -240,12 +240,12 @@ fn dead_stops_are_found_and_left_out() {
     let mut survey = survey(5, 70, 1, &[0.0], 0.0, known);
     let (_, _, clean_m) = mapped(&ml_tm(0.25), &survey);
     let dead = [40, 41, 58, 77];
-    survey.log = changed(&survey.log, |r| (!dead.contains(&r.stop)).then_some(*r), &[]);
+    survey.log = changed(&survey.log, |r| (!dead.contains(&r.stop)).then_some(r), &[]);
     let (_, fit, error_m) = mapped(&ml_tm(0.25), &survey);
     assert_eq!(fit.dead_stops, dead);
     let evidence = fit.evidence(&survey.log);
     assert_eq!(evidence.stops().len(), survey.log.stops().len() - 4);
-    let place = |log: &ReceptionLog, r: &Reception| (r.node, log.stops()[r.stop as usize].position);
+    let place = |log: &ReceptionLog, r: Reception| (r.node, log.stops()[r.stop as usize].position);
     let before: Vec<_> = survey.log.receptions().iter().map(|r| place(&survey.log, r)).collect();
     let after: Vec<_> = evidence.receptions().iter().map(|r| place(&evidence, r)).collect();
     assert_eq!(before, after);

@@ -4,7 +4,7 @@ mod robots;
 
 use std::time::Duration;
 
-use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, Reception as Heard, ReceptionLog, Stop};
+use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, ReceptionLogBuilder, Stop};
 use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SettingError, SimTime};
 use sextant_mac::csma::{Csma, CsmaSettings, Outcome};
 use sextant_mac::frame::{Address, Body, Frame as MacFrame, NodeFrame};
@@ -63,7 +63,7 @@ pub struct Simulation {
     power: sextant_channel::Dbm,
     packets: Packets,
     stops: Vec<Stop>,
-    receptions: Vec<Heard>,
+    receptions: ReceptionLogBuilder,
     contacts: Vec<Contact>,
     heard: Vec<bool>,
     nodes_heard: usize,
@@ -141,7 +141,7 @@ impl Simulation {
             power: radio.tx_power(),
             packets: Packets::default(),
             stops: Vec::new(),
-            receptions: Vec::new(),
+            receptions: ReceptionLogBuilder::default(),
             contacts: Vec::new(),
             heard: vec![false; nodes],
             nodes_heard: 0,
@@ -323,7 +323,9 @@ impl Simulation {
             self.packets.pending += u64::from(mac.is_busy());
         }
         let names = self.world.nodes.into_iter().map(|node| node.name).collect();
-        let log = ReceptionLog::new(names, self.stops, self.receptions, self.contacts)
+        let log = self
+            .receptions
+            .build(names, self.stops, self.contacts)
             .expect("a simulation hears each node at most once a stop");
         Survey {
             log,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use foxglove::messages::PointCloud;
 use prost::Message as _;
-use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Contact, Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, SimTime};
 
 use super::drawing;
@@ -74,7 +74,9 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
         let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
         return Err(RecordingError::NoLog { path: path.to_owned(), topics });
     }
-    let log = ReceptionLog::new(draft.names, draft.stops, draft.receptions, draft.contacts)
+    let log = draft
+        .receptions
+        .build(draft.names, draft.stops, draft.contacts)
         .map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
     Ok(RecordedRun { log, cut_stops, metadata, attachments })
 }
@@ -153,7 +155,7 @@ pub(super) fn sound(
 struct LogDraft {
     names: Vec<String>,
     stops: Vec<Stop>,
-    receptions: Vec<Reception>,
+    receptions: ReceptionLogBuilder,
     contacts: Vec<Contact>,
     /// Receptions that the last stop still lacks.
     owed: u32,
@@ -228,8 +230,7 @@ impl LogDraft {
             return 0;
         }
         self.stops.pop();
-        let stops = self.stops.len();
-        self.receptions.retain(|reception| (reception.stop as usize) < stops);
+        self.receptions.forget_from(u32::try_from(self.stops.len()).unwrap_or(u32::MAX));
         1
     }
 }

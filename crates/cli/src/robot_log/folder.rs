@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant_channel::{Contact, Reception, ReceptionLog, Stop};
+use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::NodeId;
 
 use super::error::RobotLogError;
@@ -27,8 +27,7 @@ pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
     let (names, receptions) = read_receptions(&folder.join(RECEPTIONS), &stop_ids)?;
     let contacts = folder.join(CONTACTS);
     let contacts = if contacts.exists() { read_contacts(&contacts)? } else { Vec::new() };
-    ReceptionLog::new(names, stops, receptions, contacts)
-        .map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
+    receptions.build(names, stops, contacts).map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
 }
 
 /// The stops, and the index of each by its identity in the files.
@@ -54,13 +53,13 @@ fn read_stops(path: &Path) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLo
 fn read_receptions(
     path: &Path,
     stop_ids: &BTreeMap<String, u32>,
-) -> Result<(Vec<String>, Vec<Reception>), RobotLogError> {
+) -> Result<(Vec<String>, ReceptionLogBuilder), RobotLogError> {
     let table = Table::read(path, &["node", "stop", "received"], &["sent", "sector", "rssi_dbm"])?;
     let [node, stop, received, sent] = ["node", "stop", "received", "sent"].map(|name| table.column(name));
     let [sector, rssi] = ["sector", "rssi_dbm"].map(|name| table.column(name));
     let mut names = Vec::new();
     let mut nodes = BTreeMap::new();
-    let mut receptions: Vec<Reception> = Vec::new();
+    let mut receptions = ReceptionLogBuilder::default();
     let mut pairs = Vec::new();
     table.rows(|row| {
         let name = row.text(node);
@@ -168,7 +167,7 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
             rssi_dbm: None,
         };
         // Nodes keep their order only if each has a row; in vain at the first stop is what no row means as well.
-        let unheard = heard.is_empty().then_some(&in_vain);
+        let unheard = heard.is_empty().then_some(in_vain);
         for reception in heard.iter().chain(unheard) {
             receptions.text(name);
             for count in [reception.stop, reception.received, reception.sent] {

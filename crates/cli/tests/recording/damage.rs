@@ -27,7 +27,7 @@ fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
     let stops = found.stops().len();
     assert_eq!(found.names(), log.names());
     assert_eq!(found.stops(), &log.stops()[..stops]);
-    let expected: Vec<_> = log.receptions().iter().copied().filter(|r| (r.stop as usize) < stops).collect();
+    let expected: Vec<_> = log.receptions().iter().filter(|r| (r.stop as usize) < stops).collect();
     assert_eq!(found.receptions(), expected);
     assert!(log.contacts().starts_with(found.contacts()));
     stops

@@ -108,7 +108,7 @@ fn two_robots_share_one_numbering_of_stops() {
     let mut recorder = FileRecorder::create(&path).unwrap();
     recorder.nodes(log.names()).unwrap();
     for (index, stop) in (0..).zip(log.stops()) {
-        let here: Vec<_> = log.receptions().iter().copied().filter(|r| r.stop == index).collect();
+        let here: Vec<_> = log.receptions().iter().filter(|r| r.stop == index).collect();
         recorder.stop(["left", "right"][index as usize % 2], index, stop, &here).unwrap();
     }
     recorder.finish().unwrap();

@@ -7,7 +7,7 @@ mod expectation;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, SettingError};
 
 use crate::local_posterior::Heights;
@@ -167,15 +167,15 @@ impl Fit {
                 index
             })
             .collect();
-        let entry = |reception: &Reception| {
+        let entry = |reception: Reception| {
             let far = self.outliers.binary_search(&(reception.node, reception.stop)).is_ok();
             let (received, sent) = if far { (0, 0) } else { (reception.received, reception.sent) };
-            Reception { stop: new_index[reception.stop as usize], received, sent, ..*reception }
+            Reception { stop: new_index[reception.stop as usize], received, sent, ..reception }
         };
         let live = log.receptions().iter().filter(|reception| !is_dead[reception.stop as usize]);
-        let receptions = live.map(entry).collect();
-        ReceptionLog::new(log.names().to_vec(), kept, receptions, log.contacts().to_vec())
-            .expect("a part of a log is a log")
+        let mut receptions = ReceptionLogBuilder::default();
+        receptions.extend(live.map(entry));
+        receptions.build(log.names().to_vec(), kept, log.contacts().to_vec()).expect("a part of a log is a log")
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the log says about one node, sorted by how it enters the likelihood.
 
-use sextant_channel::{Position, Reception, Stop};
+use sextant_channel::{Position, Reception, Receptions, Stop};
 
 /// A stop that received from the node.
 #[derive(Clone, Copy, Debug)]
@@ -50,13 +50,13 @@ impl Evidence {
     }
 
     /// Reads the entries of one node. [`clear`](Self::clear) them before the next.
-    pub(crate) fn read(&mut self, receptions: &[Reception], stops: &[Stop]) {
+    pub(crate) fn read(&mut self, receptions: Receptions<'_>, stops: &[Stop]) {
         self.receivers.clear();
         self.heard.clear();
         self.counts.clear();
         self.entries = receptions.len();
         (self.received, self.missed) = (0, 0);
-        for &Reception { stop, received, sent, .. } in receptions {
+        for Reception { stop, received, sent, .. } in receptions {
             let stop = stop as usize;
             self.listed[stop / 64] |= 1 << (stop % 64);
             let place = stops[stop].position;
@@ -74,9 +74,9 @@ impl Evidence {
         }
     }
 
-    pub(crate) fn clear(&mut self, receptions: &[Reception]) {
-        for reception in receptions {
-            self.listed[reception.stop as usize / 64] = 0;
+    pub(crate) fn clear(&mut self, receptions: Receptions<'_>) {
+        for &stop in receptions.stops() {
+            self.listed[stop as usize / 64] = 0;
         }
     }
 

@@ -1,0 +1,307 @@
+//! Making a log of receptions that come one by one.
+
+use sextant_kernel::NodeId;
+
+use super::columns::{Columns, scatter};
+use super::{Contact, LogError, Reception, ReceptionLog, Stop};
+use crate::Position;
+
+/// A [`ReceptionLog`] in the making. Needs the memory of the log, half as much again while the receptions are sorted,
+/// and four octets a reception if they do not come node by node.
+///
+/// ```
+/// use sextant_channel::{Position, Reception, ReceptionLogBuilder, Stop};
+/// use sextant_kernel::{NodeId, SimTime};
+///
+/// let mut builder = ReceptionLogBuilder::default();
+/// for (stop, node) in [(0, 1), (1, 0), (1, 1)] {
+///     let node = NodeId(node);
+///     builder.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
+/// }
+/// let stop = Stop { time: SimTime::ZERO, position: Position::ORIGIN };
+/// let log = builder.build(vec!["a".into(), "b".into()], vec![stop; 2], Vec::new())?;
+/// assert_eq!(log.of(NodeId(1)).stops(), [0, 1]);
+/// # Ok::<(), sextant_channel::LogError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct ReceptionLogBuilder {
+    columns: Columns,
+    nodes: Nodes,
+}
+
+/// The node of each reception.
+#[derive(Clone, Debug)]
+enum Nodes {
+    /// They came in ascending order: each node with the end of its receptions.
+    Ascending(Vec<(NodeId, usize)>),
+    /// One by one.
+    Mixed(Vec<NodeId>),
+}
+
+impl Default for Nodes {
+    fn default() -> Self {
+        Self::Ascending(Vec::new())
+    }
+}
+
+impl Nodes {
+    /// Appends the node of a reception that `before` others precede.
+    fn push(&mut self, before: usize, node: NodeId) {
+        match self {
+            Self::Mixed(nodes) => nodes.push(node),
+            Self::Ascending(runs) => match runs.last_mut() {
+                Some((last, end)) if *last == node => *end += 1,
+                Some((last, _)) if *last > node => {
+                    let mut nodes = self.listed();
+                    nodes.push(node);
+                    *self = Self::Mixed(nodes);
+                }
+                _ => runs.push((node, before + 1)),
+            },
+        }
+    }
+
+    fn listed(&self) -> Vec<NodeId> {
+        match self {
+            Self::Mixed(nodes) => nodes.clone(),
+            Self::Ascending(runs) => {
+                let mut nodes = Vec::with_capacity(runs.last().map_or(0, |&(_, end)| end + 1));
+                for &(node, end) in runs {
+                    nodes.resize(end, node);
+                }
+                nodes
+            }
+        }
+    }
+
+    /// Calls `visit` with each node and how many receptions follow each other there.
+    fn runs(&self) -> impl Iterator<Item = (NodeId, usize)> {
+        let (runs, mixed) = match self {
+            Self::Ascending(runs) => (runs.as_slice(), [].as_slice()),
+            Self::Mixed(nodes) => ([].as_slice(), nodes.as_slice()),
+        };
+        let starts = std::iter::once(0).chain(runs.iter().map(|&(_, end)| end));
+        let lengths = runs.iter().zip(starts).map(|(&(node, end), start)| (node, end - start));
+        lengths.chain(mixed.iter().map(|&node| (node, 1)))
+    }
+}
+
+impl Extend<Reception> for ReceptionLogBuilder {
+    fn extend<T: IntoIterator<Item = Reception>>(&mut self, receptions: T) {
+        receptions.into_iter().for_each(|reception| self.push(reception));
+    }
+}
+
+impl ReceptionLogBuilder {
+    /// Takes a reception in. They may come in any order; node by node and stop by stop is fastest.
+    pub fn push(&mut self, reception: Reception) {
+        self.nodes.push(self.columns.len(), reception.node);
+        self.columns.push(&reception);
+    }
+
+    /// Number of receptions taken in.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether none was taken in.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Forgets the receptions at the stop `first` and at later ones.
+    pub fn forget_from(&mut self, first: u32) {
+        let mut kept = Self::default();
+        let nodes = self.nodes.runs().flat_map(|(node, count)| std::iter::repeat_n(node, count));
+        for (at, node) in nodes.enumerate() {
+            if self.columns.stops[at] < first {
+                kept.push(self.columns.get(node, at));
+            }
+        }
+        *self = kept;
+    }
+
+    /// The log of the nodes `names` (index = [`NodeId`]), the `stops` and the `contacts`.
+    ///
+    /// # Errors
+    /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
+    /// if a stop is not finite.
+    pub fn build(
+        self,
+        names: Vec<String>,
+        stops: Vec<Stop>,
+        contacts: Vec<Contact>,
+    ) -> Result<ReceptionLog, LogError> {
+        for (stop, &Stop { position, .. }) in stops.iter().enumerate() {
+            if !position.is_finite() {
+                let Position { x_m, y_m, z_m } = position;
+                return Err(LogError::NotFinite { stop, x_m, y_m, z_m });
+            }
+        }
+        let first = self.check(&names, &stops)?;
+        let mut columns = self.columns;
+        columns.shrink_to_fit();
+        if let Nodes::Mixed(mut nodes) = self.nodes {
+            // A stable counting sort by stop, then one by node.
+            if !columns.stops.is_sorted() {
+                let keys = columns.stops.clone();
+                let next = starts(stops.len(), keys.iter().map(|&stop| (stop as usize, 1)));
+                columns.scatter(|| places(next.clone(), keys.iter().map(|&stop| stop as usize)));
+                scatter(&mut nodes, places(next, keys.iter().map(|&stop| stop as usize)));
+            }
+            columns.scatter(|| places(first.clone(), nodes.iter().map(|node| node.index())));
+        } else {
+            sort_each(&mut columns, &first);
+        }
+        for (name, range) in names.iter().zip(first.windows(2)) {
+            if let Some(pair) = columns.stops[range[0]..range[1]].windows(2).find(|pair| pair[0] == pair[1]) {
+                return Err(LogError::Twice { node: name.clone(), stop: pair[0] });
+            }
+        }
+        Ok(ReceptionLog { names, stops, columns, first, contacts })
+    }
+
+    /// Checks each reception on its own. Returns where those of each node will begin.
+    fn check(&self, names: &[String], stops: &[Stop]) -> Result<Vec<usize>, LogError> {
+        let mut at = 0;
+        for (node, count) in self.nodes.runs() {
+            let name = names.get(node.index()).ok_or(LogError::UnknownNode { node: node.0, nodes: names.len() })?;
+            for at in at..at + count {
+                let Reception { stop, received, sent, .. } = self.columns.get(node, at);
+                if stop as usize >= stops.len() {
+                    return Err(LogError::UnknownStop { node: name.clone(), stop, stops: stops.len() });
+                }
+                if received > sent {
+                    return Err(LogError::MoreThanSent { node: name.clone(), stop, received, sent });
+                }
+            }
+            at += count;
+        }
+        Ok(starts(names.len(), self.nodes.runs().map(|(node, count)| (node.index(), count))))
+    }
+}
+
+/// Where the values of each of `keys` keys begin if they are sorted, and where the last ends.
+fn starts(keys: usize, counts: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    let mut first = vec![0; keys + 1];
+    for (key, count) in counts {
+        first[key + 1] += count;
+    }
+    for key in 1..first.len() {
+        first[key] += first[key - 1];
+    }
+    first
+}
+
+/// Where each value goes if values are sorted by their keys and equal keys keep their order.
+fn places(mut next: Vec<usize>, keys: impl Iterator<Item = usize>) -> impl Iterator<Item = usize> {
+    keys.map(move |key| {
+        let place = next[key];
+        next[key] += 1;
+        place
+    })
+}
+
+/// Sorts the receptions of each node by stop.
+fn sort_each(columns: &mut Columns, first: &[usize]) {
+    let is_sorted = |range: &[usize]| columns.stops[range[0]..range[1]].is_sorted();
+    if first.windows(2).all(is_sorted) {
+        return;
+    }
+    let mut destinations = vec![0; columns.len()];
+    let mut order = Vec::new();
+    for range in first.windows(2) {
+        order.clear();
+        order.extend(range[0]..range[1]);
+        order.sort_by_key(|&at| columns.stops[at]);
+        for (place, &at) in (range[0]..).zip(&order) {
+            destinations[at] = place;
+        }
+    }
+    columns.scatter(|| destinations.iter().copied());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_kernel::{Purpose, Seed, SimTime};
+
+    /// Every pair of some nodes and stops with entries of all kinds.
+    fn entries() -> Vec<Reception> {
+        let draw = |address| Seed(7).uniform(Purpose::Mapper, address);
+        let mut all = Vec::new();
+        for node in (0..30).filter(|node| node % 7 != 3) {
+            for stop in (0..40).filter(|&stop| draw([u64::from(node), stop, 0]) < 0.5) {
+                let chance = |kind| draw([u64::from(node), stop, kind]);
+                let rssi_dbm = (chance(1) < 0.3).then(|| -40.0 - 60.0 * chance(2));
+                let sector = (chance(3) < 0.3).then(|| u8::try_from(node).expect("a small number"));
+                let sent = if chance(4) < 0.7 { 1 } else { 3 };
+                let stop = u32::try_from(stop).unwrap();
+                all.push(Reception { node: NodeId(node), stop, received: 1, sent, sector, rssi_dbm });
+            }
+        }
+        all
+    }
+
+    fn build(receptions: impl IntoIterator<Item = Reception>) -> Result<ReceptionLog, LogError> {
+        let mut builder = ReceptionLogBuilder::default();
+        builder.extend(receptions);
+        let stops = vec![Stop { time: SimTime::ZERO, position: Position::ORIGIN }; 40];
+        builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new())
+    }
+
+    #[test]
+    fn any_order_gives_the_log_that_a_comparison_sort_gives() {
+        let mut sorted = entries();
+        sorted.sort_by_key(|r| (r.node, r.stop));
+        let expected = build(sorted.iter().copied()).unwrap();
+        assert_eq!(expected.receptions(), sorted);
+        for (i, &reception) in sorted.iter().enumerate() {
+            assert_eq!(expected.receptions().get(i), Some(reception));
+        }
+        assert_eq!(expected.receptions().get(sorted.len()), None);
+        let by = |key: &dyn Fn(&Reception) -> u64| {
+            let mut receptions = entries();
+            receptions.sort_by_key(|r| key(r));
+            receptions
+        };
+        let mix = |r: &Reception| {
+            let address = [u64::from(r.node.0), u64::from(r.stop), 9];
+            Seed(1).uniform(Purpose::Mapper, address).to_bits() >> 32
+        };
+        let by_stop = by(&|r| u64::from(r.stop));
+        let backwards = by(&|r| u64::from(u32::MAX - r.stop));
+        let nodes_with_mixed_stops = by(&|r| (u64::from(r.node.0) << 32) + mix(r));
+        for order in [by_stop, backwards, nodes_with_mixed_stops, by(&mix)] {
+            let log = build(order).unwrap();
+            assert_eq!(log, expected);
+            for node in (0..30).map(NodeId) {
+                let of: Vec<Reception> = sorted.iter().copied().filter(|r| r.node == node).collect();
+                assert_eq!(log.of(node), of);
+                assert_eq!(log.of(node).iter().len(), of.len());
+            }
+        }
+    }
+
+    #[test]
+    fn a_repeated_pair_is_found_in_any_order() {
+        for repeated in entries().into_iter().step_by(29) {
+            let twice = Err(LogError::Twice { node: format!("n{}", repeated.node.0), stop: repeated.stop });
+            assert_eq!(build(entries().into_iter().chain([repeated])), twice);
+            assert_eq!(build([repeated].into_iter().chain(entries())), twice);
+        }
+    }
+
+    #[test]
+    fn receptions_at_later_stops_are_forgotten() {
+        let mut builder = ReceptionLogBuilder::default();
+        builder.extend(entries());
+        builder.forget_from(13);
+        let stops = vec![Stop { time: SimTime::ZERO, position: Position::ORIGIN }; 13];
+        let log = builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new()).unwrap();
+        let kept: Vec<Reception> = entries().into_iter().filter(|r| r.stop < 13).collect();
+        assert_eq!(log.receptions(), kept);
+    }
+}

@@ -1,0 +1,121 @@
+//! Receptions as columns, so that what most logs do not have costs nothing.
+
+use sextant_kernel::NodeId;
+
+use super::Reception;
+
+/// What was heard, without the nodes: one value of each column a reception.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Columns {
+    pub(super) stops: Vec<u32>,
+    /// Packets received and sent.
+    pub(super) packets: Column<Packets>,
+    pub(super) sectors: Column<Option<u8>>,
+    pub(super) strengths: Column<Strength>,
+}
+
+impl Columns {
+    pub(super) fn len(&self) -> usize {
+        self.stops.len()
+    }
+
+    pub(super) fn push(&mut self, reception: &Reception) {
+        let &Reception { node: _, stop, received, sent, sector, rssi_dbm } = reception;
+        let before = self.stops.len();
+        self.stops.push(stop);
+        self.packets.push(before, Packets { received, sent });
+        self.sectors.push(before, sector);
+        self.strengths.push(before, Strength::new(rssi_dbm));
+    }
+
+    /// The reception at `at`, which is one of `node`.
+    pub(super) fn get(&self, node: NodeId, at: usize) -> Reception {
+        let Packets { received, sent } = self.packets.get(at);
+        let (sector, rssi_dbm) = (self.sectors.get(at), self.strengths.get(at).dbm());
+        Reception { node, stop: self.stops[at], received, sent, sector, rssi_dbm }
+    }
+
+    /// Moves the reception at each place to the place that `destinations` gives, one column after the other, so that
+    /// no more than one column is in memory twice.
+    pub(super) fn scatter<I: Iterator<Item = usize>>(&mut self, destinations: impl Fn() -> I) {
+        scatter(&mut self.stops, destinations());
+        scatter(&mut self.packets.0, destinations());
+        scatter(&mut self.sectors.0, destinations());
+        scatter(&mut self.strengths.0, destinations());
+    }
+
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.stops.shrink_to_fit();
+        self.packets.0.shrink_to_fit();
+        self.sectors.0.shrink_to_fit();
+        self.strengths.0.shrink_to_fit();
+    }
+}
+
+/// Moves each value to the place that `destinations` gives for it.
+pub(super) fn scatter<T: Copy + Default>(values: &mut Vec<T>, destinations: impl Iterator<Item = usize>) {
+    let mut moved = vec![T::default(); values.len()];
+    for (&value, destination) in values.iter().zip(destinations) {
+        moved[destination] = value;
+    }
+    *values = moved;
+}
+
+/// The default value for every reception, as long as it is empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Column<T>(Vec<T>);
+
+impl<T: Copy + Default + PartialEq> Column<T> {
+    /// Appends `value` to a column of `before` receptions.
+    fn push(&mut self, before: usize, value: T) {
+        if self.0.is_empty() {
+            if value == T::default() {
+                return;
+            }
+            self.0.resize(before, T::default());
+        }
+        self.0.push(value);
+    }
+
+    fn get(&self, at: usize) -> T {
+        self.0.get(at).copied().unwrap_or_default()
+    }
+
+    /// The values of the receptions `range`; `None` if all receptions of the log have the default one.
+    pub(super) fn slice(&self, range: std::ops::Range<usize>) -> Option<&[T]> {
+        self.0.get(range).filter(|_| !self.0.is_empty())
+    }
+}
+
+/// How many packets were received of how many sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Packets {
+    pub(super) received: u32,
+    pub(super) sent: u32,
+}
+
+impl Default for Packets {
+    fn default() -> Self {
+        Self { received: 1, sent: 1 }
+    }
+}
+
+/// A received signal strength [dBm] by its bits; those of NaN if it was not measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Strength(u64);
+
+impl Strength {
+    fn new(rssi_dbm: Option<f64>) -> Self {
+        rssi_dbm.filter(|rssi_dbm| !rssi_dbm.is_nan()).map_or(Self::default(), |rssi_dbm| Self(rssi_dbm.to_bits()))
+    }
+
+    fn dbm(self) -> Option<f64> {
+        Some(f64::from_bits(self.0)).filter(|rssi_dbm| !rssi_dbm.is_nan())
+    }
+}
+
+impl Default for Strength {
+    fn default() -> Self {
+        Self(f64::NAN.to_bits())
+    }
+}
