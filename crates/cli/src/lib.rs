@@ -20,5 +20,6 @@ pub mod robot_log;
 pub mod run;
 pub mod scenario;
 pub mod summary;
+pub mod sweep;
 pub mod table;
 pub mod terminal;

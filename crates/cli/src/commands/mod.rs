@@ -9,6 +9,7 @@ pub mod map;
 pub mod recover;
 pub mod run;
 pub mod schema;
+pub mod sweep;
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -35,6 +36,8 @@ pub enum Command {
     Run(run::Arguments),
     /// Map the nodes from a recording of `run`, or from the logs of a real robot
     Map(map::Arguments),
+    /// Run a scenario under many settings and seeds, and write one table
+    Sweep(sweep::Arguments),
     /// Check scenario files without running them
     Check(check::Arguments),
     /// Draw the network, the maps and their errors
@@ -84,6 +87,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::execute(arguments),
         Command::Map(arguments) => map::execute(arguments),
+        Command::Sweep(arguments) => sweep::execute(arguments),
         Command::Check(arguments) => check::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments),
         Command::Inspect(arguments) => inspect::execute(arguments),

@@ -138,6 +138,19 @@ impl Scenario {
         setup(&self.config, self.parts.clone(), self.config.robots.iter().map(robot).collect())
     }
 
+    /// A text that two scenarios share if their surveys are the same for each seed: all settings but the seed and those
+    /// that concern what is made of a survey.
+    #[must_use]
+    pub fn survey_identity(&self) -> String {
+        let mut config = self.config.clone();
+        config.maps.clear();
+        config.metrics = MetricsConfig::default();
+        config.recording = RecordingConfig::default();
+        config.sweep = None;
+        (config.name, config.seed) = (String::new(), 0);
+        format!("{config:?}")
+    }
+
     /// What the results say of the scenario.
     #[must_use]
     pub fn summary(&self) -> ScenarioSummary {

@@ -10,6 +10,8 @@ use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mapper::MapConfig;
 use sextant_sim::{RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig};
 
+use super::SweepConfig;
+
 /// A scenario: the world, the radios, what the robots do in it, and which maps are made of what they hear.
 /// Lengths are in metres, times in seconds, powers in dBm; each key says so.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -49,6 +51,9 @@ pub struct ScenarioConfig {
     /// What is recorded beside what a mapper needs.
     #[serde(default)]
     pub recording: RecordingConfig,
+    /// Which settings a sweep varies; `run` leaves them as they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<SweepConfig>,
 }
 
 fn default_seed() -> u64 {

@@ -39,7 +39,8 @@ fn settings(entry: &Entry, path: &KeyPath, text: &mut String) {
     }
 }
 
-fn inline(value: &Value) -> String {
+/// A value as TOML on one line.
+pub(super) fn inline(value: &Value) -> String {
     match value {
         Value::Boolean(boolean) => boolean.to_string(),
         Value::Integer(integer) => integer.to_string(),

@@ -10,12 +10,14 @@ mod key_path;
 mod known_channel;
 mod layers;
 mod map_settings;
+mod sweep;
 
 pub use build::{NamedMap, Scenario};
 pub use config::{MacConfig, MetricsConfig, RecordingConfig, ScenarioConfig};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
 pub use map_settings::MapSettings;
+pub use sweep::{Setting, Sweep, SweepConfig};
 
 use deserialize::Refusal;
 

@@ -1,0 +1,196 @@
+//! `sextant sweep`: one scenario under many settings and seeds.
+
+use std::io::{self, Write};
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Map, Value, json};
+
+use super::Format;
+use super::run::set_threads;
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::sweep::{Mean, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
+use crate::table::{Align, columns, counted};
+
+/// What `sextant sweep` is told.
+#[derive(Clone, Debug, Args)]
+pub struct Arguments {
+    /// The scenario file; its `[sweep]` says which settings vary
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
+    /// Where the table goes, one row a cell and run: TABLE.csv or TABLE.parquet; SCENARIO.csv in the working folder if
+    /// absent
+    #[arg(long, value_name = "TABLE")]
+    pub out: Option<PathBuf>,
+    /// Runs of each cell, with the seeds seed, seed + 1, ..; in place of the scenario's
+    #[arg(long, value_name = "N")]
+    pub runs: Option<NonZeroU32>,
+    /// Only the I-th of N shares of the work, from 1: the tables of all shares hold the rows of the whole
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub shard: Shard,
+    /// Go on with a sweep that was interrupted
+    #[arg(long)]
+    pub resume: bool,
+    /// Print what would be run, and run nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Seed of the first run of each cell, in place of the scenario's
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Threads to compute with; one a core if absent. The table does not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Override a setting in all cells: path.to.key=value, the value in TOML, quotes optional; may be repeated
+    #[arg(long, value_name = "K=V", value_parser = crate::scenario::flag)]
+    pub set: Vec<String>,
+    /// How results are printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// No progress bar and no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Arguments {
+    /// Where the table goes.
+    #[must_use]
+    pub fn table(&self) -> PathBuf {
+        let default = || {
+            let mut name = self.scenario.file_stem().unwrap_or_default().to_owned();
+            name.push(self.shard.suffix());
+            name.push(".csv");
+            PathBuf::from(name)
+        };
+        self.out.clone().unwrap_or_else(default)
+    }
+}
+
+pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    set_threads(arguments.threads)?;
+    let out = arguments.table();
+    TableFormat::of(&out)?;
+    let plan = Plan::read(&arguments.scenario, &arguments.set, arguments.seed, arguments.runs)?;
+    let mut stdout = io::stdout().lock();
+    if arguments.dry_run {
+        return Ok(print_plan(&plan, &out, &mut stdout)?);
+    }
+    let interrupt = Interrupt::install()?;
+    let rows = match run(&plan, arguments.shard, &out, arguments.resume, &interrupt, arguments.quiet) {
+        Err(Failure::Interrupted) => {
+            if !arguments.quiet {
+                // Nobody is left to be told if standard error is gone.
+                let _ = writeln!(io::stderr(), "note: what is finished is kept; go on with --resume");
+            }
+            return Err(Failure::Interrupted);
+        }
+        other => other?,
+    };
+    write_table(&out, &plan.columns(), &rows)?;
+    clear_parts(&out)?;
+    let results = Results { plan: &plan, rows: &rows };
+    match arguments.format {
+        Format::Text => results.print(&out, &mut stdout)?,
+        Format::Json => writeln!(stdout, "{:#}", results.json())?,
+    }
+    Ok(())
+}
+
+fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
+    let runs = plan.runs() as usize;
+    let last_seed = plan.seed().wrapping_add(u64::from(plan.runs()) - 1);
+    writeln!(
+        stdout,
+        "{} of {} with the seeds {} to {last_seed}: {}, {} simulated",
+        counted(plan.cells().len(), "cell"),
+        counted(runs, "run"),
+        plan.seed(),
+        counted(plan.cells().len() * runs, "row"),
+        counted(plan.survey_count(), "survey"),
+    )?;
+    writeln!(stdout, "table: {}\n", out.display())?;
+    for (i, cell) in plan.cells().iter().enumerate() {
+        let flags: Vec<_> = cell.settings.iter().map(|setting| setting.flag()).collect();
+        writeln!(stdout, "{i:>4}  {}", if flags.is_empty() { "as written".to_owned() } else { flags.join("  ") })?;
+    }
+    Ok(())
+}
+
+/// The rows of a sweep, summed up a cell.
+struct Results<'a> {
+    plan: &'a Plan,
+    rows: &'a [Row],
+}
+
+impl Results<'_> {
+    /// The mean of a column over the runs of a cell that did not fail.
+    fn mean(&self, cell: usize, column: &str) -> Option<Mean> {
+        let column = self.plan.columns().iter().position(|other| other.name == column)?;
+        let rows = self.rows.iter().filter(|row| row.cell == cell);
+        let values: Vec<f64> = rows.filter_map(|row| row.texts[column].parse().ok()).collect();
+        Mean::of(&values)
+    }
+
+    fn failed(&self, cell: Option<usize>) -> usize {
+        let error = self.plan.columns().iter().position(|column| column.name == "error").unwrap_or_default();
+        let rows = self.rows.iter().filter(|row| cell.is_none_or(|cell| row.cell == cell));
+        rows.filter(|row| !row.texts[error].is_empty()).count()
+    }
+
+    fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
+        let mut header = vec!["cell".to_owned(), "runs".to_owned(), "path".to_owned()];
+        for map in self.plan.maps() {
+            header.extend([format!("{map}: connectivity error"), "mean error".to_owned()]);
+        }
+        header.push("settings".to_owned());
+        let mut align = vec![Align::Right; header.len()];
+        align[header.len() - 1] = Align::Left;
+        let mut rows = vec![header];
+        for (i, cell) in self.plan.cells().iter().enumerate() {
+            let count = self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
+            let mut row = vec![i.to_string(), count.to_string(), written(self.mean(i, "path_length_m"), 1.0, "m")];
+            for map in self.plan.maps() {
+                row.push(written(self.mean(i, &format!("{map}.connectivity_error")), 100.0, "%"));
+                row.push(written(self.mean(i, &format!("{map}.position_error_m.mean")), 1.0, "m"));
+            }
+            row.push(cell.settings.iter().map(|setting| setting.flag()).collect::<Vec<_>>().join("  "));
+            rows.push(row);
+        }
+        columns(&rows, &align, stdout)?;
+        let failed = self.failed(None);
+        let failures = if failed > 0 { format!(", {failed} of them failed (column error)") } else { String::new() };
+        writeln!(stdout, "\n{}: {}{failures}", out.display(), counted(self.rows.len(), "row"))
+    }
+
+    fn json(&self) -> Value {
+        let cells = self.plan.cells().iter().enumerate().map(|(i, cell)| {
+            let settings: Map<_, _> =
+                cell.settings.iter().map(|setting| (setting.key.clone(), json!(setting.value))).collect();
+            let mut means = Map::new();
+            for column in self.plan.columns().iter().skip_while(|column| column.name != "error").skip(1) {
+                if let Some(Mean { mean, half_width_95, runs }) = self.mean(i, &column.name) {
+                    let mut value = json!({"mean": mean, "runs": runs});
+                    if let Some(half_width_95) = half_width_95 {
+                        value["half_width_95"] = json!(half_width_95);
+                    }
+                    means.insert(column.name.clone(), value);
+                }
+            }
+            json!({"cell": i, "settings": settings, "failed": self.failed(Some(i)), "measures": means})
+        });
+        json!({"sweep": {"runs": self.plan.runs(), "seed": self.plan.seed(), "rows": self.rows.len(),
+                         "cells": cells.collect::<Vec<_>>()}})
+    }
+}
+
+/// A mean with its interval: `6.0 ± 0.3 %`.
+fn written(mean: Option<Mean>, factor: f64, unit: &str) -> String {
+    match mean {
+        None => "-".to_owned(),
+        Some(Mean { mean, half_width_95: None, .. }) => format!("{:.2} {unit}", factor * mean),
+        Some(Mean { mean, half_width_95: Some(half_width_95), .. }) => {
+            format!("{:.2} ± {:.2} {unit}", factor * mean, factor * half_width_95)
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Many runs of one scenario: cells of settings, replicates of each, one table.
+//!
+//! The replicates of a cell have the seeds `seed`, `seed` + 1, .., the same ones in each cell (common random numbers), so
+//! that cells differ by their settings alone. Cells that differ only in what is made of the reception log share their
+//! surveys. The table is a function of scenario, seeds and version: threads and shards do not change a byte of its rows.
+
+mod measures;
+mod parts;
+mod plan;
+mod shard;
+mod statistics;
+mod table_file;
+mod unit;
+
+pub use measures::{Column, Kind};
+pub use plan::{Cell, Plan};
+pub use shard::Shard;
+pub use statistics::Mean;
+pub use table_file::{TableFormat, write_table};
+pub use unit::Row;
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::Progress;
+use parts::Parts;
+
+/// Runs the units of `plan` that fall to `shard`, all cores at once, and returns their rows by cell, then replicate.
+/// Finished units are kept beside `out` until its rows are all there; `resume` takes up those of a sweep before.
+///
+/// # Errors
+/// If a file cannot be written or the user interrupts. A run that fails is a row with its error instead.
+pub fn run(
+    plan: &Plan,
+    shard: Shard,
+    out: &Path,
+    resume: bool,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<Vec<Row>, Failure> {
+    let parts = Parts::open(out, plan.fingerprint(), resume)?;
+    let units: Vec<_> = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
+    let progress = Progress::new("sweeping", units.len() as u64, quiet);
+    let done = AtomicU64::new(0);
+    let failure = Mutex::new(None);
+    let rows: Vec<Vec<Row>> = units
+        .par_iter()
+        .map(|unit| {
+            if interrupt.is_requested() || failure.lock().is_ok_and(|failure| failure.is_some()) {
+                return Vec::new();
+            }
+            let result = match parts.read(unit.index) {
+                Ok(Some(rows)) => Ok(Some(rows)),
+                Ok(None) => unit::run(plan, unit, interrupt)
+                    .map_or(Ok(None), |rows| parts.write(unit.index, &rows).map(|()| Some(rows))),
+                Err(failure) => Err(failure),
+            };
+            progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
+            match result {
+                Ok(rows) => rows.unwrap_or_default(),
+                Err(first) => {
+                    if let Ok(mut failure) = failure.lock() {
+                        failure.get_or_insert(first);
+                    }
+                    Vec::new()
+                }
+            }
+        })
+        .collect();
+    progress.clear();
+    if let Ok(Some(failure)) = failure.into_inner() {
+        return Err(failure);
+    }
+    if interrupt.is_requested() {
+        return Err(Failure::Interrupted);
+    }
+    let mut rows: Vec<Row> = rows.into_iter().flatten().collect();
+    rows.sort_by_key(|row| (row.cell, row.replicate));
+    Ok(rows)
+}
+
+/// Forgets the finished units beside `out`: the table is written.
+///
+/// # Errors
+/// If they cannot be removed.
+pub fn clear_parts(out: &Path) -> Result<(), Failure> {
+    parts::remove(out)
+}

@@ -1,0 +1,118 @@
+//! Finished units of a sweep on disk, so that a sweep that was killed can be taken up again.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::unit::Row;
+use crate::commands::write_file;
+use crate::diagnostic::Failure;
+
+/// The folder of the finished units: one CSV file a unit, written whole or not at all.
+#[derive(Debug)]
+pub(super) struct Parts {
+    folder: PathBuf,
+}
+
+/// File in the folder that says which sweep it belongs to.
+const FINGERPRINT: &str = "fingerprint";
+
+impl Parts {
+    /// Opens the folder beside `out` for the sweep of this `fingerprint`.
+    pub(super) fn open(out: &Path, fingerprint: &str, resume: bool) -> Result<Self, Failure> {
+        let this = Self { folder: folder(out) };
+        let name = this.folder.display();
+        let mark = this.folder.join(FINGERPRINT);
+        match fs::read_to_string(&mark) {
+            Ok(found) if found != fingerprint => Err(Failure::bad_input_with_help(
+                format!("`{name}` holds parts of another sweep (another scenario, seed, number of runs or version)"),
+                "remove the folder, or choose another --out",
+            )),
+            Ok(_) if !resume => Err(Failure::bad_input_with_help(
+                format!("`{name}` holds parts of this sweep, which was interrupted"),
+                "take it up with --resume, or remove the folder to start again",
+            )),
+            Ok(_) => Ok(this),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                fs::create_dir_all(&this.folder).map_err(|error| Failure::unwritable(&this.folder, &error))?;
+                write_file(&mark, fingerprint.as_bytes())?;
+                Ok(this)
+            }
+            Err(error) => Err(Failure::failed(format!("`{}` cannot be read: {error}", mark.display()))),
+        }
+    }
+
+    fn path(&self, unit: usize) -> PathBuf {
+        self.folder.join(format!("{unit:07}.csv"))
+    }
+
+    /// The rows of a unit, if it is finished.
+    pub(super) fn read(&self, unit: usize) -> Result<Option<Vec<Row>>, Failure> {
+        let path = self.path(unit);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(Failure::failed(format!("`{}` cannot be read: {error}", path.display()))),
+        };
+        let broken = || {
+            Failure::bad_input_with_help(
+                format!("`{}` is no part of a sweep", path.display()),
+                "remove the file: its runs will be made again",
+            )
+        };
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let texts: Vec<String> = record.map_err(|_| broken())?.iter().map(str::to_owned).collect();
+            let number = |i: usize| texts.get(i).and_then(|text| text.parse::<u32>().ok()).ok_or_else(broken);
+            rows.push(Row { cell: number(0)? as usize, replicate: number(1)?, texts });
+        }
+        Ok(Some(rows))
+    }
+
+    /// Keeps the rows of a finished unit.
+    pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), Failure> {
+        let path = self.path(unit);
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let written = rows.iter().try_for_each(|row| writer.write_record(&row.texts));
+        let bytes = written
+            .map_err(io::Error::from)
+            .and_then(|()| writer.into_inner().map_err(|error| io::Error::other(error.to_string())));
+        write_file(&path, &bytes.map_err(|error| Failure::unwritable(&path, &error))?)
+    }
+}
+
+/// Removes the folder beside `out`.
+pub(super) fn remove(out: &Path) -> Result<(), Failure> {
+    let folder = folder(out);
+    fs::remove_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))
+}
+
+fn folder(out: &Path) -> PathBuf {
+    let mut folder = out.as_os_str().to_owned();
+    folder.push(".parts");
+    PathBuf::from(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_finished_unit_is_read_back_and_only_by_its_own_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("table.csv");
+        let rows = vec![
+            Row { cell: 2, replicate: 1, texts: vec!["2".into(), "1".into(), "a \"b\",\nc".into()] },
+            Row { cell: 3, replicate: 1, texts: vec!["3".into(), "1".into(), String::new()] },
+        ];
+        let parts = Parts::open(&out, "this", false).unwrap();
+        assert_eq!(parts.read(7).unwrap(), None);
+        parts.write(7, &rows).unwrap();
+        assert!(matches!(Parts::open(&out, "this", false), Err(Failure::BadInput(_))));
+        assert!(matches!(Parts::open(&out, "other", true), Err(Failure::BadInput(_))));
+        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7).unwrap(), Some(rows));
+        remove(&out).unwrap();
+        assert!(!super::folder(&out).exists());
+    }
+}

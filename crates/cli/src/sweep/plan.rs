@@ -1,0 +1,211 @@
+//! What a sweep will run, checked before anything does.
+
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::measures::{self, Column, Kind};
+use super::unit::Unit;
+use crate::scenario::{Scenario, ScenarioErrors, Setting, Sweep};
+
+/// The cells and runs of a sweep.
+#[derive(Debug)]
+pub struct Plan {
+    path: PathBuf,
+    set: Vec<String>,
+    seed: u64,
+    runs: u32,
+    cells: Vec<Cell>,
+    surveys: usize,
+    keys: Vec<Column>,
+    maps: Vec<String>,
+    fingerprint: String,
+}
+
+/// One combination of settings.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The settings that make it differ.
+    pub settings: Vec<Setting>,
+    /// Cells of the same number have the same surveys, because they differ only in what is made of them.
+    pub survey: usize,
+}
+
+impl Plan {
+    /// Reads the scenario at `path` with its `[sweep]`, under the flags `set`; `seed` and `runs` replace those of the
+    /// file. Every cell is checked.
+    ///
+    /// # Errors
+    /// If any cell is no good scenario: all that is wrong with the first such cell.
+    pub fn read(
+        path: &Path,
+        set: &[String],
+        seed: Option<u64>,
+        runs: Option<NonZeroU32>,
+    ) -> Result<Self, ScenarioErrors> {
+        let sweep = Sweep::read(path, set)?;
+        let mut keys: Vec<(String, Vec<&str>)> = Vec::new();
+        for setting in sweep.cells.iter().flatten() {
+            let i = keys.iter().position(|(key, _)| *key == setting.key).unwrap_or_else(|| {
+                keys.push((setting.key.clone(), Vec::new()));
+                keys.len() - 1
+            });
+            keys[i].1.push(&setting.value);
+        }
+        let keys = keys.iter().map(|(key, values)| Column::new(key, kind(values))).collect();
+        let mut surveys: Vec<String> = Vec::new();
+        let mut maps: Vec<String> = Vec::new();
+        let mut cells = Vec::with_capacity(sweep.cells.len());
+        let mut digest = Sha256::new();
+        let mut first_seed = None;
+        for settings in &sweep.cells {
+            let flags = flags(set, settings);
+            let scenario = Scenario::load(path, &flags, seed)?;
+            first_seed.get_or_insert(scenario.seed().0);
+            digest.update(scenario.text());
+            for named in scenario.maps() {
+                if !maps.contains(&named.name) {
+                    maps.push(named.name.clone());
+                }
+            }
+            let survey = scenario.survey_identity();
+            let known = surveys.iter().position(|other| *other == survey);
+            let survey = known.unwrap_or_else(|| {
+                surveys.push(survey);
+                surveys.len() - 1
+            });
+            cells.push(Cell { settings: settings.clone(), survey });
+        }
+        let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
+        digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
+        let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self {
+            path: path.to_owned(),
+            set: set.to_vec(),
+            seed,
+            runs,
+            cells,
+            surveys: surveys.len(),
+            keys,
+            maps,
+            fingerprint,
+        })
+    }
+
+    /// The cells.
+    #[must_use]
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Runs of each cell.
+    #[must_use]
+    pub fn runs(&self) -> u32 {
+        self.runs
+    }
+
+    /// Seed of the first run of each cell.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Surveys to simulate: those that cells share count once.
+    #[must_use]
+    pub fn survey_count(&self) -> usize {
+        self.surveys * self.runs as usize
+    }
+
+    /// Names of the maps that any cell computes.
+    #[must_use]
+    pub fn maps(&self) -> &[String] {
+        &self.maps
+    }
+
+    /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a run that failed, and what
+    /// was measured.
+    #[must_use]
+    pub fn columns(&self) -> Vec<Column> {
+        let identity = ["cell", "replicate", "seed"].map(|name| Column::new(name, Kind::Integer));
+        let error = Column::new("error", Kind::Text);
+        identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures::columns(&self.maps)).collect()
+    }
+
+    /// What distinguishes this sweep from all others.
+    pub(super) fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// The scenario of a cell with the seed of a replicate.
+    pub(super) fn scenario(&self, cell: usize, replicate: u32) -> Result<Scenario, ScenarioErrors> {
+        Scenario::load(&self.path, &flags(&self.set, &self.cells[cell].settings), Some(self.seed_of(replicate)))
+    }
+
+    /// The seed of a replicate.
+    pub(super) fn seed_of(&self, replicate: u32) -> u64 {
+        self.seed.wrapping_add(u64::from(replicate))
+    }
+
+    /// The value that a cell gives to each setting that varies; empty where it leaves it alone.
+    pub(super) fn values(&self, cell: usize) -> Vec<String> {
+        let settings = &self.cells[cell].settings;
+        let value = |column: &Column| {
+            let setting = settings.iter().find(|setting| setting.key == column.name);
+            setting.map_or_else(String::new, |setting| plain(&setting.value))
+        };
+        self.keys.iter().map(value).collect()
+    }
+
+    /// What can be run on its own: a survey and all cells that share it, for each replicate.
+    pub(super) fn units(&self) -> Vec<Unit> {
+        let mut units = Vec::new();
+        for survey in 0..self.surveys {
+            let cells: Vec<_> = (0..self.cells.len()).filter(|&cell| self.cells[cell].survey == survey).collect();
+            for replicate in 0..self.runs {
+                units.push(Unit { index: units.len(), replicate, cells: cells.clone() });
+            }
+        }
+        units
+    }
+}
+
+fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
+    set.iter().cloned().chain(settings.iter().map(Setting::flag)).collect()
+}
+
+/// The kind of a column with these values in TOML.
+fn kind(values: &[&str]) -> Kind {
+    if values.iter().all(|value| value.parse::<i64>().is_ok()) {
+        Kind::Integer
+    } else if values.iter().all(|value| value.parse::<f64>().is_ok()) {
+        Kind::Real
+    } else {
+        Kind::Text
+    }
+}
+
+/// A value in TOML as it stands in a table: a text without its quotes.
+fn plain(value: &str) -> String {
+    let quoted = value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
+    quoted.filter(|text| !text.contains(['"', '\\'])).unwrap_or(value).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_has_the_narrowest_kind_that_fits() {
+        assert_eq!(kind(&["1", "2"]), Kind::Integer);
+        assert_eq!(kind(&["1", "2.5"]), Kind::Real);
+        assert_eq!(kind(&["1", "\"suburban\""]), Kind::Text);
+    }
+
+    #[test]
+    fn texts_lose_their_quotes_and_nothing_else() {
+        assert_eq!(plain("\"suburban\""), "suburban");
+        assert_eq!(plain("[1, 2]"), "[1, 2]");
+        assert_eq!(plain("\"a\\\"b\""), "\"a\\\"b\"");
+    }
+}

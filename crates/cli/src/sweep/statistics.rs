@@ -1,0 +1,53 @@
+//! Means of few runs, with intervals.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A mean over independent runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mean {
+    /// The mean.
+    pub mean: f64,
+    /// Half the width of the 95 % confidence interval (Student, 1908); `None` of a single run.
+    pub half_width_95: Option<f64>,
+    /// Number of runs.
+    pub runs: usize,
+}
+
+impl Mean {
+    /// The mean of `values`; `None` if there are none.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "a number of runs")]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let runs = values.len();
+        if runs == 0 {
+            return None;
+        }
+        let n = runs as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let student = StudentsT::new(0.0, 1.0, n - 1.0).ok();
+        let half_width_95 = student.map(|t| t.inverse_cdf(0.975) * (variance / n).sqrt());
+        Some(Self { mean, half_width_95, runs })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_interval_is_that_of_students_t() {
+        // t(0.975; 4) = 2.776445 (tables); standard deviation of 1, 2, 3, 4, 5 is sqrt(2.5).
+        let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        assert!((mean.mean - 3.0).abs() < 1e-12);
+        assert!((mean.half_width_95.unwrap() - 2.776_445 * (2.5_f64 / 5.0).sqrt()).abs() < 1e-5);
+        // t(0.975; 1) = 12.7062.
+        assert!((Mean::of(&[0.0, 2.0]).unwrap().half_width_95.unwrap() - 12.7062).abs() < 1e-3);
+    }
+
+    #[test]
+    fn one_run_has_no_interval() {
+        assert_eq!(Mean::of(&[7.0]).unwrap(), Mean { mean: 7.0, half_width_95: None, runs: 1 });
+        assert_eq!(Mean::of(&[]), None);
+    }
+}

@@ -1,0 +1,103 @@
+//! The smallest piece of work of a sweep: one survey, and all that cells make of it.
+
+use sextant_channel::Contact;
+use sextant_sim::{Observer, Progress, Simulation, Survey};
+
+use super::measures;
+use super::plan::Plan;
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::run;
+use crate::scenario::{Scenario, ScenarioErrors};
+
+/// One survey and the cells that share it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Unit {
+    pub(super) index: usize,
+    pub(super) replicate: u32,
+    pub(super) cells: Vec<usize>,
+}
+
+/// One run of one cell.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Number of the cell, from 0.
+    pub cell: usize,
+    /// Number of the run, from 0.
+    pub replicate: u32,
+    /// The texts of all columns, empty where there is nothing to tell.
+    pub texts: Vec<String>,
+}
+
+/// The rows of `unit`; none if the user interrupts.
+pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec<Row>> {
+    let mut survey: Option<(Survey, Option<f64>)> = None;
+    let mut rows = Vec::with_capacity(unit.cells.len());
+    for &cell in &unit.cells {
+        let result = plan.scenario(cell, unit.replicate).map_err(message).and_then(|scenario| {
+            if survey.is_none() {
+                let gathered = gather(&scenario, interrupt)?;
+                // Every cell of the unit has the same world, so the bound is theirs too.
+                let bound_m = run::bound_m(&scenario, &gathered);
+                survey = Some((gathered, bound_m));
+            }
+            let (survey, bound_m) = survey.as_ref().expect("the survey was just made");
+            measured(plan, &scenario, survey, *bound_m)
+        });
+        if interrupt.is_requested() {
+            return None;
+        }
+        rows.push(row(plan, cell, unit.replicate, result));
+    }
+    Some(rows)
+}
+
+fn gather(scenario: &Scenario, interrupt: &Interrupt) -> Result<Survey, String> {
+    let simulation = Simulation::new(scenario.setup()).map_err(|error| error.to_string())?;
+    Ok(simulation.run(&mut Watch { interrupt }))
+}
+
+fn measured(plan: &Plan, scenario: &Scenario, survey: &Survey, bound_m: Option<f64>) -> Result<Vec<String>, String> {
+    let mut maps = Vec::new();
+    for named in scenario.maps() {
+        let evaluation = run::evaluate(scenario, named, survey, bound_m);
+        maps.push(evaluation.map_err(|failure| reason(&failure))?.summary);
+    }
+    Ok(measures::texts(&run::sum_up(scenario, survey, maps), plan.maps()))
+}
+
+fn row(plan: &Plan, cell: usize, replicate: u32, result: Result<Vec<String>, String>) -> Row {
+    let identity = [cell.to_string(), replicate.to_string(), plan.seed_of(replicate).to_string()];
+    let (error, measures) = match result {
+        Ok(measures) => (String::new(), measures),
+        Err(error) => (error, vec![String::new(); measures::columns(plan.maps()).len()]),
+    };
+    let texts = identity.into_iter().chain(plan.values(cell)).chain([error]).chain(measures).collect();
+    Row { cell, replicate, texts }
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "it is the argument of map_err")]
+fn message(errors: ScenarioErrors) -> String {
+    errors.to_string()
+}
+
+fn reason(failure: &Failure) -> String {
+    match failure {
+        Failure::BadInput(reports) => reports.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "),
+        Failure::Failed(report) => report.to_string(),
+        Failure::Interrupted | Failure::Unread => "interrupted".to_owned(),
+    }
+}
+
+/// Ends a simulation when the user asks for it.
+struct Watch<'a> {
+    interrupt: &'a Interrupt,
+}
+
+impl Observer for Watch<'_> {
+    fn met(&mut self, _robot: usize, _contact: Contact) {}
+
+    fn goes_on(&mut self, _progress: Progress) -> bool {
+        !self.interrupt.is_requested()
+    }
+}
