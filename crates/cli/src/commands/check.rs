@@ -7,6 +7,8 @@ use clap::Args;
 
 use crate::diagnostic::Failure;
 use crate::scenario::Scenario;
+use crate::sweep::Plan;
+use crate::table::counted;
 
 /// What `sextant check` is told.
 #[derive(Clone, Debug, Args)]
@@ -23,7 +25,16 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut reports = Vec::new();
     for path in &arguments.scenarios {
         match Scenario::load(path, &arguments.set, None) {
-            Ok(scenario) => writeln!(io::stdout(), "ok {}: {}", scenario.name(), scenario.outline())?,
+            Ok(scenario) if scenario.config().sweep.is_none() => {
+                writeln!(io::stdout(), "ok {}: {}", scenario.name(), scenario.outline())?;
+            }
+            Ok(scenario) => match Plan::read(path, &arguments.set, None, None) {
+                Ok(plan) => {
+                    let cells = counted(plan.cells().len(), "cell");
+                    writeln!(io::stdout(), "ok {}: {}, a sweep of {cells}", scenario.name(), scenario.outline())?;
+                }
+                Err(errors) => reports.extend(errors.errors().iter().cloned().map(miette::Report::new)),
+            },
             Err(errors) => reports.extend(errors.errors().iter().cloned().map(miette::Report::new)),
         }
     }

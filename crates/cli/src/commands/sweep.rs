@@ -11,7 +11,7 @@ use super::Format;
 use super::run::set_threads;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::sweep::{Mean, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
+use crate::sweep::{Column, Mean, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
 use crate::table::{Align, columns, counted};
 
 /// What `sextant sweep` is told.
@@ -143,18 +143,17 @@ impl Results<'_> {
         for map in self.plan.maps() {
             header.extend([format!("{map}: connectivity error"), "mean error".to_owned()]);
         }
-        header.push("settings".to_owned());
-        let mut align = vec![Align::Right; header.len()];
-        align[header.len() - 1] = Align::Left;
+        header.extend(shortened(self.plan.keys()));
+        let align = vec![Align::Right; header.len()];
         let mut rows = vec![header];
-        for (i, cell) in self.plan.cells().iter().enumerate() {
+        for i in 0..self.plan.cells().len() {
             let count = self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
             let mut row = vec![i.to_string(), count.to_string(), written(self.mean(i, "path_length_m"), 1.0, "m")];
             for map in self.plan.maps() {
                 row.push(written(self.mean(i, &format!("{map}.connectivity_error")), 100.0, "%"));
                 row.push(written(self.mean(i, &format!("{map}.position_error_m.mean")), 1.0, "m"));
             }
-            row.push(cell.settings.iter().map(|setting| setting.flag()).collect::<Vec<_>>().join("  "));
+            row.extend(self.plan.values(i));
             rows.push(row);
         }
         columns(&rows, &align, stdout)?;
@@ -192,5 +191,27 @@ fn written(mean: Option<Mean>, factor: f64, unit: &str) -> String {
         Some(Mean { mean, half_width_95: Some(half_width_95), .. }) => {
             format!("{:.2} ± {:.2} {unit}", factor * mean, factor * half_width_95)
         }
+    }
+}
+
+/// The end of each key that tells it from the others: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.
+fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
+    let is_end_of = |end: &str, key: &str| key == end || key.ends_with(&format!(".{end}"));
+    keys.iter().map(move |Column { name, .. }| {
+        let ends = name.rmatch_indices('.').map(|(dot, _)| &name[dot + 1..]);
+        let alone = |end: &&str| keys.iter().filter(|other| is_end_of(end, &other.name)).count() == 1;
+        ends.into_iter().find(alone).unwrap_or(name).to_owned()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::Kind;
+
+    #[test]
+    fn keys_are_shortened_as_far_as_they_stay_apart() {
+        let keys = ["a.b.p0", "a.c.range_m", "a.d.range_m", "seed"].map(|key| Column::new(key, Kind::Real));
+        assert_eq!(shortened(&keys).collect::<Vec<_>>(), ["p0", "c.range_m", "d.range_m", "seed"]);
     }
 }

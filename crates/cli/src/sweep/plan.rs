@@ -132,6 +132,12 @@ impl Plan {
         identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures::columns(&self.maps)).collect()
     }
 
+    /// The settings that vary.
+    #[must_use]
+    pub fn keys(&self) -> &[Column] {
+        &self.keys
+    }
+
     /// What distinguishes this sweep from all others.
     pub(super) fn fingerprint(&self) -> &str {
         &self.fingerprint
@@ -147,8 +153,12 @@ impl Plan {
         self.seed.wrapping_add(u64::from(replicate))
     }
 
-    /// The value that a cell gives to each setting that varies; empty where it leaves it alone.
-    pub(super) fn values(&self, cell: usize) -> Vec<String> {
+    /// The value that a cell gives to each of the [`keys`](Self::keys); empty where it leaves it alone.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    #[must_use]
+    pub fn values(&self, cell: usize) -> Vec<String> {
         let settings = &self.cells[cell].settings;
         let value = |column: &Column| {
             let setting = settings.iter().find(|setting| setting.key == column.name);

@@ -1,0 +1,171 @@
+//! `sextant sweep` from end to end: the same rows whatever the threads and shards, and after a kill.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+/// Two worlds, each mapped twice; the last cell asks for a grid that no memory holds.
+const SWEEP: &str = "
+[sweep]
+runs = 2
+[sweep.product]
+channel.environment = [\"suburban\", \"heavy-tree\"]
+[[sweep.list]]
+maps.0.algorithm.ml_tm.profile.trapezoid.p0 = 0.8
+[[sweep.list]]
+maps.0.algorithm.ml_tm.grid_step_m = 1e-5
+";
+
+fn scenario(folder: &TempDir, sweep: &str) -> PathBuf {
+    let base = std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/smoke.toml"));
+    let base = base.expect("the smoke scenario is there");
+    let path = folder.path().join("swept.toml");
+    std::fs::write(&path, format!("extends = '{}'\n{sweep}", base.display())).expect("a scenario is written");
+    path
+}
+
+fn sextant() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
+    command.env("NO_COLOR", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn sweep(scenario: &Path, out: &Path, arguments: &[&str]) -> Output {
+    sextant().arg("sweep").arg(scenario).arg("--out").arg(out).args(arguments).output().expect("it starts")
+}
+
+fn table(path: &Path) -> Vec<csv::StringRecord> {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    reader.records().map(|record| record.expect("a row")).collect()
+}
+
+fn column(path: &Path, name: &str) -> usize {
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    reader.headers().expect("a header").iter().position(|column| column == name).expect("the column exists")
+}
+
+#[test]
+fn a_table_has_one_row_a_cell_and_run_and_failed_runs_tell_why() {
+    let folder = TempDir::new().unwrap();
+    let (scenario, out) = (scenario(&folder, SWEEP), folder.path().join("t.csv"));
+    let output = sweep(&scenario, &out, &[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows = table(&out);
+    let [error, mapped, seed] = ["error", "ml-tm.mapped", "seed"].map(|name| column(&out, name));
+    assert_eq!(rows.len(), 4 * 2);
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row[0], (i / 2).to_string(), "rows are sorted by cell");
+        assert_eq!(row[seed], (1 + i % 2).to_string(), "all cells have the same seeds");
+        let fails = (i / 2) % 2 == 1;
+        assert_eq!(row[error].is_empty(), !fails, "{row:?}");
+        assert_eq!(row[mapped].is_empty(), fails, "{row:?}");
+        assert!(!fails || row[error].contains("grid"), "{}", &row[error]);
+    }
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("8 rows, 4 of them failed"), "{text}");
+    assert!(!out.with_extension("csv.parts").exists());
+}
+
+#[test]
+fn threads_and_shards_do_not_change_the_rows() {
+    let folder = TempDir::new().unwrap();
+    let scenario = scenario(&folder, SWEEP);
+    let file = |name: &str| folder.path().join(name);
+    assert!(sweep(&scenario, &file("one.csv"), &["--threads", "1"]).status.success());
+    assert!(sweep(&scenario, &file("two.csv"), &["--threads", "2"]).status.success());
+    let whole = table(&file("one.csv"));
+    assert_eq!(std::fs::read(file("one.csv")).unwrap(), std::fs::read(file("two.csv")).unwrap());
+    let mut rows = Vec::new();
+    for shard in ["1/3", "2/3", "3/3"] {
+        let out = file(&format!("shard{}.csv", &shard[..1]));
+        assert!(sweep(&scenario, &out, &["--shard", shard]).status.success());
+        rows.extend(table(&out));
+    }
+    rows.sort_by_key(|row| (row[0].to_owned(), row[1].to_owned()));
+    assert_eq!(rows, whole);
+}
+
+#[test]
+fn a_run_in_a_sweep_is_the_run_alone() {
+    let folder = TempDir::new().unwrap();
+    let (scenario, out) = (scenario(&folder, SWEEP), folder.path().join("t.csv"));
+    assert!(sweep(&scenario, &out, &[]).status.success());
+    let json = folder.path().join("alone.json");
+    let set = ["channel.environment=heavy-tree", "maps.0.algorithm.ml_tm.profile.trapezoid.p0=0.8"];
+    let alone = sextant()
+        .args(["run", "--seed", "2", "--set", set[0], "--set", set[1]])
+        .arg(&scenario)
+        .arg("--summary")
+        .arg(&json)
+        .arg("--out")
+        .arg(folder.path().join("alone.mcap"))
+        .output()
+        .unwrap();
+    assert!(alone.status.success(), "{}", String::from_utf8_lossy(&alone.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&std::fs::read(json).unwrap()).unwrap();
+    let row = &table(&out)[2 * 2 + 1];
+    for (name, pointer) in [
+        ("packets_received", "/gathering/packets_received"),
+        ("ml-tm.position_error_m.mean", "/maps/0/position_error_m/mean"),
+        ("ml-tm.posterior_bound_m", "/maps/0/posterior_bound_m"),
+    ] {
+        assert_eq!(row[column(&out, name)], summary.pointer(pointer).unwrap().to_string(), "{name}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_sweep_is_taken_up_again_with_the_same_rows() {
+    let folder = TempDir::new().unwrap();
+    let scenario = scenario(&folder, "[sweep]\nruns = 60\n");
+    let (whole, out) = (folder.path().join("whole.csv"), folder.path().join("killed.csv"));
+    assert!(sweep(&scenario, &whole, &[]).status.success());
+    let mut child =
+        sextant().arg("sweep").arg(&scenario).args(["--threads", "1", "--out"]).arg(&out).spawn().unwrap();
+    let parts = folder.path().join("killed.csv.parts");
+    while !parts.join("0000000.csv").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "the sweep ended before its first part");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!out.exists(), "a killed sweep must not look finished");
+
+    let again = sweep(&scenario, &out, &[]);
+    assert_eq!(again.status.code(), Some(2), "without --resume, nothing that was made is thrown away");
+    assert!(String::from_utf8_lossy(&again.stderr).contains("--resume"));
+    let other = sweep(&scenario, &out, &["--resume", "--seed", "9"]);
+    assert_eq!(other.status.code(), Some(2), "parts of another sweep are not mixed in");
+
+    let resumed = sweep(&scenario, &out, &["--resume"]);
+    assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
+    assert_eq!(std::fs::read(&out).unwrap(), std::fs::read(&whole).unwrap());
+    assert!(!parts.exists());
+}
+
+#[test]
+fn a_bad_cell_is_refused_before_anything_runs() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("t.csv");
+    let bad = scenario(&folder, "[sweep.product]\nmaps.0.algorithm.ml_tm.grid_step_m = [0.25, -1.0]\n");
+    for output in [sweep(&bad, &out, &[]), sextant().arg("check").arg(&bad).output().unwrap()] {
+        assert_eq!(output.status.code(), Some(2));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(text.contains("grid_step_m") && text.contains("-1"), "{text}");
+    }
+    assert!(!out.exists() && !folder.path().join("t.csv.parts").exists());
+    let usage = sweep(&scenario(&folder, ""), &folder.path().join("t.xlsx"), &[]);
+    assert_eq!(usage.status.code(), Some(2));
+}
+
+#[test]
+fn a_dry_run_prints_the_plan_and_runs_nothing() {
+    let folder = TempDir::new().unwrap();
+    let (scenario, out) = (scenario(&folder, SWEEP), folder.path().join("t.csv"));
+    let output = sweep(&scenario, &out, &["--dry-run"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("4 cells of 2 runs with the seeds 1 to 2: 8 rows, 4 surveys simulated"), "{text}");
+    assert!(text.contains("channel.environment=\"heavy-tree\""), "{text}");
+    assert!(!out.exists() && !folder.path().join("t.csv.parts").exists());
+}
