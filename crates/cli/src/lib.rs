@@ -16,6 +16,7 @@ pub mod figure;
 pub mod interrupt;
 pub mod measure;
 pub mod recording;
+pub mod reproduce;
 pub mod robot_log;
 pub mod run;
 pub mod scenario;

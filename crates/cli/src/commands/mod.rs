@@ -7,6 +7,7 @@ pub mod inspect;
 pub mod man;
 pub mod map;
 pub mod recover;
+pub mod reproduce;
 pub mod run;
 pub mod schema;
 pub mod sweep;
@@ -38,6 +39,8 @@ pub enum Command {
     Map(map::Arguments),
     /// Run a scenario under many settings and seeds, and write one table
     Sweep(sweep::Arguments),
+    /// Compute the tables and figures of the thesis anew: published and ours
+    Reproduce(reproduce::Arguments),
     /// Check scenario files without running them
     Check(check::Arguments),
     /// Draw the network, the maps and their errors
@@ -88,6 +91,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::execute(arguments),
         Command::Map(arguments) => map::execute(arguments),
         Command::Sweep(arguments) => sweep::execute(arguments),
+        Command::Reproduce(arguments) => reproduce::execute(arguments),
         Command::Check(arguments) => check::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments),
         Command::Inspect(arguments) => inspect::execute(arguments),

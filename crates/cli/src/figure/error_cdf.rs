@@ -3,6 +3,7 @@
 use plotters::style::RGBColor;
 use sextant_mapper::PositionError;
 
+use super::PATTERNS;
 use super::axes::{Axes, Axis, Shown};
 use super::palette::{CURVES, FAINT_INK};
 use super::picture::{Picture, Point, Stroke};
@@ -11,8 +12,6 @@ use super::source::Source;
 
 /// Size of the plot [px].
 const SIZE: (f64, f64) = (560.0, 360.0);
-/// Strokes and gaps of the curves in turn [px].
-const PATTERNS: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.0], &[9.0, 3.0, 2.5, 3.0]];
 /// The line of half of the nodes.
 const HALF: Stroke = Stroke::new(FAINT_INK, 1.0);
 

@@ -19,6 +19,7 @@
 //! ```
 
 mod axes;
+mod curves;
 mod error_cdf;
 mod likelihood;
 mod map;
@@ -36,8 +37,12 @@ use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use curves::{Curves, Series};
 use picture::Picture;
 pub use source::Source;
+
+/// Strokes and gaps of several curves in turn [px].
+const PATTERNS: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.0], &[9.0, 3.0, 2.5, 3.0]];
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]

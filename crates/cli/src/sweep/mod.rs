@@ -84,6 +84,37 @@ pub fn run(
     Ok(rows)
 }
 
+/// Runs all units of several plans, all cores at once, and returns the rows of each plan by cell, then replicate.
+///
+/// # Errors
+/// If the user interrupts. A run that fails is a row with its error instead.
+pub fn rows(plans: &[Plan], interrupt: &Interrupt, quiet: bool) -> Result<Vec<Vec<Row>>, Failure> {
+    let units: Vec<_> =
+        plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |u| (i, u))).collect();
+    let progress = Progress::new("running", units.len() as u64, quiet);
+    let done = AtomicU64::new(0);
+    let made: Vec<(usize, Vec<Row>)> = units
+        .par_iter()
+        .map(|(i, unit)| {
+            let rows = if interrupt.is_requested() { None } else { unit::run(&plans[*i], unit, interrupt) };
+            progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
+            (*i, rows.unwrap_or_default())
+        })
+        .collect();
+    progress.clear();
+    if interrupt.is_requested() {
+        return Err(Failure::Interrupted);
+    }
+    let mut rows = vec![Vec::new(); plans.len()];
+    for (i, made) in made {
+        rows[i].extend(made);
+    }
+    for rows in &mut rows {
+        rows.sort_by_key(|row| (row.cell, row.replicate));
+    }
+    Ok(rows)
+}
+
 /// Forgets the finished units beside `out`: the table is written.
 ///
 /// # Errors

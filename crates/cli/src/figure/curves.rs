@@ -1,0 +1,98 @@
+//! Curves of numbers over numbers.
+
+use super::axes::{Axes, Axis, Shown};
+use super::palette::CURVES;
+use super::picture::{Picture, Stroke};
+use super::sheet::{Entry, Sheet, Symbol};
+use super::{Figure, PATTERNS};
+
+/// Size of the plot [px].
+const SIZE: (f64, f64) = (560.0, 360.0);
+
+/// A curve and its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// What it is, in the legend.
+    pub name: String,
+    /// Its points in the order in which they are joined.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Several curves over common axes; the upward axis begins at 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// What is seen.
+    pub title: String,
+    /// What one should know of it.
+    pub note: String,
+    /// Name of the axis to the right, with its unit.
+    pub across: String,
+    /// Name of the axis upwards, with its unit.
+    pub up: String,
+    /// The curves.
+    pub series: Vec<Series>,
+}
+
+impl Curves {
+    /// The figure, whose file has this name.
+    #[must_use]
+    pub fn figure(self, name: &str) -> Figure {
+        Figure { name: name.to_owned(), picture: self.draw() }
+    }
+
+    fn draw(self) -> Picture {
+        let style = |i: usize| (Stroke::new(CURVES[i % CURVES.len()], 2.0), PATTERNS[i % PATTERNS.len()]);
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let low = points().map(|point| point.0).fold(f64::INFINITY, f64::min);
+        let high = points().map(|point| point.0).fold(f64::NEG_INFINITY, f64::max);
+        let top = points().map(|point| point.1).fold(0.0, f64::max);
+        // A single place still needs an axis.
+        let (low, high) = if low < high { (low, high) } else { (low.min(0.0) - 0.5, high.max(0.0) + 0.5) };
+        let legend = self.series.iter().enumerate().map(|(i, series)| {
+            let (stroke, pattern) = style(i);
+            Entry { symbol: Symbol::Line { stroke, pattern }, text: series.name.clone() }
+        });
+        let sheet = Sheet { title: self.title.clone(), note: self.note.clone(), bar: None, legend: legend.collect() };
+        let (mut picture, areas) = sheet.lay_out(&[SIZE]);
+        let margin = 0.03 * (high - low);
+        let axes = Axes {
+            across: Axis { low: low - margin, high: high + margin, name: self.across.clone(), shown: Shown::All },
+            up: Axis { low: 0.0, high: 1.05 * top.max(1e-9), name: self.up.clone(), shown: Shown::All },
+            area: areas[0],
+        };
+        axes.draw_grid(&mut picture);
+        for (i, series) in self.series.iter().enumerate() {
+            let (stroke, pattern) = style(i);
+            let places: Vec<_> = series.points.iter().map(|&(x, y)| axes.at(x, y)).collect();
+            picture.dashed(&places, pattern, stroke);
+            for place in places {
+                picture.disc(place, 3.0, stroke.color);
+            }
+        }
+        axes.draw(&mut picture);
+        picture
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::picture::Mark;
+    use super::*;
+
+    #[test]
+    fn each_point_of_each_curve_is_marked_in_its_colour() {
+        let series = |name: &str, y: f64| Series { name: name.into(), points: vec![(0.0, y), (1.0, 2.0 * y)] };
+        let curves = Curves {
+            title: "t".into(),
+            note: String::new(),
+            across: "x".into(),
+            up: "y".into(),
+            series: vec![series("a", 1.0), series("b", 2.0)],
+        };
+        let picture = curves.draw();
+        let discs = |color| {
+            picture.marks.iter().filter(|mark| matches!(mark, Mark::Disc { fill, .. } if *fill == color)).count()
+        };
+        assert_eq!((discs(CURVES[0]), discs(CURVES[1])), (2, 2));
+    }
+}

@@ -1,0 +1,125 @@
+//! What an experiment consists of.
+
+use super::line::{Line, Ours};
+use super::{Runs, sensitivity, worked_example};
+use crate::sweep::Mean;
+
+/// A table or figure of the thesis.
+#[derive(Debug)]
+pub struct Experiment {
+    /// Number of the table or figure, or a word.
+    pub id: &'static str,
+    /// What it is about.
+    pub title: &'static str,
+    /// What is computed.
+    pub content: Content,
+    /// What the thesis concludes, as far as it can be checked.
+    pub claims: &'static [Claim],
+    /// Where definitions differ, and what the thesis leaves open.
+    pub notes: &'static [&'static str],
+}
+
+/// What an experiment computes.
+#[derive(Debug)]
+pub enum Content {
+    /// Means over the runs of scenarios.
+    Quantities(&'static [Quantity]),
+    /// The best settings of a sweep over p0 and R in three environments.
+    Sensitivity,
+    /// Likelihoods at the vertices of a small example.
+    WorkedExample,
+}
+
+/// A mean over the runs of a scenario, and what was published for it.
+#[derive(Debug)]
+pub struct Quantity {
+    /// What it is.
+    pub what: &'static str,
+    /// The scenario that ships with the program.
+    pub scenario: &'static str,
+    /// The column of its table of runs.
+    pub column: &'static str,
+    /// What turns the column into the unit.
+    pub factor: f64,
+    /// The unit.
+    pub unit: &'static str,
+    /// What the thesis says, in this unit.
+    pub published: Option<&'static str>,
+}
+
+/// Something that the thesis concludes: means in rising order.
+#[derive(Debug)]
+pub struct Claim {
+    /// The conclusion.
+    pub text: &'static str,
+    /// Scenario and column of each mean, the smallest first.
+    pub rising: &'static [(&'static str, &'static str)],
+}
+
+impl Experiment {
+    /// The scenarios that it needs, each once.
+    pub fn scenarios(&self) -> Vec<&'static str> {
+        let mut scenarios: Vec<&'static str> = Vec::new();
+        let quantities = match self.content {
+            Content::Quantities(quantities) => quantities,
+            Content::Sensitivity => return vec![sensitivity::SCENARIO],
+            Content::WorkedExample => return Vec::new(),
+        };
+        for quantity in quantities {
+            if !scenarios.contains(&quantity.scenario) {
+                scenarios.push(quantity.scenario);
+            }
+        }
+        scenarios
+    }
+
+    /// Its lines: published and ours, then the conclusions.
+    #[must_use]
+    pub fn lines(&self, runs: &Runs) -> Vec<Line> {
+        let mut lines = match self.content {
+            Content::Quantities(quantities) => quantities.iter().map(|quantity| quantity.line(runs)).collect(),
+            Content::Sensitivity => sensitivity::lines(runs),
+            Content::WorkedExample => worked_example::lines(),
+        };
+        lines.extend(self.claims.iter().map(|claim| claim.line(runs)));
+        lines
+    }
+}
+
+impl Quantity {
+    fn line(&self, runs: &Runs) -> Line {
+        let scaled = |mean: Mean| Mean {
+            mean: self.factor * mean.mean,
+            half_width_95: mean.half_width_95.map(|half_width| self.factor * half_width),
+            ..mean
+        };
+        Line {
+            what: self.what.to_owned(),
+            published: self.published.unwrap_or_default().to_owned(),
+            unit: self.unit,
+            ours: runs.mean(self.scenario, 0, self.column).map_or(Ours::Missing, |mean| Ours::Mean(scaled(mean))),
+        }
+    }
+}
+
+impl Claim {
+    /// Whether the means rise; `None` if one is missing.
+    #[must_use]
+    pub fn holds(&self, runs: &Runs) -> Option<bool> {
+        let means: Option<Vec<f64>> = self
+            .rising
+            .iter()
+            .map(|(scenario, column)| runs.mean(scenario, 0, column).map(|mean| mean.mean))
+            .collect();
+        means.map(|means| means.windows(2).all(|pair| pair[0] < pair[1]))
+    }
+
+    fn line(&self, runs: &Runs) -> Line {
+        let ours = match self.holds(runs) {
+            Some(true) => Ours::Text("holds".to_owned()),
+            Some(false) => Ours::Text("does not hold".to_owned()),
+            None => Ours::Missing,
+        };
+        Line { what: self.text.to_owned(), published: "yes".to_owned(), unit: "", ours }
+    }
+}

@@ -1,0 +1,49 @@
+//! The scenarios that ship with the program.
+
+use std::path::Path;
+
+use crate::commands::write_file;
+use crate::diagnostic::Failure;
+
+macro_rules! shipped {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/", $name)))),*]
+    };
+}
+
+/// Paths below the folder of scenarios, and texts.
+pub const SHIPPED: &[(&str, &str)] =
+    shipped!["ml-tm/circular.toml", "ml-tm/concave.toml", "ml-tm/sensitivity.toml", "ml-tm/sparse.toml",];
+
+/// Writes the scenarios into `folder`, so that everything that is run can be read and changed.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_scenarios(folder: &Path) -> Result<(), Failure> {
+    for (name, text) in SHIPPED {
+        let path = folder.join(name);
+        if let Some(above) = path.parent() {
+            std::fs::create_dir_all(above).map_err(|error| Failure::unwritable(above, &error))?;
+        }
+        write_file(&path, text.as_bytes())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scenario_of_the_chapter_ships() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ml-tm");
+        let mut names: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| format!("ml-tm/{}", entry.unwrap().file_name().to_str().unwrap()))
+            .collect();
+        names.sort();
+        let mut shipped: Vec<_> = SHIPPED.iter().map(|(name, _)| (*name).to_owned()).collect();
+        shipped.sort();
+        assert_eq!(shipped, names);
+    }
+}
