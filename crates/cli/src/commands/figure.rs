@@ -27,10 +27,10 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.recording;
     let run = recording::read_log(path)?;
     let drawn = recording::read_drawn(path)?;
-    if drawn.maps.is_empty() {
+    if drawn.maps.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(
-            format!("`{}` has no map: it has no topic `/map/...`", path.display()),
-            "`sextant run` records a map for each [[maps]] of a scenario, unless it is interrupted",
+            format!("`{}` has neither a map nor a stop: there is nothing to draw", path.display()),
+            "`sextant run` records a stop for each place where a robot listened, and a map for each [[maps]] of a scenario",
         ));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
