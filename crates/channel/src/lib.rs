@@ -1,7 +1,8 @@
 //! What a radio link does to power, and what a listener heard.
 //!
 //! Goes in: places of transmitter and receiver, obstacles, an environment. Comes out: received power.
-//! The crate also holds the nouns that pass from simulation to mapping: [`Reception`], [`ReceptionLog`].
+//! The crate also holds the nouns that pass from simulation to mapping: [`Reception`], [`ReceptionLog`],
+//! [`NeighbourLog`], [`Anchor`].
 //!
 //! A [`Channel`] is path loss with distance ([`LogDistance`]), absorption along the straight line through obstacles
 //! ([`ObstacleField`], Lambert-Bouguer law) and shadowing ([`Shadowing`]): equations 3.14 to 3.16 of the thesis.
@@ -41,6 +42,7 @@ mod environment;
 mod field;
 mod glam;
 mod material;
+mod neighbour;
 mod obstacle;
 mod path_loss;
 mod position;
@@ -56,6 +58,7 @@ pub use channel::{Channel, ChannelConfig};
 pub use environment::Environment;
 pub use field::{Crossing, ObstacleField};
 pub use material::Material;
+pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 pub use obstacle::{Obstacle, ObstacleConfig};
 pub use path_loss::{LogDistance, LogDistanceConfig, PathLossConfig};
 pub use position::Position;

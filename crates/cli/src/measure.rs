@@ -1,20 +1,52 @@
 //! Where truth meets estimate: how good a map is.
 
-use sextant_channel::Position;
+use sextant_channel::{Anchor, Position};
+use sextant_kernel::NodeId;
 use sextant_mapper::{
-    ConnectivityError, Fit, NeighbourhoodRule, PositionError, Reflection, Region, Similarity, TopologyMap,
-    connectivity_error,
+    ConnectivityError, Fit, Frame, KnowledgeKind, NeighbourhoodRule, PositionError, Reflection, Region, Similarity,
+    TopologyMap, connectivity_error, topology_preservation_error,
 };
 
-use crate::scenario::MetricsConfig;
-use crate::summary::{ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary};
+use crate::scenario::{MetricsConfig, NamedMap};
+use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary};
+
+/// What is really where.
+#[derive(Clone, Copy, Debug)]
+pub struct Truth<'a> {
+    /// The true place of each node [m].
+    pub places: &'a [Position],
+    /// The nodes that know their place: what a map that uses anchors says of them is no estimate.
+    pub anchors: &'a [Anchor],
+}
+
+/// A map in the world: as it is, or, if it is known only up to a similarity, as near to the true places as a similarity
+/// brings each of its parts. Without the truth such a map stays as it is.
+#[must_use]
+pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, AlignmentSummary) {
+    match (&map.frame, truth) {
+        (Frame::World, _) => (map, AlignmentSummary::None),
+        (Frame::AlignedToAnchors, _) => (map, AlignmentSummary::Anchors),
+        (Frame::Relative(_), None) => (map, AlignmentSummary::Relative),
+        (Frame::Relative(_), Some(truth)) => {
+            let known: Vec<_> = truth.iter().enumerate().map(|(i, &place)| (NodeId::from_index(i), place)).collect();
+            (map.aligned_to(&known, LEAST_TO_ALIGN), AlignmentSummary::Truth)
+        }
+    }
+}
+
+/// Nodes of a part of a map, at least, that are aligned to the truth: fewer fit anything.
+const LEAST_TO_ALIGN: usize = 4;
 
 /// What a map says of itself, without a look at the truth.
 #[must_use]
-pub fn outline(name: &str, map: &TopologyMap) -> MapSummary {
+pub fn outline(named: &NamedMap, map: &TopologyMap) -> MapSummary {
+    let name = &named.name;
+    let coincident = map.coincident();
     MapSummary {
         name: (name != map.algorithm).then(|| name.to_owned()),
         algorithm: map.algorithm.to_owned(),
+        knowledge: named.mapper.uses().to_vec(),
+        coincident: (coincident > 0).then_some(coincident),
         mapped: map.mapped(),
         unmapped: map.unmapped(),
         ambiguous: Some(map.estimates.iter().flatten().filter(|estimate| estimate.ties > 1).count()),
@@ -28,23 +60,33 @@ pub fn outline(name: &str, map: &TopologyMap) -> MapSummary {
 /// What a map says of itself and, if the true place of each node is known, how far it is from the truth.
 /// Connectivity is measured at each radius of `metrics`; a measure that the nodes do not allow (all in one place, say)
 /// is absent.
+///
+/// Position errors are those of the nodes whose place the map had to find; connectivity is that of all nodes.
 #[must_use]
-pub fn measure(name: &str, map: &TopologyMap, truth: Option<&[Position]>, metrics: &MetricsConfig) -> MapSummary {
-    let Some(truth) = truth else {
-        return outline(name, map);
+pub fn measure(named: &NamedMap, map: &TopologyMap, truth: Option<Truth<'_>>, metrics: &MetricsConfig) -> MapSummary {
+    let Some(Truth { places: truth, anchors }) = truth else {
+        return outline(named, map);
     };
     let mapped = map.positions();
+    let mut found = mapped.clone();
+    if named.mapper.uses().contains(&KnowledgeKind::Anchors) {
+        for anchor in anchors {
+            found[anchor.node.index()] = None;
+        }
+    }
     let at_radius = |&radius_m: &f64| connectivity(truth, &mapped, radius_m);
     let connectivity_errors: Vec<_> = metrics.neighbourhood_m.iter().map(at_radius).collect();
     let first = connectivity_errors.first().copied().unwrap_or_default();
     MapSummary {
-        position_error_m: PositionError::between(truth, &mapped).map(ErrorSummary::from),
+        position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
         coverage_95: coverage_95(truth, map),
-        aligned_error_m: aligned(truth, &mapped).map(ErrorSummary::from),
+        aligned_error_m: aligned(truth, &found, Reflection::Allowed).map(ErrorSummary::from),
+        aligned_error_without_reflection_m: aligned(truth, &found, Reflection::Forbidden).map(ErrorSummary::from),
         connectivity_error: first.connectivity_error,
         false_neighbour_rate: first.false_neighbour_rate,
+        topology_preservation_error: topology_preservation_error(truth, &mapped),
         connectivity_errors,
-        ..outline(name, map)
+        ..outline(named, map)
     }
 }
 
@@ -73,11 +115,11 @@ impl From<&Fit> for FittedProfileSummary {
     }
 }
 
-/// The errors that are left after the similarity, reflection allowed, that brings the map closest to the truth.
-fn aligned(truth: &[Position], mapped: &[Option<Position>]) -> Option<PositionError> {
+/// The errors that are left after the similarity that brings the map closest to the truth.
+fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflection) -> Option<PositionError> {
     let pairs: Vec<_> =
         truth.iter().zip(mapped).filter_map(|(&truth, mapped)| mapped.map(|mapped| (mapped, truth))).collect();
-    let similarity = Similarity::fit(&pairs, Reflection::Allowed).ok()?;
+    let similarity = Similarity::fit(&pairs, reflection).ok()?;
     let left: Vec<_> = pairs.iter().map(|&(mapped, truth)| similarity.apply(mapped).distance_m(truth)).collect();
     PositionError::of(&left)
 }

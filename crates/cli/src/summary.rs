@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use sextant_mapper::KnowledgeKind;
 
 use crate::commands::write_file;
 use crate::diagnostic::Failure;
@@ -22,6 +23,9 @@ pub struct Summary {
     /// What the robots gathered, and at what price.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gathering: Option<GatheringSummary>,
+    /// What the nodes found out of each other before the survey, if a map needed it, and at what price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discovery: Option<DiscoverySummary>,
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,
@@ -123,6 +127,48 @@ pub struct EnergySummary {
     pub idle: f64,
 }
 
+/// What the nodes found out of each other before the survey.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DiscoverySummary {
+    /// All nodes broadcast hello packets.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neighbours: Option<RoundSummary>,
+    /// The anchors broadcast.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchors: Option<RoundSummary>,
+}
+
+/// One round of broadcasts.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RoundSummary {
+    /// Nodes that broadcast.
+    pub senders: usize,
+    /// Packets that went on air.
+    pub packets_sent: u64,
+    /// Packets given up because the channel was busy.
+    pub packets_unsent: u64,
+    /// Pairs of a node and another that it heard.
+    pub links: usize,
+    /// From the start to the end of the last packet [s].
+    pub duration_s: f64,
+    /// Energy that all nodes' radios took, receivers always on.
+    pub energy_j: EnergySummary,
+}
+
+/// What a map was brought into the world by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AlignmentSummary {
+    /// Nothing: the algorithm works in the frame of robot or anchors.
+    None,
+    /// The similarity that fits the anchors best.
+    Anchors,
+    /// The similarity that fits the true places of all nodes best: nobody has these outside a simulation.
+    Truth,
+    /// Nothing could: the map is in a frame of its own.
+    Relative,
+}
+
 /// What one robot did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RobotSummary {
@@ -148,6 +194,13 @@ pub struct MapSummary {
     pub name: Option<String>,
     /// The algorithm, `ml-tm`.
     pub algorithm: String,
+    /// What the algorithm uses: `robot-receptions`, `anchors`, `anchor-rssi` and so on.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub knowledge: Vec<KnowledgeKind>,
+    /// What brought a map without a frame of its own into the world before it was measured: `none`, `anchors` or
+    /// `truth`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment: Option<AlignmentSummary>,
     /// Nodes that have a place.
     pub mapped: usize,
     /// Nodes that have none, because they were never heard.
@@ -158,7 +211,11 @@ pub struct MapSummary {
     /// Mapped nodes for which no place explains all that was heard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub infeasible: Option<usize>,
-    /// Distance between mapped and true places [m].
+    /// Mapped nodes that share their place with another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coincident: Option<usize>,
+    /// Distance between mapped and true places, of the nodes whose place the map had to find: anchors do not count if it
+    /// uses them [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_m: Option<ErrorSummary>,
     /// Mean distance between a node and the mean of its posterior under the true channel and obstacles of the
@@ -174,6 +231,9 @@ pub struct MapSummary {
     /// The same after the best rotation, reflection, scale and shift [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_m: Option<ErrorSummary>,
+    /// The same without a reflection [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aligned_error_without_reflection_m: Option<ErrorSummary>,
     /// One-hop connectivity error: the first of `connectivity_errors`, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub connectivity_error: Option<f64>,
@@ -183,6 +243,9 @@ pub struct MapSummary {
     /// Share of the neighbours in the map that are none in the world, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
+    /// Share of the pairs of nodes along lines of the network that stand on the map in another order, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topology_preservation_error: Option<f64>,
     /// Share of receptions whose sector is 0, 1, .. sectors off.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sector_displacement: Vec<f64>,

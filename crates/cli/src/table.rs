@@ -2,7 +2,9 @@
 
 use std::io::{self, Write};
 
-use crate::summary::{ErrorSummary, GatheringSummary, MapSummary, Summary, Timing};
+use crate::summary::{
+    AlignmentSummary, DiscoverySummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary, Summary, Timing,
+};
 
 /// Writes `summary` as a table.
 ///
@@ -20,6 +22,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if let Some(gathering) = &summary.gathering {
         columns(&gathering_rows(gathering), &[Align::Left, Align::Right, Align::Left], out)?;
         writeln!(out)?;
+    }
+    if let Some(discovery) = &summary.discovery {
+        discovery_lines(discovery, out)?;
     }
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
@@ -82,6 +87,10 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     if covered {
         header.push("in 95 % region");
     }
+    let tells = maps.iter().any(|map| !map.knowledge.is_empty());
+    if tells {
+        header.push("knows");
+    }
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     for map in maps {
         let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
@@ -107,11 +116,43 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
         if covered {
             row.push(share(map.coverage_95));
         }
+        if tells {
+            row.push(knowledge(map));
+        }
         rows.push(row);
     }
     let mut align = vec![Align::Right; rows[0].len()];
     align[0] = Align::Left;
+    if tells {
+        align[rows[0].len() - 1] = Align::Left;
+    }
     columns(&rows, &align, out)
+}
+
+fn discovery_lines(discovery: &DiscoverySummary, out: &mut impl Write) -> io::Result<()> {
+    for (who, round) in [("nodes", &discovery.neighbours), ("anchors", &discovery.anchors)] {
+        let Some(round) = round else { continue };
+        let EnergySummary { tx, rx, idle } = round.energy_j;
+        writeln!(
+            out,
+            "discovery: {} {who} sent {} packets in {:.1} s, {} links, {:.1} J",
+            round.senders,
+            round.packets_sent,
+            round.duration_s,
+            round.links,
+            tx + rx + idle
+        )?;
+    }
+    writeln!(out)
+}
+
+/// What a map knows, in words; the truth as well if it was aligned to it.
+fn knowledge(map: &MapSummary) -> String {
+    let mut words: Vec<_> = map.knowledge.iter().map(|kind| kind.name()).collect();
+    if map.alignment == Some(AlignmentSummary::Truth) {
+        words.push("(aligned to the truth)");
+    }
+    words.join(", ").replace(", (", " (")
 }
 
 fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {

@@ -28,6 +28,10 @@ pub enum Purpose {
     Robot = 7,
     /// Choices of mappers (anchors, starts).
     Mapper = 8,
+    /// Which nodes know their place.
+    Anchors = 9,
+    /// Phases, backoffs and losses of neighbour discovery.
+    Discovery = 10,
 }
 
 /// The seed of a run: the root of all randomness in it.

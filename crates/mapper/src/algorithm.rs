@@ -2,10 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::ReceptionLog;
 use sextant_kernel::SettingError;
 
-use crate::{Fit, FittedMlTm, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap};
+use crate::{
+    Centroid, CentroidConfig, Comparator, Fit, FittedMlTm, Knowledge, KnowledgeKind, MapError, MlTm, MlTmConfig,
+    ProfileConfig, RangingConfig, ReceptionProfile, TopologyMap, Tpm, TpmConfig, TriangleCentroid,
+    TriangleCentroidConfig, WeightedCentroid, WeightedCentroidConfig,
+};
 
 /// One map to compute from the reception log, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +27,14 @@ pub struct MapConfig {
 pub enum AlgorithmConfig {
     /// Maximum likelihood on a grid.
     MlTm(MlTmConfig),
+    /// A topology-preserving map of hop counts.
+    Tpm(TpmConfig),
+    /// Circles round the strongest anchors, three by three.
+    RssiTriangleCentroid(TriangleCentroidConfig),
+    /// The mean of the anchors heard.
+    Centroid(CentroidConfig),
+    /// The mean of the anchors heard, weighted by signal strength.
+    WeightedCentroid(WeightedCentroidConfig),
 }
 
 impl AlgorithmConfig {
@@ -31,6 +42,16 @@ impl AlgorithmConfig {
     pub fn profile_mut(&mut self) -> Option<&mut ProfileConfig> {
         match self {
             Self::MlTm(config) => Some(&mut config.profile),
+            _ => None,
+        }
+    }
+
+    /// The law by which signal strengths become distances, if one is assumed.
+    pub fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        match self {
+            Self::RssiTriangleCentroid(config) => Some(&mut config.ranging),
+            Self::WeightedCentroid(config) => Some(&mut config.ranging),
+            _ => None,
         }
     }
 }
@@ -43,6 +64,8 @@ pub enum Mapper {
     MlTm(MlTm),
     /// Maximum likelihood on a grid under a profile estimated from the log.
     FittedMlTm(FittedMlTm),
+    /// An algorithm to compare with.
+    Comparator(Comparator),
 }
 
 impl Mapper {
@@ -51,25 +74,53 @@ impl Mapper {
     pub fn name(&self) -> &'static str {
         match self {
             Self::MlTm(_) | Self::FittedMlTm(_) => MlTm::NAME,
+            Self::Comparator(comparator) => comparator.name(),
         }
     }
 
-    /// The map of the nodes in `log`.
-    ///
-    /// # Errors
-    /// If the map would need more than the memory allowed.
-    pub fn map(&self, log: &ReceptionLog) -> Result<TopologyMap, MapError> {
-        self.map_and_fit(log).map(|(map, _)| map)
+    /// What the algorithm uses of what it is given to know.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        match self {
+            Self::MlTm(ml_tm) => match ml_tm.profile() {
+                ReceptionProfile::Table(_) => &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss],
+                ReceptionProfile::Trapezoid(_) => &[KnowledgeKind::RobotReceptions],
+            },
+            Self::FittedMlTm(_) => &[KnowledgeKind::RobotReceptions],
+            Self::Comparator(comparator) => comparator.uses(),
+        }
     }
 
-    /// The map of the nodes in `log`, and the reception profile if it was estimated from the log.
+    /// Anchors without which there is no map in two or three `dimensions`.
+    #[must_use]
+    pub fn least_anchors(&self, dimensions: usize) -> usize {
+        match self {
+            Self::MlTm(_) | Self::FittedMlTm(_) => 0,
+            Self::Comparator(comparator) => comparator.least_anchors(dimensions),
+        }
+    }
+
+    /// The map of the nodes in the log of `knowledge`, which may be a log alone.
     ///
     /// # Errors
-    /// If the map would need more than the memory allowed.
-    pub fn map_and_fit(&self, log: &ReceptionLog) -> Result<(TopologyMap, Option<Fit>), MapError> {
+    /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
+    pub fn map<'a>(&self, knowledge: impl Into<Knowledge<'a>>) -> Result<TopologyMap, MapError> {
+        self.map_and_fit(knowledge).map(|(map, _)| map)
+    }
+
+    /// The map of the nodes in the log, and the reception profile if it was estimated from the log.
+    ///
+    /// # Errors
+    /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
+    pub fn map_and_fit<'a>(
+        &self,
+        knowledge: impl Into<Knowledge<'a>>,
+    ) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        let knowledge = knowledge.into();
         match self {
-            Self::MlTm(ml_tm) => ml_tm.map(log).map(|map| (map, None)),
-            Self::FittedMlTm(fitted) => fitted.map(log),
+            Self::MlTm(ml_tm) => ml_tm.map(knowledge.log).map(|map| (map, None)),
+            Self::FittedMlTm(fitted) => fitted.map(knowledge.log),
+            Self::Comparator(comparator) => comparator.map(&knowledge).map(|map| (map, None)),
         }
     }
 }
@@ -84,6 +135,16 @@ impl TryFrom<AlgorithmConfig> for Mapper {
                 ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(config).map(Self::MlTm),
             }
             .map_err(|error| error.within("ml_tm")),
+            AlgorithmConfig::Tpm(config) => {
+                Tpm::try_from(config).map(Comparator::Tpm).map(Self::Comparator).map_err(|error| error.within("tpm"))
+            }
+            AlgorithmConfig::RssiTriangleCentroid(config) => TriangleCentroid::try_from(config)
+                .map(|triangles| Self::Comparator(Comparator::TriangleCentroid(triangles)))
+                .map_err(|error| error.within("rssi_triangle_centroid")),
+            AlgorithmConfig::Centroid(CentroidConfig {}) => Ok(Self::Comparator(Comparator::Centroid(Centroid))),
+            AlgorithmConfig::WeightedCentroid(config) => WeightedCentroid::try_from(config)
+                .map(|centroid| Self::Comparator(Comparator::WeightedCentroid(centroid)))
+                .map_err(|error| error.within("weighted_centroid")),
         }
     }
 }

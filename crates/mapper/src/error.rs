@@ -24,6 +24,31 @@ pub enum MapError {
     /// A lattice round no stops.
     #[error("the log has no stops; a grid needs at least one place where the robot listened")]
     NoStops,
+    /// Knowledge that an algorithm needs and was not given.
+    #[error("`{algorithm}` needs {what}, which nobody recorded here; {remedy}")]
+    Missing {
+        /// The algorithm.
+        algorithm: &'static str,
+        /// What it needs.
+        what: &'static str,
+        /// Where it could come from.
+        remedy: &'static str,
+    },
+    /// Too few nodes know their place.
+    #[error(
+        "`{algorithm}` needs at least {needed} anchors, but there are {found}; `anchors` says which nodes they are"
+    )]
+    TooFewAnchors {
+        /// The algorithm.
+        algorithm: &'static str,
+        /// Anchors found.
+        found: usize,
+        /// Anchors needed.
+        needed: usize,
+    },
+    /// An algorithm of the plane in space.
+    #[error("`{0}` is defined in the plane, but the anchors have different heights")]
+    PlanarOnly(&'static str),
     /// A node that the log does not have.
     #[error("node {node} is not in the log, which has {nodes} nodes (0 to {})", .nodes.saturating_sub(1))]
     UnknownNode {

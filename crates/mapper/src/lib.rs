@@ -2,7 +2,8 @@
 //!
 //! Goes in: a [`ReceptionLog`](sextant_channel::ReceptionLog), which is all that robots recorded, and a
 //! [`ReceptionProfile`], which says how likely a packet is received over a distance. Comes out: a
-//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. The crate knows no simulation and
+//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. Algorithms to compare with, which may know more
+//! ([`Knowledge`]), say what they use ([`KnowledgeKind`]). The crate knows no simulation and
 //! no ground truth; its metrics compare whatever two lists of places they are given.
 //!
 //! ```
@@ -25,10 +26,13 @@
 mod algorithm;
 mod alignment;
 mod cells;
+mod comparators;
 mod error;
 mod fitted;
 mod fitted_ml_tm;
 mod isotonic;
+mod knowledge;
+pub mod lateration;
 mod lattice;
 mod local_posterior;
 mod metrics;
@@ -43,16 +47,24 @@ mod topology_map;
 
 pub use algorithm::{AlgorithmConfig, MapConfig, Mapper};
 pub use alignment::{AlignmentError, Reflection, Similarity};
+pub use comparators::{
+    AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, ExtremeConfig, LandmarksConfig, Ranging,
+    RangingConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
+    WeightedCentroidConfig,
+};
 pub use error::MapError;
 pub use fitted::{Fit, Fitted, FittedConfig};
 pub use fitted_ml_tm::FittedMlTm;
 pub use isotonic::never_rising;
+pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
-pub use metrics::{ConnectivityError, MetricError, NeighbourhoodRule, PositionError, connectivity_error};
+pub use metrics::{
+    ConnectivityError, MetricError, NeighbourhoodRule, PositionError, connectivity_error, topology_preservation_error,
+};
 pub use ml_tm::{EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{ChannelProfileConfig, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig, at_least_one};
 pub use region::Region;
 pub use surface::Surface;
 pub use table_profile::TableProfile;
-pub use topology_map::{Estimate, TopologyMap};
+pub use topology_map::{Estimate, Frame, TopologyMap};

@@ -3,6 +3,8 @@
 mod connectivity;
 mod ellipse;
 mod position_error;
+mod topology_preservation;
 
 pub use connectivity::{ConnectivityError, MetricError, NeighbourhoodRule, connectivity_error};
 pub use position_error::PositionError;
+pub use topology_preservation::topology_preservation_error;

@@ -7,7 +7,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError};
 
 use crate::solver::{Moments, Peak, Scratch, Solver};
-use crate::{Estimate, Lattice, MapError, ProfileConfig, ReceptionProfile, Surface, TopologyMap};
+use crate::{Estimate, Frame, Lattice, MapError, ProfileConfig, ReceptionProfile, Surface, TopologyMap};
 
 /// ML-TM as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -136,6 +136,7 @@ impl MlTm {
             estimates: vec![None; log.node_count()],
             grid_step_m: Some(self.grid_step_m),
             vertices_evaluated: 0,
+            frame: Frame::World,
         };
         if log.receptions().is_empty() {
             return Ok(map);
@@ -197,7 +198,7 @@ impl MlTm {
                 Some(moments) => moments.mean(),
                 None => self.place(lattice, &peak, first),
             },
-            log_likelihood: peak.highest(),
+            log_likelihood: Some(peak.highest()),
             ties: u32::try_from(peak.vertices().len()).unwrap_or(u32::MAX),
             covariance: moments.map(|moments| moments.covariance()),
             infeasible: search.infeasible,

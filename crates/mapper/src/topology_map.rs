@@ -1,6 +1,9 @@
 //! The result of a mapping algorithm.
 
 use sextant_channel::Position;
+use sextant_kernel::NodeId;
+
+use crate::{Reflection, Similarity};
 
 /// Where the nodes are, as far as an algorithm can tell from a reception log.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +16,21 @@ pub struct TopologyMap {
     pub grid_step_m: Option<f64>,
     /// Grid vertices whose likelihood was computed, summed over the nodes; 0 without a grid.
     pub vertices_evaluated: u64,
+    /// What the places are relative to.
+    pub frame: Frame,
+}
+
+/// What the places of a map are relative to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// The world, as robot or anchors know it.
+    #[default]
+    World,
+    /// The world: the map was made without anchors and brought to them afterwards.
+    AlignedToAnchors,
+    /// Nothing: the map is known up to rotation, reflection and scale, each part on its own. For each node the part that
+    /// it belongs to.
+    Relative(Vec<u32>),
 }
 
 /// Where one node is.
@@ -20,8 +38,8 @@ pub struct TopologyMap {
 pub struct Estimate {
     /// The place [m].
     pub position: Position,
-    /// Natural logarithm of the highest likelihood on the grid.
-    pub log_likelihood: f64,
+    /// Natural logarithm of the highest likelihood on the grid; `None` for an algorithm without a likelihood.
+    pub log_likelihood: Option<f64>,
     /// Number of vertices with the highest likelihood (within 10⁻⁹ in its logarithm); 1 if it is unique.
     pub ties: u32,
     /// Posterior covariance of x, y, z [m²]: present for a posterior mean.
@@ -31,6 +49,49 @@ pub struct Estimate {
 }
 
 impl TopologyMap {
+    /// The map of an algorithm that gives places and nothing more.
+    #[must_use]
+    pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: Frame) -> Self {
+        let estimate =
+            |position| Estimate { position, log_likelihood: None, ties: 1, covariance: None, infeasible: false };
+        let estimates = places.into_iter().map(|place| place.map(estimate)).collect();
+        Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, frame }
+    }
+
+    /// A relative map brought into the world, part by part, by the similarity that fits the `known` places of nodes
+    /// best, mirror images allowed. Nodes of parts with fewer than `least` known places, or with known places that allow
+    /// no similarity, are on the map no longer. A map in the world stays as it is.
+    #[must_use]
+    pub fn aligned_to(mut self, known: &[(NodeId, Position)], least: usize) -> Self {
+        let Frame::Relative(part_of) = std::mem::take(&mut self.frame) else { return self };
+        let parts = part_of.iter().max().map_or(0, |&last| last + 1);
+        for part in 0..parts {
+            let pairs: Vec<(Position, Position)> = known
+                .iter()
+                .filter(|(node, _)| part_of[node.index()] == part)
+                .filter_map(|&(node, place)| Some((self.estimates[node.index()].as_ref()?.position, place)))
+                .collect();
+            let fit = if pairs.len() < least { None } else { Similarity::fit(&pairs, Reflection::Allowed).ok() };
+            for (estimate, _) in self.estimates.iter_mut().zip(&part_of).filter(|&(_, &of)| of == part) {
+                *estimate = estimate.take().and_then(|estimate| {
+                    let position = fit.as_ref()?.apply(estimate.position);
+                    Some(Estimate { position, covariance: None, ..estimate })
+                });
+            }
+        }
+        self
+    }
+
+    /// Number of nodes that share their place, to the last bit, with another: an algorithm without any difference
+    /// between them.
+    #[must_use]
+    pub fn coincident(&self) -> usize {
+        let bits = |place: Position| <[f64; 3]>::from(place).map(f64::to_bits);
+        let mut places: Vec<_> = self.positions().into_iter().flatten().map(bits).collect();
+        places.sort_unstable();
+        places.chunk_by(|a, b| a == b).map(<[_]>::len).filter(|&count| count > 1).sum()
+    }
+
     /// Places of the nodes [m], `None` where a node is not mapped.
     #[must_use]
     pub fn positions(&self) -> Vec<Option<Position>> {

@@ -46,6 +46,8 @@ pub(crate) struct AirSettings {
     pub(crate) rules: Reception,
     /// Window of carrier sense.
     pub(crate) sensing: Duration,
+    /// Number of the first packet: draws of one packet are not those of another.
+    pub(crate) first_packet: u64,
     pub(crate) seed: Seed,
 }
 
@@ -56,7 +58,7 @@ impl Air {
         nodes: usize,
         robots: usize,
     ) -> Self {
-        let AirSettings { channel, power, floor, rules, sensing, seed } = settings;
+        let AirSettings { channel, power, floor, rules, sensing, first_packet, seed } = settings;
         Self {
             medium: Medium::new(channel, places, power, floor, sensing),
             receivers: vec![Receiver::default(); nodes + robots],
@@ -64,7 +66,7 @@ impl Air {
             first_robot: NodeId::from_index(nodes).0,
             robots_listening: 0,
             power,
-            packets: 0,
+            packets: first_packet,
             seed,
             near: Vec::new(),
         }

@@ -1,15 +1,18 @@
-//! The simulator: world, medium, robots, and the only event loop.
+//! The simulator: world, medium, robots, and the event loops of surveys and of neighbour discovery.
 //!
 //! Goes in: a [`Setup`] (world, channel, radios, channel access, traffic, robots, seed). Comes out: a [`Survey`]: what
-//! the robots heard and where, and what became of the packets. An [`Observer`] watches while it runs.
+//! the robots heard and where, and what became of the packets. An [`Observer`] watches while it runs. [`discover`]
+//! tells what the nodes hear of each other over the same medium, before any robot moves.
 //!
 //! The same setup gives the same survey: events of one instant have a stated order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
 //! has an address.
 
 mod air;
+mod anchors;
 mod cells;
 mod controller;
+mod discovery;
 mod event;
 mod medium;
 mod node;
@@ -26,7 +29,9 @@ mod world;
 
 pub mod layout;
 
+pub use anchors::AnchorsConfig;
 pub use controller::{Command, Controller, Ending, Heard, Outcome, Situation};
+pub use discovery::{Discovered, Discovery, DiscoveryConfig, Round, discover};
 pub use observer::{Frame, FrameOutcome, Observer, Progress, Unobserved};
 pub use radio::{Radio, RadioConfig};
 pub use reception_model::{ReceptionConfig, ReceptionModel, SinrThresholdConfig};

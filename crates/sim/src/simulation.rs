@@ -22,10 +22,10 @@ use crate::{Frame, FrameOutcome, Observer, Radio, ReceptionModel, Robot, Traffic
 use robots::RobotRadio;
 
 /// PAN that all stations belong to.
-const PAN: u16 = 0x5E87;
+pub(crate) const PAN: u16 = 0x5E87;
 
 /// How far below the noise a signal may be neglected.
-const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
+pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
 
 /// Everything that a simulation needs.
 pub struct Setup {
@@ -103,6 +103,7 @@ impl Simulation {
                     bit_rate_hz: phy.bit_rate_per_s(),
                 },
                 sensing: phy.cca(),
+                first_packet: 0,
                 seed,
             },
             places(),

@@ -11,7 +11,7 @@ use sextant_channel::{Position, ReceptionLog};
 
 use super::Format;
 use crate::diagnostic::Failure;
-use crate::measure::measure;
+use crate::measure::{Truth, in_world, measure};
 use crate::recording::{self, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
 use crate::scenario::MapSettings;
 use crate::summary::{GatheringSummary, MapSummary, Summary, Timing, peak_rss_bytes};
@@ -82,8 +82,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     for named in &settings.maps {
         let (map, fit) =
             named.mapper.map_and_fit(&input.log).map_err(|error| Failure::bad_input(error.to_string()))?;
-        let summary = measure(&named.name, &map, truth.as_deref(), &settings.metrics);
-        summaries.push(MapSummary { fitted_profile: fit.as_ref().map(Into::into), ..summary });
+        let (map, alignment) = in_world(map, truth.as_deref());
+        let truth = truth.as_deref().map(|places| Truth { places, anchors: &[] });
+        let summary = measure(named, &map, truth, &settings.metrics);
+        let alignment = Some(alignment);
+        summaries.push(MapSummary { alignment, fitted_profile: fit.as_ref().map(Into::into), ..summary });
         if let Some(out) = &arguments.out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.clone() };
             robot_log::write_map(&path, input.log.names(), &map)?;

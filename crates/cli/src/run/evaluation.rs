@@ -1,19 +1,19 @@
 //! One map of a survey, and how good it is.
 
 use sextant_channel::Position;
-use sextant_mapper::{Fit, TopologyMap};
+use sextant_mapper::{Fit, KnowledgeKind, TopologyMap};
 use sextant_sim::Survey;
 
-use super::bound;
+use super::{Discoveries, bound};
 use crate::diagnostic::Failure;
-use crate::measure::measure;
+use crate::measure::{Truth, in_world, measure};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::MapSummary;
 
 /// A map, what was estimated on the way, and how far it is from the truth.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// The map.
+    /// The map, in the world.
     pub map: TopologyMap,
     /// The reception profile, if it was estimated from the log.
     pub fit: Option<Fit>,
@@ -21,22 +21,27 @@ pub struct Evaluation {
     pub summary: MapSummary,
 }
 
-/// Computes the map `named` of what `survey` heard and measures it against the world of `scenario`. `bound_m` is the
-/// [`bound_m`] of the survey, which all its maps share.
+/// Computes the map `named` of what `survey` heard and `discoveries` tell, and measures it against the world of
+/// `scenario`. `bound_m` is the [`bound_m`] of the survey, which all its maps share.
 ///
 /// # Errors
 /// If the map cannot be computed.
 pub fn evaluate(
     scenario: &Scenario,
     named: &NamedMap,
-    survey: &Survey,
+    (survey, discoveries): (&Survey, &Discoveries),
     bound_m: Option<f64>,
 ) -> Result<Evaluation, Failure> {
-    let (map, fit) = named.mapper.map_and_fit(&survey.log).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let knowledge = discoveries.knowledge(scenario, survey);
+    let (map, fit) = named.mapper.map_and_fit(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let truth = truth(scenario);
+    let (map, alignment) = in_world(map, Some(&truth));
+    let truth = Truth { places: &truth, anchors: scenario.anchors() };
     let summary = MapSummary {
-        posterior_bound_m: bound_m,
+        alignment: Some(alignment),
+        posterior_bound_m: bound_m.filter(|_| !named.mapper.uses().contains(&KnowledgeKind::Anchors)),
         fitted_profile: fit.as_ref().map(Into::into),
-        ..measure(&named.name, &map, Some(&truth(scenario)), scenario.metrics())
+        ..measure(named, &map, Some(truth), scenario.metrics())
     };
     Ok(Evaluation { map, fit, summary })
 }

@@ -1,6 +1,7 @@
 //! The pipeline of `run`: simulate, record, map, measure, sum up.
 
 mod bound;
+mod discovery;
 mod evaluation;
 mod gather;
 mod outcome;
@@ -24,6 +25,7 @@ use crate::summary::{MapSummary, Summary, Timing, peak_rss_bytes};
 use crate::table;
 use crate::terminal;
 
+pub use discovery::Discoveries;
 pub use evaluation::{Evaluation, bound_m, evaluate};
 pub use outcome::sum_up;
 
@@ -41,6 +43,7 @@ fn now() -> Instant {
 pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure> {
     let start = now();
     let interrupt = Interrupt::install()?;
+    let discoveries = Discoveries::of(scenario)?;
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let mut recorder = FileRecorder::create(&arguments.recording())?;
     open(&mut recorder, scenario)?;
@@ -50,9 +53,9 @@ pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure
         recorder.path(survey.end, &track.name, &track.places)?;
     }
     let map_start = now();
-    let maps = if survey.interrupted { Vec::new() } else { map(scenario, &survey, &mut recorder)? };
+    let maps = if survey.interrupted { Vec::new() } else { map(scenario, &survey, &discoveries, &mut recorder)? };
     let map_s = map_start.elapsed().as_secs_f64();
-    let mut summary = sum_up(scenario, &survey, maps);
+    let mut summary = sum_up(scenario, &survey, &discoveries, maps);
     recorder.summary(&summary.to_json()?)?;
     recorder.finish()?;
     #[expect(clippy::cast_precision_loss, reason = "a rate for people")]
@@ -109,12 +112,17 @@ fn gather(
 }
 
 /// Computes, records and measures the maps of the scenario.
-fn map(scenario: &Scenario, survey: &Survey, recorder: &mut FileRecorder) -> Result<Vec<MapSummary>, Failure> {
+fn map(
+    scenario: &Scenario,
+    survey: &Survey,
+    discoveries: &Discoveries,
+    recorder: &mut FileRecorder,
+) -> Result<Vec<MapSummary>, Failure> {
     let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
     let bound_m = evaluation::bound_m(scenario, survey);
     let mut summaries = Vec::new();
     for named in scenario.maps() {
-        let Evaluation { map, fit, summary } = evaluation::evaluate(scenario, named, survey, bound_m)?;
+        let Evaluation { map, fit, summary } = evaluation::evaluate(scenario, named, (survey, discoveries), bound_m)?;
         recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
         for (what, value) in [
             ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),

@@ -3,12 +3,13 @@
 use sextant_apps::ControllerConfig;
 use sextant_sim::{Ending, Survey};
 
+use super::Discoveries;
 use crate::scenario::Scenario;
 use crate::summary::{EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary};
 
-/// The results of a survey and its maps, without timing.
+/// The results of a survey, what went before it and its maps, without timing.
 #[must_use]
-pub fn sum_up(scenario: &Scenario, survey: &Survey, maps: Vec<MapSummary>) -> Summary {
+pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, maps: Vec<MapSummary>) -> Summary {
     let packets = survey.packets;
     let robots = survey.robots.iter().zip(&scenario.config().robots).map(|(record, config)| RobotSummary {
         name: record.name.clone(),
@@ -51,6 +52,7 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, maps: Vec<MapSummary>) -> Su
             robots: robots.collect(),
             interrupted: survey.interrupted,
         }),
+        discovery: discoveries.summary(scenario),
         maps,
         ..Summary::default()
     }

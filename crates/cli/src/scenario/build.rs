@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use sextant_apps::{ControllerConfig, Surroundings};
-use sextant_channel::{Channel, ObstacleField};
+use sextant_channel::{Anchor, Channel, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_mapper::{MapConfig, Mapper};
-use sextant_sim::{Body, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World};
+use sextant_sim::{Body, Discovery, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World};
 use sha2::{Digest, Sha256};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -48,6 +48,8 @@ struct Parts {
     csma: CsmaSettings,
     traffic: Traffic,
     radio_states: RadioStates,
+    anchors: Vec<Anchor>,
+    discovery: Discovery,
 }
 
 impl Scenario {
@@ -116,6 +118,18 @@ impl Scenario {
     #[must_use]
     pub fn maps(&self) -> &[NamedMap] {
         &self.maps
+    }
+
+    /// The nodes that know their place, by node.
+    #[must_use]
+    pub fn anchors(&self) -> &[Anchor] {
+        &self.parts.anchors
+    }
+
+    /// How the nodes find out whom they hear.
+    #[must_use]
+    pub fn discovery(&self) -> &Discovery {
+        &self.parts.discovery
     }
 
     /// How maps are compared with the truth.
@@ -209,18 +223,21 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let robots = check_robots(config, world.as_ref(), errors);
     let maps = check_maps(&config.maps, Some(known_channel(config)), errors);
     errors.take("metrics", config.metrics.check());
+    let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
+    let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
     let (Some(world), Some(radio), Some(csma), Some(traffic), Some(reception), Some(radio_states)) =
         (world, radio, csma, traffic, reception, radio_states)
     else {
         return (None, maps);
     };
+    let (Some(anchors), Some(discovery)) = (anchors, discovery) else { return (None, maps) };
     for (i, name) in config.recording.likelihood.iter().enumerate() {
         if !world.nodes.iter().any(|node| node.name == *name) {
             let key = format!("recording.likelihood[{i}]");
             errors.refuse(&SettingError::new(key, format!("`{name}`"), "the name of a node"));
         }
     }
-    let parts = Parts { world, radio, reception, csma, traffic, radio_states };
+    let parts = Parts { world, radio, reception, csma, traffic, radio_states, anchors, discovery };
     if errors.found.is_empty() {
         // What depends on several parts, the size of frames and addresses, the simulation checks itself.
         if let Err(error) = Simulation::new(setup(config, parts.clone(), robots)) {
@@ -228,6 +245,27 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         }
     }
     (Some(parts), maps)
+}
+
+/// The nodes that know their place, enough of them for each of `maps`.
+fn check_anchors(
+    config: &ScenarioConfig,
+    world: &World,
+    maps: &[NamedMap],
+    errors: &mut Errors<'_>,
+) -> Option<Vec<Anchor>> {
+    let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, Seed(config.seed)))?;
+    let first = anchors.first().map_or(0.0, |anchor| anchor.position.z_m);
+    let is_planar = anchors.iter().all(|anchor| (anchor.position.z_m - first).abs() <= 1e-9);
+    for map in maps {
+        let needed = map.mapper.least_anchors(if is_planar { 2 } else { 3 });
+        if anchors.len() < needed {
+            let found = format!("{} of the {}", anchors.len(), counted(world.nodes.len(), "node"));
+            let allowed = format!("at least {needed}, for the map `{}`", map.name);
+            errors.refuse(&SettingError::new("anchors", found, allowed));
+        }
+    }
+    Some(anchors)
 }
 
 fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Robot> {
@@ -301,7 +339,7 @@ fn robot(config: &RobotConfig<ControllerConfig>, obstacles: &ObstacleField) -> R
 }
 
 fn setup(config: &ScenarioConfig, parts: Parts, robots: Vec<Robot>) -> Setup {
-    let Parts { world, radio, reception, csma, traffic, radio_states } = parts;
+    let Parts { world, radio, reception, csma, traffic, radio_states, .. } = parts;
     Setup {
         world,
         channel: config.channel,

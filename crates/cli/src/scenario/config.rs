@@ -8,7 +8,9 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mapper::MapConfig;
-use sextant_sim::{RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig};
+use sextant_sim::{
+    AnchorsConfig, DiscoveryConfig, RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig,
+};
 
 use super::SweepConfig;
 
@@ -42,6 +44,12 @@ pub struct ScenarioConfig {
     pub energy: EnergyConfig,
     /// The robots that drive and listen: at least one.
     pub robots: Vec<RobotConfig<ControllerConfig>>,
+    /// The nodes that know their place, for maps that need such nodes; a fifth of the nodes, at random, if absent.
+    #[serde(default)]
+    pub anchors: AnchorsConfig,
+    /// How the nodes find out whom they hear, for maps that need to know.
+    #[serde(default)]
+    pub discovery: DiscoveryConfig,
     /// The maps to compute from what was heard.
     #[serde(default)]
     pub maps: Vec<MapConfig>,

@@ -3,7 +3,7 @@
 use sextant_apps::ControllerConfig;
 use sextant_channel::{Channel, ChannelConfig, CorrelationConfig, ObstacleField, PathLossConfig};
 use sextant_kernel::Seed;
-use sextant_mapper::{ChannelProfileConfig, MapConfig, ProfileConfig};
+use sextant_mapper::{ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
 
 /// The channel of a scenario, as a mapper that was told of it would know it.
@@ -31,14 +31,18 @@ impl KnownChannel {
         Self { radio, channel, packets_per_stop }
     }
 
-    /// Fills in what the channel profile of a map, if it has one, leaves open.
+    /// Fills in what a map that knows the channel, by profile or by signal strengths, leaves open.
     pub(super) fn complete(&self, map: &mut MapConfig) {
-        let (Some(ProfileConfig::Channel(profile)), Ok(channel)) =
-            (map.algorithm.profile_mut(), Channel::new(self.channel, ObstacleField::default(), Seed(0)))
-        else {
-            return;
-        };
+        let Ok(channel) = Channel::new(self.channel, ObstacleField::default(), Seed(0)) else { return };
         let law = self.channel.path_loss.map(|PathLossConfig::LogDistance(law)| law);
+        if let Some(ranging) = map.algorithm.ranging_mut() {
+            let RangingConfig { exponent, tx_power_dbm, reference_distance_m, sigma_db } = ranging;
+            exponent.get_or_insert(channel.path_loss().exponent());
+            tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
+            *reference_distance_m = reference_distance_m.or(law.map(|law| law.reference_distance_m));
+            sigma_db.get_or_insert(channel.sigma_db());
+        }
+        let Some(ProfileConfig::Channel(profile)) = map.algorithm.profile_mut() else { return };
         let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
         exponent.get_or_insert(channel.path_loss().exponent());
         sigma_db.get_or_insert(channel.sigma_db());

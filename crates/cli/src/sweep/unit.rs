@@ -58,12 +58,13 @@ fn gather(scenario: &Scenario, interrupt: &Interrupt) -> Result<Survey, String> 
 }
 
 fn measured(plan: &Plan, scenario: &Scenario, survey: &Survey, bound_m: Option<f64>) -> Result<Vec<String>, String> {
+    let discoveries = run::Discoveries::of(scenario).map_err(|failure| reason(&failure))?;
     let mut maps = Vec::new();
     for named in scenario.maps() {
-        let evaluation = run::evaluate(scenario, named, survey, bound_m);
+        let evaluation = run::evaluate(scenario, named, (survey, &discoveries), bound_m);
         maps.push(evaluation.map_err(|failure| reason(&failure))?.summary);
     }
-    Ok(measures::texts(&run::sum_up(scenario, survey, maps), plan.maps()))
+    Ok(measures::texts(&run::sum_up(scenario, survey, &discoveries, maps), plan.maps()))
 }
 
 fn row(plan: &Plan, cell: usize, replicate: u32, result: Result<Vec<String>, String>) -> Row {

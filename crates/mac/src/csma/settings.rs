@@ -63,6 +63,12 @@ impl CsmaSettings {
         self.max_retries
     }
 
+    /// The same, with the receiver on between frames and during backoff.
+    #[must_use]
+    pub const fn with_receiver_on(self) -> Self {
+        Self { resting_state: RadioState::Receive, ..self }
+    }
+
     /// State of the radio between frames and during backoff.
     #[must_use]
     pub const fn resting_state(&self) -> RadioState {

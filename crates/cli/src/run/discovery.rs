@@ -1,0 +1,80 @@
+//! What nodes find out of each other before the survey, as far as the maps of a scenario need it.
+
+use sextant_kernel::NodeId;
+use sextant_mac::EnergySpent;
+use sextant_mapper::{Knowledge, KnowledgeKind};
+use sextant_sim::{Discovered, Round, Survey, discover};
+
+use crate::diagnostic::Failure;
+use crate::scenario::Scenario;
+use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
+
+/// What nodes found out of each other before the survey.
+#[derive(Clone, Debug, Default)]
+pub struct Discoveries {
+    /// What the nodes heard of each other's hello packets.
+    pub neighbours: Option<Discovered>,
+    /// What the nodes heard of the anchors' packets.
+    pub beacons: Option<Discovered>,
+}
+
+impl Discoveries {
+    /// Simulates the rounds of discovery that the maps of `scenario` need: none, one or both.
+    ///
+    /// # Errors
+    /// If the settings of channel and packets do not fit.
+    pub fn of(scenario: &Scenario) -> Result<Self, Failure> {
+        let needs = |kind: fn(KnowledgeKind) -> bool| {
+            scenario.maps().iter().any(|map| map.mapper.uses().iter().any(|&uses| kind(uses)))
+        };
+        let (neighbours, beacons) = (needs(KnowledgeKind::needs_neighbours), needs(KnowledgeKind::needs_beacons));
+        if !(neighbours || beacons) {
+            return Ok(Self::default());
+        }
+        let setup = scenario.setup();
+        let simulate = |round| {
+            discover(&setup, scenario.discovery(), round).map_err(|error| Failure::bad_input(error.to_string()))
+        };
+        let anchors: Vec<NodeId> = scenario.anchors().iter().map(|anchor| anchor.node).collect();
+        Ok(Self {
+            neighbours: neighbours.then(|| simulate(Round::Neighbours)).transpose()?,
+            beacons: beacons.then(|| simulate(Round::Beacons(&anchors))).transpose()?,
+        })
+    }
+
+    /// All that the maps of `scenario` may know of `survey`.
+    #[must_use]
+    pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, survey: &'a Survey) -> Knowledge<'a> {
+        Knowledge {
+            neighbours: self.neighbours.as_ref().map(|round| &round.log),
+            beacons: self.beacons.as_ref().map(|round| &round.log),
+            anchors: scenario.anchors(),
+            seed: scenario.seed(),
+            ..Knowledge::from(&survey.log)
+        }
+    }
+
+    /// What the results say of them; `None` if there were none.
+    #[must_use]
+    pub fn summary(&self, scenario: &Scenario) -> Option<DiscoverySummary> {
+        if self.neighbours.is_none() && self.beacons.is_none() {
+            return None;
+        }
+        let round = |discovered: &Discovered, senders| RoundSummary {
+            senders,
+            packets_sent: discovered.sent,
+            packets_unsent: discovered.unsent,
+            links: discovered.log.links().len(),
+            duration_s: discovered.duration().as_secs_f64(),
+            energy_j: energy(discovered.energy),
+        };
+        Some(DiscoverySummary {
+            neighbours: self.neighbours.as_ref().map(|found| round(found, scenario.world().nodes.len())),
+            anchors: self.beacons.as_ref().map(|found| round(found, scenario.anchors().len())),
+        })
+    }
+}
+
+fn energy(spent: EnergySpent) -> EnergySummary {
+    EnergySummary { tx: spent.tx_j, rx: spent.rx_j, idle: spent.idle_j + spent.sleep_j }
+}

@@ -1,0 +1,106 @@
+//! Centroids of the anchors that a node heard (Bulusu, Heidemann and Estrin 2000), plain and weighted.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::SettingError;
+
+use super::heard_anchors::HeardAnchors;
+use super::ranging::{Ranging, RangingConfig};
+use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// The centroid as written in a scenario: it has no settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CentroidConfig {}
+
+/// The centroid of all anchors that a node heard; a node that heard none is not placed. Anchors are where they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Centroid;
+
+impl Centroid {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "centroid";
+
+    /// What it uses.
+    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any.
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        map(knowledge, Self::NAME, |_| 1.0)
+    }
+}
+
+/// The weighted centroid as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct WeightedCentroidConfig {
+    /// How signal strengths become distances.
+    pub ranging: RangingConfig,
+    /// Each anchor weighs the inverse of its distance to this power: above 0, at most 10.
+    pub degree: f64,
+}
+
+impl Default for WeightedCentroidConfig {
+    fn default() -> Self {
+        Self { ranging: RangingConfig::default(), degree: 1.0 }
+    }
+}
+
+/// The centroid of all anchors that a node heard, each weighted by the inverse of its estimated distance to a power
+/// (Blumenthal et al. 2007).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedCentroid {
+    ranging: Ranging,
+    degree: f64,
+}
+
+impl TryFrom<WeightedCentroidConfig> for WeightedCentroid {
+    type Error = SettingError;
+
+    fn try_from(config: WeightedCentroidConfig) -> Result<Self, SettingError> {
+        if !(config.degree > 0.0 && config.degree <= 10.0) {
+            return Err(SettingError::new("degree", config.degree, "above 0, at most 10"));
+        }
+        let ranging = Ranging::try_from(config.ranging).map_err(|error| error.within("ranging"))?;
+        Ok(Self { ranging, degree: config.degree })
+    }
+}
+
+impl WeightedCentroid {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "weighted-centroid";
+
+    /// What it uses.
+    pub const USES: &'static [KnowledgeKind] =
+        &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any.
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        map(knowledge, Self::NAME, |rssi_dbm| libm::pow(self.ranging.distance_m(rssi_dbm), -self.degree))
+    }
+}
+
+fn map(knowledge: &Knowledge<'_>, name: &'static str, weight: impl Fn(f64) -> f64) -> Result<TopologyMap, MapError> {
+    let anchors = HeardAnchors::new(knowledge, name, 1)?;
+    let place = |node| {
+        anchors.own_place(node).or_else(|| {
+            let heard = anchors.of(node);
+            weighted_mean(&heard.iter().map(|anchor| (anchor.position, weight(anchor.rssi_dbm))).collect::<Vec<_>>())
+        })
+    };
+    Ok(TopologyMap::of_places(name, (0..anchors.node_count()).map(place).collect(), Frame::World))
+}
+
+/// The mean of places with weights; `None` of none.
+pub(super) fn weighted_mean(places: &[(Position, f64)]) -> Option<Position> {
+    let total: f64 = places.iter().map(|(_, weight)| weight).sum();
+    (total > 0.0)
+        .then(|| places.iter().fold(Position::ORIGIN, |sum, &(place, weight)| sum + place * (weight / total)))
+}

@@ -1,0 +1,174 @@
+//! Topology-preserving maps from hop counts (Dhanapala and Jayasumana 2014): singular vectors of the nodes' hops to a
+//! few of them.
+
+use nalgebra::DMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::SettingError;
+
+use super::graph::{Graph, UNREACHED};
+use super::landmarks::LandmarksConfig;
+use super::{Dimensions, check_link_share, default_link_share};
+use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// The topology-preserving map as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TpmConfig {
+    /// From which nodes hops are counted.
+    pub landmarks: LandmarksConfig,
+    /// From which hop counts the axes of the map are computed.
+    pub axes: AxesConfig,
+    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    #[serde(default = "default_link_share")]
+    pub link_share: f64,
+    /// Dimensions of the map, 2 or 3; if absent, 2 if the anchors (without any: the stops) share one height, else 3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<u8>,
+}
+
+/// From which hop counts the axes of a map are computed, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AxesConfig {
+    /// Those of all nodes.
+    #[default]
+    AllNodes,
+    /// Those between the nodes from which hops are counted: far fewer messages.
+    Landmarks,
+}
+
+impl Default for TpmConfig {
+    fn default() -> Self {
+        Self {
+            landmarks: LandmarksConfig::default(),
+            axes: AxesConfig::default(),
+            link_share: default_link_share(),
+            dimensions: None,
+        }
+    }
+}
+
+/// The topology-preserving map.
+///
+/// `P` holds the hops of each node to each landmark. With the singular value decomposition `P = U S Vᵀ` (not centred),
+/// the map is the second and third column of `P V`, in space the second to fourth; the first is about the mean distance
+/// to the landmarks and no axis. `V` comes from the small matrix `PᵀP`, or from the hops between the landmarks
+/// alone. Columns of `V` have no sign; the entry of largest magnitude is made positive. Each connected part of the
+/// network has a map of its own, in hops, up to rotation, reflection and scale; parts of fewer nodes than dimensions
+/// plus two have none. Nodes with the same hop counts share one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tpm {
+    landmarks: LandmarksConfig,
+    axes: AxesConfig,
+    link_share: f64,
+    dimensions: Dimensions,
+}
+
+impl TryFrom<TpmConfig> for Tpm {
+    type Error = SettingError;
+
+    fn try_from(config: TpmConfig) -> Result<Self, SettingError> {
+        let TpmConfig { landmarks, axes, link_share, dimensions } = config;
+        landmarks.check().map_err(|error| error.within("landmarks"))?;
+        check_link_share(link_share)?;
+        Ok(Self { landmarks, axes, link_share, dimensions: Dimensions::try_from(dimensions)? })
+    }
+}
+
+impl Tpm {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "tpm";
+
+    /// What it uses; where anchors are does not matter, even if hops are counted from them.
+    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
+
+    /// Anchors without which there is no map.
+    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+        if self.landmarks == (LandmarksConfig::Anchors {}) { dimensions + 2 } else { 0 }
+    }
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`].
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
+        let dimensions = self.dimensions.of(knowledge);
+        let anchors = knowledge.anchors(Self::NAME, self.least_anchors(dimensions))?;
+        let anchors: Vec<usize> = anchors.iter().map(|anchor| anchor.node.index()).collect();
+        let mut places = vec![None; graph.node_count()];
+        let mut part_of = vec![0; graph.node_count()];
+        for (index, part) in (0..).zip(graph.parts()) {
+            for &node in &part {
+                part_of[node] = index;
+            }
+            let least = dimensions + 2;
+            let landmarks = self.landmarks.choose(&graph, &part, (knowledge.seed, least), &anchors);
+            if part.len() < least || landmarks.len() < least {
+                continue;
+            }
+            for (&node, place) in part.iter().zip(self.part(&graph, &part, &landmarks, dimensions)) {
+                places[node] = Some(place);
+            }
+        }
+        Ok(TopologyMap::of_places(Self::NAME, places, Frame::Relative(part_of)))
+    }
+
+    /// The places of one connected part.
+    fn part(&self, graph: &Graph, part: &[usize], landmarks: &[usize], dimensions: usize) -> Vec<Position> {
+        let hops: Vec<Vec<u32>> = landmarks.iter().map(|&landmark| graph.hops_from(landmark)).collect();
+        debug_assert!(part.iter().all(|&node| hops.iter().all(|hops| hops[node] != UNREACHED)));
+        let matrix = |nodes: &[usize]| {
+            DMatrix::from_fn(nodes.len(), landmarks.len(), |row, column| f64::from(hops[column][nodes[row]]))
+        };
+        let p = matrix(part);
+        let v = match self.axes {
+            AxesConfig::AllNodes => right_singular_vectors(&p),
+            AxesConfig::Landmarks => right_singular_vectors(&matrix(landmarks)),
+        };
+        let axes = v.columns(1, dimensions);
+        let map = p * axes;
+        map.row_iter().map(|row| Position::new(row[0], row[1], if dimensions == 3 { row[2] } else { 0.0 })).collect()
+    }
+}
+
+/// The right singular vectors of `p` by falling singular value, from the eigenvectors of `pᵀp`; in each column the
+/// entry of largest magnitude, the first of several, is positive.
+fn right_singular_vectors(p: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = (p.transpose() * p).symmetric_eigen();
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]).then(a.cmp(&b)));
+    let mut v = eigen.eigenvectors.select_columns(&order);
+    for mut column in v.column_iter_mut() {
+        let mut largest: f64 = 0.0;
+        for &entry in column.iter() {
+            // Entries that differ by rounding alone are equal, so that rounding does not decide the sign.
+            if entry.abs() > largest.abs() * (1.0 + 1e-9) {
+                largest = entry;
+            }
+        }
+        if largest < 0.0 {
+            column.neg_mut();
+        }
+    }
+    v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn singular_vectors_are_those_of_the_decomposition_itself() {
+        let p = DMatrix::from_fn(9, 4, |i, j| f64::from(u32::try_from((i * i + 3 * j * i + 2 * j) % 11).unwrap()));
+        let v = right_singular_vectors(&p);
+        let reference = p.clone().svd(false, true).v_t.unwrap().transpose();
+        for (column, reference) in v.column_iter().zip(reference.column_iter()) {
+            assert!((column.dot(&reference).abs() - 1.0).abs() < 1e-9);
+            let largest = column.iter().copied().fold(0.0, |a: f64, b: f64| if b.abs() > a.abs() { b } else { a });
+            assert!(largest > 0.0);
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! What an algorithm is given to know, and what it says it uses.
+
+use serde::Serialize;
+use sextant_channel::{Anchor, NeighbourLog, Position, ReceptionLog};
+use sextant_kernel::Seed;
+
+use crate::MapError;
+
+/// All that an algorithm may know. Maximum likelihood needs the reception log alone; comparators need more.
+#[derive(Clone, Copy, Debug)]
+pub struct Knowledge<'a> {
+    /// What the robots recorded.
+    pub log: &'a ReceptionLog,
+    /// What the nodes heard of each other's hello packets.
+    pub neighbours: Option<&'a NeighbourLog>,
+    /// What the nodes heard of the anchors' packets.
+    pub beacons: Option<&'a NeighbourLog>,
+    /// The nodes that know their place, by node.
+    pub anchors: &'a [Anchor],
+    /// Seed of the algorithm's own choices, such as the nodes from which hops are counted.
+    pub seed: Seed,
+}
+
+impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
+    /// Nothing but the log.
+    fn from(log: &'a ReceptionLog) -> Self {
+        Self { log, neighbours: None, beacons: None, anchors: &[], seed: Seed(1) }
+    }
+}
+
+/// A kind of knowledge that an algorithm uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KnowledgeKind {
+    /// Which packets the robot heard where, and where it was.
+    RobotReceptions,
+    /// With what strength it heard them.
+    RobotRssi,
+    /// Where the robot drove and what it met there.
+    RobotPath,
+    /// Which nodes heard each other.
+    Neighbours,
+    /// With what strength they heard each other.
+    NeighbourRssi,
+    /// Which nodes heard which anchors.
+    AnchorReceptions,
+    /// With what strength they heard the anchors.
+    AnchorRssi,
+    /// Where the anchors are.
+    Anchors,
+    /// How power falls with distance.
+    PathLoss,
+}
+
+impl KnowledgeKind {
+    /// In the words of tables: `anchor RSSI`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::RobotReceptions => "robot",
+            Self::RobotRssi => "robot RSSI",
+            Self::RobotPath => "robot path",
+            Self::Neighbours => "neighbours",
+            Self::NeighbourRssi => "neighbour RSSI",
+            Self::AnchorReceptions => "anchors heard",
+            Self::AnchorRssi => "anchor RSSI",
+            Self::Anchors => "anchors",
+            Self::PathLoss => "path loss",
+        }
+    }
+
+    /// Whether nodes must have heard each other's hello packets.
+    #[must_use]
+    pub fn needs_neighbours(self) -> bool {
+        matches!(self, Self::Neighbours | Self::NeighbourRssi)
+    }
+
+    /// Whether nodes must have heard the anchors' packets.
+    #[must_use]
+    pub fn needs_beacons(self) -> bool {
+        matches!(self, Self::AnchorReceptions | Self::AnchorRssi)
+    }
+}
+
+impl<'a> Knowledge<'a> {
+    /// Two if the anchors share one height (without anchors, the stops of the robots), otherwise three.
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        let anchors = self.anchors.iter().map(|anchor| anchor.position);
+        let is_planar = if self.anchors.is_empty() {
+            share_one_height(self.log.stops().iter().map(|stop| stop.position))
+        } else {
+            share_one_height(anchors)
+        };
+        if is_planar { 2 } else { 3 }
+    }
+
+    /// What the nodes heard of each other.
+    pub(crate) fn neighbours(&self, algorithm: &'static str) -> Result<&'a NeighbourLog, MapError> {
+        self.neighbours.ok_or(MapError::Missing {
+            algorithm,
+            what: "what the nodes heard of each other",
+            remedy: "a simulation finds it out as `discovery` says",
+        })
+    }
+
+    /// What the nodes heard of the anchors.
+    pub(crate) fn beacons(&self, algorithm: &'static str) -> Result<&'a NeighbourLog, MapError> {
+        self.beacons.ok_or(MapError::Missing {
+            algorithm,
+            what: "what the nodes heard of the anchors",
+            remedy: "a simulation finds it out as `anchors` and `discovery` say",
+        })
+    }
+
+    /// The anchors, if there are at least `needed`.
+    pub(crate) fn anchors(&self, algorithm: &'static str, needed: usize) -> Result<&'a [Anchor], MapError> {
+        let found = self.anchors.len();
+        if found < needed { Err(MapError::TooFewAnchors { algorithm, found, needed }) } else { Ok(self.anchors) }
+    }
+
+    /// The places of the anchors, by node.
+    pub(crate) fn known_places(&self) -> Vec<Option<Position>> {
+        let mut places = vec![None; self.log.node_count()];
+        for anchor in self.anchors {
+            places[anchor.node.index()] = Some(anchor.position);
+        }
+        places
+    }
+}
+
+fn share_one_height(mut places: impl Iterator<Item = Position>) -> bool {
+    let first = places.next().map_or(0.0, |place| place.z_m);
+    places.all(|place| (place.z_m - first).abs() <= 1e-9)
+}

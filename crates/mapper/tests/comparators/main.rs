@@ -1,0 +1,5 @@
+//! Algorithms to compare with, on networks whose maps are known.
+
+mod anchored;
+mod hops;
+mod network;
