@@ -3,24 +3,35 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Seed, SettingError};
 use sextant_sim::Controller;
 
-use crate::{AutomatedS, AutomatedSConfig, SPath, SPathConfig, Waypoints, WaypointsConfig};
+use crate::{
+    AutomatedS, AutomatedSConfig, Hilbert, HilbertConfig, RandomWalk, RandomWalkConfig, SPath, SPathConfig, Spiral,
+    SpiralConfig, Waypoints, WaypointsConfig,
+};
 
 /// What drives a robot, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerConfig {
-    /// An S path that finds its turns by what it hears and meets: no map needed.
+    /// An S path, in the plane or in layers, that finds its turns by what it hears and meets: no map needed. Ends once
+    /// each node was heard as often as wanted.
     AutomatedS(AutomatedSConfig),
-    /// A fixed S path over a region; the way round obstacles is planned.
+    /// Steps in random directions: no map needed. Ends once each node was heard as often as wanted.
+    RandomWalk(RandomWalkConfig),
+    /// A fixed S path over a region; the way round obstacles is planned. Ends at the end of the path.
     SPath(SPathConfig),
-    /// Listed places; the way round obstacles is planned.
+    /// An Archimedean spiral over a region; the way round obstacles is planned. Ends at the end of the path.
+    Spiral(SpiralConfig),
+    /// A Hilbert curve over a region; the way round obstacles is planned. Ends at the end of the path.
+    Hilbert(HilbertConfig),
+    /// Listed places; the way round obstacles is planned. Ends at the last place.
     Waypoints(WaypointsConfig),
 }
 
-/// What a robot has round it when it starts. Controllers with a planned path use it, others do not look.
+/// What a robot has round it when it starts, and where its randomness comes from. Controllers with a planned path look
+/// at the obstacles, others do not.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'a> {
     /// The obstacles.
@@ -29,6 +40,10 @@ pub struct Surroundings<'a> {
     pub start: Position,
     /// Radius of its hull [m].
     pub radius_m: f64,
+    /// Seed of the run.
+    pub seed: Seed,
+    /// Number of the robot in its scenario: the address of its random draws.
+    pub robot: u64,
 }
 
 impl ControllerConfig {
@@ -37,19 +52,32 @@ impl ControllerConfig {
     /// # Errors
     /// If a value is outside its domain, or a place cannot be reached. The key is relative to the controller's table.
     pub fn build(&self, surroundings: &Surroundings<'_>) -> Result<Box<dyn Controller>, SettingError> {
+        fn boxed<C: Controller + 'static>(
+            key: &str,
+            controller: Result<C, SettingError>,
+        ) -> Result<Box<dyn Controller>, SettingError> {
+            match controller {
+                Ok(controller) => Ok(Box::new(controller)),
+                Err(error) => Err(error.within(key)),
+            }
+        }
         match self {
-            Self::AutomatedS(config) => {
-                let controller = AutomatedS::try_from(config).map_err(|error| error.within("automated_s"))?;
-                Ok(Box::new(controller))
-            }
-            Self::SPath(config) => {
-                let controller = SPath::plan(config, surroundings).map_err(|error| error.within("s_path"))?;
-                Ok(Box::new(controller))
-            }
-            Self::Waypoints(config) => {
-                let controller = Waypoints::plan(config, surroundings).map_err(|error| error.within("waypoints"))?;
-                Ok(Box::new(controller))
-            }
+            Self::AutomatedS(config) => boxed("automated_s", AutomatedS::plan(config, surroundings)),
+            Self::RandomWalk(config) => boxed("random_walk", RandomWalk::plan(config, surroundings)),
+            Self::SPath(config) => boxed("s_path", SPath::plan(config, surroundings)),
+            Self::Spiral(config) => boxed("spiral", Spiral::plan(config, surroundings)),
+            Self::Hilbert(config) => boxed("hilbert", Hilbert::plan(config, surroundings)),
+            Self::Waypoints(config) => boxed("waypoints", Waypoints::plan(config, surroundings)),
+        }
+    }
+
+    /// How many packets of each node the robot is to hear: 1 for a path that is laid out beforehand.
+    #[must_use]
+    pub fn packets_per_node(&self) -> u32 {
+        match self {
+            Self::AutomatedS(config) => config.packets_per_node,
+            Self::RandomWalk(config) => config.packets_per_node,
+            Self::SPath(_) | Self::Spiral(_) | Self::Hilbert(_) | Self::Waypoints(_) => 1,
         }
     }
 }

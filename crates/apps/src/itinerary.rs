@@ -1,6 +1,7 @@
 //! A path laid out beforehand.
 
 use sextant_channel::Position;
+use sextant_kernel::SettingError;
 use sextant_sim::{Command, Controller, Ending, Outcome, Situation};
 
 use crate::Surroundings;
@@ -14,6 +15,9 @@ const LATTICE_M: f64 = 0.25;
 const DETOUR: f64 = 4.0;
 /// Drives in a row that an unforeseen obstacle may block before the robot gives up.
 const MAX_BLOCKED: u32 = 16;
+
+/// Stops of one path, at most.
+pub(crate) const MAX_STOPS: f64 = 1e6;
 
 /// What happens at the end of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,25 +77,8 @@ impl<'a> Planner<'a> {
             let length_m = a.distance_m(b);
             length_m <= 0.0 || obstacles.clearance_m(a, b - a, length_m, radius_m + MARGIN_M) >= length_m
         };
-        if passable(self.here, place) {
-            return Some(vec![place]);
-        }
         let bounds = bounds.grown(DETOUR * (radius_m + LATTICE_M));
-        let search = Search { bounds, step_m: LATTICE_M, reach_m: 0.0 };
-        // Round an obstacle at one height: climb first if the climb is free, else at the end.
-        let climb = Position { z_m: place.z_m, ..self.here };
-        if climb != self.here && passable(self.here, climb) {
-            let mut way = search.way(climb, place, passable)?;
-            way.insert(0, climb);
-            return Some(way);
-        }
-        let foot = Position { z_m: self.here.z_m, ..place };
-        let mut way = search.way(self.here, foot, passable)?;
-        if foot != place {
-            way.push(place);
-            return passable(foot, place).then_some(way);
-        }
-        Some(way)
+        Search { bounds, step_m: LATTICE_M, reach_m: 0.0 }.way_over(self.here, place, passable)
     }
 
     /// The path laid out.
@@ -101,6 +88,26 @@ impl<'a> Planner<'a> {
 }
 
 impl Itinerary {
+    /// The way through `places` in turn. A place that an obstacle covers, or encloses, is left out.
+    ///
+    /// # Errors
+    /// If no stop can be reached, naming the key `region`.
+    pub(crate) fn through(
+        places: impl IntoIterator<Item = (Position, Then)>,
+        surroundings: &Surroundings<'_>,
+    ) -> Result<Self, SettingError> {
+        let mut planner = Planner::new(surroundings);
+        for (place, then) in places {
+            planner.go(place, then);
+        }
+        let itinerary = planner.finish();
+        if itinerary.stops() == 0 {
+            let found = "a region with no stop that can be reached";
+            return Err(SettingError::new("region", found, "a region with free places"));
+        }
+        Ok(itinerary)
+    }
+
     /// Number of stops.
     pub(crate) fn stops(&self) -> usize {
         self.legs.iter().filter(|(_, then)| *then == Then::Listen).count()

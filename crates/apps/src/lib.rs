@@ -1,29 +1,43 @@
 //! What robots do in a network: controllers on top of the simulator.
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
-//! through the simulation. The survey robots are [`AutomatedS`], which knows no map and turns where it meets an
-//! obstacle or hears nobody, and two that follow a path laid out beforehand: [`SPath`] and [`Waypoints`].
+//! through the simulation. Two survey robots know no map: [`AutomatedS`], which turns where it meets an obstacle or hears
+//! nobody, in the plane or in layers, and [`RandomWalk`]. The others follow a path laid out beforehand: [`SPath`],
+//! [`Spiral`], [`Hilbert`] and [`Waypoints`].
+//!
+//! Robots of one scenario do not obstruct one another, neither on their way nor on the air, and do not tell each other
+//! what they heard; each keeps to its own path or area.
 //!
 //! ```
 //! use sextant_apps::{SPathConfig, ControllerConfig, Surroundings};
 //! use sextant_channel::{ObstacleField, Position};
+//! use sextant_kernel::Seed;
 //! use sextant_sim::layout::RegionConfig;
 //!
 //! let region = RegionConfig::Disc { center_m: Position::ORIGIN, radius_m: 10.0 };
 //! let config = ControllerConfig::SPath(SPathConfig::new(region, 2.5));
-//! let surroundings = Surroundings { obstacles: &ObstacleField::default(), start: Position::ORIGIN, radius_m: 0.2 };
+//! let obstacles = ObstacleField::default();
+//! let surroundings =
+//!     Surroundings { obstacles: &obstacles, start: Position::ORIGIN, radius_m: 0.2, seed: Seed(1), robot: 0 };
 //! let controller = config.build(&surroundings)?;
 //! # Ok::<(), sextant_kernel::SettingError>(())
 //! ```
 
+mod area;
 mod automated_s;
 mod controller;
+mod hilbert;
 mod itinerary;
+mod random_walk;
 mod route;
 mod s_path;
+mod spiral;
 mod waypoints;
 
-pub use automated_s::{AutomatedS, AutomatedSConfig, Until};
+pub use automated_s::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
 pub use controller::{ControllerConfig, Surroundings};
+pub use hilbert::{Hilbert, HilbertConfig};
+pub use random_walk::{RandomWalk, RandomWalkConfig};
 pub use s_path::{SPath, SPathConfig};
+pub use spiral::{Spiral, SpiralConfig};
 pub use waypoints::{Waypoints, WaypointsConfig};

@@ -73,6 +73,34 @@ impl Search {
     }
 }
 
+impl Search {
+    /// The same between two heights: the way leads round obstacles at one of them, that of `to` if the climb there is
+    /// free at once, else that of `from`.
+    pub(crate) fn way_over(
+        &self,
+        from: Position,
+        to: Position,
+        passable: impl Fn(Position, Position) -> bool,
+    ) -> Option<Vec<Position>> {
+        if passable(from, to) {
+            return Some(vec![to]);
+        }
+        let climb = Position { z_m: to.z_m, ..from };
+        if climb != from && passable(from, climb) {
+            let mut way = self.way(climb, to, passable)?;
+            way.insert(0, climb);
+            return Some(way);
+        }
+        let foot = Position { z_m: from.z_m, ..to };
+        let mut way = self.way(from, foot, &passable)?;
+        if foot != to {
+            way.push(to);
+            return passable(foot, to).then_some(way);
+        }
+        Some(way)
+    }
+}
+
 /// A square lattice with a vertex at the start.
 struct Lattice {
     /// Where the vertex `start` is, exactly.

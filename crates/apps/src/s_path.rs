@@ -8,11 +8,9 @@ use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{Command, Controller, Situation};
 
 use crate::Surroundings;
-use crate::itinerary::{Itinerary, Planner, Then};
+use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
 
-/// Stops of one path, at most.
-const MAX_STOPS: f64 = 1e6;
 /// Lengths that differ by less than this share of a step are equal.
 const ROUNDING: f64 = 1e-9;
 
@@ -85,19 +83,7 @@ impl SPath {
             ));
         }
         let corners = corners(bounds, lane_spacing_m, Position { z_m, ..surroundings.start });
-        let mut planner = Planner::new(surroundings);
-        for (place, then) in stops_along(&corners, stop_spacing_m) {
-            // A place that an obstacle covers, or encloses, is left out.
-            planner.go(place, then);
-        }
-        let itinerary = planner.finish();
-        if itinerary.stops() == 0 {
-            return Err(SettingError::new(
-                "region",
-                "a region with no stop that can be reached",
-                "a region with free places",
-            ));
-        }
+        let itinerary = Itinerary::through(stops_along(&corners, stop_spacing_m), surroundings)?;
         Ok(Self { itinerary })
     }
 }

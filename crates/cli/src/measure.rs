@@ -133,6 +133,7 @@ fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) 
         connectivity_error_end_points: error(NeighbourhoodRule::EndPoints).map(|e| e.connectivity_error()),
         connectivity_error_per_node: error(NeighbourhoodRule::PerNode).map(|e| e.connectivity_error()),
         false_neighbour_rate: affine.as_ref().map(ConnectivityError::false_neighbour_rate),
+        nodes_within_0_2: affine.as_ref().map(|error| error.share_of_nodes_within(0.2)),
         symmetric_loss: affine.as_ref().map(ConnectivityError::symmetric_loss),
     }
 }

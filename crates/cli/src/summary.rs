@@ -181,7 +181,10 @@ pub struct RobotSummary {
     /// Why it finished: `complete`, `steps_exhausted`, `stuck`; absent if it was interrupted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ending: Option<&'static str>,
-    /// Nodes that its path heard less often than wanted.
+    /// When it had finished [s]; absent if it was interrupted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duration_s: Option<f64>,
+    /// Nodes that all robots together heard less often than this one was to hear each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unreached: Vec<String>,
 }
@@ -306,6 +309,9 @@ pub struct ConnectivitySummary {
     /// Share of the neighbours in the map that are none in the world.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
+    /// Share of the nodes that have lost at most a fifth of their neighbours, under the best affine map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes_within_0_2: Option<f64>,
     /// Neighbourships in the map or in the world but not in both, over those in either.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub symmetric_loss: Option<f64>,

@@ -69,6 +69,13 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     if let Some(energy) = &gathering.energy_j {
         row("energy of the nodes", Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)), "J");
     }
+    if gathering.robots.len() > 1 {
+        for robot in &gathering.robots {
+            let duration = robot.duration_s.map(|duration_s| format!(" in {duration_s:.1} s")).unwrap_or_default();
+            let note = format!("m{duration}, {}", counted(robot.stops, "stop"));
+            row(&format!("path of {}", robot.name), Some(format!("{:.1}", robot.path_length_m)), &note);
+        }
+    }
     rows
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Pilot {
     tally: Tally,
     stops: usize,
     path_length_m: f64,
-    ending: Option<Ending>,
+    ending: Option<(Ending, SimTime)>,
 }
 
 /// What was heard in a slot, by node.
@@ -158,15 +158,15 @@ impl Pilot {
                     self.activity = Activity::Listening { since: now };
                     return Decision::Listen { span: self.robot.body.listen };
                 }
-                Command::Finish(ending) => return self.finish(ending),
+                Command::Finish(ending) => return self.finish(now, ending),
             }
         }
-        self.finish(Ending::Stuck)
+        self.finish(now, Ending::Stuck)
     }
 
-    fn finish(&mut self, ending: Ending) -> Decision {
+    fn finish(&mut self, now: SimTime, ending: Ending) -> Decision {
         self.activity = Activity::Finished;
-        self.ending = Some(ending);
+        self.ending = Some((ending, now));
         Decision::Finish
     }
 
@@ -191,7 +191,8 @@ impl Pilot {
             name: self.robot.body.name,
             stops: self.stops,
             path_length_m: self.path_length_m,
-            ending: self.ending,
+            ending: self.ending.map(|(ending, _)| ending),
+            end: self.ending.map(|(_, end)| end),
             packets: self.tally.total,
         }
     }

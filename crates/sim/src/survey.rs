@@ -36,6 +36,8 @@ pub struct RobotRecord {
     pub path_length_m: f64,
     /// Why it finished; `None` if it was interrupted.
     pub ending: Option<Ending>,
+    /// When it finished.
+    pub end: Option<SimTime>,
     /// Packets that it heard of each node while it listened.
     pub packets: Vec<u32>,
 }

@@ -3,14 +3,9 @@
 use sextant_channel::{Bounds, Position};
 use sextant_sim::{Heard, Situation};
 
+use super::settings::Settings;
+use super::visit::Visit;
 use crate::route::Search;
-
-/// A stop, as the robot remembers it.
-#[derive(Clone, Copy, Debug)]
-struct Visit {
-    place: Position,
-    is_silent: bool,
-}
 
 /// A node, as the robot knows it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,7 +21,7 @@ struct Acquaintance {
 /// All that the robot found out.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Knowledge {
-    visits: Vec<Visit>,
+    pub(super) visits: Vec<Visit>,
     nodes: Vec<Acquaintance>,
     /// Free places at a lane's distance, and at half of it, from stops that heard somebody.
     openings: Vec<Position>,
@@ -37,18 +32,25 @@ pub(super) struct Knowledge {
 }
 
 /// The four directions along which the robot looks at each stop.
-const CROSS: [(f64, f64); 4] = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
+const CROSS: [Position; 4] = [
+    Position::new(1.0, 0.0, 0.0),
+    Position::new(0.0, 1.0, 0.0),
+    Position::new(-1.0, 0.0, 0.0),
+    Position::new(0.0, -1.0, 0.0),
+];
+/// Up and down: two more if lanes lie in layers.
+const UP_AND_DOWN: [Position; 2] = [Position::new(0.0, 0.0, 1.0), Position::new(0.0, 0.0, -1.0)];
 /// Directions in which the robot looks round where it met an obstacle.
 const ROUND: u32 = 16;
 
 impl Knowledge {
-    /// Notes a stop: the nodes heard, and which ways are open.
+    /// Notes a stop: the nodes heard, and which ways are open. Places that are not `allowed` are no way.
     pub(super) fn note_stop(
         &mut self,
         situation: &Situation<'_>,
         heard: &[Heard],
-        range_m: f64,
-        silent_below: usize,
+        settings: &Settings,
+        allowed: impl Fn(Position) -> bool,
     ) {
         self.nodes.resize(situation.node_count.max(self.nodes.len()), Acquaintance::default());
         let place = situation.position;
@@ -63,18 +65,25 @@ impl Knowledge {
                 node.returns = 0;
             }
         }
-        let is_silent = audible < silent_below;
-        self.visits.push(Visit { place, is_silent });
-        for (x, y) in CROSS {
-            let direction = Position::new(x, y, 0.0);
+        let is_silent = audible < settings.silent_below_nodes;
+        let mut look = |direction: Position, range_m: f64| {
             let clear_m = situation.clearance_m(direction, range_m);
             if clear_m < range_m {
                 self.add_contact(place + direction * (clear_m + self.hull_m));
             }
-            let free =
-                [1.0, 0.5].into_iter().map(|share| share * range_m).filter(|&far_m| !is_silent && clear_m >= far_m);
-            self.openings.extend(free.map(|far_m| place + direction * far_m));
+            let free = [1.0, 0.5].map(|share| share * range_m).into_iter().filter(|&far_m| clear_m >= far_m);
+            let open = free.map(|far_m| place + direction * far_m).filter(|&place| !is_silent && allowed(place));
+            self.openings.extend(open);
+            clear_m
+        };
+        for direction in CROSS {
+            look(direction, settings.lane_spacing_m);
         }
+        let clear_m = match settings.layers {
+            Some(layers) => UP_AND_DOWN.map(|direction| look(direction, layers.spacing_m)),
+            None => [0.0; 2],
+        };
+        self.visits.push(Visit { place, audible, is_silent, clear_m });
     }
 
     /// Notes an obstacle that the robot met, and looks round.
@@ -135,6 +144,20 @@ impl Knowledge {
         nearest(self.openings.iter().copied().filter(is_uncovered), here)
     }
 
+    /// The nearest free place without a stop within `radius_m`, of those nearest to a stop in the midst of the network: one
+    /// that heard at least half as many nodes as any other.
+    pub(super) fn nearest_gap(&self, here: Position, radius_m: f64) -> Option<Position> {
+        let most = self.visits.iter().map(|visit| visit.audible).max()?;
+        let nearest_visit = |place: Position| {
+            self.visits.iter().min_by(|a, b| a.place.distance_m(place).total_cmp(&b.place.distance_m(place)))
+        };
+        let is_gap = |place: &Position| {
+            let is_open = |visit: &Visit| 2 * visit.audible >= most && visit.place.distance_m(*place) > radius_m;
+            nearest_visit(*place).is_some_and(is_open)
+        };
+        nearest(self.openings.iter().copied().filter(is_gap), here)
+    }
+
     /// Forgets the openings at `place`: there is no way.
     pub(super) fn give_up_opening(&mut self, place: Position) {
         self.openings.retain(|&opening| opening != place);
@@ -185,7 +208,8 @@ impl Knowledge {
                 || situation.clearance_m(b - a, seen_m) >= seen_m
                     && (seen_m >= length_m || is_free(a + (b - a) * (seen_m / length_m), b))
         };
-        Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m }.way(here, to, passable)
+        let search = Search { bounds, step_m: lattice_m, reach_m: keep_m + lattice_m };
+        search.way_over(here, to, passable)
     }
 }
 

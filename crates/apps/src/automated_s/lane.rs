@@ -39,6 +39,9 @@ impl Lane {
         audible_before_m: None,
     };
 
+    /// A first lane southward.
+    pub(super) const SOUTHWARD: Self = Self { heading: -1.0, ..Self::FIRST };
+
     /// The lane that begins `here`, at the stop with the number `stop`, after this one.
     pub(super) fn next(self, here: Position, stop: usize) -> Self {
         let is_known = self.hearing_stops >= HEARING_STOPS;

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
+use sextant_sim::layout::RegionConfig;
 
 /// The automated S path, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,9 +32,32 @@ pub struct AutomatedSConfig {
     #[serde(default)]
     pub until: Until,
     /// Whether, once the lanes are driven and packets are missing, the robot visits places that it passed by and
-    /// listens again where it heard the nodes concerned. If not, it drives the lanes again.
+    /// listens again where it heard the nodes concerned. If not, it drives the lanes again; in layers, it ends.
     #[serde(default = "default_coverage_check")]
     pub coverage_check: bool,
+    /// The robot stops in this region only, which holds its start: it turns at the border as where it hears nobody. It is
+    /// done once the area is swept and its gaps are visited, whatever it heard: the nodes beyond are not its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area: Option<RegionConfig>,
+    /// The lanes lie in layers one above the other, for a network in space; all at the height of the start if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layers: Option<LayersConfig>,
+}
+
+/// Layers of lanes one above the other, as written in a scenario: from that of the start upwards until the ceiling or a
+/// layer that hears nobody, then from below the start downwards until the floor or such a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LayersConfig {
+    /// Height between layers [m].
+    #[serde(default = "default_lane_spacing_m")]
+    pub spacing_m: f64,
+    /// The robot goes no lower [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor_m: Option<f64>,
+    /// The robot goes no higher [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ceiling_m: Option<f64>,
 }
 
 /// When an automated survey is complete.
@@ -86,7 +110,15 @@ impl Default for AutomatedSConfig {
             silent_below_nodes: default_silent_below_nodes(),
             until: Until::default(),
             coverage_check: default_coverage_check(),
+            area: None,
+            layers: None,
         }
+    }
+}
+
+impl Default for LayersConfig {
+    fn default() -> Self {
+        Self { spacing_m: default_lane_spacing_m(), floor_m: None, ceiling_m: None }
     }
 }
 
@@ -110,6 +142,48 @@ pub(super) struct Settings {
     pub(super) silent_below_nodes: usize,
     pub(super) until: Until,
     pub(super) after_lanes: AfterLanes,
+    pub(super) layers: Option<Layers>,
+}
+
+/// Validated layers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layers {
+    pub(super) spacing_m: f64,
+    floor_m: f64,
+    ceiling_m: f64,
+}
+
+impl Layers {
+    /// The height of the layer after that at `z_m` in the direction of `up`, 1 or -1: none if what is left to ceiling or
+    /// floor is covered from here.
+    pub(super) fn next_m(&self, z_m: f64, up: f64) -> Option<f64> {
+        let next_m = (z_m + up * self.spacing_m).clamp(self.floor_m, self.ceiling_m);
+        (up * (next_m - z_m) > 0.5 * self.spacing_m).then_some(next_m)
+    }
+
+    /// The key and the value of the limit that a height outside them is beyond.
+    pub(super) fn limit_beyond(&self, z_m: f64) -> (&'static str, f64) {
+        if z_m < self.floor_m { ("floor_m", self.floor_m) } else { ("ceiling_m", self.ceiling_m) }
+    }
+
+    /// Whether the robot may be at this height.
+    pub(super) fn holds(&self, z_m: f64) -> bool {
+        (self.floor_m..=self.ceiling_m).contains(&z_m)
+    }
+}
+
+impl TryFrom<LayersConfig> for Layers {
+    type Error = SettingError;
+
+    fn try_from(config: LayersConfig) -> Result<Self, SettingError> {
+        let limit = |key: &str, value: Option<f64>| value.map(|value| SettingError::finite(key, value)).transpose();
+        let floor_m = limit("floor_m", config.floor_m)?.unwrap_or(f64::NEG_INFINITY);
+        let ceiling_m = limit("ceiling_m", config.ceiling_m)?.unwrap_or(f64::INFINITY);
+        if ceiling_m < floor_m {
+            return Err(SettingError::new("ceiling_m", ceiling_m, format!("at least floor_m = {floor_m}")));
+        }
+        Ok(Self { spacing_m: SettingError::positive("spacing_m", config.spacing_m)?, floor_m, ceiling_m })
+    }
 }
 
 impl TryFrom<&AutomatedSConfig> for Settings {
@@ -136,6 +210,10 @@ impl TryFrom<&AutomatedSConfig> for Settings {
             silent_stops_to_turn: at_least_one("silent_stops_to_turn", config.silent_stops_to_turn)?,
             silent_below_nodes: config.silent_below_nodes,
             until: config.until,
+            layers: {
+                let layers = config.layers.map(Layers::try_from).transpose();
+                layers.map_err(|error| error.within("layers"))?
+            },
             after_lanes: if config.coverage_check { AfterLanes::Check } else { AfterLanes::Again },
         })
     }

@@ -6,18 +6,16 @@ use sextant_sim::{Command, Controller, Ending, Outcome, Situation};
 
 use super::knowledge::Knowledge;
 use super::lane::{Cut, HEARING_STOPS, Lane};
-use super::settings::{AfterLanes, AutomatedSConfig, Settings, Until};
-use super::trip::{Goal, Trip};
+use super::layers::Layer;
+use super::settings::{AutomatedSConfig, Settings};
+use super::trip::Trip;
+use crate::Surroundings;
+use crate::area::Area;
 
 /// Changes of task between two commands, at most: more would be a bug, and end the survey.
 const MAX_CHANGES: u32 = 64;
 /// Lanes in a row that hear nobody, and end a sweep; one that covers all of the lane before it is enough.
-const EMPTY_LANES: u32 = 2;
-/// The same for a sweep that begins out of reach of the network.
-const EMPTY_LANES_OUTSIDE: u32 = 8;
-/// Share of the lane spacing by which a further sweep runs beside the one before: the golden section, so that all
-/// lanes of many sweeps lie apart.
-const AGAIN: f64 = 0.381_966;
+pub(super) const EMPTY_LANES: u32 = 2;
 /// Share of the lane spacing within which a stop covers a place.
 pub(super) const COVERED: f64 = 0.75;
 
@@ -26,7 +24,9 @@ pub(super) const COVERED: f64 = 0.75;
 /// The robot drives a step, listens, and drives on, until an obstacle is in its way or it hears nobody. Then it moves
 /// over to the next lane and comes back on that. Where an obstacle cut a lane short, it fills in the part behind it as
 /// soon as a later lane has passed the obstacle. If nodes are missing when a lane has heard nobody, it goes on at the
-/// other side of its start; then it visits what it passed by.
+/// other side of its start; then it visits what it passed by. In space it does so layer by layer, upwards and then
+/// downwards, with stops on the climbs: it leaves a layer where it heard many nodes, and turns at the ceiling, at the
+/// floor, and where it hears nobody after a climb.
 ///
 /// Where the pseudo code of the thesis cannot work, this departs from it: the loop runs *until* all packets are
 /// received; each obstacle is registered by itself, for both headings, and forgotten once it is covered; the step
@@ -37,19 +37,21 @@ pub struct AutomatedS {
     pub(super) settings: Settings,
     pub(super) knowledge: Knowledge,
     pub(super) task: Task,
-    lane: Lane,
+    pub(super) lane: Lane,
     /// Direction of the lanes' order along x: 1 east, -1 west.
-    sweep: f64,
+    pub(super) sweep: f64,
     /// Sweeps finished.
-    sweeps: u32,
+    pub(super) sweeps: u32,
     /// First stop of this sweep.
-    sweep_began: usize,
+    pub(super) sweep_began: usize,
     /// Lanes in a row that heard nobody.
-    empty_lanes: u32,
+    pub(super) empty_lanes: u32,
     /// Lanes in a row that heard nobody after which a sweep is over.
-    empty_lanes_to_end: u32,
+    pub(super) empty_lanes_to_end: u32,
     /// Where obstacles cut lanes short.
-    cuts: Vec<Cut>,
+    pub(super) cuts: Vec<Cut>,
+    pub(super) layer: Layer,
+    pub(super) area: Option<Area>,
     /// An obstacle was met, and a stop was made first.
     is_blocked: bool,
     /// Where the first lane began.
@@ -70,6 +72,8 @@ pub(super) enum Task {
     Retreat,
     /// To the lane at `x_m` that an obstacle cut short.
     Behind { x_m: f64, from: Position },
+    /// Up or down to another layer.
+    Climb { to_z_m: f64 },
     /// Elsewhere.
     Travel(Trip),
     /// Over.
@@ -83,12 +87,22 @@ pub(super) enum Move {
     Blocked,
 }
 
-impl TryFrom<&AutomatedSConfig> for AutomatedS {
-    type Error = SettingError;
-
-    fn try_from(config: &AutomatedSConfig) -> Result<Self, SettingError> {
+impl AutomatedS {
+    /// The survey that `config` describes, for a robot that starts in `surroundings` and knows nothing else of them.
+    ///
+    /// # Errors
+    /// If a value is outside its domain, or the robot starts outside its area or beyond floor or ceiling.
+    pub fn plan(config: &AutomatedSConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
+        let settings = Settings::try_from(config)?;
+        let start = surroundings.start;
+        if let Some(layers) = settings.layers.filter(|layers| !layers.holds(start.z_m)) {
+            let (key, limit_m) = layers.limit_beyond(start.z_m);
+            let found = format!("{limit_m}, beyond which the robot starts at z = {} m", start.z_m);
+            return Err(SettingError::new(key, found, "a height that leaves room for the start").within("layers"));
+        }
+        let area = config.area.as_ref().map(|area| Area::round_start("area", area, surroundings)).transpose()?;
         Ok(Self {
-            settings: Settings::try_from(config)?,
+            settings,
             knowledge: Knowledge::default(),
             task: Task::Search { side: 0, from: Position::ORIGIN },
             lane: Lane::FIRST,
@@ -98,8 +112,10 @@ impl TryFrom<&AutomatedSConfig> for AutomatedS {
             empty_lanes: 0,
             empty_lanes_to_end: EMPTY_LANES,
             cuts: Vec::new(),
+            layer: Layer::first(start.z_m),
+            area,
             is_blocked: false,
-            start: Position::ORIGIN,
+            start,
             steps: 0,
         })
     }
@@ -108,7 +124,7 @@ impl TryFrom<&AutomatedSConfig> for AutomatedS {
 impl Controller for AutomatedS {
     fn decide(&mut self, situation: &Situation<'_>) -> Command {
         let here = situation.position;
-        let Settings { step_m, lane_spacing_m, silent_below_nodes, .. } = self.settings;
+        let Settings { step_m, lane_spacing_m, .. } = self.settings;
         let last_move = match situation.outcome {
             Outcome::Started => {
                 self.task = Task::Search { side: 0, from: here };
@@ -126,7 +142,9 @@ impl Controller for AutomatedS {
                 Move::Blocked
             }
             Outcome::Listened(heard) => {
-                self.knowledge.note_stop(situation, heard, lane_spacing_m, silent_below_nodes);
+                let Self { settings, area, knowledge, .. } = self;
+                let allowed = |place: Position| is_allowed(settings, area.as_ref(), place);
+                knowledge.note_stop(situation, heard, settings, allowed);
                 if self.task == Task::Lane {
                     self.count_stop(here);
                 }
@@ -162,9 +180,10 @@ impl AutomatedS {
             let command = match self.task.clone() {
                 Task::Search { side, from } => self.search(here, side, from, last_move),
                 Task::Lane => self.drive_lane(situation, last_move),
-                Task::Shift { from } => self.shift(here, from, last_move),
+                Task::Shift { from } => self.shift(situation, from, last_move),
                 Task::Retreat => self.retreat(situation, last_move),
                 Task::Behind { x_m, from } => self.go_behind(here, x_m, from, last_move),
+                Task::Climb { to_z_m } => self.climb(situation, to_z_m, last_move),
                 Task::Travel(trip) => self.travel(situation, trip, last_move),
                 Task::Finish(ending) => Some(Command::Finish(ending)),
             };
@@ -176,12 +195,17 @@ impl AutomatedS {
         Command::Finish(Ending::Stuck)
     }
 
-    fn drive(here: Position, east_m: f64, north_m: f64) -> Option<Command> {
+    pub(super) fn drive(here: Position, east_m: f64, north_m: f64) -> Option<Command> {
         Some(Command::Drive(here + Position::new(east_m, north_m, 0.0)))
     }
 
+    /// Whether the robot may stop at `place`.
+    pub(super) fn allows(&self, place: Position) -> bool {
+        is_allowed(&self.settings, self.area.as_ref(), place)
+    }
+
     /// The length of the next step of `left_m`: no step is a sliver.
-    fn stride(&self, left_m: f64) -> f64 {
+    pub(super) fn stride(&self, left_m: f64) -> f64 {
         if left_m < 1.5 * self.settings.step_m { left_m } else { self.settings.step_m }
     }
 
@@ -189,21 +213,22 @@ impl AutomatedS {
     fn search(&mut self, here: Position, side: u32, from: Position, last_move: Move) -> Option<Command> {
         if self.knowledge.hears_somebody() {
             self.start = here;
+            self.layer = Layer::first(here.z_m);
             self.begin_lane(here);
             return None;
         }
         let side_m = f64::from(side / 2 + 1) * self.settings.lane_spacing_m;
         let left_m = side_m - here.distance_m(from);
-        if last_move == Move::Blocked || left_m <= 0.01 * self.settings.step_m {
+        let (east, north) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][(side % 4) as usize];
+        let place = here + Position::new(east, north, 0.0) * self.stride(left_m);
+        if last_move == Move::Blocked || left_m <= 0.01 * self.settings.step_m || !self.allows(place) {
             self.task = Task::Search { side: side + 1, from: here };
             return None;
         }
-        let stride_m = self.stride(left_m);
-        let (east, north) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][(side % 4) as usize];
-        Self::drive(here, east * stride_m, north * stride_m)
+        Some(Command::Drive(place))
     }
 
-    fn begin_lane(&mut self, here: Position) {
+    pub(super) fn begin_lane(&mut self, here: Position) {
         self.task = Task::Lane;
         self.lane = self.lane.next(here, self.knowledge.stops().saturating_sub(1));
         self.count_stop(here);
@@ -232,11 +257,15 @@ impl AutomatedS {
         }
         let is_silent = self.lane.silent_run >= self.settings.silent_stops_to_turn;
         let is_beyond = self.lane.left_of_network_m(here.y_m, heading) <= 0.0;
-        if is_silent && (self.lane.hearing_stops >= HEARING_STOPS || is_beyond) || self.was_driven(here) {
+        let place = here + Position::new(0.0, heading * self.settings.step_m, 0.0);
+        if is_silent && (self.lane.hearing_stops >= HEARING_STOPS || is_beyond)
+            || self.was_driven(here)
+            || !self.allows(place)
+        {
             self.end_lane(situation);
             return None;
         }
-        Self::drive(here, 0.0, heading * self.settings.step_m)
+        Some(Command::Drive(place))
     }
 
     /// Whether all that is ahead on the lane was driven before on this sweep.
@@ -271,104 +300,9 @@ impl AutomatedS {
             self.task = Task::Shift { from: situation.position };
         }
     }
+}
 
-    fn shift(&mut self, here: Position, from: Position, last_move: Move) -> Option<Command> {
-        let done_m = (here.x_m - from.x_m).abs();
-        let left_m = self.settings.lane_spacing_m - done_m;
-        let is_done = left_m <= 0.01 * self.settings.step_m;
-        if is_done || (last_move == Move::Blocked && done_m >= 0.99 * self.settings.step_m) {
-            self.lane.heading = -self.lane.heading;
-            self.begin_lane(here);
-            return None;
-        }
-        if last_move == Move::Blocked {
-            self.task = Task::Retreat;
-            return None;
-        }
-        Self::drive(here, self.sweep * self.stride(left_m), 0.0)
-    }
-
-    /// Back along the lane to where there is a way over; at its end the sweep is at its end.
-    fn retreat(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<Command> {
-        let here = situation.position;
-        let lane_m = self.settings.lane_spacing_m;
-        if situation.clearance_m(Position::new(self.sweep, 0.0, 0.0), lane_m) >= lane_m {
-            self.task = Task::Shift { from: here };
-            return None;
-        }
-        if last_move == Move::Blocked
-            || self.lane.left_of_network_m(here.y_m, -self.lane.heading) < -self.settings.step_m
-        {
-            self.end_sweep(situation);
-            return None;
-        }
-        Self::drive(here, 0.0, -self.lane.heading * self.settings.step_m)
-    }
-
-    /// The lane behind an obstacle, if this lane has just passed the obstacle and can see that lane
-    /// (`coverObstacles` of the thesis).
-    fn uncovered_behind(&self, situation: &Situation<'_>) -> Option<f64> {
-        let here = situation.position;
-        let lane_m = self.settings.lane_spacing_m;
-        let is_behind = |cut: &&Cut| {
-            let back_m = self.sweep * (here.x_m - cut.place.x_m);
-            let beyond_m = self.lane.heading * (here.y_m - cut.place.y_m);
-            cut.heading * self.lane.heading > 0.0
-                && beyond_m > 0.0
-                && back_m >= self.settings.step_m
-                && back_m <= 4.0 * lane_m
-                && !self.knowledge.was_near(
-                    Position { y_m: here.y_m, ..cut.place },
-                    COVERED * lane_m,
-                    self.sweep_began..self.knowledge.stops(),
-                )
-                && situation.clearance_m(Position::new(-self.sweep, 0.0, 0.0), back_m) >= back_m
-        };
-        Some(self.cuts.iter().find(is_behind)?.place.x_m)
-    }
-
-    fn go_behind(&mut self, here: Position, x_m: f64, from: Position, last_move: Move) -> Option<Command> {
-        let left_m = (here.x_m - x_m).abs();
-        let is_there = left_m <= 0.01 * self.settings.step_m;
-        if is_there || last_move == Move::Blocked {
-            if is_there || here.distance_m(from) < self.settings.step_m {
-                self.cuts.retain(|cut| (cut.place.x_m - x_m).abs() > 1e-6 || cut.heading * self.lane.heading < 0.0);
-            }
-            self.begin_lane(here);
-            return None;
-        }
-        Self::drive(here, -self.sweep * self.stride(left_m), 0.0)
-    }
-
-    /// Whether all is done: packets, and the sweep if it is wanted to its end.
-    fn is_complete(&self) -> bool {
-        let is_swept = self.settings.until == Until::Heard || self.sweeps > 0;
-        is_swept && self.knowledge.heard_all(self.settings.packets_per_node)
-    }
-
-    /// A sweep is over: what is left to do.
-    fn end_sweep(&mut self, situation: &Situation<'_>) {
-        self.sweeps += 1;
-        self.empty_lanes = 0;
-        self.cuts.clear();
-        let is_first = self.sweeps == 1;
-        if self.is_complete() {
-            self.task = Task::Finish(Ending::Complete);
-        } else if self.settings.after_lanes == AfterLanes::Check && !(is_first && self.misses_nodes()) {
-            self.check(situation);
-        } else if !(is_first && self.set_out(situation, self.start, Goal::OtherSide)) {
-            self.begin_sweep(situation.position);
-        }
-    }
-
-    /// Sweeps the other way from here. A sweep over lanes that were driven before runs between them.
-    pub(super) fn begin_sweep(&mut self, here: Position) {
-        self.sweep = -self.sweep;
-        self.sweep_began = self.knowledge.stops();
-        let is_outside = self.sweeps > 1;
-        self.empty_lanes_to_end = if is_outside { EMPTY_LANES_OUTSIDE } else { EMPTY_LANES };
-        let aside = if self.sweep < 0.0 { AGAIN } else { 1.0 - AGAIN };
-        let ahead_m = if is_outside { aside * self.settings.lane_spacing_m } else { 0.0 };
-        self.task = Task::Shift { from: here - Position::new(self.sweep * ahead_m, 0.0, 0.0) };
-    }
+/// Whether the robot may stop at `place`.
+fn is_allowed(settings: &Settings, area: Option<&Area>, place: Position) -> bool {
+    settings.layers.is_none_or(|layers| layers.holds(place.z_m)) && area.is_none_or(|area| area.contains(place))
 }

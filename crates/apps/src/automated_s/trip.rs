@@ -1,7 +1,7 @@
 //! Trips of the automated S path: to the other side, and to what the lanes passed by.
 
 use sextant_channel::Position;
-use sextant_sim::{Command, Ending, Situation};
+use sextant_sim::{Command, Situation};
 
 use super::settings::Settings;
 use super::survey::{AutomatedS, COVERED, Move, Task};
@@ -30,28 +30,41 @@ pub(super) enum Goal {
     OtherSide,
     /// To listen at a place passed by, or again.
     Check,
+    /// To climb from there to another layer, at this height [m].
+    Climb { to_z_m: f64 },
 }
 
 impl AutomatedS {
     /// Goes where packets of missing nodes may be had: places passed by if some were never heard, then those where
-    /// they were heard best.
+    /// they were heard best. A robot with an area does not know which nodes are its own: it visits gaps.
     pub(super) fn check(&mut self, situation: &Situation<'_>) {
         let here = situation.position;
-        let Settings { packets_per_node, lane_spacing_m, .. } = self.settings;
         loop {
-            let shares = [COVERED, CLOSELY_COVERED].into_iter().filter(|_| self.misses_nodes());
-            let opening = { shares }.find_map(|share| self.knowledge.nearest_opening(here, share * lane_spacing_m));
-            let Some(goal) =
-                opening.or_else(|| self.knowledge.place_to_listen_again(here, packets_per_node, self.returns()))
-            else {
-                break;
+            let goal = if self.area.is_some() {
+                self.knowledge.nearest_gap(here, COVERED * self.spacing_m())
+            } else {
+                self.place_to_check(here)
             };
+            let Some(goal) = goal else { break };
             if self.set_out(situation, goal, Goal::Check) {
                 return;
             }
             self.knowledge.give_up_opening(goal);
         }
-        self.task = Task::Finish(Ending::Stuck);
+        self.task = Task::Finish(self.ending_with_misses());
+    }
+
+    /// A place passed by if nodes were never heard, else one at which nodes were heard best.
+    fn place_to_check(&mut self, here: Position) -> Option<Position> {
+        let shares = [COVERED, CLOSELY_COVERED].into_iter().filter(|_| self.misses_nodes());
+        let opening = { shares }.find_map(|share| self.knowledge.nearest_opening(here, share * self.spacing_m()));
+        opening.or_else(|| self.knowledge.place_to_listen_again(here, self.settings.packets_per_node, self.returns()))
+    }
+
+    /// The distance between lanes, or between layers if that is more [m].
+    fn spacing_m(&self) -> f64 {
+        let Settings { lane_spacing_m, layers, .. } = self.settings;
+        layers.map_or(lane_spacing_m, |layers| layers.spacing_m.max(lane_spacing_m))
     }
 
     /// How often the robot comes back for one node.
@@ -90,7 +103,9 @@ impl AutomatedS {
             return Some(Command::Drive(place));
         }
         match trip.then {
+            Goal::OtherSide if self.settings.layers.is_some() => self.begin_other_side_of_layer(situation.position),
             Goal::OtherSide => self.begin_sweep(situation.position),
+            Goal::Climb { to_z_m } => self.task = Task::Climb { to_z_m },
             Goal::Check => {
                 self.knowledge.give_up_opening(trip.goal);
                 self.check(situation);

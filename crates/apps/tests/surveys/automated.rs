@@ -13,8 +13,9 @@ fn lattice(region: RegionConfig, spacing_m: f64, count: usize) -> NodesConfig {
 }
 
 fn survey(world: &World, config: &AutomatedSConfig, start: [f64; 2], seed: u64) -> Trace {
-    let mut controller = AutomatedS::try_from(config).expect("settings");
-    world.survey(&mut controller, Position::new(start[0], start[1], 0.0), seed)
+    let start = Position::new(start[0], start[1], 0.0);
+    let mut controller = AutomatedS::plan(config, &world.surroundings(start)).expect("settings");
+    world.survey(&mut controller, start, seed)
 }
 
 /// The disc of chapter 3: 496 nodes, three concrete boxes, suburban.
@@ -169,7 +170,9 @@ fn more_silent_stops_lead_farther_beyond_the_network() {
 
 #[test]
 fn settings_outside_their_domain_are_refused_by_their_key() {
-    let key = |config: AutomatedSConfig| AutomatedS::try_from(&config).unwrap_err().key;
+    let world = circular(1);
+    let surroundings = world.surroundings(Position::new(-18.0, 0.0, 0.0));
+    let key = |config: AutomatedSConfig| AutomatedS::plan(&config, &surroundings).unwrap_err().key;
     let settings = AutomatedSConfig::default;
     assert_eq!(key(AutomatedSConfig { step_m: 0.0, ..settings() }), "step_m");
     assert_eq!(key(AutomatedSConfig { lane_spacing_m: f64::NAN, ..settings() }), "lane_spacing_m");

@@ -1,6 +1,6 @@
 //! Paths laid out beforehand.
 
-use sextant_apps::{ControllerConfig, SPathConfig, Surroundings, WaypointsConfig};
+use sextant_apps::{ControllerConfig, SPathConfig, WaypointsConfig};
 use sextant_channel::{ObstacleField, Position};
 use sextant_sim::Ending;
 use sextant_sim::layout::RegionConfig;
@@ -16,7 +16,7 @@ fn world(field: ObstacleField) -> World {
 }
 
 fn drive(config: &ControllerConfig, world: &World, start: Position) -> Trace {
-    let surroundings = Surroundings { obstacles: &world.field, start, radius_m: world.robot_radius_m };
+    let surroundings = world.surroundings(start);
     let mut controller = config.build(&surroundings).expect("a path");
     world.survey(&mut *controller, start, 1)
 }
@@ -91,7 +91,7 @@ fn places_that_cannot_be_reached_are_refused_by_their_index() {
         ([13.0, 0.0], [1.0, 7.0], 0.0),
     ];
     let world = world(field(&walls));
-    let surroundings = Surroundings { obstacles: &world.field, start: at(0.0, 0.0), radius_m: 0.25 };
+    let surroundings = world.surroundings(at(0.0, 0.0));
     let fault = |places_m: Vec<Position>| {
         let error =
             ControllerConfig::Waypoints(WaypointsConfig { places_m }).build(&surroundings).err().expect("refused");

@@ -1,5 +1,6 @@
 //! A scripted world: robots drive until they meet an obstacle, and hear the nodes around them.
 
+use sextant_apps::Surroundings;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 use sextant_sim::layout::NodesConfig;
@@ -54,6 +55,11 @@ pub(crate) fn place(nodes: &NodesConfig, field: &ObstacleField, seed: u64) -> Ve
 }
 
 impl World {
+    /// What a robot finds that starts at `start`.
+    pub(crate) fn surroundings(&self, start: Position) -> Surroundings<'_> {
+        Surroundings { obstacles: &self.field, start, radius_m: self.robot_radius_m, seed: Seed(1), robot: 0 }
+    }
+
     /// Drives the robot until its survey ends. The path is held to be clear of obstacles.
     pub(crate) fn survey(&self, controller: &mut dyn Controller, start: Position, seed: u64) -> Trace {
         const MAX_COMMANDS: usize = 100_000;

@@ -1,6 +1,6 @@
 //! What a run brought, as a summary.
 
-use sextant_apps::ControllerConfig;
+use sextant_kernel::SimTime;
 use sextant_sim::{Ending, Survey};
 
 use super::Discoveries;
@@ -20,7 +20,8 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             Ending::StepsExhausted => "steps_exhausted",
             Ending::Stuck => "stuck",
         }),
-        unreached: unreached(&record.packets, wanted(&config.controller), survey.log.names()),
+        duration_s: record.end.map(SimTime::as_secs_f64),
+        unreached: unreached(survey, config.controller.packets_per_node()),
     });
     Summary {
         scenario: Some(scenario.summary()),
@@ -58,15 +59,9 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
     }
 }
 
-/// How many packets of each node a robot is to hear.
-fn wanted(controller: &ControllerConfig) -> u32 {
-    match controller {
-        ControllerConfig::AutomatedS(automated) => automated.packets_per_node,
-        ControllerConfig::SPath(_) | ControllerConfig::Waypoints(_) => 1,
-    }
-}
-
-/// Names of the nodes of which fewer packets were heard than wanted.
-fn unreached(packets: &[u32], wanted: u32, names: &[String]) -> Vec<String> {
-    packets.iter().zip(names).filter(|&(&heard, _)| heard < wanted).map(|(_, name)| name.clone()).collect()
+/// Names of the nodes of which all robots together heard fewer packets than `wanted`.
+fn unreached(survey: &Survey, wanted: u32) -> Vec<String> {
+    let heard = |node: usize| survey.robots.iter().fold(0, |sum: u32, robot| sum.saturating_add(robot.packets[node]));
+    let names = survey.log.names().iter().enumerate();
+    names.filter(|&(node, _)| heard(node) < wanted).map(|(_, name)| name.clone()).collect()
 }

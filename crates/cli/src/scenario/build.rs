@@ -148,8 +148,10 @@ impl Scenario {
     #[must_use]
     pub fn setup(&self) -> Setup {
         let obstacles = &self.parts.world.obstacles;
-        let robot = |config| robot(config, obstacles).expect("the robots were checked when the scenario was read");
-        setup(&self.config, self.parts.clone(), self.config.robots.iter().map(robot).collect())
+        let robot = |(number, config)| {
+            robot(number, config, obstacles, self.seed()).expect("the robots were checked when the scenario was read")
+        };
+        setup(&self.config, self.parts.clone(), self.config.robots.iter().enumerate().map(robot).collect())
     }
 
     /// A text that two scenarios share if their surveys are the same for each seed: all settings but the seed and those
@@ -275,7 +277,9 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
     }
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = format!("robots[{i}]");
-        let robot = robot(robot_config, world.map_or(&ObstacleField::default(), |world| &world.obstacles));
+        let none = ObstacleField::default();
+        let obstacles = world.map_or(&none, |world| &world.obstacles);
+        let robot = robot(i, robot_config, obstacles, Seed(config.seed));
         let Some(robot) = errors.take(&table, robot) else {
             continue;
         };
@@ -324,7 +328,12 @@ pub(super) fn check_maps(
     maps
 }
 
-fn robot(config: &RobotConfig<ControllerConfig>, obstacles: &ObstacleField) -> Result<Robot, SettingError> {
+fn robot(
+    number: usize,
+    config: &RobotConfig<ControllerConfig>,
+    obstacles: &ObstacleField,
+    seed: Seed,
+) -> Result<Robot, SettingError> {
     let body = Body::try_from(config)?;
     if let Some(inside) = obstacles.containing(body.start) {
         let [x, y, z] = body.start.into();
@@ -333,7 +342,8 @@ fn robot(config: &RobotConfig<ControllerConfig>, obstacles: &ObstacleField) -> R
         let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
         return Err(SettingError::new("start_m", found, "a place outside all obstacles"));
     }
-    let surroundings = Surroundings { obstacles, start: body.start, radius_m: body.radius_m };
+    let surroundings =
+        Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };
     let controller = config.controller.build(&surroundings).map_err(|error| error.within("controller"))?;
     Ok(Robot { body, controller })
 }

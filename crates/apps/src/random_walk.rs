@@ -1,0 +1,178 @@
+//! A random walk.
+
+use std::f64::consts::TAU;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::{Purpose, Seed, SettingError};
+use sextant_sim::layout::RegionConfig;
+use sextant_sim::{Command, Controller, Ending, Heard, Outcome, Situation};
+
+use crate::Surroundings;
+use crate::area::Area;
+
+/// Directions drawn for one step, at most.
+const DRAWS: u64 = 64;
+/// Directions in which a step that is not free is reflected: at each wall of a box, then straight back.
+const REFLECTIONS: [[f64; 3]; 5] =
+    [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
+
+/// A random walk, as written in a scenario (thesis, section 3.4).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RandomWalkConfig {
+    /// Length of a step [m]; the robot listens after each.
+    #[serde(default = "default_step_m")]
+    pub step_m: f64,
+    /// The walk stays in this region, which holds the robot's start: at its border it is reflected. In a region of space
+    /// it leads up and down as well; in a region of the plane, or without one, it keeps the height of the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<RegionConfig>,
+    /// Steps in one direction before a new one is drawn; 1: a random walk in the narrow sense.
+    #[serde(default = "default_steps_per_turn")]
+    pub steps_per_turn: u32,
+    /// Packets wanted from each node (N_p of the thesis): then the walk is over.
+    #[serde(default = "default_packets_per_node")]
+    pub packets_per_node: u32,
+    /// Steps, at most.
+    #[serde(default = "default_max_steps")]
+    pub max_steps: u32,
+}
+
+fn default_step_m() -> f64 {
+    1.0
+}
+
+fn default_steps_per_turn() -> u32 {
+    1
+}
+
+fn default_packets_per_node() -> u32 {
+    5
+}
+
+fn default_max_steps() -> u32 {
+    5000
+}
+
+impl Default for RandomWalkConfig {
+    fn default() -> Self {
+        Self {
+            step_m: default_step_m(),
+            region: None,
+            steps_per_turn: default_steps_per_turn(),
+            packets_per_node: default_packets_per_node(),
+            max_steps: default_max_steps(),
+        }
+    }
+}
+
+/// Drives a step, listens, and so on, until each node was heard as often as wanted. Directions are uniform and independent
+/// of one another. Knows no map: range sensors tell whether a direction is free of obstacles.
+///
+/// A step that would meet an obstacle or leave the region is reflected; if no reflection is free either, another
+/// direction is drawn.
+#[derive(Clone, Debug)]
+pub struct RandomWalk {
+    step_m: f64,
+    area: Option<Area>,
+    steps_per_turn: u32,
+    packets_per_node: u32,
+    max_steps: u32,
+    seed: Seed,
+    robot: u64,
+    steps: u32,
+    /// The step before.
+    last_step: Option<Position>,
+    /// Packets heard of each node.
+    packets: Vec<u32>,
+}
+
+impl RandomWalk {
+    /// The walk that `config` describes.
+    ///
+    /// # Errors
+    /// If a value is outside its domain, or the robot starts outside the region.
+    pub fn plan(config: &RandomWalkConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
+        for (key, value) in [
+            ("steps_per_turn", config.steps_per_turn),
+            ("packets_per_node", config.packets_per_node),
+            ("max_steps", config.max_steps),
+        ] {
+            if value == 0 {
+                return Err(SettingError::new(key, 0, "a whole number above 0"));
+            }
+        }
+        let area = |region| Area::round_start("region", region, surroundings);
+        Ok(Self {
+            step_m: SettingError::positive("step_m", config.step_m)?,
+            area: config.region.as_ref().map(area).transpose()?,
+            steps_per_turn: config.steps_per_turn,
+            packets_per_node: config.packets_per_node,
+            max_steps: config.max_steps,
+            seed: surroundings.seed,
+            robot: surroundings.robot,
+            steps: 0,
+            last_step: None,
+            packets: Vec::new(),
+        })
+    }
+
+    fn count(&mut self, heard: &[Heard], nodes: usize) {
+        self.packets.resize(nodes.max(self.packets.len()), 0);
+        for heard in heard {
+            if let Some(packets) = self.packets.get_mut(heard.node.index()) {
+                *packets = packets.saturating_add(heard.packets);
+            }
+        }
+    }
+
+    fn has_heard_all(&self) -> bool {
+        !self.packets.is_empty() && self.packets.iter().all(|&packets| packets >= self.packets_per_node)
+    }
+
+    /// The next step; `None` if no direction that was drawn is free.
+    fn next(&self, situation: &Situation<'_>) -> Option<Position> {
+        let here = situation.position;
+        let is_free = |&step: &Position| {
+            self.area.as_ref().is_none_or(|area| area.contains(here + step))
+                && situation.clearance_m(step, self.step_m) >= self.step_m
+        };
+        let reflected =
+            |step: Position| REFLECTIONS.map(|[x, y, z]| Position::new(x * step.x_m, y * step.y_m, z * step.z_m));
+        let straight_on = self.last_step.filter(|_| !self.steps.is_multiple_of(self.steps_per_turn));
+        straight_on.into_iter().chain((0..DRAWS).map(|draw| self.draw(draw))).flat_map(reflected).find(is_free)
+    }
+
+    /// A step in a random direction.
+    fn draw(&self, draw: u64) -> Position {
+        let uniform = |axis: u64| {
+            let address = [self.robot, u64::from(self.steps), draw << 1 | axis];
+            self.seed.uniform(Purpose::Robot, address)
+        };
+        let azimuth_rad = TAU * uniform(0);
+        let is_solid = self.area.as_ref().is_some_and(|area| !area.is_planar());
+        // On a sphere, heights are uniform (Archimedes' hat-box theorem).
+        let up = if is_solid { 2.0 * uniform(1) - 1.0 } else { 0.0 };
+        let level = (1.0 - up * up).sqrt();
+        Position::new(level * libm::cos(azimuth_rad), level * libm::sin(azimuth_rad), up) * self.step_m
+    }
+}
+
+impl Controller for RandomWalk {
+    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+        let Outcome::Listened(heard) = situation.outcome else { return Command::Listen };
+        self.count(heard, situation.node_count);
+        if self.has_heard_all() {
+            return Command::Finish(Ending::Complete);
+        }
+        if self.steps >= self.max_steps {
+            return Command::Finish(Ending::StepsExhausted);
+        }
+        let Some(step) = self.next(situation) else { return Command::Finish(Ending::Stuck) };
+        self.steps += 1;
+        self.last_step = Some(step);
+        Command::Drive(situation.position + step)
+    }
+}
