@@ -122,6 +122,44 @@ fn a_map_of_the_recording_is_the_map_of_the_run() {
     assert_eq!(of_run["maps"], of_map["maps"]);
 }
 
+#[test]
+fn two_robots_fill_one_log_and_each_has_its_row() {
+    let folder = TempDir::new().unwrap();
+    let (mcap, of_run, of_map) =
+        (folder.path().join("two.mcap"), folder.path().join("run.json"), folder.path().join("map.json"));
+    let mut command = sextant();
+    command.arg("run").arg(scenario("ml-tm/two-robots.toml")).arg("--out").arg(&mcap).arg("--summary").arg(&of_run);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("path of west") && text.contains("path of east"), "{text}");
+    let mut of_run = summary(&of_run);
+    let gathering = &of_run["gathering"];
+    let robots = gathering["robots"].as_array().unwrap();
+    let of_robots = |key: &str| robots.iter().map(|robot| robot[key].as_f64().unwrap()).collect::<Vec<_>>();
+    assert_eq!(robots.len(), 2);
+    assert!(robots.iter().all(|robot| robot["ending"] == "complete" && robot.get("unreached").is_none()));
+    let sum = |key| of_robots(key).iter().sum::<f64>();
+    assert!((sum("path_length_m") - gathering["path_length_m"].as_f64().unwrap()).abs() < 1e-9);
+    assert!((sum("stops") - gathering["stops"].as_f64().unwrap()).abs() < 1e-9);
+    let longest_s = of_robots("duration_s").into_iter().fold(0.0, f64::max);
+    assert!((longest_s - gathering["duration_s"].as_f64().unwrap()).abs() < 1e-9);
+    // Stops of both, interleaved, come back from the recording as they were.
+    let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    of_run["maps"][0].as_object_mut().unwrap().remove("posterior_bound_m").unwrap();
+    assert_eq!(of_run["maps"], summary(&of_map)["maps"]);
+    let paths = ["west", "east"].map(|name| messages_on(&mcap, &format!("/robot/{name}/path")));
+    assert_eq!(paths, [1, 1], "each robot has a path");
+}
+
+/// Messages on a topic.
+fn messages_on(mcap: &Path, topic: &str) -> usize {
+    let bytes = std::fs::read(mcap).expect("a recording");
+    let messages = mcap::MessageStream::new(&bytes).expect("a recording");
+    messages.filter(|message| message.as_ref().expect("a message").channel.topic == topic).count()
+}
+
 /// Waits until a recording has grown beyond its first chunks.
 fn wait_for_growth(out: &Path) {
     let part = out.with_extension("mcap.part");

@@ -76,10 +76,16 @@ impl Simulation {
     /// A simulation, ready to run.
     ///
     /// # Errors
-    /// If the channel's settings are out of their domain, or the frames have no room for the addresses.
+    /// If the channel's settings are out of their domain, the frames have no room for the addresses, or several robots are
+    /// to hear frames that are sent to one.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
         let Setup { world, channel, radio, reception, phy, csma, traffic, radio_states, robots, seed } = setup;
         let nodes = world.nodes.len();
+        if traffic.is_acknowledged() && robots.len() > 1 {
+            let allowed =
+                format!("one robot with `{}`: nodes send to the first, and no other hears them", traffic.key());
+            return Err(SettingError::new("robots", format!("a list of {}", robots.len()), allowed));
+        }
         let last = NodeId::from_index((nodes + robots.len()).saturating_sub(1));
         let longest = if traffic.is_acknowledged() {
             NodeFrame::acknowledged(PAN, last, last, traffic.mpdu_octets())

@@ -236,3 +236,61 @@ fn an_observer_can_end_a_simulation_and_keeps_what_was_heard() {
     assert_eq!(observer.0, [1, 3, 5].map(|s| SimTime::ZERO + Duration::from_secs(s)));
     assert_eq!(survey.robots[0].ending, None);
 }
+
+/// Two robots that listen for a while at the same time; the second is `late` on its way.
+fn two_tours(late: Duration, listen: Duration) -> [Robot; 2] {
+    let stops = |y_m: f64| (1..9).map(|i| Position::new(f64::from(i), y_m, 0.0)).collect::<Vec<_>>();
+    let mut second = tour(stops(6.0), listen);
+    second.body.name = "second".into();
+    second.body.start = Position::new(-late.as_secs_f64(), 6.0, 0.0);
+    [tour(stops(1.0), Duration::from_secs(1)), second]
+}
+
+#[test]
+fn a_second_robot_changes_nothing_of_what_the_first_hears() {
+    let [first, _] = two_tours(Duration::ZERO, Duration::from_secs(1));
+    let alone = Simulation::new(setup(&field_of(9), first, 4)).unwrap().run(&mut Unobserved);
+    // In step with the first, half a slot late, and with slots of another length.
+    for (late_ms, listen_ms) in [(0, 1000), (500, 1000), (300, 1700)] {
+        let [first, second] = two_tours(Duration::from_millis(late_ms), Duration::from_millis(listen_ms));
+        let mut setup = setup(&field_of(9), first, 4);
+        setup.robots.push(second);
+        let both = Simulation::new(setup).unwrap().run(&mut Unobserved);
+        assert_eq!(both.robots[0], alone.robots[0]);
+        assert_eq!(both.log.stops().len(), 16);
+        let of_first: Vec<u32> = (0..16).filter(|&stop| both.log.stops()[stop as usize].position.y_m < 2.0).collect();
+        let receptions = |survey: &Survey, stops: &[u32]| -> Vec<_> {
+            let at = |stop: u32| stops.iter().position(|&other| other == stop);
+            let log = survey.log.receptions().iter();
+            let mut found: Vec<_> =
+                log.filter_map(|r| Some((at(r.stop)?, r.node, r.received, r.sent, r.rssi_dbm))).collect();
+            found.sort_by_key(|&(stop, node, ..)| (stop, node));
+            found
+        };
+        let all: Vec<u32> = (0..8).collect();
+        assert_eq!(receptions(&both, &of_first), receptions(&alone, &all));
+        // The union is the log: each stop is heard at by one robot, and where it listened.
+        let heard: u64 = both.robots.iter().flat_map(|robot| &robot.packets).map(|&n| u64::from(n)).sum();
+        assert!(heard >= both.log.receptions().len() as u64 && both.robots[1].packets.iter().sum::<u32>() > 0);
+        for reception in both.log.receptions().iter() {
+            let stop = both.log.stops()[reception.stop as usize].position;
+            let node = Position::new(f64::from(reception.node.0 % 9), f64::from(reception.node.0 / 9), 0.0);
+            assert!(stop.distance_m(node) <= 10.0 && reception.received == 1 && reception.sent == 1);
+        }
+        let length_m: f64 = both.robots.iter().map(|robot| robot.path_length_m).sum();
+        let late = late_ms as f64 / 1000.0;
+        assert!((length_m - (alone.robots[0].path_length_m + 8.0 + late)).abs() < 1e-9, "{length_m}");
+        let last = both.robots.iter().filter_map(|robot| robot.end).max();
+        assert_eq!(last, Some(both.end));
+    }
+}
+
+#[test]
+fn several_robots_are_refused_where_nodes_send_to_one() {
+    let [first, second] = two_tours(Duration::ZERO, Duration::from_secs(1));
+    let mut setup = setup(&field_of(2), first, 1);
+    setup.robots.push(second);
+    let query = QueryConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: true };
+    setup.traffic = Traffic::try_from(TrafficConfig::Query(query)).unwrap();
+    assert_eq!(Simulation::new(setup).err().expect("refused").key, "robots");
+}

@@ -18,13 +18,21 @@ struct Acquaintance {
     returns: u32,
 }
 
+/// A free place that no stop was made at when it was seen.
+#[derive(Clone, Copy, Debug)]
+struct Opening {
+    place: Position,
+    /// The stop nearest to it, and how far that is [m].
+    nearest: (usize, f64),
+}
+
 /// All that the robot found out.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Knowledge {
     pub(super) visits: Vec<Visit>,
     nodes: Vec<Acquaintance>,
     /// Free places at a lane's distance, and at half of it, from stops that heard somebody.
-    openings: Vec<Position>,
+    openings: Vec<Opening>,
     /// Points of obstacles.
     contacts: Vec<Position>,
     /// Radius of the robot's own hull, as its first contact showed [m].
@@ -66,6 +74,7 @@ impl Knowledge {
             }
         }
         let is_silent = audible < settings.silent_below_nodes;
+        let mut opened = Vec::new();
         let mut look = |direction: Position, range_m: f64| {
             let clear_m = situation.clearance_m(direction, range_m);
             if clear_m < range_m {
@@ -73,7 +82,7 @@ impl Knowledge {
             }
             let free = [1.0, 0.5].map(|share| share * range_m).into_iter().filter(|&far_m| clear_m >= far_m);
             let open = free.map(|far_m| place + direction * far_m).filter(|&place| !is_silent && allowed(place));
-            self.openings.extend(open);
+            opened.extend(open);
             clear_m
         };
         for direction in CROSS {
@@ -84,6 +93,23 @@ impl Knowledge {
             None => [0.0; 2],
         };
         self.visits.push(Visit { place, audible, is_silent, clear_m });
+        self.add_openings(&opened);
+    }
+
+    /// Notes what the last stop is near to, and the openings seen from it.
+    fn add_openings(&mut self, opened: &[Position]) {
+        let Some((stop, visit)) = self.visits.iter().enumerate().next_back() else { return };
+        for opening in &mut self.openings {
+            let far_m = visit.place.distance_m(opening.place);
+            if far_m < opening.nearest.1 {
+                opening.nearest = (stop, far_m);
+            }
+        }
+        for &place in opened {
+            let distances = self.visits.iter().map(|visit| visit.place.distance_m(place)).enumerate();
+            let nearest = distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or((stop, 0.0));
+            self.openings.push(Opening { place, nearest });
+        }
     }
 
     /// Notes an obstacle that the robot met, and looks round.
@@ -140,27 +166,24 @@ impl Knowledge {
 
     /// The nearest free place in the network without a stop within `radius_m`.
     pub(super) fn nearest_opening(&self, here: Position, radius_m: f64) -> Option<Position> {
-        let is_uncovered = |place: &Position| !self.was_near(*place, radius_m, 0..self.stops());
-        nearest(self.openings.iter().copied().filter(is_uncovered), here)
+        let uncovered = self.openings.iter().filter(|opening| opening.nearest.1 > radius_m);
+        nearest(uncovered.map(|opening| opening.place), here)
     }
 
     /// The nearest free place without a stop within `radius_m`, of those nearest to a stop in the midst of the network: one
     /// that heard at least half as many nodes as any other.
     pub(super) fn nearest_gap(&self, here: Position, radius_m: f64) -> Option<Position> {
         let most = self.visits.iter().map(|visit| visit.audible).max()?;
-        let nearest_visit = |place: Position| {
-            self.visits.iter().min_by(|a, b| a.place.distance_m(place).total_cmp(&b.place.distance_m(place)))
+        let is_gap = |opening: &&Opening| {
+            let (visit, far_m) = opening.nearest;
+            far_m > radius_m && 2 * self.visits[visit].audible >= most
         };
-        let is_gap = |place: &Position| {
-            let is_open = |visit: &Visit| 2 * visit.audible >= most && visit.place.distance_m(*place) > radius_m;
-            nearest_visit(*place).is_some_and(is_open)
-        };
-        nearest(self.openings.iter().copied().filter(is_gap), here)
+        nearest(self.openings.iter().filter(is_gap).map(|opening| opening.place), here)
     }
 
     /// Forgets the openings at `place`: there is no way.
     pub(super) fn give_up_opening(&mut self, place: Position) {
-        self.openings.retain(|&opening| opening != place);
+        self.openings.retain(|opening| opening.place != place);
     }
 
     /// The nearest of the stops that heard loudest a node of which packets are missing; each node is come back for at

@@ -1,5 +1,9 @@
 //! Surveys in a scripted world: the controllers against closed forms and against what they must never do.
 
+mod areas;
 mod automated;
+mod curves;
+mod layers;
 mod planned;
+mod random_walk;
 mod world;

@@ -34,9 +34,24 @@ impl Trace {
         self.path.windows(2).map(|drive| drive[0].distance_m(drive[1])).sum()
     }
 
+    /// Distance from a place to the nearest stop [m].
+    pub(crate) fn nearest_stop_m(&self, place: Position) -> f64 {
+        self.stops.iter().map(|stop| stop.distance_m(place)).fold(f64::INFINITY, f64::min)
+    }
+
     pub(crate) fn least_packets(&self) -> u32 {
         self.packets.iter().copied().min().expect("nodes")
     }
+}
+
+/// Boxes in space: centre and size.
+pub(crate) fn solid_field(boxes: &[([f64; 3], [f64; 3])]) -> ObstacleField {
+    let obstacle = |&(center, size_m): &([f64; 3], [f64; 3])| {
+        let shape = ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 0.0 });
+        let config = ObstacleConfig { name: None, shape, material: None, absorption_per_m: Some(4.6) };
+        Obstacle::try_from(config).expect("a box")
+    };
+    ObstacleField::new(boxes.iter().map(obstacle).collect())
 }
 
 pub(crate) fn field(boxes: &[([f64; 2], [f64; 2], f64)]) -> ObstacleField {
@@ -136,10 +151,14 @@ impl World {
         self.nodes.iter().enumerate().filter_map(hear).collect()
     }
 
-    /// No place of the path is nearer to an obstacle than the robot's hull allows.
+    /// No drive runs through an obstacle, by exact clips, and no place of the path is nearer to one than the robot's hull
+    /// allows.
     fn assert_clear(&self, path: &[Position]) {
         const SAMPLE_M: f64 = 0.05;
+        let mut crossings = Vec::new();
         for drive in path.windows(2) {
+            self.field.crossings(drive[0], drive[1], &mut crossings);
+            assert_eq!(crossings, [], "from {:?} to {:?}", drive[0], drive[1]);
             let samples = (drive[0].distance_m(drive[1]) / SAMPLE_M).ceil().max(1.0);
             let mut sample = 0.0;
             while sample <= samples {
