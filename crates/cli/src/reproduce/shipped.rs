@@ -12,8 +12,22 @@ macro_rules! shipped {
 }
 
 /// Paths below the folder of scenarios, and texts.
-pub const SHIPPED: &[(&str, &str)] =
-    shipped!["ml-tm/circular.toml", "ml-tm/concave.toml", "ml-tm/sensitivity.toml", "ml-tm/sparse.toml",];
+pub const SHIPPED: &[(&str, &str)] = shipped![
+    "ml-tm/circular.toml",
+    "ml-tm/comparison-circular.toml",
+    "ml-tm/comparison-concave.toml",
+    "ml-tm/comparison-sparse.toml",
+    "ml-tm/concave.toml",
+    "ml-tm/cylinder.toml",
+    "ml-tm/sensitivity.toml",
+    "ml-tm/sparse.toml",
+    "ml-tm/sphere.toml",
+    "ml-tm/trajectory-hilbert.toml",
+    "ml-tm/trajectory-random.toml",
+    "ml-tm/trajectory-s.toml",
+    "ml-tm/trajectory-spiral.toml",
+    "ml-tm/two-robots.toml",
+];
 
 /// Writes the scenarios into `folder`, so that everything that is run can be read and changed.
 ///
