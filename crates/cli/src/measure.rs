@@ -124,6 +124,9 @@ fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflecti
     PositionError::of(&left)
 }
 
+/// Connectivity errors of a node at which its distribution is told.
+const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
+
 fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) -> ConnectivitySummary {
     let error = |rule| connectivity_error(truth, mapped, radius_m, rule).ok();
     let affine = error(NeighbourhoodRule::Affine);
@@ -135,6 +138,7 @@ fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) 
         false_neighbour_rate: affine.as_ref().map(ConnectivityError::false_neighbour_rate),
         nodes_within_0_2: affine.as_ref().map(|error| error.share_of_nodes_within(0.2)),
         symmetric_loss: affine.as_ref().map(ConnectivityError::symmetric_loss),
+        node_error_cdf: affine.map(|error| NODE_ERRORS.map(|limit| [limit, error.share_of_nodes_within(limit)])),
     }
 }
 

@@ -249,6 +249,10 @@ pub struct MapSummary {
     /// Share of the pairs of nodes along lines of the network that stand on the map in another order, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topology_preservation_error: Option<f64>,
+    /// Energy that the nodes spend by the thesis' count of messages (eq. 3.17 to 3.19) [J]; what their radios took in the
+    /// simulation is in `gathering` and `discovery`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub message_energy_j: Option<f64>,
     /// Share of receptions whose sector is 0, 1, .. sectors off.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sector_displacement: Vec<f64>,
@@ -315,6 +319,10 @@ pub struct ConnectivitySummary {
     /// Neighbourships in the map or in the world but not in both, over those in either.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub symmetric_loss: Option<f64>,
+    /// Distribution of the connectivity error of a node: pairs of an error and the share of the nodes with neighbours
+    /// whose error is at most that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub node_error_cdf: Option<[[f64; 2]; 11]>,
 }
 
 /// What was done with a map.

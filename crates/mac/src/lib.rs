@@ -59,9 +59,11 @@ pub mod responder;
 mod class;
 mod energy;
 mod fcs;
+mod message_energy;
 mod timing;
 
 pub use class::Class;
 pub use energy::{CustomRadioConfig, EnergyConfig, EnergyMeter, EnergySpent, RadioState, RadioStates};
 pub use fcs::fcs;
+pub use message_energy::MessageEnergy;
 pub use timing::{ACK_MPDU_OCTETS, MAX_MPDU_OCTETS, Phy};

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::{
-    Centroid, CentroidConfig, Comparator, Fit, FittedMlTm, Knowledge, KnowledgeKind, MapError, MlTm, MlTmConfig,
-    ProfileConfig, RangingConfig, ReceptionProfile, TopologyMap, Tpm, TpmConfig, TriangleCentroid,
-    TriangleCentroidConfig, WeightedCentroid, WeightedCentroidConfig,
+    ApitConfig, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge, KnowledgeKind,
+    MapError, MdsMapConfig, MlTm, MlTmConfig, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig,
+    RssMlConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -35,6 +35,18 @@ pub enum AlgorithmConfig {
     Centroid(CentroidConfig),
     /// The mean of the anchors heard, weighted by signal strength.
     WeightedCentroid(WeightedCentroidConfig),
+    /// Hops to anchors times the length of a hop, then multilateration.
+    DvHop(DvHopConfig),
+    /// Classical scaling of hops between all pairs of nodes.
+    MdsMap(MdsMapConfig),
+    /// Stress majorisation of ranges between neighbours.
+    Smacof(SmacofConfig),
+    /// Triangles of anchors, judged by neighbours, in the plane.
+    Apit(ApitConfig),
+    /// Cooperative maximum likelihood on signal strengths between nodes.
+    RssMl(RssMlConfig),
+    /// A Bayesian grid on the signal strengths that the robot measured.
+    RssGrid(RssGridConfig),
 }
 
 impl AlgorithmConfig {
@@ -51,6 +63,9 @@ impl AlgorithmConfig {
         match self {
             Self::RssiTriangleCentroid(config) => Some(&mut config.ranging),
             Self::WeightedCentroid(config) => Some(&mut config.ranging),
+            Self::Smacof(config) => Some(&mut config.ranging),
+            Self::RssMl(config) => Some(&mut config.ranging),
+            Self::RssGrid(config) => Some(&mut config.ranging),
             _ => None,
         }
     }
@@ -135,16 +150,29 @@ impl TryFrom<AlgorithmConfig> for Mapper {
                 ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(config).map(Self::MlTm),
             }
             .map_err(|error| error.within("ml_tm")),
-            AlgorithmConfig::Tpm(config) => {
-                Tpm::try_from(config).map(Comparator::Tpm).map(Self::Comparator).map_err(|error| error.within("tpm"))
+            AlgorithmConfig::Tpm(config) => compare("tpm", config, Comparator::Tpm),
+            AlgorithmConfig::RssiTriangleCentroid(config) => {
+                compare("rssi_triangle_centroid", config, Comparator::TriangleCentroid)
             }
-            AlgorithmConfig::RssiTriangleCentroid(config) => TriangleCentroid::try_from(config)
-                .map(|triangles| Self::Comparator(Comparator::TriangleCentroid(triangles)))
-                .map_err(|error| error.within("rssi_triangle_centroid")),
             AlgorithmConfig::Centroid(CentroidConfig {}) => Ok(Self::Comparator(Comparator::Centroid(Centroid))),
-            AlgorithmConfig::WeightedCentroid(config) => WeightedCentroid::try_from(config)
-                .map(|centroid| Self::Comparator(Comparator::WeightedCentroid(centroid)))
-                .map_err(|error| error.within("weighted_centroid")),
+            AlgorithmConfig::WeightedCentroid(config) => {
+                compare("weighted_centroid", config, Comparator::WeightedCentroid)
+            }
+            AlgorithmConfig::DvHop(config) => compare("dv_hop", config, Comparator::DvHop),
+            AlgorithmConfig::MdsMap(config) => compare("mds_map", config, Comparator::MdsMap),
+            AlgorithmConfig::Smacof(config) => compare("smacof", config, Comparator::Smacof),
+            AlgorithmConfig::Apit(config) => compare("apit", config, Comparator::Apit),
+            AlgorithmConfig::RssMl(config) => compare("rss_ml", config, Comparator::RssMl),
+            AlgorithmConfig::RssGrid(config) => compare("rss_grid", config, Comparator::RssGrid),
         }
     }
+}
+
+/// The algorithm written under `key`.
+fn compare<C, A: TryFrom<C, Error = SettingError>>(
+    key: &str,
+    config: C,
+    wrapped: fn(A) -> Comparator,
+) -> Result<Mapper, SettingError> {
+    A::try_from(config).map(|algorithm| Mapper::Comparator(wrapped(algorithm))).map_err(|error| error.within(key))
 }

@@ -46,6 +46,16 @@ pub enum MapError {
         /// Anchors needed.
         needed: usize,
     },
+    /// More nodes than an algorithm with pairs of all nodes can hold.
+    #[error("`{algorithm}` holds the hops between all pairs of nodes: {nodes} nodes; allowed: {allowed}")]
+    TooManyNodes {
+        /// The algorithm.
+        algorithm: &'static str,
+        /// Nodes of a connected part of the network.
+        nodes: usize,
+        /// Nodes allowed.
+        allowed: usize,
+    },
     /// An algorithm of the plane in space.
     #[error("`{0}` is defined in the plane, but the anchors have different heights")]
     PlanarOnly(&'static str),

@@ -48,9 +48,10 @@ mod topology_map;
 pub use algorithm::{AlgorithmConfig, MapConfig, Mapper};
 pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use comparators::{
-    AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, ExtremeConfig, LandmarksConfig, Ranging,
-    RangingConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
-    WeightedCentroidConfig,
+    Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DvHop, DvHopConfig,
+    ExtremeConfig, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig, Ranging, RangingConfig, RssGrid,
+    RssGridConfig, RssMl, RssMlConfig, Smacof, SmacofConfig, Tpm, TpmConfig, TriangleCentroid,
+    TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
 pub use error::MapError;
 pub use fitted::{Fit, Fitted, FittedConfig};
@@ -59,7 +60,8 @@ pub use isotonic::never_rising;
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
 pub use metrics::{
-    ConnectivityError, MetricError, NeighbourhoodRule, PositionError, connectivity_error, topology_preservation_error,
+    ConnectivityError, MetricError, NeighbourhoodRule, PositionError, RssLinks, connectivity_error, rss_crlb_m,
+    topology_preservation_error,
 };
 pub use ml_tm::{EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use posterior_bound::{TrueModel, posterior_bound_m};

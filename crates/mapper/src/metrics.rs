@@ -1,10 +1,12 @@
 //! How good a map is: distances between places, and whether neighbours stay neighbours.
 
 mod connectivity;
+mod crlb;
 mod ellipse;
 mod position_error;
 mod topology_preservation;
 
 pub use connectivity::{ConnectivityError, MetricError, NeighbourhoodRule, connectivity_error};
+pub use crlb::{RssLinks, rss_crlb_m};
 pub use position_error::PositionError;
 pub use topology_preservation::topology_preservation_error;

@@ -14,6 +14,7 @@ macro_rules! shipped {
 /// Paths below the folder of scenarios, and texts.
 pub const SHIPPED: &[(&str, &str)] = shipped![
     "ml-tm/circular.toml",
+    "ml-tm/classics.toml",
     "ml-tm/comparison-circular.toml",
     "ml-tm/comparison-concave.toml",
     "ml-tm/comparison-sparse.toml",

@@ -4,6 +4,7 @@ use sextant_channel::Position;
 use sextant_mapper::{Fit, KnowledgeKind, TopologyMap};
 use sextant_sim::Survey;
 
+use super::message_energy::message_energy_j;
 use super::{Discoveries, bound};
 use crate::diagnostic::Failure;
 use crate::measure::{Truth, in_world, measure};
@@ -39,7 +40,8 @@ pub fn evaluate(
     let truth = Truth { places: &truth, anchors: scenario.anchors() };
     let summary = MapSummary {
         alignment: Some(alignment),
-        posterior_bound_m: bound_m.filter(|_| !named.mapper.uses().contains(&KnowledgeKind::Anchors)),
+        message_energy_j: message_energy_j(scenario, &named.mapper, survey, discoveries),
+        posterior_bound_m: bound_m.filter(|_| named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)),
         fitted_profile: fit.as_ref().map(Into::into),
         ..measure(named, &map, Some(truth), scenario.metrics())
     };

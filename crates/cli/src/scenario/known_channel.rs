@@ -3,7 +3,7 @@
 use sextant_apps::ControllerConfig;
 use sextant_channel::{Channel, ChannelConfig, CorrelationConfig, ObstacleField, PathLossConfig};
 use sextant_kernel::Seed;
-use sextant_mapper::{ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
+use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
 
 /// The channel of a scenario, as a mapper that was told of it would know it.
@@ -41,6 +41,10 @@ impl KnownChannel {
             tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
             *reference_distance_m = reference_distance_m.or(law.map(|law| law.reference_distance_m));
             sigma_db.get_or_insert(channel.sigma_db());
+        }
+        if let AlgorithmConfig::RssGrid(grid) = &mut map.algorithm {
+            grid.sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
+            grid.max_range_m = grid.max_range_m.or(self.channel.max_range_m);
         }
         let Some(ProfileConfig::Channel(profile)) = map.algorithm.profile_mut() else { return };
         let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;

@@ -1,10 +1,18 @@
 //! Algorithms that users know, to compare with: each on the knowledge that it says it uses.
 
+mod apit;
 mod centroid;
+mod dv_hop;
+mod frame;
 mod graph;
 mod heard_anchors;
 mod landmarks;
+mod mds;
+mod mds_map;
 mod ranging;
+mod rss_grid;
+mod rss_ml;
+mod smacof;
 mod tpm;
 mod triangle_centroid;
 
@@ -12,9 +20,16 @@ use sextant_kernel::SettingError;
 
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
+pub use apit::{Apit, ApitConfig};
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};
+pub use dv_hop::{DvHop, DvHopConfig, HopLength};
+pub use frame::FrameConfig;
 pub use landmarks::{CountConfig, ExtremeConfig, LandmarksConfig};
+pub use mds_map::{MdsMap, MdsMapConfig};
 pub use ranging::{Ranging, RangingConfig};
+pub use rss_grid::{RssGrid, RssGridConfig};
+pub use rss_ml::{RssMl, RssMlConfig};
+pub use smacof::{Smacof, SmacofConfig};
 pub use tpm::{AxesConfig, Tpm, TpmConfig};
 pub use triangle_centroid::{TriangleCentroid, TriangleCentroidConfig, TriangleWeights};
 
@@ -30,6 +45,18 @@ pub enum Comparator {
     Centroid(Centroid),
     /// Their mean weighted by signal strength.
     WeightedCentroid(WeightedCentroid),
+    /// Hops to anchors times the length of a hop.
+    DvHop(DvHop),
+    /// Classical scaling of hops.
+    MdsMap(MdsMap),
+    /// Stress majorisation of ranges.
+    Smacof(Smacof),
+    /// Triangles of anchors, judged by neighbours.
+    Apit(Apit),
+    /// Cooperative maximum likelihood on signal strengths.
+    RssMl(RssMl),
+    /// A Bayesian grid on the robot's signal strengths.
+    RssGrid(RssGrid),
 }
 
 impl Comparator {
@@ -41,6 +68,12 @@ impl Comparator {
             Self::TriangleCentroid(_) => TriangleCentroid::NAME,
             Self::Centroid(_) => Centroid::NAME,
             Self::WeightedCentroid(_) => WeightedCentroid::NAME,
+            Self::DvHop(_) => DvHop::NAME,
+            Self::MdsMap(_) => MdsMap::NAME,
+            Self::Smacof(_) => Smacof::NAME,
+            Self::Apit(_) => Apit::NAME,
+            Self::RssMl(_) => RssMl::NAME,
+            Self::RssGrid(_) => RssGrid::NAME,
         }
     }
 
@@ -52,6 +85,12 @@ impl Comparator {
             Self::TriangleCentroid(_) => TriangleCentroid::USES,
             Self::Centroid(_) => Centroid::USES,
             Self::WeightedCentroid(_) => WeightedCentroid::USES,
+            Self::DvHop(_) => DvHop::USES,
+            Self::MdsMap(mds_map) => mds_map.uses(),
+            Self::Smacof(smacof) => smacof.uses(),
+            Self::Apit(_) => Apit::USES,
+            Self::RssMl(_) => RssMl::USES,
+            Self::RssGrid(_) => RssGrid::USES,
         }
     }
 
@@ -60,7 +99,11 @@ impl Comparator {
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
             Self::Tpm(tpm) => tpm.least_anchors(dimensions),
-            Self::TriangleCentroid(_) => dimensions + 1,
+            Self::MdsMap(mds_map) => mds_map.least_anchors(dimensions),
+            Self::Smacof(smacof) => smacof.least_anchors(dimensions),
+            Self::TriangleCentroid(_) | Self::DvHop(_) | Self::RssMl(_) => dimensions + 1,
+            Self::Apit(_) => 3,
+            Self::RssGrid(_) => 0,
             Self::Centroid(_) | Self::WeightedCentroid(_) => 1,
         }
     }
@@ -75,6 +118,12 @@ impl Comparator {
             Self::TriangleCentroid(triangles) => triangles.map(knowledge),
             Self::Centroid(centroid) => centroid.map(knowledge),
             Self::WeightedCentroid(centroid) => centroid.map(knowledge),
+            Self::DvHop(dv_hop) => dv_hop.map(knowledge),
+            Self::MdsMap(mds_map) => mds_map.map(knowledge),
+            Self::Smacof(smacof) => smacof.map(knowledge),
+            Self::Apit(apit) => apit.map(knowledge),
+            Self::RssMl(rss_ml) => rss_ml.map(knowledge),
+            Self::RssGrid(rss_grid) => rss_grid.map(knowledge),
         }
     }
 }

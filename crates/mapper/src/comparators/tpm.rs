@@ -8,7 +8,7 @@ use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
 use super::graph::{Graph, UNREACHED};
-use super::landmarks::LandmarksConfig;
+use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
@@ -83,6 +83,17 @@ impl Tpm {
 
     /// What it uses; where anchors are does not matter, even if hops are counted from them.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
+
+    /// Nodes from which hops are counted in a network of one part with `anchors` anchors; `None` if the search decides.
+    #[must_use]
+    pub fn landmark_count(&self, anchors: usize) -> Option<usize> {
+        match self.landmarks {
+            LandmarksConfig::FarthestPoints(CountConfig { count })
+            | LandmarksConfig::Random(CountConfig { count }) => Some(count),
+            LandmarksConfig::Anchors {} => Some(anchors),
+            LandmarksConfig::ExtremeNodeSearch(_) => None,
+        }
+    }
 
     /// Anchors without which there is no map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {

@@ -2,8 +2,8 @@
 
 use sextant_channel::Position;
 use sextant_mapper::{
-    Centroid, MapError, RangingConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
-    WeightedCentroidConfig,
+    Apit, ApitConfig, Centroid, MapError, RangingConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights,
+    WeightedCentroid, WeightedCentroidConfig,
 };
 
 use super::network::{Network, RANGING, lattice, mean_error_m};
@@ -75,4 +75,19 @@ fn anchors_and_a_law_are_needed() {
     assert_eq!(TriangleCentroid::try_from(many).unwrap_err().key, "strongest");
     let flat = WeightedCentroidConfig { ranging: RANGING, degree: 0.0 };
     assert_eq!(WeightedCentroid::try_from(flat).unwrap_err().key, "degree");
+}
+
+#[test]
+fn triangles_judged_without_noise_beat_the_centroid() {
+    let network = Network::new(lattice([12, 12, 1], 0.2), 5, 2.0, 6.0, 0.0);
+    let apit = Apit::try_from(ApitConfig { grid_step_m: 0.25, ..ApitConfig::default() }).unwrap();
+    let apit_m = mean_error_m(&network, &apit.map(&network.knowledge()).unwrap());
+    let centroid_m = mean_error_m(&network, &Centroid.map(&network.knowledge()).unwrap());
+    assert!(apit_m < 0.7 * centroid_m, "{apit_m} against {centroid_m}");
+    let space = Network::new(lattice([4, 4, 4], 0.2), 5, 2.0, 6.0, 0.0);
+    assert_eq!(apit.map(&space.knowledge()), Err(MapError::PlanarOnly("apit")));
+    assert_eq!(
+        Apit::try_from(ApitConfig { grid_step_m: -1.0, ..ApitConfig::default() }).unwrap_err().key,
+        "grid_step_m"
+    );
 }

@@ -1,12 +1,13 @@
 //! Maps of hop counts.
 
 use sextant_channel::Position;
+use sextant_mapper::lateration::{Range, multilaterate};
 use sextant_mapper::{
-    AxesConfig, CountConfig, ExtremeConfig, Frame, LandmarksConfig, MapError, Tpm, TpmConfig,
-    topology_preservation_error,
+    AxesConfig, CountConfig, DvHop, DvHopConfig, ExtremeConfig, Frame, FrameConfig, HopLength, LandmarksConfig,
+    MapError, MdsMap, MdsMapConfig, Tpm, TpmConfig, topology_preservation_error,
 };
 
-use super::network::{Network, lattice};
+use super::network::{Network, lattice, mean_error_m};
 
 fn tpm(config: TpmConfig) -> Tpm {
     Tpm::try_from(config).expect("good settings")
@@ -100,4 +101,66 @@ fn without_neighbours_or_enough_anchors_there_is_no_map() {
     ] {
         assert_eq!(Tpm::try_from(config).unwrap_err().key, key);
     }
+}
+
+#[test]
+fn hops_along_a_line_of_equal_steps_are_distances() {
+    // A line of nodes one metre apart, bent into the plane by two short arms so that places follow. Hop lengths are exact
+    // along axes: every anchor sees one metre a hop.
+    let line = |along: fn(f64) -> Position| (0..9).map(move |i| along(f64::from(i)));
+    let mut places: Vec<Position> = line(|x| Position::new(x, 0.0, 0.0)).collect();
+    places.extend(line(|y| Position::new(0.0, y, 0.0)).skip(1));
+    // Anchors: the corner and both ends; between the ends 16 hops cover sqrt(128) m, so each end sees
+    // (8 + sqrt(128))/24 m a hop, and the corner 1 m.
+    let mut network = Network::new(places, 8, 1.1, 5.0, 0.0);
+    assert_eq!(network.anchors.len(), 3);
+    let exact = DvHop::try_from(DvHopConfig::default()).unwrap();
+    let found = exact.map(&network.knowledge()).unwrap().positions();
+    let end_m = (8.0 + 128.0_f64.sqrt()) / 24.0;
+    // The node at (2, 0) is nearest to the corner: 1 m a hop, 2, 6 and 10 hops.
+    let misfit = |place: Position, length_m: f64, hops: [f64; 3]| {
+        let anchors = [Position::ORIGIN, Position::new(8.0, 0.0, 0.0), Position::new(0.0, 8.0, 0.0)];
+        let ranges: Vec<Range> =
+            anchors.iter().zip(hops).map(|(&anchor, hops)| Range::new(anchor, length_m * hops)).collect();
+        let best = multilaterate(&ranges, 2).expect("three anchors");
+        place.distance_m(best)
+    };
+    assert!(misfit(found[2].unwrap(), 1.0, [2.0, 6.0, 10.0]) < 1e-9);
+    assert!(misfit(found[6].unwrap(), end_m, [6.0, 2.0, 14.0]) < 1e-9);
+    assert_eq!(found[8], Some(network.places[8]), "an anchor is where it is");
+    // Least squares weigh far anchors more: (8·8 + 16·sqrt(128))/(64 + 256) m a hop.
+    let squares = DvHop::try_from(DvHopConfig { hop_length: HopLength::LeastSquares, ..DvHopConfig::default() });
+    let found = squares.unwrap().map(&network.knowledge()).unwrap().positions();
+    let end_m = (64.0 + 16.0 * 128.0_f64.sqrt()) / 320.0;
+    assert!(misfit(found[6].unwrap(), end_m, [6.0, 2.0, 14.0]) < 1e-9);
+    network.anchors.truncate(2);
+    assert!(matches!(exact.map(&network.knowledge()), Err(MapError::TooFewAnchors { found: 2, needed: 3, .. })));
+}
+
+#[test]
+fn hops_place_the_nodes_of_a_lattice_within_a_fraction_of_the_radius() {
+    let network = Network::new(lattice([15, 15, 1], 0.2), 17, 2.5, 5.0, 0.0);
+    let dv_hop = DvHop::try_from(DvHopConfig::default()).unwrap().map(&network.knowledge()).unwrap();
+    let mds_map = MdsMap::try_from(MdsMapConfig::default()).unwrap().map(&network.knowledge()).unwrap();
+    // The literature has 0.3 to 0.5 of the radius at lower density.
+    for map in [&dv_hop, &mds_map] {
+        let error_m = mean_error_m(&network, map);
+        assert!(error_m < 0.4 * 2.5, "{}: {error_m}", map.algorithm);
+    }
+    assert_eq!((&dv_hop.frame, &mds_map.frame), (&Frame::World, &Frame::AlignedToAnchors));
+    let relative = MdsMapConfig { frame: FrameConfig::Relative, ..MdsMapConfig::default() };
+    let relative = MdsMap::try_from(relative).unwrap().map(&network.knowledge()).unwrap();
+    assert!(matches!(relative.frame, Frame::Relative(_)));
+    let aligned = relative.aligned_to(&network.truth(), 4);
+    assert!(mean_error_m(&network, &aligned) < mean_error_m(&network, &mds_map) + 0.05);
+}
+
+#[test]
+fn hops_in_space_are_scaled_in_space() {
+    let network = Network::new(lattice([5, 5, 5], 0.1), 7, 1.8, 4.0, 0.0);
+    let mds_map = MdsMap::try_from(MdsMapConfig::default()).unwrap().map(&network.knowledge()).unwrap();
+    let error_m = mean_error_m(&network, &mds_map);
+    assert!(error_m < 0.4 * 1.8, "{error_m}");
+    let dv_hop = DvHop::try_from(DvHopConfig::default()).unwrap().map(&network.knowledge()).unwrap();
+    assert!(mean_error_m(&network, &dv_hop) < 0.6 * 1.8);
 }

@@ -3,3 +3,4 @@
 mod anchored;
 mod hops;
 mod network;
+mod ranges;

@@ -1,0 +1,108 @@
+//! DV-Hop (Niculescu and Nath 2003): hops to anchors times the mean length of a hop, then multilateration.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Anchor, Position};
+use sextant_kernel::SettingError;
+
+use super::graph::{Graph, UNREACHED};
+use super::{check_link_share, default_link_share};
+use crate::lateration::{Range, multilaterate};
+use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// DV-Hop as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DvHopConfig {
+    /// How an anchor works out the length of a hop.
+    pub hop_length: HopLength,
+    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    pub link_share: f64,
+}
+
+/// How an anchor works out the length of a hop from its distances and hops to the other anchors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HopLength {
+    /// Sum of the distances over sum of the hops.
+    #[default]
+    Mean,
+    /// Least squares: sum of distance times hops over sum of squared hops.
+    LeastSquares,
+}
+
+impl Default for DvHopConfig {
+    fn default() -> Self {
+        Self { hop_length: HopLength::default(), link_share: default_link_share() }
+    }
+}
+
+/// DV-Hop. A node takes the length of a hop from the anchor with the fewest hops, the lowest of several. Nodes that reach
+/// fewer anchors than dimensions plus one are not placed. Anchors are where they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DvHop {
+    hop_length: HopLength,
+    link_share: f64,
+}
+
+impl TryFrom<DvHopConfig> for DvHop {
+    type Error = SettingError;
+
+    fn try_from(config: DvHopConfig) -> Result<Self, SettingError> {
+        check_link_share(config.link_share)?;
+        Ok(Self { hop_length: config.hop_length, link_share: config.link_share })
+    }
+}
+
+impl DvHop {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "dv-hop";
+
+    /// What it uses.
+    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four.
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        let dimensions = knowledge.dimensions();
+        let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
+        let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
+        let hops: Vec<Vec<u32>> = anchors.iter().map(|anchor| graph.hops_from(anchor.node.index())).collect();
+        let lengths_m: Vec<Option<f64>> =
+            hops.iter().zip(anchors).map(|(hops, anchor)| self.length_m(anchor, hops, anchors)).collect();
+        let known = knowledge.known_places();
+        let place = |(node, own): (usize, Option<Position>)| {
+            own.or_else(|| {
+                let reached = || (0..anchors.len()).filter(|&anchor| hops[anchor][node] != UNREACHED);
+                let nearest =
+                    reached().filter(|&a| lengths_m[a].is_some()).min_by_key(|&anchor| hops[anchor][node])?;
+                let length_m = lengths_m[nearest]?;
+                let range = |a: usize| Range::new(anchors[a].position, length_m * f64::from(hops[a][node]));
+                multilaterate(&reached().map(range).collect::<Vec<_>>(), dimensions).ok()
+            })
+        };
+        let places = known.into_iter().enumerate().map(place).collect();
+        Ok(TopologyMap::of_places(Self::NAME, places, Frame::World))
+    }
+
+    /// Length of a hop as `anchor`, from which `hops` are counted, sees it [m]; `None` if it reaches no other.
+    fn length_m(&self, anchor: &Anchor, hops: &[u32], anchors: &[Anchor]) -> Option<f64> {
+        let (mut above, mut below) = (0.0, 0.0);
+        for other in anchors.iter().filter(|other| other.node != anchor.node) {
+            let count = hops[other.node.index()];
+            if count == UNREACHED {
+                continue;
+            }
+            let (distance_m, count) = (anchor.position.distance_m(other.position), f64::from(count));
+            let weight = match self.hop_length {
+                HopLength::Mean => 1.0,
+                HopLength::LeastSquares => count,
+            };
+            above += weight * distance_m;
+            below += weight * count;
+        }
+        (below > 0.0).then(|| above / below)
+    }
+}

@@ -1,0 +1,121 @@
+//! MDS-MAP (Shang et al. 2003): classical scaling of hop counts between all pairs of nodes.
+
+use nalgebra::DMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::SettingError;
+
+use super::frame::FrameConfig;
+use super::graph::Graph;
+use super::mds::classical_mds;
+use super::{Dimensions, check_link_share, default_link_share};
+use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// MDS-MAP as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MdsMapConfig {
+    /// What the map is brought to.
+    pub frame: FrameConfig,
+    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    pub link_share: f64,
+    /// Dimensions of the map, 2 or 3; if absent, 2 if the anchors (without any: the stops) share one height, else 3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<u8>,
+}
+
+impl Default for MdsMapConfig {
+    fn default() -> Self {
+        Self { frame: FrameConfig::default(), link_share: default_link_share(), dimensions: None }
+    }
+}
+
+/// MDS-MAP. Each connected part of the network has a map of its own; parts of fewer nodes than dimensions plus two have
+/// none. Needs memory for the hops between all pairs of the nodes of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MdsMap {
+    frame: FrameConfig,
+    link_share: f64,
+    dimensions: Dimensions,
+}
+
+impl TryFrom<MdsMapConfig> for MdsMap {
+    type Error = SettingError;
+
+    fn try_from(config: MdsMapConfig) -> Result<Self, SettingError> {
+        let MdsMapConfig { frame, link_share, dimensions } = config;
+        check_link_share(link_share)?;
+        Ok(Self { frame, link_share, dimensions: Dimensions::try_from(dimensions)? })
+    }
+}
+
+/// Nodes of a part, at most: hops between all pairs of more need over 3 GB.
+pub(super) const MOST_NODES: usize = 20_000;
+
+impl MdsMap {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "mds-map";
+
+    /// What it uses.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        match self.frame {
+            FrameConfig::Anchors => &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors],
+            FrameConfig::Relative => &[KnowledgeKind::Neighbours],
+        }
+    }
+
+    /// Anchors without which there is no map.
+    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+        self.frame.least_anchors(dimensions)
+    }
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooManyNodes`].
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
+        let dimensions = self.dimensions.of(knowledge);
+        let relative = of_parts(&graph, Self::NAME, dimensions, |part| scaled(&graph, part, dimensions))?;
+        self.frame.map(Self::NAME, relative, knowledge, dimensions)
+    }
+}
+
+/// Places of the nodes of each part, and the part of each node.
+type Parts = (Vec<Option<Position>>, Vec<u32>);
+
+/// The places that `map` gives to the nodes of each connected part that is large enough.
+pub(super) fn of_parts(
+    graph: &Graph,
+    algorithm: &'static str,
+    dimensions: usize,
+    map: impl Fn(&[usize]) -> Option<Vec<Position>>,
+) -> Result<Parts, MapError> {
+    let mut places = vec![None; graph.node_count()];
+    let mut part_of = vec![0; graph.node_count()];
+    for (index, part) in (0..).zip(graph.parts()) {
+        if part.len() > MOST_NODES {
+            return Err(MapError::TooManyNodes { algorithm, nodes: part.len(), allowed: MOST_NODES });
+        }
+        let mapped = if part.len() < dimensions + 2 { None } else { map(&part) };
+        for (i, &node) in part.iter().enumerate() {
+            part_of[node] = index;
+            places[node] = mapped.as_ref().map(|places| places[i]);
+        }
+    }
+    Ok((places, part_of))
+}
+
+/// The nodes of `part` scaled by their hops, in hops.
+pub(super) fn scaled(graph: &Graph, part: &[usize], dimensions: usize) -> Option<Vec<Position>> {
+    let mut hops = DMatrix::zeros(part.len(), part.len());
+    for (column, &node) in part.iter().enumerate() {
+        let from_node = graph.hops_from(node);
+        for (row, &other) in part.iter().enumerate() {
+            hops[(row, column)] = f64::from(from_node[other]);
+        }
+    }
+    Some(classical_mds(&hops, dimensions))
+}

@@ -1,0 +1,279 @@
+//! Cooperative maximum likelihood on signal strengths (Patwari et al. 2003): all places at once.
+
+use nalgebra::{Matrix3, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Link, Position};
+use sextant_kernel::SettingError;
+
+use super::centroid::weighted_mean;
+use super::ranging::{Ranging, RangingConfig};
+use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// Cooperative maximum likelihood as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RssMlConfig {
+    /// How power falls with distance.
+    pub ranging: RangingConfig,
+    /// Steps, at most: 1 or more.
+    pub steps: u32,
+}
+
+impl Default for RssMlConfig {
+    fn default() -> Self {
+        Self { ranging: RangingConfig::default(), steps: 200 }
+    }
+}
+
+/// Cooperative maximum likelihood: the minimum of `Σ k (P − P_tx + 10 n log₁₀ |x_i − x_j|/d₀)²` over the places of all
+/// nodes that are no anchors, the sum being over all links, between nodes and with anchors, of k packets of mean
+/// strength P. Packets that were not received do not count, which makes far links look too strong.
+///
+/// By Levenberg and Marquardt's method; the normal equations are never formed but solved by conjugate gradients.
+/// It starts at the centroid of the anchors heard weighted by the inverse squared distance, or of the neighbours placed
+/// before, and finds the minimum next to that. Nodes without a chain of links to an anchor are not placed. Anchors are
+/// where they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RssMl {
+    ranging: Ranging,
+    steps: u32,
+}
+
+impl TryFrom<RssMlConfig> for RssMl {
+    type Error = SettingError;
+
+    fn try_from(config: RssMlConfig) -> Result<Self, SettingError> {
+        if config.steps == 0 {
+            return Err(SettingError::new("steps", 0, "1 or more"));
+        }
+        let ranging = Ranging::try_from(config.ranging).map_err(|error| error.within("ranging"))?;
+        Ok(Self { ranging, steps: config.steps })
+    }
+}
+
+/// Distance below which two nodes count as this far apart [m].
+const LEAST_M: f64 = 1e-3;
+/// A step shorter than this is the last [m].
+const SMALL_M: f64 = 1e-9;
+
+/// A measured link; ends are nodes.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    a: usize,
+    b: usize,
+    rssi_dbm: f64,
+    /// Square root of the number of packets.
+    weight: f64,
+}
+
+impl RssMl {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "rss-ml";
+
+    /// What it uses.
+    pub const USES: &'static [KnowledgeKind] =
+        &[KnowledgeKind::NeighbourRssi, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without what was heard of neighbours and anchors; [`MapError::TooFewAnchors`] below three, in
+    /// space four.
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        let dimensions = knowledge.dimensions();
+        knowledge.anchors(Self::NAME, dimensions + 1)?;
+        let known = knowledge.known_places();
+        let logs = [knowledge.neighbours(Self::NAME)?, knowledge.beacons(Self::NAME)?];
+        let measured = |link: &Link| {
+            Some(Measured {
+                a: link.listener.index(),
+                b: link.sender.index(),
+                rssi_dbm: link.rssi_dbm?,
+                weight: f64::from(link.received).sqrt(),
+            })
+        };
+        let links: Vec<Measured> = logs.iter().flat_map(|log| log.links()).filter_map(measured).collect();
+        let start = self.start(&known, &links);
+        // Links between two anchors tell nothing; nodes without a start take no part.
+        let links: Vec<Measured> = links
+            .into_iter()
+            .filter(|link| start[link.a].is_some() && start[link.b].is_some())
+            .filter(|link| known[link.a].is_none() || known[link.b].is_none())
+            .collect();
+        let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions };
+        let places = fit.minimum(&start, self.steps);
+        let places = start.iter().zip(places).map(|(start, place)| start.map(|_| place)).collect();
+        Ok(TopologyMap::of_places(Self::NAME, places, Frame::World))
+    }
+
+    /// A first place for each node with a chain of links to an anchor.
+    fn start(&self, known: &[Option<Position>], links: &[Measured]) -> Vec<Option<Position>> {
+        let mut of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); known.len()];
+        for link in links {
+            let weight = link.weight.powi(2) * self.ranging.distance_m(link.rssi_dbm).powi(-2);
+            of[link.a].push((link.b, weight));
+            of[link.b].push((link.a, weight));
+        }
+        let mut places = known.to_vec();
+        loop {
+            // Each round places the nodes next to those placed before.
+            let next: Vec<Option<Position>> = (0..known.len())
+                .map(|node| {
+                    places[node].or_else(|| {
+                        let near = of[node].iter().filter_map(|&(other, weight)| Some((places[other]?, weight)));
+                        weighted_mean(&near.collect::<Vec<_>>())
+                    })
+                })
+                .collect();
+            if next.iter().flatten().count() == places.iter().flatten().count() {
+                return places;
+            }
+            places = next;
+        }
+    }
+}
+
+/// A least-squares fit of places to links.
+struct Fit<'a> {
+    ranging: Ranging,
+    links: &'a [Measured],
+    known: &'a [Option<Position>],
+    dimensions: usize,
+}
+
+impl Fit<'_> {
+    fn vector(&self, place: Position) -> Vector3<f64> {
+        Vector3::new(place.x_m, place.y_m, if self.dimensions == 3 { place.z_m } else { 0.0 })
+    }
+
+    /// Residual of a link, and its derivative by the place of the first end; that by the other is the opposite.
+    fn residual(&self, places: &[Position], link: &Measured) -> (f64, Vector3<f64>) {
+        let mut apart = self.vector(places[link.a] - places[link.b]);
+        let mut distance_m = apart.norm();
+        if distance_m < LEAST_M {
+            apart = if distance_m > 0.0 { apart * (LEAST_M / distance_m) } else { Vector3::new(LEAST_M, 0.0, 0.0) };
+            distance_m = LEAST_M;
+        }
+        let slope = link.weight * self.ranging.db_per_decade() / std::f64::consts::LN_10;
+        let residual = link.weight * (link.rssi_dbm - self.ranging.power_dbm(distance_m));
+        (residual, apart * (slope / (distance_m * distance_m)))
+    }
+
+    fn cost(&self, places: &[Position]) -> f64 {
+        self.links.iter().map(|link| self.residual(places, link).0.powi(2)).sum()
+    }
+
+    fn minimum(&self, start: &[Option<Position>], steps: u32) -> Vec<Position> {
+        let mut places: Vec<Position> = start.iter().map(|place| place.unwrap_or_default()).collect();
+        let mut lowest = self.cost(&places);
+        let mut damping = 1e-2;
+        for _ in 0..steps {
+            let slopes: Vec<(f64, Vector3<f64>)> =
+                self.links.iter().map(|link| self.residual(&places, link)).collect();
+            let step = self.step(&slopes, damping);
+            let next: Vec<Position> = places
+                .iter()
+                .zip(&step)
+                .map(|(&place, step)| place - Position::new(step.x, step.y, step.z))
+                .collect();
+            let reached = self.cost(&next);
+            let longest_m = step.iter().map(Vector3::norm).fold(0.0, f64::max);
+            if reached < lowest {
+                (places, lowest) = (next, reached);
+                damping = (damping * 0.3).max(1e-12);
+            } else {
+                damping *= 6.0;
+            }
+            if longest_m <= SMALL_M || damping > 1e12 {
+                break;
+            }
+        }
+        places
+    }
+
+    /// Solves `(JᵀJ + μ D) δ = Jᵀ r`, D being the diagonal blocks of `JᵀJ`, by conjugate gradients with these blocks as
+    /// the preconditioner.
+    fn step(&self, slopes: &[(f64, Vector3<f64>)], damping: f64) -> Vec<Vector3<f64>> {
+        let nodes = self.known.len();
+        let mut blocks = vec![Matrix3::zeros(); nodes];
+        let mut rest = vec![Vector3::zeros(); nodes];
+        for (link, &(residual, slope)) in self.links.iter().zip(slopes) {
+            let square = slope * slope.transpose();
+            for (end, sign) in [(link.a, 1.0), (link.b, -1.0)] {
+                if self.known[end].is_none() {
+                    blocks[end] += square;
+                    rest[end] += slope * (sign * residual);
+                }
+            }
+        }
+        let inverses: Vec<Matrix3<f64>> = blocks.iter().map(|block| self.inverse(block, damping)).collect();
+        let precondition = |rest: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            rest.iter().zip(&inverses).map(|(rest, inverse)| inverse * rest).collect()
+        };
+        let mut solution = vec![Vector3::zeros(); nodes];
+        let mut preconditioned = precondition(&rest);
+        let mut direction = preconditioned.clone();
+        let mut product = dot(&rest, &preconditioned);
+        let target = product * 1e-20;
+        for _ in 0..4 * nodes {
+            if product <= target || product <= 0.0 {
+                break;
+            }
+            let image = self.normal_product(&direction, slopes, &blocks, damping);
+            let length = product / dot(&direction, &image);
+            for i in 0..nodes {
+                solution[i] += direction[i] * length;
+                rest[i] -= image[i] * length;
+            }
+            preconditioned = precondition(&rest);
+            let next = dot(&rest, &preconditioned);
+            for (direction, preconditioned) in direction.iter_mut().zip(&preconditioned) {
+                *direction = preconditioned + *direction * (next / product);
+            }
+            product = next;
+        }
+        solution
+    }
+
+    /// `(JᵀJ + μ D) x`.
+    fn normal_product(
+        &self,
+        x: &[Vector3<f64>],
+        slopes: &[(f64, Vector3<f64>)],
+        blocks: &[Matrix3<f64>],
+        damping: f64,
+    ) -> Vec<Vector3<f64>> {
+        let mut image: Vec<Vector3<f64>> = x.iter().zip(blocks).map(|(x, block)| block * x * damping).collect();
+        for (link, (_, slope)) in self.links.iter().zip(slopes) {
+            let along = slope.dot(&(x[link.a] - x[link.b]));
+            if self.known[link.a].is_none() {
+                image[link.a] += slope * along;
+            }
+            if self.known[link.b].is_none() {
+                image[link.b] -= slope * along;
+            }
+        }
+        image
+    }
+
+    /// The inverse of a damped diagonal block; nothing moves along an axis without a slope.
+    fn inverse(&self, block: &Matrix3<f64>, damping: f64) -> Matrix3<f64> {
+        let mut damped = block * (1.0 + damping);
+        let scale = damped.trace();
+        if scale <= 0.0 {
+            return Matrix3::zeros();
+        }
+        for axis in 0..3 {
+            damped[(axis, axis)] += 1e-12 * scale;
+        }
+        if self.dimensions == 2 {
+            damped[(2, 2)] = scale;
+        }
+        damped.try_inverse().unwrap_or_else(Matrix3::zeros)
+    }
+}
+
+fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

@@ -1,0 +1,284 @@
+//! SMACOF (de Leeuw 1977): stress majorisation of ranges between neighbours.
+
+use nalgebra::{DMatrix, linalg::Cholesky};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{NeighbourLog, Position};
+use sextant_kernel::{NodeId, SettingError};
+
+use super::frame::FrameConfig;
+use super::graph::Graph;
+use super::mds_map::{of_parts, scaled};
+use super::ranging::{Ranging, RangingConfig};
+use super::{Dimensions, check_link_share, default_link_share};
+use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// SMACOF as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SmacofConfig {
+    /// How signal strengths between neighbours become distances.
+    pub ranging: RangingConfig,
+    /// What the map is brought to.
+    pub frame: FrameConfig,
+    /// Rounds, at most: 1 or more.
+    pub rounds: u32,
+    /// The rounds end when one lowers the stress by less than this share of it: 0 or above.
+    pub tolerance: f64,
+    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    pub link_share: f64,
+    /// Dimensions of the map, 2 or 3; if absent, 2 if the anchors (without any: the stops) share one height, else 3.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<u8>,
+}
+
+impl Default for SmacofConfig {
+    fn default() -> Self {
+        Self {
+            ranging: RangingConfig::default(),
+            frame: FrameConfig::default(),
+            rounds: 300,
+            tolerance: 1e-6,
+            link_share: default_link_share(),
+            dimensions: None,
+        }
+    }
+}
+
+/// SMACOF. The distance of two neighbours is that of the mean strength of all packets that they received of each other;
+/// pairs that are no neighbours weigh nothing. It starts at the map of MDS-MAP, scaled to the distances. Each connected
+/// part of the network has a map of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smacof {
+    ranging: Ranging,
+    frame: FrameConfig,
+    rounds: u32,
+    tolerance: f64,
+    link_share: f64,
+    dimensions: Dimensions,
+}
+
+impl TryFrom<SmacofConfig> for Smacof {
+    type Error = SettingError;
+
+    fn try_from(config: SmacofConfig) -> Result<Self, SettingError> {
+        let SmacofConfig { ranging, frame, rounds, tolerance, link_share, dimensions } = config;
+        if rounds == 0 {
+            return Err(SettingError::new("rounds", 0, "1 or more"));
+        }
+        check_link_share(link_share)?;
+        Ok(Self {
+            ranging: Ranging::try_from(ranging).map_err(|error| error.within("ranging"))?,
+            frame,
+            rounds,
+            tolerance: SettingError::not_negative("tolerance", tolerance)?,
+            link_share,
+            dimensions: Dimensions::try_from(dimensions)?,
+        })
+    }
+}
+
+impl Smacof {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "smacof";
+
+    /// What it uses.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        match self.frame {
+            FrameConfig::Anchors => &[KnowledgeKind::NeighbourRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss],
+            FrameConfig::Relative => &[KnowledgeKind::NeighbourRssi, KnowledgeKind::PathLoss],
+        }
+    }
+
+    /// Anchors without which there is no map.
+    pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
+        self.frame.least_anchors(dimensions)
+    }
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooManyNodes`].
+    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+        let log = knowledge.neighbours(Self::NAME)?;
+        let graph = Graph::of(log, self.link_share);
+        let dimensions = self.dimensions.of(knowledge);
+        let map = |part: &[usize]| {
+            let dissimilarities = self.dissimilarities(log, &graph, part);
+            let mut places = matrix(&scaled(&graph, part, dimensions)?, dimensions);
+            fit_scale(&mut places, &dissimilarities);
+            let places = majorised(places, &dissimilarities, self.rounds, self.tolerance)?;
+            let z = |row: usize| if dimensions == 3 { places[(row, 2)] } else { 0.0 };
+            Some((0..part.len()).map(|i| Position::new(places[(i, 0)], places[(i, 1)], z(i))).collect())
+        };
+        let relative = of_parts(&graph, Self::NAME, dimensions, map)?;
+        self.frame.map(Self::NAME, relative, knowledge, dimensions)
+    }
+
+    /// The pairs of neighbours in `part`, by place in it, with their distances.
+    fn dissimilarities(&self, log: &NeighbourLog, graph: &Graph, part: &[usize]) -> Vec<Dissimilarity> {
+        let mut pairs = Vec::new();
+        for (a, &node) in part.iter().enumerate() {
+            for &other in graph.neighbours(node).iter().filter(|&&other| other as usize > node) {
+                let Ok(b) = part.binary_search(&(other as usize)) else { continue };
+                let (from, to) = (NodeId::from_index(node), NodeId(other));
+                let (mut sum_dbm, mut packets) = (0.0, 0.0);
+                for link in [log.link(from, to), log.link(to, from)].into_iter().flatten() {
+                    if let Some(rssi_dbm) = link.rssi_dbm {
+                        sum_dbm += f64::from(link.received) * rssi_dbm;
+                        packets += f64::from(link.received);
+                    }
+                }
+                if packets > 0.0 {
+                    pairs.push(Dissimilarity { a, b, distance_m: self.ranging.distance_m(sum_dbm / packets) });
+                }
+            }
+        }
+        pairs
+    }
+}
+
+/// How far apart two nodes are measured to be; all pairs that are given weigh the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Dissimilarity {
+    a: usize,
+    b: usize,
+    distance_m: f64,
+}
+
+fn matrix(places: &[Position], dimensions: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(places.len(), dimensions, |row, column| <[f64; 3]>::from(places[row])[column])
+}
+
+fn apart(places: &DMatrix<f64>, pair: &Dissimilarity) -> f64 {
+    (places.row(pair.a) - places.row(pair.b)).norm()
+}
+
+/// Scales `places` so that their stress is the least.
+fn fit_scale(places: &mut DMatrix<f64>, pairs: &[Dissimilarity]) {
+    let (mut product, mut square) = (0.0, 0.0);
+    for pair in pairs {
+        let distance = apart(places, pair);
+        product += distance * pair.distance_m;
+        square += distance * distance;
+    }
+    if square > 0.0 {
+        *places *= product / square;
+    }
+}
+
+/// Raw stress: sum over the pairs of the squared difference of distances.
+fn stress(places: &DMatrix<f64>, pairs: &[Dissimilarity]) -> f64 {
+    pairs.iter().map(|pair| (apart(places, pair) - pair.distance_m).powi(2)).sum()
+}
+
+/// The matrix whose solutions are the Guttman transforms: `V + 1 1ᵀ/n`, V having −1 for each pair and its row sums made
+/// zero by the diagonal. `None` if the pairs leave a part of the nodes apart.
+fn factored(nodes: usize, pairs: &[Dissimilarity]) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
+    let mut v = DMatrix::from_element(nodes, nodes, 1.0 / nodes as f64);
+    for &Dissimilarity { a, b, .. } in pairs {
+        v[(a, b)] -= 1.0;
+        v[(b, a)] -= 1.0;
+        v[(a, a)] += 1.0;
+        v[(b, b)] += 1.0;
+    }
+    // A part apart leaves V + 1 1ᵀ/n singular up to rounding.
+    v.cholesky().filter(|cholesky| cholesky.l_dirty().diagonal().min() > 1e-6)
+}
+
+/// One step of majorisation, `X = V⁺ B(Z) Z`: the stress never rises.
+fn transformed(
+    places: &DMatrix<f64>,
+    pairs: &[Dissimilarity],
+    factor: &Cholesky<f64, nalgebra::Dyn>,
+) -> DMatrix<f64> {
+    let mut product = DMatrix::zeros(places.nrows(), places.ncols());
+    for pair in pairs {
+        let apart = places.row(pair.a) - places.row(pair.b);
+        let distance = apart.norm();
+        if distance > 0.0 {
+            let pull = apart * (pair.distance_m / distance);
+            let mut a = product.row_mut(pair.a);
+            a += &pull;
+            let mut b = product.row_mut(pair.b);
+            b -= &pull;
+        }
+    }
+    factor.solve_mut(&mut product);
+    product
+}
+
+/// `places` after majorisation; `None` if the pairs do not hold them together.
+fn majorised(mut places: DMatrix<f64>, pairs: &[Dissimilarity], rounds: u32, tolerance: f64) -> Option<DMatrix<f64>> {
+    let factor = factored(places.nrows(), pairs)?;
+    let mut before = stress(&places, pairs);
+    for _ in 0..rounds {
+        places = transformed(&places, pairs, &factor);
+        let after = stress(&places, pairs);
+        if before - after <= tolerance * before {
+            break;
+        }
+        before = after;
+    }
+    Some(places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_kernel::{Purpose, Seed};
+
+    fn random(rows: usize, seed: u64) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, 2, |i, j| 10.0 * Seed(seed).uniform(Purpose::Mapper, [i as u64, j as u64, 11]))
+    }
+
+    fn pairs(places: &DMatrix<f64>, noise: f64) -> Vec<Dissimilarity> {
+        let mut pairs = Vec::new();
+        for a in 0..places.nrows() {
+            for b in a + 1..places.nrows() {
+                let distance = (places.row(a) - places.row(b)).norm();
+                let factor = 1.0 + noise * Seed(4).normal(Purpose::Mapper, [a as u64, b as u64, 12]);
+                if distance < 5.0 {
+                    pairs.push(Dissimilarity { a, b, distance_m: distance * factor.abs() });
+                }
+            }
+        }
+        pairs
+    }
+
+    #[test]
+    fn the_stress_never_rises_from_any_start() {
+        for seed in 0..20 {
+            let pairs = pairs(&random(40, seed), 0.3);
+            let factor = factored(40, &pairs).expect("a connected network");
+            let mut places = random(40, seed + 100);
+            let mut before = stress(&places, &pairs);
+            for round in 0..60 {
+                places = transformed(&places, &pairs, &factor);
+                let after = stress(&places, &pairs);
+                assert!(after <= before * (1.0 + 1e-12), "seed {seed}, round {round}: {before} to {after}");
+                before = after;
+            }
+        }
+    }
+
+    #[test]
+    fn exact_distances_are_a_fixed_point_without_stress() {
+        let places = random(30, 3);
+        let pairs = pairs(&places, 0.0);
+        let factor = factored(30, &pairs).expect("a connected network");
+        let next = transformed(&places, &pairs, &factor);
+        assert!(stress(&places, &pairs) < 1e-20 && stress(&next, &pairs) < 1e-18);
+        let mut shrunk = places.clone() * 0.1;
+        fit_scale(&mut shrunk, &pairs);
+        assert!((shrunk - places).amax() < 1e-9);
+    }
+
+    #[test]
+    fn a_network_that_falls_apart_has_no_factor() {
+        let apart = [Dissimilarity { a: 0, b: 1, distance_m: 1.0 }, Dissimilarity { a: 2, b: 3, distance_m: 1.0 }];
+        assert!(factored(4, &apart).is_none());
+    }
+}
