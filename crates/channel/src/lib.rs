@@ -48,6 +48,7 @@ mod path_loss;
 mod position;
 mod power;
 mod reception;
+mod sector;
 mod shadowing;
 mod shape;
 mod span;
@@ -66,5 +67,6 @@ pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
     Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
 };
+pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, SpatialConfig};
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

@@ -6,7 +6,7 @@ mod view;
 
 use sextant_kernel::{NodeId, SimTime};
 
-use crate::Position;
+use crate::{Position, SectorTable};
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
 pub use view::{Receptions, ReceptionsIter};
@@ -61,6 +61,7 @@ pub struct ReceptionLog {
     /// Where the receptions of each node begin, and the end of the last.
     first: Vec<usize>,
     contacts: Vec<Contact>,
+    sectors: Option<SectorTable>,
 }
 
 impl Default for ReceptionLog {
@@ -72,6 +73,7 @@ impl Default for ReceptionLog {
             columns: Columns::default(),
             first: vec![0],
             contacts: Vec::new(),
+            sectors: None,
         }
     }
 }
@@ -117,6 +119,18 @@ pub enum LogError {
         /// Index of the stop.
         stop: u32,
     },
+    /// A reception in a sector that the listener does not have.
+    #[error("node `{node}` at stop {stop} was heard in sector {sector}; the listener's sectors are {known}")]
+    UnknownSector {
+        /// Name of the node.
+        node: String,
+        /// Index of the stop.
+        stop: u32,
+        /// The sector named.
+        sector: u8,
+        /// The sectors that there are.
+        known: String,
+    },
     /// A stop that is nowhere.
     #[error("stop {stop} is at ({x_m}, {y_m}, {z_m}); coordinates are finite metres")]
     NotFinite {
@@ -148,6 +162,39 @@ impl ReceptionLog {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(receptions);
         builder.build(names, stops, contacts)
+    }
+
+    /// The same log of a listener that has these sectors.
+    ///
+    /// # Errors
+    /// If a reception names a sector that is not among them.
+    pub fn with_sectors(self, sectors: SectorTable) -> Result<Self, LogError> {
+        self.check_sectors(&sectors)?;
+        Ok(Self { sectors: Some(sectors), ..self })
+    }
+
+    /// Whether every sector of a reception is among `sectors`.
+    ///
+    /// # Errors
+    /// If one is not.
+    pub fn check_sectors(&self, sectors: &SectorTable) -> Result<(), LogError> {
+        let heard_in = |id: Option<u8>| id.filter(|&id| !sectors.contains(id));
+        let place = self.receptions().sectors().and_then(|ids| ids.iter().position(|&id| heard_in(id).is_some()));
+        match place.and_then(|at| self.receptions().get(at)) {
+            Some(Reception { node, stop, sector: Some(sector), .. }) => Err(LogError::UnknownSector {
+                node: self.names[node.index()].clone(),
+                stop,
+                sector,
+                known: sectors.identities(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The sectors of the listener, if the log tells.
+    #[must_use]
+    pub fn sectors(&self) -> Option<&SectorTable> {
+        self.sectors.as_ref()
     }
 
     /// Number of nodes, heard or not.

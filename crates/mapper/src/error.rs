@@ -67,6 +67,9 @@ pub enum MapError {
         /// Number of nodes.
         nodes: usize,
     },
+    /// The log and the settings do not agree.
+    #[error("{0}")]
+    Log(#[from] sextant_channel::LogError),
     /// A node without a likelihood: never heard, or heard only where no grid vertex is in range.
     #[error("node `{name}` cannot be placed: it was never heard within range of the grid")]
     NotHeard {

@@ -6,8 +6,11 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError};
 
+use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
-use crate::{Estimate, Frame, Lattice, MapError, ProfileConfig, ReceptionProfile, Surface, TopologyMap};
+use crate::{
+    Estimate, Frame, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig, Surface, TopologyMap,
+};
 
 /// ML-TM as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,6 +30,9 @@ pub struct MlTmConfig {
     /// plane of the stops, any other from `range_m` below to `range_m` above them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
+    /// What is made of the antenna sectors in which nodes were heard. If absent, those that the log tells of are evidence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sectors: Option<SectorsConfig>,
     /// Memory that the grid window of one node may need [MB]; 512 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_memory_mb: Option<u32>,
@@ -68,6 +74,7 @@ impl MlTmConfig {
             estimate: EstimateKind::default(),
             ties: TieRule::default(),
             z_range_m: None,
+            sectors: None,
             max_memory_mb: None,
         }
     }
@@ -77,11 +84,12 @@ impl MlTmConfig {
 ///
 /// The likelihood of node i at vertex g is the product over all stops of S(d) for each packet received and of
 /// 1 − S(d) for each packet missed, a stop without an entry in the log counting as one packet missed, and `0` of
-/// `0` as no evidence.
+/// `0` as no evidence. Where a reception is in a known antenna sector, vertices outside of it are as far as those beyond R:
+/// the reception is impossible, or left to the floor (chapter 4 of the thesis).
 ///
-/// **Search set.** The vertices nearer than R to every stop that received from the node, as far as their
+/// **Search set.** The vertices nearer than R to every stop that received from the node and in its sector, as far as their
 /// likelihood is above zero. If there are none, the node is *infeasible*: its estimate says so, and the search set
-/// is all vertices nearer than R to any such stop, under the profile clamped at least to `[10⁻⁶, 1 − 10⁻⁶]`.
+/// is all vertices nearer than R to any such stop and in its sector, under the profile clamped at least to `[10⁻⁶, 1 − 10⁻⁶]`.
 /// Within the search set the answer is exact: the same vertex and the same number of ties as a scan of every vertex
 /// with the product over every stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +99,7 @@ pub struct MlTm {
     estimate: EstimateKind,
     ties: TieRule,
     z_range_m: Option<[f64; 2]>,
+    sectors: SectorSettings,
     allowed_bytes: u64,
 }
 
@@ -129,7 +138,7 @@ impl MlTm {
     /// Nodes that were never heard are not placed; nor are nodes heard only where no vertex is in range.
     ///
     /// # Errors
-    /// [`MapError::GridTooLarge`].
+    /// [`MapError::GridTooLarge`]; [`MapError::Log`] if a sector of the log is not among those of the settings.
     pub fn map(&self, log: &ReceptionLog) -> Result<TopologyMap, MapError> {
         let mut map = TopologyMap {
             algorithm: Self::NAME,
@@ -142,7 +151,7 @@ impl MlTm {
             return Ok(map);
         }
         let lattice = self.lattice(log)?;
-        let solver = Solver::new(&lattice, log.stops(), &self.profile);
+        let solver = self.solver(&lattice, log)?;
         let solved: Vec<(Option<Estimate>, u64)> = (0..log.node_count())
             .into_par_iter()
             .with_min_len(32)
@@ -167,11 +176,16 @@ impl MlTm {
         let name =
             log.names().get(node.index()).ok_or(MapError::UnknownNode { node: node.0, nodes: log.node_count() })?;
         let lattice = self.lattice(log)?;
-        let solver = Solver::new(&lattice, log.stops(), &self.profile);
+        let solver = self.solver(&lattice, log)?;
         let mut vertices = Vec::new();
         let search = solver.search(&mut solver.scratch(), log.of(node), f64::INFINITY, &mut vertices);
         Surface::of_vertices(&lattice, &vertices, search.infeasible)
             .ok_or_else(|| MapError::NotHeard { name: name.clone() })
+    }
+
+    fn solver<'a>(&'a self, lattice: &'a Lattice, log: &'a ReceptionLog) -> Result<Solver<'a>, MapError> {
+        let sectors = self.sectors.table(log)?.map(|table| (table, self.sectors.tolerance));
+        Ok(Solver::new(lattice, log.stops(), &self.profile, sectors))
     }
 
     fn estimate(
@@ -236,7 +250,7 @@ impl TryFrom<MlTmConfig> for MlTm {
     type Error = SettingError;
 
     fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
-        let MlTmConfig { grid_step_m, profile, estimate, ties, z_range_m, max_memory_mb } = config;
+        let MlTmConfig { grid_step_m, profile, estimate, ties, z_range_m, sectors, max_memory_mb } = config;
         SettingError::positive("grid_step_m", grid_step_m)?;
         let profile = ReceptionProfile::for_grid(profile, grid_step_m).map_err(|error| error.within("profile"))?;
         if grid_step_m > profile.range_m() {
@@ -252,11 +266,13 @@ impl TryFrom<MlTmConfig> for MlTm {
                 "two finite heights, the lower one first",
             ));
         }
+        let sectors =
+            SectorSettings::try_from(sectors.unwrap_or_default()).map_err(|error| error.within("sectors"))?;
         let memory_mb = max_memory_mb.unwrap_or(DEFAULT_MEMORY_MB);
         if memory_mb == 0 {
             return Err(SettingError::new("max_memory_mb", 0, "1 or more"));
         }
         let allowed_bytes = u64::from(memory_mb) * 1_000_000;
-        Ok(Self { grid_step_m, profile, estimate, ties, z_range_m, allowed_bytes })
+        Ok(Self { grid_step_m, profile, estimate, ties, z_range_m, sectors, allowed_bytes })
     }
 }

@@ -18,17 +18,19 @@ mod rows;
 mod score;
 mod screen;
 mod sink;
+mod wedges;
 
-use sextant_channel::{Position, Receptions, Stop};
+use sextant_channel::{Position, Receptions, SectorTable, Stop};
 
 use crate::cells::CellIndex;
-use crate::{Lattice, ReceptionProfile};
+use crate::{Lattice, ReceptionProfile, SectorTolerance};
 use curve::Curve;
 use evidence::Evidence;
 use rows::Rows;
 pub(crate) use score::Survivors;
 use score::{Admission, Scorer};
 pub(crate) use sink::{Moments, Peak, Sink};
+use wedges::Wedges;
 
 /// A survey ready to be searched for any of its nodes.
 #[derive(Debug)]
@@ -40,6 +42,8 @@ pub(crate) struct Solver<'a> {
     curve: Curve,
     /// The profile with a floor and a ceiling, for nodes that no vertex explains.
     clamped: Curve,
+    /// Sectors, if they are evidence.
+    wedges: Option<Wedges>,
 }
 
 /// Memory that a thread uses again for each node.
@@ -60,11 +64,17 @@ pub(crate) struct Search {
 }
 
 impl<'a> Solver<'a> {
-    pub(crate) fn new(lattice: &'a Lattice, stops: &'a [Stop], profile: &ReceptionProfile) -> Self {
+    pub(crate) fn new(
+        lattice: &'a Lattice,
+        stops: &'a [Stop],
+        profile: &ReceptionProfile,
+        sectors: Option<(&SectorTable, SectorTolerance)>,
+    ) -> Self {
         let curve = Curve::new(profile);
         let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
         let cells = CellIndex::new(&places, 0.25 * profile.range_m());
-        Self { lattice, stops, cells, clamped: curve.clamped(), curve }
+        let wedges = sectors.map(|(table, tolerance)| Wedges::new(table, tolerance, lattice, profile.range_m()));
+        Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges }
     }
 
     pub(crate) fn lattice(&self) -> &'a Lattice {
@@ -86,11 +96,12 @@ impl<'a> Solver<'a> {
     ) -> Search {
         let Scratch { evidence, rows, survivors } = scratch;
         let mut search = Search::default();
-        evidence.read(receptions, self.stops);
+        let wedges = self.wedges.as_ref();
+        evidence.read(receptions, self.stops, wedges);
         if evidence.heard_packets() > 0 {
             let mut scorer = self.scorer(&self.curve, Admission::WithinAll, evidence, survivors);
-            if rows.intersection(self.lattice, self.curve.range_m, scorer.evidence.receptions()) {
-                rows.each_span(self.lattice, self.curve.range_m, |row, span| scorer.push(row, span, sink));
+            if rows.intersection(self.lattice, self.curve.range_m, scorer.evidence.receptions(), wedges) {
+                rows.each_span(self.lattice, self.curve.range_m, wedges, |row, span| scorer.push(row, span, sink));
             }
             scorer.flush(sink);
             search.evaluated = scorer.evaluated;
@@ -123,7 +134,7 @@ impl<'a> Solver<'a> {
         scorer.flush(&mut known);
         let cap = self.clamped.most_outliers(scorer.evidence, known.highest() - margin - Peak::TOLERANCE);
         if rows.relaxed(self.lattice, self.clamped.range_m, scorer.evidence.receptions(), cap) {
-            rows.each_covered(self.lattice, self.clamped.range_m, cap, |row, vertex| {
+            rows.each_covered(self.lattice, self.clamped.range_m, self.wedges.as_ref(), cap, |row, vertex| {
                 scorer.push(row, vertex..vertex + 1, sink);
             });
         }
@@ -143,6 +154,7 @@ impl<'a> Solver<'a> {
             cells: &self.cells,
             curve,
             admission,
+            wedges: self.wedges.as_ref(),
             evidence,
             survivors,
             any_admitted: false,

@@ -1,11 +1,13 @@
 //! ML-TM against the formula of the thesis, written down as it stands and evaluated at every vertex.
 
 use proptest::prelude::*;
-use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{
+    EvenSectorsConfig, LogError, Position, Reception, ReceptionLog, SectorConfig, SectorTable, Stop,
+};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 use sextant_mapper::{
-    EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TableProfile, TieRule,
-    TrapezoidConfig,
+    EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, SectorLayoutConfig,
+    SectorTolerance, SectorsConfig, TableProfile, TieRule, TrapezoidConfig,
 };
 
 const LITERAL_FLOOR: f64 = 1e-6;
@@ -35,6 +37,7 @@ struct Oracle<'a> {
     table: Option<&'a TableProfile>,
     log: &'a ReceptionLog,
     lattice: &'a Lattice,
+    tolerance: SectorTolerance,
 }
 
 impl Oracle<'_> {
@@ -52,14 +55,63 @@ impl Oracle<'_> {
         s.max(floor).min(ceiling)
     }
 
+    /// Whether the direction from the stop of a reception to the vertex is in the sector of the reception, by angles.
+    fn is_in_sector(&self, vertex: Position, reception: &Reception) -> bool {
+        let sector = self.log.sectors().zip(reception.sector).and_then(|(table, id)| {
+            table.iter().find(|sector| sector.sector == id).filter(|_| self.tolerance != SectorTolerance::Unlimited)
+        });
+        let Some(sector) = sector else {
+            return true;
+        };
+        let apart = vertex - self.log.stops()[reception.stop as usize].position;
+        let across = apart.x_m.hypot(apart.y_m);
+        let (azimuth, elevation) = (apart.y_m.atan2(apart.x_m), apart.z_m.atan2(across));
+        let (from, width) = (sector.azimuth_from_deg.to_radians(), azimuth_width_deg(sector).to_radians());
+        let [low, high] = [sector.elevation_from_deg, sector.elevation_to_deg].map(f64::to_radians);
+        let turn = std::f64::consts::TAU;
+        match self.tolerance {
+            SectorTolerance::Angular => {
+                let margin = (self.lattice.step_m() / self.profile.range_m).atan();
+                let off_axis = (azimuth - from - 0.5 * width + 2.5 * turn).rem_euclid(turn) - 0.5 * turn;
+                // At the stop itself, and right above it, a direction is rounding.
+                apart.length_m() <= 1e-9
+                    || (across <= 1e-9 || off_axis.abs() <= 0.5 * width + margin)
+                        && (low - margin..=high + margin).contains(&elevation)
+            }
+            _ => {
+                let h = self.lattice.half_diagonal_m();
+                // Distances beyond an edge; the third line is what lies behind.
+                let beyond_first = -across * (azimuth - from).sin();
+                let beyond_last = -across * (from + width - azimuth).sin();
+                let behind = -across * (azimuth - from - 0.5 * width).cos();
+                let half_turn = std::f64::consts::PI;
+                let azimuth_fits = if width > half_turn {
+                    width >= turn || beyond_first <= h || beyond_last <= h
+                } else {
+                    beyond_first <= h && beyond_last <= h && behind <= h
+                };
+                let far = apart.length_m();
+                azimuth_fits
+                    && (sector.elevation_from_deg <= -90.0 || far * (low - elevation).sin() <= h)
+                    && (sector.elevation_to_deg >= 90.0 || far * (elevation - high).sin() <= h)
+                    && -far * (elevation - 0.5 * (low + high)).cos() <= h
+            }
+        }
+    }
+
     fn product(&self, node: NodeId, vertex: Position, floor: f64, ceiling: f64) -> f64 {
         let mut product = 1.0;
         for (stop, place) in (0..).zip(self.log.stops()) {
             let counts = self.log.of(node).iter().find(|r| r.stop == stop);
             let (received, sent) = counts.map_or((0, 1), |r| (r.received, r.sent));
             let s = self.s(vertex.distance_m(place.position), floor, ceiling);
+            let in_sector = counts.is_none_or(|reception| self.is_in_sector(vertex, &reception));
             for packet in 0..sent {
-                product *= if packet < received { s } else { 1.0 - s };
+                product *= match (packet < received, in_sector) {
+                    (true, true) => s,
+                    (true, false) => floor,
+                    (false, _) => 1.0 - s,
+                };
             }
         }
         product
@@ -67,27 +119,24 @@ impl Oracle<'_> {
 
     /// Vertices of the search set with their likelihoods, and whether the node is infeasible.
     fn likelihoods(&self, node: NodeId) -> (Vec<(u64, f64)>, bool) {
-        let receivers: Vec<Position> = self
-            .log
-            .of(node)
-            .iter()
-            .filter(|r| r.received > 0)
-            .map(|r| self.log.stops()[r.stop as usize].position)
-            .collect();
+        let receivers: Vec<Reception> = self.log.of(node).iter().filter(|r| r.received > 0).collect();
         let range_squared = self.profile.range_m.powi(2);
-        let near = |a: Position, b: Position| (a - b).dot(a - b) < range_squared;
+        let near = |vertex: Position, reception: &Reception| {
+            let apart = vertex - self.log.stops()[reception.stop as usize].position;
+            apart.dot(apart) < range_squared && self.is_in_sector(vertex, reception)
+        };
         let (floor, ceiling) = (self.profile.floor, self.profile.ceiling);
         let mut strict = Vec::new();
         let mut relaxed = Vec::new();
         for index in 0..self.lattice.len() {
             let vertex = self.lattice.position(self.lattice.vertex(index));
-            if !receivers.is_empty() && receivers.iter().all(|&place| near(vertex, place)) {
+            if !receivers.is_empty() && receivers.iter().all(|reception| near(vertex, reception)) {
                 let product = self.product(node, vertex, floor, ceiling);
                 if product > 0.0 {
                     strict.push((index, product));
                 }
             }
-            if receivers.iter().any(|&place| near(vertex, place)) {
+            if receivers.iter().any(|reception| near(vertex, reception)) {
                 let (floor, ceiling) = (floor.max(LITERAL_FLOOR), ceiling.min(1.0 - LITERAL_FLOOR));
                 relaxed.push((index, self.product(node, vertex, floor, ceiling)));
             }
@@ -118,6 +167,11 @@ impl Oracle<'_> {
     }
 }
 
+fn azimuth_width_deg(sector: &SectorConfig) -> f64 {
+    let width_deg = sector.azimuth_to_deg - sector.azimuth_from_deg;
+    if width_deg >= 360.0 { 360.0 } else { width_deg.rem_euclid(360.0) }
+}
+
 /// A small survey: stops anywhere or exactly on vertices, up to three packets a stop.
 #[derive(Clone, Debug)]
 struct Case {
@@ -126,6 +180,8 @@ struct Case {
     step_m: f64,
     stops: Vec<Position>,
     receptions: Vec<Reception>,
+    sectors: Option<SectorTable>,
+    tolerance: SectorTolerance,
 }
 
 const NODES: u32 = 3;
@@ -167,7 +223,8 @@ fn case(height_m: f64, step_m: f64, range_m: std::ops::Range<f64>) -> impl Strat
                 }
             }
         }
-        Case { profile, table: Vec::new(), step_m, stops, receptions }
+        let (sectors, tolerance) = (None, SectorTolerance::default());
+        Case { profile, table: Vec::new(), step_m, stops, receptions, sectors, tolerance }
     })
 }
 
@@ -184,10 +241,59 @@ fn table_case(height_m: f64, step_m: f64, range_m: std::ops::Range<f64>) -> impl
     })
 }
 
+/// The same heard in sectors: most of those of a place where the node may be, some of any other place, some unknown.
+fn sector_case(height_m: f64, step_m: f64, range_m: std::ops::Range<f64>) -> impl Strategy<Value = Case> {
+    let elevations = prop_oneof![
+        Just([-90.0, 90.0]),
+        Just([-90.0, 0.0]),
+        Just([0.0, 90.0]),
+        (-90.0..30.0, 1.0..60.0).prop_map(|(low, tall): (f64, f64)| [low, low + tall]),
+        (60.0..80.0).prop_map(|low| [low, 90.0]),
+    ];
+    let width = prop_oneof![2.0..90.0, 90.0..180.0, Just(180.0), 180.0..350.0, Just(360.0)];
+    let sectors = proptest::collection::vec((-200.0..400.0, width, elevations), 1..6);
+    let place = (0.0..6.0, 0.0..6.0, 0.0..=height_m);
+    let choices = proptest::collection::vec(0_u8..20, 1..40);
+    (case(height_m, step_m, range_m), sectors, proptest::array::uniform3(place), choices, any::<bool>()).prop_map(
+        |(mut case, sectors, places, choices, is_angular)| {
+            let sectors = (0..).zip(&sectors).map(|(sector, &(from, width, [low, high]))| SectorConfig {
+                sector: 3 * sector,
+                azimuth_from_deg: from,
+                azimuth_to_deg: from + width,
+                elevation_from_deg: low,
+                elevation_to_deg: high,
+            });
+            let sectors: Vec<SectorConfig> = sectors.collect();
+            for (reception, &choice) in case.receptions.iter_mut().zip(choices.iter().cycle()) {
+                let (x, y, z) = places[reception.node.index()];
+                let apart = Position::new(x, y, z) - case.stops[reception.stop as usize];
+                let azimuth_deg = apart.y_m.atan2(apart.x_m).to_degrees();
+                let elevation_deg = apart.z_m.atan2(apart.x_m.hypot(apart.y_m)).to_degrees();
+                let points_there = |sector: &&SectorConfig| {
+                    (azimuth_deg - sector.azimuth_from_deg).rem_euclid(360.0) <= azimuth_width_deg(sector)
+                        && (sector.elevation_from_deg..=sector.elevation_to_deg).contains(&elevation_deg)
+                };
+                reception.sector = match choice {
+                    0 => sectors.first().map(|sector| sector.sector),
+                    1 | 2 => None,
+                    _ => sectors.iter().find(points_there).map(|sector| sector.sector),
+                };
+            }
+            let tolerance = if is_angular { SectorTolerance::Angular } else { SectorTolerance::Positional };
+            let sectors = SectorTable::new(sectors).expect("sound sectors");
+            Case { sectors: Some(sectors), tolerance, ..case }
+        },
+    )
+}
+
 fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
-    let log = log(NODES, &case.stops, case.receptions);
+    let mut log = log(NODES, &case.stops, case.receptions);
+    if let Some(sectors) = case.sectors {
+        log = log.with_sectors(sectors).expect("sectors of the table");
+    }
     let config = MlTmConfig {
         ties: TieRule::First,
+        sectors: Some(SectorsConfig { tolerance: case.tolerance, layout: None }),
         ..MlTmConfig::new(case.step_m, ProfileConfig::Trapezoid(case.profile.clone()))
     };
     let mut argmax = ml_tm(config.clone());
@@ -202,7 +308,7 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
     let lattice = argmax.lattice(&log).expect("a lattice");
     let table = if let ReceptionProfile::Table(table) = argmax.profile() { Some(table) } else { None };
     let profile = TrapezoidConfig { range_m: argmax.profile().range_m(), ..case.profile.clone() };
-    let oracle = Oracle { profile: &profile, table, log: &log, lattice: &lattice };
+    let oracle = Oracle { profile: &profile, table, log: &log, lattice: &lattice, tolerance: case.tolerance };
     let (argmax_map, posterior_map) = (argmax.map(&log).expect("a map"), posterior.map(&log).expect("a map"));
     for node in 0..NODES {
         let (likelihoods, infeasible) = oracle.likelihoods(NodeId(node));
@@ -247,6 +353,20 @@ proptest! {
 
     #[test]
     fn space_has_the_argmax_ties_and_mean_of_the_literal_product(case in case(3.0, 0.8, 1.0..2.5)) {
+        agrees_with_the_literal_product(case)?;
+    }
+
+    #[test]
+    fn sectors_in_the_plane_have_the_argmax_ties_and_mean_of_the_literal_product(
+        case in sector_case(0.0, 0.5, 1.5..6.0),
+    ) {
+        agrees_with_the_literal_product(case)?;
+    }
+
+    #[test]
+    fn sectors_in_space_have_the_argmax_ties_and_mean_of_the_literal_product(
+        case in sector_case(3.0, 0.8, 1.5..4.0),
+    ) {
         agrees_with_the_literal_product(case)?;
     }
 
@@ -406,6 +526,42 @@ fn nodes_never_heard_are_not_placed() {
     assert!(matches!(ml_tm.surface(&partly, NodeId(7)), Err(MapError::UnknownNode { node: 7, nodes: 3 })));
     let silent = ml_tm.map(&log(2, &[], Vec::new())).unwrap();
     assert_eq!((silent.mapped(), silent.unmapped(), silent.vertices_evaluated), (0, 2, 0));
+}
+
+#[test]
+fn sectors_come_from_the_settings_or_from_the_log_and_must_be_known() {
+    // Heard at two stops of a lane, each time to the left: the mirror image on the right is ruled out.
+    let stops = [-1.0, 0.0, 1.0].map(|x| Position::new(x, 0.0, 0.0));
+    let heard = |sector| [0, 2].map(|stop| Reception { sector: Some(sector), ..entry(0, stop, 1, 1) }).to_vec();
+    let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 0.5, 4.0));
+    let even = EvenSectorsConfig { azimuth_sectors: 4, first_azimuth_deg: 0.0, elevations_deg: vec![[-90.0, 90.0]] };
+    let layout = Some(SectorLayoutConfig::Even(even.clone()));
+    let with = |sectors| ml_tm(MlTmConfig { sectors, ..MlTmConfig::new(0.25, profile.clone()) });
+    let y_m = |map: sextant_mapper::TopologyMap| map.estimates[0].as_ref().map(|estimate| estimate.position.y_m);
+    let (left, right) = (log(1, &stops, heard(1)), log(1, &stops, heard(3)));
+    let by_settings = with(Some(SectorsConfig { layout: layout.clone(), ..SectorsConfig::default() }));
+    let [on_left, on_right] = [&left, &right].map(|log| y_m(by_settings.map(log).unwrap()).unwrap());
+    assert!(on_left > 0.5 && on_right < -0.5, "{on_left}, {on_right}");
+    let told = left.clone().with_sectors(SectorTable::try_from(even).unwrap()).unwrap();
+    assert_eq!(with(None).map(&told).unwrap(), by_settings.map(&left).unwrap());
+    // Without a table, or without limit, sectors say nothing.
+    assert_eq!(with(None).map(&left).unwrap(), with(None).map(&right).unwrap());
+    let unlimited = with(Some(SectorsConfig { tolerance: SectorTolerance::Unlimited, layout }));
+    assert_eq!(unlimited.map(&told).unwrap(), with(None).map(&right).unwrap());
+    let error = by_settings.map(&log(1, &stops, heard(7))).unwrap_err();
+    assert!(matches!(error, MapError::Log(LogError::UnknownSector { sector: 7, stop: 0, .. })));
+    let expected = "node `n0` at stop 0 was heard in sector 7; the listener's sectors are 0 to 3";
+    assert_eq!(error.to_string(), expected);
+    let list = vec![SectorConfig {
+        sector: 0,
+        azimuth_from_deg: 0.0,
+        azimuth_to_deg: f64::NAN,
+        elevation_from_deg: -90.0,
+        elevation_to_deg: 90.0,
+    }];
+    let sectors = Some(SectorsConfig { layout: Some(SectorLayoutConfig::List(list)), ..SectorsConfig::default() });
+    let error = MlTm::try_from(MlTmConfig { sectors, ..MlTmConfig::new(0.25, profile) }).unwrap_err();
+    assert_eq!(error.key, "sectors.layout.list[0].azimuth_to_deg");
 }
 
 #[test]

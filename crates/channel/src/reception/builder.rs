@@ -160,7 +160,7 @@ impl ReceptionLogBuilder {
                 return Err(LogError::Twice { node: name.clone(), stop: pair[0] });
             }
         }
-        Ok(ReceptionLog { names, stops, columns, first, contacts })
+        Ok(ReceptionLog { names, stops, columns, first, contacts, sectors: None })
     }
 
     /// Checks each reception on its own. Returns where those of each node will begin.

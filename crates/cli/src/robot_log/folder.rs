@@ -1,4 +1,4 @@
-//! The folder of a survey: `stops.csv`, `receptions.csv`, `contacts.csv`.
+//! The folder of a survey: `stops.csv`, `receptions.csv`, `contacts.csv`, `sectors.csv`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,11 +8,13 @@ use sextant_kernel::NodeId;
 
 use super::error::RobotLogError;
 use super::output::Output;
+use super::sectors;
 use super::table::{Row, Table};
 
 const STOPS: &str = "stops.csv";
 const RECEPTIONS: &str = "receptions.csv";
 const CONTACTS: &str = "contacts.csv";
+const SECTORS: &str = "sectors.csv";
 
 /// The log in `folder`. Stops are numbered in the order of `stops.csv`, nodes in the order of their first row in
 /// `receptions.csv`; a row with nothing received makes a node known that was not heard.
@@ -27,7 +29,14 @@ pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
     let (names, receptions) = read_receptions(&folder.join(RECEPTIONS), &stop_ids)?;
     let contacts = folder.join(CONTACTS);
     let contacts = if contacts.exists() { read_contacts(&contacts)? } else { Vec::new() };
-    receptions.build(names, stops, contacts).map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
+    let sectors = folder.join(SECTORS);
+    let sectors = sectors.exists().then(|| sectors::read(&sectors)).transpose()?;
+    let log = receptions.build(names, stops, contacts);
+    match sectors {
+        Some(sectors) => log.and_then(|log| log.with_sectors(sectors)),
+        None => log,
+    }
+    .map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
 }
 
 /// The stops, and the index of each by its identity in the files.
@@ -183,6 +192,9 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
         }
     }
     receptions.save(&folder.join(RECEPTIONS))?;
+    if let Some(table) = log.sectors() {
+        sectors::write(&folder.join(SECTORS), table)?;
+    }
 
     if log.contacts().is_empty() {
         return Ok(());

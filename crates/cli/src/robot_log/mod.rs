@@ -1,6 +1,7 @@
 //! Logs of real robots: a folder of CSV files, and the maps that come of them.
 //!
-//! Goes in: a folder with `stops.csv` and `receptions.csv`, and `contacts.csv` if the robot has a range sensor. Comes out:
+//! Goes in: a folder with `stops.csv` and `receptions.csv`, `contacts.csv` if the robot has a range
+//! sensor, and `sectors.csv` if its antenna has sectors. Comes out:
 //! the reception log that a mapper reads, or an error with file, line and column. A byte order mark, either line ending,
 //! any order of columns and quoted cells are understood; a column of unknown name is refused, because a misspelt
 //! `sent` must not pass for an absent one. The columns and their meaning are in `docs/recording.md`.
@@ -24,6 +25,7 @@ mod folder;
 mod instant;
 mod map;
 mod output;
+mod sectors;
 mod table;
 mod truth;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sextant::robot_log::{self, RobotLogError};
-use sextant_channel::{Position, Reception, ReceptionLog};
+use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mapper::{Estimate, Frame, TopologyMap};
 use tempfile::TempDir;
@@ -80,6 +80,63 @@ fn contacts_are_read_where_there_are_any() {
     let log = robot_log::read(folder.path()).unwrap();
     assert_eq!(log.contacts()[0].position, Position::new(1.0, 2.0, 3.0));
     assert_eq!(log.contacts()[0].time, SimTime::from_nanos(500_000_000));
+}
+
+const SECTORS: &str = "sector,azimuth_from_deg,azimuth_to_deg,elevation_from_deg,elevation_to_deg\n\
+    0,-45,45,,\n1,45,135,-10,30\n";
+
+/// The log of one node heard in `sector`, with these sectors.
+fn with_sectors(sectors: &str, sector: u8) -> (TempDir, Result<ReceptionLog, RobotLogError>) {
+    let folder = folder(STOPS, &format!("node,stop,received,sector\nlamp,A,1,{sector}\n"));
+    std::fs::write(folder.path().join("sectors.csv"), sectors).unwrap();
+    let log = robot_log::read(folder.path());
+    (folder, log)
+}
+
+#[test]
+fn sectors_are_read_and_written_back() {
+    let log = with_sectors(SECTORS, 1).1.unwrap();
+    let table: Vec<_> = log.sectors().unwrap().iter().cloned().collect();
+    let second = SectorConfig {
+        sector: 1,
+        azimuth_from_deg: 45.0,
+        azimuth_to_deg: 135.0,
+        elevation_from_deg: -10.0,
+        elevation_to_deg: 30.0,
+    };
+    assert_eq!((table.len(), &table[1]), (2, &second));
+    assert!((table[0].elevation_to_deg - 90.0).abs() < 1e-12);
+    let folder = tempfile::tempdir().unwrap();
+    robot_log::write(folder.path(), &log).unwrap();
+    assert_eq!(robot_log::read(folder.path()).unwrap(), log);
+}
+
+#[test]
+fn sectors_that_are_wrong_or_missing_are_named() {
+    let header = "sector,azimuth_from_deg,azimuth_to_deg,elevation_to_deg\n";
+    for (sectors, sector, expected) in [
+        (SECTORS.to_owned(), 7, "node `lamp` at stop 0 was heard in sector 7; the listener's sectors are 0 to 1"),
+        (
+            format!("{header}0,5,5,\n"),
+            0,
+            "sectors.csv, line 2, column `azimuth_to_deg`: found `5`; allowed: an azimuth other than azimuth_from_deg (5); 365 is all round",
+        ),
+        (
+            format!("{header}0,5,15,91\n"),
+            0,
+            "column `elevation_to_deg`: found `91`; allowed: above elevation_from_deg (-90), at most 90",
+        ),
+        (format!("{header}0,5,,\n"), 0, "column `azimuth_to_deg`: found ``; allowed: a finite number"),
+        (
+            format!("{header}0,5,9,\n0,9,12,\n"),
+            0,
+            "line 3, column `sector`: found `0`; allowed: each sector once; this one is given above",
+        ),
+        (format!("{header}300,5,9,\n"), 0, "column `sector`: found `300`; allowed: a whole number from 0 to 255"),
+    ] {
+        let message = with_sectors(&sectors, sector).1.unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
 }
 
 #[test]

@@ -175,7 +175,12 @@ impl Fit {
         let live = log.receptions().iter().filter(|reception| !is_dead[reception.stop as usize]);
         let mut receptions = ReceptionLogBuilder::default();
         receptions.extend(live.map(entry));
-        receptions.build(log.names().to_vec(), kept, log.contacts().to_vec()).expect("a part of a log is a log")
+        let evidence = receptions.build(log.names().to_vec(), kept, log.contacts().to_vec());
+        match log.sectors() {
+            Some(sectors) => evidence.and_then(|evidence| evidence.with_sectors(sectors.clone())),
+            None => evidence,
+        }
+        .expect("a part of a log is a log")
     }
 }
 

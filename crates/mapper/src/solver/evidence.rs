@@ -2,12 +2,16 @@
 
 use sextant_channel::{Position, Reception, Receptions, Stop};
 
+use super::wedges::Wedges;
+
 /// A stop that received from the node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
     pub(crate) place: Position,
     /// Packets received there, above zero.
     pub(crate) packets: u32,
+    /// The sector of best reception, if sectors are evidence.
+    pub(crate) sector: Option<u8>,
 }
 
 /// A stop with an entry other than one packet received of one sent.
@@ -27,6 +31,8 @@ pub(crate) struct Evidence {
     pub(crate) heard: Vec<Position>,
     /// Stops with any other entry but `0` of `0`.
     pub(crate) counts: Vec<Count>,
+    /// Whether a receiver has a sector.
+    sectored: bool,
     /// One bit a stop: whether the log has an entry for it.
     listed: Vec<u64>,
     stops: usize,
@@ -41,6 +47,7 @@ impl Evidence {
             receivers: Vec::new(),
             heard: Vec::new(),
             counts: Vec::new(),
+            sectored: false,
             listed: vec![0; stops.div_ceil(64)],
             stops,
             entries: 0,
@@ -50,13 +57,14 @@ impl Evidence {
     }
 
     /// Reads the entries of one node. [`clear`](Self::clear) them before the next.
-    pub(crate) fn read(&mut self, receptions: Receptions<'_>, stops: &[Stop]) {
+    pub(crate) fn read(&mut self, receptions: Receptions<'_>, stops: &[Stop], wedges: Option<&Wedges>) {
         self.receivers.clear();
         self.heard.clear();
         self.counts.clear();
         self.entries = receptions.len();
         (self.received, self.missed) = (0, 0);
-        for Reception { stop, received, sent, .. } in receptions {
+        self.sectored = false;
+        for Reception { stop, received, sent, sector, .. } in receptions {
             let stop = stop as usize;
             self.listed[stop / 64] |= 1 << (stop % 64);
             let place = stops[stop].position;
@@ -64,7 +72,9 @@ impl Evidence {
             self.received += u64::from(received);
             self.missed += u64::from(missed);
             if received > 0 {
-                self.receivers.push(Receiver { place, packets: received });
+                let sector = sector.filter(|_| wedges.is_some());
+                self.sectored |= sector.is_some();
+                self.receivers.push(Receiver { place, packets: received, sector });
             }
             if (received, missed) == (1, 0) {
                 self.heard.push(place);
@@ -92,6 +102,11 @@ impl Evidence {
 
     pub(crate) fn receptions(&self) -> &[Receiver] {
         &self.receivers
+    }
+
+    /// Whether a stop that received did so in a known sector.
+    pub(crate) fn is_sectored(&self) -> bool {
+        self.sectored
     }
 
     /// Packets received at all stops.

@@ -6,6 +6,7 @@ use sextant_channel::Position;
 
 use super::Row;
 use super::evidence::Receiver;
+use super::wedges::{Plane, Residual, Wedges};
 use crate::Lattice;
 
 /// A factor on R² that is more than the rounding of squared distances, so that no vertex in range is dropped.
@@ -18,6 +19,9 @@ pub(crate) struct Rows {
     span: [Range<usize>; 3],
     /// Receptions whose ball does not hold the whole box.
     rim: Vec<Receiver>,
+    /// Half-spaces that sectors leave, and their other conditions.
+    planes: Vec<Plane>,
+    residuals: Vec<Residual>,
     /// Packets of the receptions on the rim.
     rim_packets: u64,
     /// The rim's receptions in reach of a layer of the box.
@@ -29,12 +33,44 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Sets the box to the bounding box of the places within `range_m` of every reception.
-    /// Returns whether it holds a vertex.
-    pub(crate) fn intersection(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver]) -> bool {
-        let (low, high) = bounds(receivers);
-        self.span = [0, 1, 2].map(|axis| lattice.span(axis, high[axis] - range_m, low[axis] + range_m).0);
-        self.find_rim(lattice, range_m, receivers)
+    /// Sets the box to the bounding box of the places within `range_m` and in the sector of every reception.
+    /// Returns whether it may hold such a vertex.
+    pub(crate) fn intersection(
+        &mut self,
+        lattice: &Lattice,
+        range_m: f64,
+        receivers: &[Receiver],
+        wedges: Option<&Wedges>,
+    ) -> bool {
+        let (first, last) = bounds(receivers);
+        let (mut low, mut high) = (last.map(|value| value - range_m), first.map(|value| value + range_m));
+        self.planes.clear();
+        self.residuals.clear();
+        if let Some(wedges) = wedges {
+            wedges.demand(receivers, &mut self.planes, &mut self.residuals);
+            // The vertices nearest to the edges of a flat lattice are those that there are.
+            for axis in 0..3 {
+                low[axis] = low[axis].max(lattice.coordinate(axis, 0));
+                high[axis] = high[axis].min(lattice.coordinate(axis, lattice.counts()[axis] - 1));
+            }
+            self.planes.iter().for_each(|plane| plane.tighten(&mut low, &mut high));
+        }
+        self.span = [0, 1, 2].map(|axis| lattice.span(axis, low[axis], high[axis]).0);
+        if let Some(wedges) = wedges
+            && !self.span.iter().any(Range::is_empty)
+        {
+            let (low, high) = self.corners(lattice);
+            if !wedges.cut_residuals(&mut self.residuals, low, high) {
+                return false;
+            }
+        }
+        self.find_rim(lattice, range_m, receivers, false)
+    }
+
+    /// The first and the last vertex of the box.
+    fn corners(&self, lattice: &Lattice) -> ([f64; 3], [f64; 3]) {
+        let low = [0, 1, 2].map(|axis| lattice.coordinate(axis, self.span[axis].start));
+        (low, [0, 1, 2].map(|axis| lattice.coordinate(axis, self.span[axis].end - 1)))
     }
 
     /// Sets the box to hold every place within `range_m` of all receptions but `cap` packets' worth.
@@ -49,17 +85,17 @@ impl Rows {
             let low = beyond(self.sorted.iter().rev(), cap) - range_m;
             self.span[axis] = lattice.span(axis, low, high).0;
         }
-        self.find_rim(lattice, range_m, receivers)
+        self.find_rim(lattice, range_m, receivers, true)
     }
 
-    fn find_rim(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver]) -> bool {
+    /// Collects the receptions that may not hold for the whole box, among them those in a sector if `by_sector`.
+    fn find_rim(&mut self, lattice: &Lattice, range_m: f64, receivers: &[Receiver], by_sector: bool) -> bool {
         self.rim.clear();
         self.rim_packets = 0;
         if self.span.iter().any(Range::is_empty) {
             return false;
         }
-        let low = [0, 1, 2].map(|axis| lattice.coordinate(axis, self.span[axis].start));
-        let high = [0, 1, 2].map(|axis| lattice.coordinate(axis, self.span[axis].end - 1));
+        let (low, high) = self.corners(lattice);
         let inside = range_m * range_m * (1.0 - 1e-9);
         for receiver in receivers {
             let place: [f64; 3] = receiver.place.into();
@@ -68,7 +104,7 @@ impl Rows {
                 let along = (place[axis] - low[axis]).max(high[axis] - place[axis]);
                 farthest += along * along;
             }
-            if farthest >= inside {
+            if farthest >= inside || by_sector && receiver.sector.is_some() {
                 self.rim.push(*receiver);
                 self.rim_packets += u64::from(receiver.packets);
             }
@@ -76,9 +112,16 @@ impl Rows {
         true
     }
 
-    /// Calls `visit` with the span of each row of the box that lies nearer than `range_m` to every reception, rows
-    /// in the order of their indices.
-    pub(crate) fn each_span(&self, lattice: &Lattice, range_m: f64, mut visit: impl FnMut(Row, Range<usize>)) {
+    /// Calls `visit` with the spans of each row of the box that lie nearer than `range_m` to every reception and in its
+    /// sector, rows in the order of their indices.
+    pub(crate) fn each_span(
+        &self,
+        lattice: &Lattice,
+        range_m: f64,
+        wedges: Option<&Wedges>,
+        mut visit: impl FnMut(Row, Range<usize>),
+    ) {
+        let has_slow_planes = self.planes.iter().any(|plane| plane.is_along_rows() && plane.normal[0].abs() > 0.0);
         let reach = range_m * range_m * ROUNDING;
         // Below this half-length the ends of a span are not known to a small part of a step.
         let grazing = 1e-4 * range_m;
@@ -100,30 +143,36 @@ impl Rows {
                         break;
                     }
                 }
+                self.planes.iter().for_each(|plane| plane.cut(y, z, &mut low, &mut high));
                 if low > high {
                     continue;
                 }
                 let (span, in_doubt) = lattice.span(0, low, high);
                 let mut span = span.start.max(along.start)..span.end.min(along.end);
-                if in_doubt || shortest < grazing * grazing {
+                if in_doubt || has_slow_planes || shortest < grazing * grazing {
                     self.shrink(lattice, range_m, [j, k], &mut span);
                 }
-                if span.start < span.end {
-                    visit([j, k], span);
+                match wedges.filter(|_| !self.residuals.is_empty()) {
+                    None if span.is_empty() => {}
+                    None => visit([j, k], span),
+                    Some(wedges) => span
+                        .filter(|&i| wedges.satisfies(&self.residuals, lattice.position([i, j, k]).into()))
+                        .for_each(|i| visit([j, k], i..i + 1)),
                 }
             }
         }
     }
 
-    /// Takes vertices that are not nearer than `range_m` to every reception off the ends of a span.
+    /// Takes vertices that are not nearer than `range_m` to every reception or not in a half-space off the ends of a span.
     #[cold]
     fn shrink(&self, lattice: &Lattice, range_m: f64, [j, k]: Row, span: &mut Range<usize>) {
         let is_within = |i| {
             let vertex = lattice.position([i, j, k]);
-            self.rim.iter().all(|receiver| {
-                let apart = vertex - receiver.place;
-                apart.dot(apart) < range_m * range_m
-            })
+            self.planes.iter().all(|plane| plane.holds(vertex.into()))
+                && self.rim.iter().all(|receiver| {
+                    let apart = vertex - receiver.place;
+                    apart.dot(apart) < range_m * range_m
+                })
         };
         while span.start < span.end && !is_within(span.start) {
             span.start += 1;
@@ -133,12 +182,13 @@ impl Rows {
         }
     }
 
-    /// Calls `visit` with each vertex of the box that lies within `range_m` of all receptions but `cap` packets'
-    /// worth, in the order of their indices. Vertices that miss this by rounding may be among them.
+    /// Calls `visit` with each vertex of the box that lies within `range_m` and in the sector of all receptions but
+    /// `cap` packets' worth, in the order of their indices. Vertices that miss this by rounding may be among them.
     pub(crate) fn each_covered(
         &mut self,
         lattice: &Lattice,
         range_m: f64,
+        wedges: Option<&Wedges>,
         cap: u64,
         mut visit: impl FnMut(Row, usize),
     ) {
@@ -157,17 +207,22 @@ impl Rows {
                 self.steps.clear();
                 self.steps.resize(along.len() + 1, 0);
                 let mut in_reach = 0;
-                for Receiver { place, packets } in &self.layer {
+                for &Receiver { place, packets, sector } in &self.layer {
                     let (dy, dz) = (y - place.y_m, z - place.z_m);
                     let square = reach - dy * dy - dz * dz;
                     if square >= 0.0 {
                         let half = square.sqrt();
-                        let (span, _) = lattice.span(0, place.x_m - half, place.x_m + half);
+                        let (mut low, mut high) = (place.x_m - half, place.x_m + half);
+                        if let (Some(wedges), Some(sector)) = (wedges, sector) {
+                            let (first, last) = wedges.interval(sector, place.into(), y, z);
+                            (low, high) = (low.max(first), high.min(last));
+                        }
+                        let (span, _) = lattice.span(0, low, high);
                         let (start, end) = (span.start.max(along.start), span.end.min(along.end));
                         if start < end {
-                            in_reach += u64::from(*packets);
-                            self.steps[start - along.start] += i64::from(*packets);
-                            self.steps[end - along.start] -= i64::from(*packets);
+                            in_reach += u64::from(packets);
+                            self.steps[start - along.start] += i64::from(packets);
+                            self.steps[end - along.start] -= i64::from(packets);
                         }
                     }
                 }

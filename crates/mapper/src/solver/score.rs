@@ -5,8 +5,9 @@ use std::ops::Range;
 use sextant_channel::Position;
 
 use super::curve::Curve;
-use super::evidence::{Count, Evidence};
+use super::evidence::{Count, Evidence, Receiver};
 use super::screen::{Scene, Screen};
+use super::wedges::Wedges;
 use super::{Row, Sink};
 use crate::Lattice;
 use crate::cells::CellIndex;
@@ -20,9 +21,9 @@ const BATCH: usize = 2048;
 /// Which vertices are in the search set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Admission {
-    /// Those within R of every stop that received: only such vertices are given to the scorer.
+    /// Those within R and in the sector of every stop that received: only such vertices are given to the scorer.
     WithinAll,
-    /// Those within R of any stop that received: the scorer sees to it.
+    /// Those within R and in the sector of any stop that received: the scorer sees to it.
     WithinAny,
 }
 
@@ -47,6 +48,7 @@ pub(crate) struct Scorer<'s> {
     pub(crate) cells: &'s CellIndex,
     pub(crate) curve: &'s Curve,
     pub(crate) admission: Admission,
+    pub(crate) wedges: Option<&'s Wedges>,
     pub(crate) evidence: &'s Evidence,
     pub(crate) survivors: &'s mut Survivors,
     /// Whether a vertex with a likelihood above zero was found.
@@ -80,7 +82,9 @@ impl Scorer<'_> {
         let constant = self.find_silent();
         let mut chosen = std::mem::take(&mut self.survivors.chosen);
         chosen.clear();
-        if S::WANTS_FEW && count > 2 * LANES && self.bound() {
+        // Bounds do not know of sectors and are of no use where these are contradicted.
+        let is_bounded = self.admission == Admission::WithinAll || !self.evidence.is_sectored();
+        if S::WANTS_FEW && count > 2 * LANES && is_bounded && self.bound() {
             // The most promising vertices rule out most others.
             let first = self.survivors.screen.highest::<LANES>();
             self.score(first, LANES, constant, sink);
@@ -112,7 +116,10 @@ impl Scorer<'_> {
         let Survivors { x, y, z, index, silent, .. } = &*self.survivors;
         let (x, y, z) = (vertices.map(|v| x[v]), vertices.map(|v| y[v]), vertices.map(|v| z[v]));
         let mut lanes = Lanes::new(&x, &y, &z);
-        lanes.multiply_entries(self.curve, self.evidence, self.admission);
+        match self.wedges.filter(|_| self.admission == Admission::WithinAny && self.evidence.is_sectored()) {
+            Some(wedges) => lanes.multiply_sectors(self.curve, self.evidence, wedges),
+            None => lanes.multiply_entries(self.curve, self.evidence, self.admission),
+        }
         // What is missed can only lower a likelihood.
         if lanes.highest() + constant < sink.least() {
             return;
@@ -197,6 +204,33 @@ impl<'v> Lanes<'v> {
         self.multiply(curve, &evidence.heard, |square| curve.at(square));
         for count in &evidence.counts {
             self.multiply_count(curve, count);
+        }
+    }
+
+    /// The same where sectors may be contradicted: a reception outside its sector counts as one from beyond R, and a
+    /// vertex that contradicts all receptions is not in the search set.
+    fn multiply_sectors(&mut self, curve: &Curve, evidence: &Evidence, wedges: &Wedges) {
+        let mut is_near = [false; LANES];
+        for &Receiver { place, packets, sector } in evidence.receptions() {
+            let mut factors = [0.0; LANES];
+            for lane in 0..LANES {
+                let apart = [self.x[lane] - place.x_m, self.y[lane] - place.y_m, self.z[lane] - place.z_m];
+                let square = self.distance_squared(place, lane);
+                let is_inside = sector.is_none_or(|sector| wedges.admits(sector, apart));
+                factors[lane] = if is_inside { curve.at(square) } else { curve.floor };
+                is_near[lane] |= is_inside && square < curve.range_squared;
+            }
+            self.raise(curve, factors, packets);
+        }
+        for count in evidence.counts.iter().filter(|count| count.missed > 0) {
+            let mut missed = [0.0; LANES];
+            for (lane, factor) in missed.iter_mut().enumerate() {
+                *factor = 1.0 - curve.at(self.distance_squared(count.place, lane));
+            }
+            self.raise(curve, missed, count.missed);
+        }
+        for (mantissa, is_near) in self.mantissa.iter_mut().zip(is_near) {
+            *mantissa = if is_near { *mantissa } else { 0.0 };
         }
     }
 

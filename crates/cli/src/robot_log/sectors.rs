@@ -1,0 +1,61 @@
+//! `sectors.csv`: in which directions the sectors of the robot's antenna point.
+
+use std::path::Path;
+
+use sextant_channel::{SectorConfig, SectorTable};
+
+use super::error::RobotLogError;
+use super::output::Output;
+use super::table::{Row, Table};
+
+const AZIMUTHS: [&str; 2] = ["azimuth_from_deg", "azimuth_to_deg"];
+const ELEVATIONS: [&str; 2] = ["elevation_from_deg", "elevation_to_deg"];
+
+/// The sectors in the file `path`.
+pub(super) fn read(path: &Path) -> Result<SectorTable, RobotLogError> {
+    let table = Table::read(path, &["sector", AZIMUTHS[0], AZIMUTHS[1]], &ELEVATIONS)?;
+    let sector = table.column("sector");
+    let azimuths = AZIMUTHS.map(|name| table.column(name));
+    let elevations = ELEVATIONS.map(|name| table.column(name));
+    let mut sectors: Vec<SectorConfig> = Vec::new();
+    table.rows(|row: &Row<'_>| {
+        let angle = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a finite number"));
+        let id = row.whole(sector, u32::from(u8::MAX))?.and_then(|id| u8::try_from(id).ok());
+        let config = SectorConfig {
+            sector: id.ok_or_else(|| row.wrong(sector, "a whole number from 0 to 255"))?,
+            azimuth_from_deg: angle(azimuths[0])?,
+            azimuth_to_deg: angle(azimuths[1])?,
+            elevation_from_deg: row.finite(elevations[0])?.unwrap_or(-90.0),
+            elevation_to_deg: row.finite(elevations[1])?.unwrap_or(90.0),
+        };
+        if let Err(wrong) = config.wedge() {
+            let columns = [azimuths, elevations].concat();
+            let name = AZIMUTHS.iter().chain(&ELEVATIONS).position(|name| *name == wrong.key).unwrap_or(0);
+            return Err(row.wrong(columns[name], wrong.allowed));
+        }
+        if sectors.iter().any(|other| other.sector == config.sector) {
+            return Err(row.wrong(sector, "each sector once; this one is given above"));
+        }
+        sectors.push(config);
+        Ok(())
+    })?;
+    SectorTable::new(sectors).map_err(|wrong| RobotLogError::Row {
+        path: path.to_owned(),
+        line: 1,
+        problem: wrong.to_string(),
+    })
+}
+
+/// Writes `sectors` as the file `path`.
+pub(super) fn write(path: &Path, sectors: &SectorTable) -> Result<(), RobotLogError> {
+    let mut output = Output::new(&["sector", AZIMUTHS[0], AZIMUTHS[1], ELEVATIONS[0], ELEVATIONS[1]]);
+    for sector in sectors.iter() {
+        output.text(&sector.sector.to_string());
+        let azimuths = [sector.azimuth_from_deg, sector.azimuth_to_deg];
+        for angle in azimuths.into_iter().chain([sector.elevation_from_deg, sector.elevation_to_deg]) {
+            output.number(angle);
+        }
+        output.end();
+    }
+    output.save(path)
+}

@@ -1,0 +1,281 @@
+//! Sectors as half-spaces and cones through a stop.
+//!
+//! A wedge of azimuths up to half a turn wide is the intersection of two half-spaces through the stop, those of its edges;
+//! moved outwards by the tolerance they would reach far behind the stop where the wedge is narrow, which a third
+//! half-space across its middle forbids. An elevation bounds a cone about the vertical through the stop:
+//! `α ρ + β Δz ≥ −tolerance` with ρ the horizontal distance; it is a half-space where the edge is horizontal. A wider
+//! wedge of azimuths is all but a wedge of the rest. All stops share the directions, so that of many half-spaces of one
+//! direction only the tightest counts.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use sextant_channel::{SectorTable, Wedge};
+
+use super::evidence::Receiver;
+use crate::{Lattice, SectorTolerance};
+
+/// What the tolerance is at least, so that rounding does not exclude an edge [m].
+const ROUNDING_M: f64 = 1e-9;
+
+/// The sectors of a survey.
+#[derive(Clone, Debug)]
+pub(crate) struct Wedges {
+    /// Unit vectors into half-spaces, of all sectors.
+    normals: Vec<[f64; 3]>,
+    /// By the sector's identity.
+    tests: Vec<Test>,
+    /// How far beyond an edge a vertex may lie [m].
+    tolerance_m: f64,
+}
+
+/// What a vertex must satisfy to be in one sector.
+#[derive(Clone, Debug, Default)]
+struct Test {
+    /// Half-spaces: indices of their normals.
+    planes: Vec<usize>,
+    /// Unit vectors across both edges of a wedge wider than half a turn: one of the half-planes suffices.
+    reflex: Option<[[f64; 2]; 2]>,
+    /// α and β of cones.
+    cones: Vec<[f64; 2]>,
+}
+
+/// A condition of one reception that is no half-space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Residual {
+    place: [f64; 3],
+    kind: ResidualKind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum ResidualKind {
+    Reflex([[f64; 2]; 2]),
+    Cone([f64; 2]),
+}
+
+impl Wedges {
+    pub(crate) fn new(table: &SectorTable, tolerance: SectorTolerance, lattice: &Lattice, range_m: f64) -> Self {
+        let (angle, tolerance_m) = match tolerance {
+            SectorTolerance::Angular => (libm::atan(lattice.step_m() / range_m), 0.0),
+            SectorTolerance::Positional | SectorTolerance::Unlimited => (0.0, lattice.half_diagonal_m()),
+        };
+        let mut wedges = Self { normals: Vec::new(), tests: Vec::new(), tolerance_m: tolerance_m + ROUNDING_M };
+        for sector in table.iter() {
+            if let Ok(wedge) = sector.wedge() {
+                let mut test = Test::default();
+                wedges.add_azimuths(&mut test, &wedge, angle);
+                wedges.add_elevations(&mut test, &wedge, angle);
+                wedges.tests.resize(usize::from(sector.sector) + 1, Test::default());
+                wedges.tests[usize::from(sector.sector)] = test;
+            }
+        }
+        wedges
+    }
+
+    fn add_azimuths(&mut self, test: &mut Test, wedge: &Wedge, angle: f64) {
+        let (from, width) = (wedge.azimuth_from_rad - angle, wedge.azimuth_width_rad + 2.0 * angle);
+        if width >= TAU {
+            return;
+        }
+        let towards = |azimuth: f64| [libm::cos(azimuth), libm::sin(azimuth)];
+        let edges = [from + FRAC_PI_2, from + width - FRAC_PI_2].map(towards);
+        if width > PI + 1e-9 {
+            test.reflex = Some(edges);
+            return;
+        }
+        for [x, y] in edges.into_iter().chain([towards(from + 0.5 * width)]) {
+            let plane = self.normal([x, y, 0.0]);
+            test.planes.push(plane);
+        }
+    }
+
+    fn add_elevations(&mut self, test: &mut Test, wedge: &Wedge, angle: f64) {
+        let low = (wedge.elevation_rad[0] - angle).max(-FRAC_PI_2);
+        let high = (wedge.elevation_rad[1] + angle).min(FRAC_PI_2);
+        let middle = 0.5 * (low + high);
+        let mut cones = Vec::new();
+        if low > -FRAC_PI_2 {
+            cones.push([-libm::sin(low), libm::cos(low)]);
+        }
+        if high < FRAC_PI_2 {
+            cones.push([libm::sin(high), -libm::cos(high)]);
+        }
+        // Behind the stop, as far as the edges leave room there.
+        if libm::sin(middle) > libm::cos(low) || -libm::sin(middle) > libm::cos(high) {
+            cones.push([libm::cos(middle), libm::sin(middle)]);
+        }
+        for [alpha, beta] in cones {
+            if alpha.abs() < 1e-12 {
+                let plane = self.normal([0.0, 0.0, beta.signum()]);
+                test.planes.push(plane);
+            } else {
+                test.cones.push([alpha, beta]);
+            }
+        }
+    }
+
+    /// The index of a normal, which may be there already.
+    fn normal(&mut self, normal: [f64; 3]) -> usize {
+        // The cosine of a right angle is not quite zero.
+        let normal = normal.map(|component| if component.abs() < 1e-12 { 0.0 } else { component });
+        let same = |other: &[f64; 3]| other.iter().zip(&normal).all(|(a, b)| (a - b).abs() < 1e-12);
+        self.normals.iter().position(same).unwrap_or_else(|| {
+            self.normals.push(normal);
+            self.normals.len() - 1
+        })
+    }
+
+    /// Whether a vertex at `apart` from the stop is in the sector [m].
+    pub(crate) fn admits(&self, sector: u8, apart: [f64; 3]) -> bool {
+        let Some(test) = self.tests.get(usize::from(sector)) else {
+            return true;
+        };
+        let [dx, dy, dz] = apart;
+        let inside = |[x, y, z]: [f64; 3]| x * dx + y * dy + z * dz >= -self.tolerance_m;
+        test.planes.iter().all(|&plane| inside(self.normals[plane]))
+            && test.reflex.is_none_or(|edges| edges.iter().any(|&[x, y]| inside([x, y, 0.0])))
+            && test
+                .cones
+                .iter()
+                .all(|&[alpha, beta]| alpha * (dx * dx + dy * dy).sqrt() + beta * dz >= -self.tolerance_m)
+    }
+
+    /// Collects what all receptions demand: the tightest half-space of each direction, as normals with the least value
+    /// of the product with a place, and the conditions that are none.
+    pub(crate) fn demand(&self, receivers: &[Receiver], planes: &mut Vec<Plane>, residuals: &mut Vec<Residual>) {
+        planes.clear();
+        planes.extend(self.normals.iter().map(|&normal| Plane { normal, least: f64::NEG_INFINITY }));
+        residuals.clear();
+        for receiver in receivers {
+            let Some(test) = receiver.sector.and_then(|sector| self.tests.get(usize::from(sector))) else {
+                continue;
+            };
+            let place: [f64; 3] = receiver.place.into();
+            for &plane in &test.planes {
+                let least = planes[plane].along(place) - self.tolerance_m;
+                planes[plane].least = if least > planes[plane].least { least } else { planes[plane].least };
+            }
+            residuals.extend(test.reflex.map(|edges| Residual { place, kind: ResidualKind::Reflex(edges) }));
+            residuals.extend(test.cones.iter().map(|&cone| Residual { place, kind: ResidualKind::Cone(cone) }));
+        }
+        planes.retain(|plane| plane.least > f64::NEG_INFINITY);
+    }
+
+    /// Leaves out conditions that the whole box from `low` to `high` satisfies. Returns whether a place of the box may
+    /// satisfy each of the others.
+    pub(crate) fn cut_residuals(&self, residuals: &mut Vec<Residual>, low: [f64; 3], high: [f64; 3]) -> bool {
+        let mut possible = true;
+        residuals.retain(|residual| {
+            let (least, most) = residual.range(low, high);
+            possible &= most >= -self.tolerance_m;
+            least < -self.tolerance_m
+        });
+        possible
+    }
+
+    /// Whether `place` satisfies all of `residuals`.
+    pub(crate) fn satisfies(&self, residuals: &[Residual], place: [f64; 3]) -> bool {
+        residuals.iter().all(|residual| residual.range(place, place).0 >= -self.tolerance_m)
+    }
+
+    /// The interval of x in which the row through y and z is in the half-spaces of a sector as seen from `place`.
+    pub(crate) fn interval(&self, sector: u8, place: [f64; 3], y: f64, z: f64) -> (f64, f64) {
+        let planes = self.tests.get(usize::from(sector)).map_or(&[][..], |test| &test.planes);
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for &plane in planes {
+            let plane = Plane { normal: self.normals[plane], least: 0.0 };
+            let plane = Plane { least: plane.along(place) - self.tolerance_m, ..plane };
+            plane.cut(y, z, &mut low, &mut high);
+        }
+        (low, high)
+    }
+}
+
+impl Residual {
+    /// Bounds of how far the places of a box are inside.
+    fn range(&self, low: [f64; 3], high: [f64; 3]) -> (f64, f64) {
+        let near = [0, 1, 2].map(|axis| low[axis] - self.place[axis]);
+        let far = [0, 1, 2].map(|axis| high[axis] - self.place[axis]);
+        let product = |factor: f64, axis: usize| {
+            let (a, b) = (factor * near[axis], factor * far[axis]);
+            if a < b { (a, b) } else { (b, a) }
+        };
+        match self.kind {
+            ResidualKind::Reflex(edges) => {
+                let [first, second] = edges.map(|[x, y]| {
+                    let (along_x, along_y) = (product(x, 0), product(y, 1));
+                    (along_x.0 + along_y.0, along_x.1 + along_y.1)
+                });
+                // One of the two suffices.
+                (first.0.max(second.0), first.1.max(second.1))
+            }
+            ResidualKind::Cone([alpha, beta]) => {
+                let (mut nearest, mut farthest) = (0.0, 0.0);
+                for axis in 0..2 {
+                    let outside = near[axis].max(-far[axis]).max(0.0);
+                    let across = (-near[axis]).max(far[axis]);
+                    nearest += outside * outside;
+                    farthest += across * across;
+                }
+                let (a, b) = (alpha * nearest.sqrt(), alpha * farthest.sqrt());
+                let rise = product(beta, 2);
+                (a.min(b) + rise.0, a.max(b) + rise.1)
+            }
+        }
+    }
+}
+
+/// A half-space: places whose product with the normal is at least a value.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane {
+    pub(crate) normal: [f64; 3],
+    pub(crate) least: f64,
+}
+
+impl Plane {
+    pub(crate) fn along(&self, place: [f64; 3]) -> f64 {
+        self.normal[0] * place[0] + self.normal[1] * place[1] + self.normal[2] * place[2]
+    }
+
+    pub(crate) fn holds(&self, place: [f64; 3]) -> bool {
+        self.along(place) >= self.least
+    }
+
+    /// Whether the half-space hardly bounds a row.
+    pub(crate) fn is_along_rows(&self) -> bool {
+        self.normal[0].abs() < 1e-6
+    }
+
+    /// Cuts an interval of x to the half-space in the row through y and z; leaves it as it is if the row is almost
+    /// parallel to the edge, so that it cuts off too little rather than too much.
+    pub(crate) fn cut(&self, y: f64, z: f64, low: &mut f64, high: &mut f64) {
+        let [nx, ny, nz] = self.normal;
+        let rest = self.least - ny * y - nz * z;
+        if !self.is_along_rows() {
+            let edge = rest / nx;
+            if nx > 0.0 {
+                *low = low.max(edge);
+            } else {
+                *high = high.min(edge);
+            }
+        } else if nx.abs() <= 0.0 && rest > 0.0 {
+            *high = f64::NEG_INFINITY;
+        }
+    }
+
+    /// Tightens a box to the part of it in the half-space, as far as a box can be.
+    pub(crate) fn tighten(&self, low: &mut [f64; 3], high: &mut [f64; 3]) {
+        let most = [0, 1, 2].map(|axis| (self.normal[axis] * low[axis]).max(self.normal[axis] * high[axis]));
+        for axis in 0..3 {
+            let n = self.normal[axis];
+            if n.abs() > 1e-6 {
+                let others = most[(axis + 1) % 3] + most[(axis + 2) % 3];
+                let edge = (self.least - others) / n;
+                if n > 0.0 {
+                    low[axis] = low[axis].max(edge);
+                } else {
+                    high[axis] = high[axis].min(edge);
+                }
+            }
+        }
+    }
+}
