@@ -121,28 +121,32 @@ pub struct Report {
     pub transmissions: u32,
 }
 
-/// A frame under way.
+/// A frame under way, whether slotted or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Attempt {
-    frame: Transmission,
+pub(crate) struct Attempt {
+    pub(crate) frame: Transmission,
     /// Busy CCAs of this access to the channel: NB of the standard.
-    busy: u8,
+    pub(crate) busy: u8,
     /// Backoff exponent: BE of the standard.
-    exponent: u8,
-    ccas: u32,
-    transmissions: u32,
+    pub(crate) exponent: u8,
+    pub(crate) ccas: u32,
+    pub(crate) transmissions: u32,
 }
 
 impl Attempt {
-    const fn with_cca(self) -> Self {
+    pub(crate) const fn new(frame: Transmission) -> Self {
+        Self { frame, busy: 0, exponent: 0, ccas: 0, transmissions: 0 }
+    }
+
+    pub(crate) const fn with_cca(self) -> Self {
         Self { ccas: self.ccas + 1, ..self }
     }
 
-    const fn with_transmission(self) -> Self {
+    pub(crate) const fn with_transmission(self) -> Self {
         Self { transmissions: self.transmissions + 1, ..self }
     }
 
-    const fn report(self, outcome: Outcome) -> Report {
+    pub(crate) const fn report(self, outcome: Outcome) -> Report {
         Report { frame: self.frame, outcome, ccas: self.ccas, transmissions: self.transmissions }
     }
 }
@@ -193,7 +197,7 @@ impl Csma {
     /// If a frame is under way.
     pub fn start(&mut self, frame: Transmission, radio: &mut impl Radio) {
         assert!(!self.is_busy(), "a frame is under way");
-        let attempt = Attempt { frame, busy: 0, exponent: 0, ccas: 0, transmissions: 0 };
+        let attempt = Attempt::new(frame);
         self.state = match self.state {
             State::Spacing(_) => State::Spacing(Some(attempt)),
             _ => self.contend(attempt, radio),

@@ -1,7 +1,8 @@
-//! Protocol machines without i/o: IEEE 802.15.4 channel access, frames, airtimes, bit errors, energy.
+//! Protocol machines without i/o: IEEE 802.15.4 channel access with and without beacons, frames, airtimes, bit errors,
+//! energy.
 //!
 //! Goes in: frames to send, and what happened to timers and radio. Comes out: commands to a radio
-//! ([`csma::Radio`], [`responder::Radio`]), the octets of frames ([`frame::Frame`]), their spans on the
+//! ([`csma::Radio`], [`device::Radio`], [`responder::Radio`], [`coordinator::Radio`]), the octets of frames ([`frame::Frame`]), their spans on the
 //! air ([`Phy`]), the joules that they cost ([`EnergyMeter`]). No machine owns a clock, a channel
 //! or a random generator: whoever runs it does.
 //!
@@ -51,10 +52,14 @@
 //! assert_eq!(radio.now, Duration::from_micros(7 * 320 + 128 + 192 + 832));
 //! ```
 
+pub mod coordinator;
 pub mod csma;
+pub mod device;
 pub mod frame;
 pub mod oqpsk;
 pub mod responder;
+pub mod slotted;
+pub mod superframe;
 
 mod class;
 mod energy;

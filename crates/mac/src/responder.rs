@@ -86,12 +86,21 @@ impl Responder {
         !matches!(self.state, State::Listening)
     }
 
-    /// Judges a frame whose last bit arrives now with a good FCS; sets off its acknowledgement if it
-    /// is for this station and asks for one.
+    /// Judges a frame whose last bit arrives now with a good FCS; sets off its acknowledgement, one turnaround from
+    /// now, if it is for this station and asks for one.
     ///
     /// # Panics
     /// If an acknowledgement is on its way: a deaf radio receives nothing.
     pub fn receive(&mut self, frame: &Frame<'_>, radio: &mut impl Radio) -> Verdict {
+        self.receive_and_respond(frame, self.phy.turnaround(), radio)
+    }
+
+    /// The same with an acknowledgement that starts `gap` from now: one turnaround or more, because in a contention access
+    /// period acknowledgements start on backoff boundaries.
+    ///
+    /// # Panics
+    /// If an acknowledgement is on its way.
+    pub fn receive_and_respond(&mut self, frame: &Frame<'_>, gap: Duration, radio: &mut impl Radio) -> Verdict {
         assert!(!self.is_responding(), "a deaf radio receives nothing");
         if matches!(frame.body, Body::Acknowledgement) || !self.is_addressed(frame) {
             return Verdict::NotForUs;
@@ -103,7 +112,7 @@ impl Responder {
         }
         self.state = State::TurningToTransmit { sequence: frame.sequence };
         radio.enter(RadioState::Turnaround);
-        radio.after(self.phy.turnaround(), Event::TransmitReady);
+        radio.after(gap, Event::TransmitReady);
         let is_known =
             frame.source.is_some_and(|from| self.last.insert(from, frame.sequence) == Some(frame.sequence));
         if is_known { Verdict::Duplicate } else { Verdict::Deliver }

@@ -40,6 +40,9 @@ impl Address {
     /// Every station.
     pub const BROADCAST: Self = Self::Short(0xFFFF);
 
+    /// What stands for the short address of a station that has none.
+    pub const NONE: u16 = 0xFFFE;
+
     /// The address of a node: short as far as short addresses go (n0 to n65533), extended beyond.
     #[must_use]
     pub fn of(node: NodeId) -> Self {
