@@ -163,6 +163,11 @@ impl Air {
 }
 
 impl Transmission {
+    /// Who sends it.
+    pub(crate) fn source(&self) -> NodeId {
+        self.signal.source
+    }
+
     /// When its first symbol was on air.
     pub(crate) fn start(&self) -> SimTime {
         self.signal.start

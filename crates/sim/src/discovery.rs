@@ -97,7 +97,7 @@ pub struct Discovered {
 }
 
 /// Runs a round of discovery in the world of `setup`, over its channel, with its radios and its channel access, before
-/// any robot moves. Receivers are always on. Shadowing that belongs to places is that of the survey.
+/// any robot moves; without a coordinator, a beacon-enabled MAC contends unslotted. Receivers are always on. Shadowing that belongs to places is that of the survey.
 ///
 /// # Errors
 /// If the channel's settings are out of their domain, or the packets have no room for the addresses.
@@ -110,8 +110,8 @@ pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Resul
         match event {
             Event::FrameDue(node) => run.offer(node),
             Event::Mac(node, event) => run.handle_mac(node, event),
-            // No robot takes part.
-            Event::Robot(..) => {}
+            // No robot takes part, and nobody coordinates.
+            Event::Robot(..) | Event::Tracking(..) => {}
         }
     }
     Ok(run.finish(&setup.radio_states, setup))
@@ -135,7 +135,7 @@ struct Run {
 
 impl Run {
     fn new(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Self, SettingError> {
-        let Setup { world, radio, reception, phy, csma, seed, .. } = setup;
+        let Setup { world, radio, reception, phy, mac, seed, .. } = setup;
         let nodes = world.nodes.len();
         let last = NodeId::from_index(nodes.saturating_sub(1));
         NodeFrame::broadcast(PAN, last, discovery.traffic.mpdu_octets())
@@ -158,7 +158,7 @@ impl Run {
         let channel =
             Channel::new(config, world.obstacles.clone(), *seed).map_err(|error| error.within("channel"))?;
         let seed = Seed(seed.bits(Purpose::Discovery, [number, 0, 0]));
-        let csma = csma.with_receiver_on();
+        let csma = mac.csma().with_receiver_on();
         let places = || world.nodes.iter().map(|node| node.position);
         let air = Air::new(
             AirSettings {
@@ -182,6 +182,7 @@ impl Run {
         );
         let network = Network {
             acknowledgements: Vec::new(),
+            beacon: None,
             now: SimTime::ZERO,
             queue: EventQueue::new(),
             nodes: places().map(|place| Node::new(place, RadioState::Receive, 0)).collect(),
@@ -189,7 +190,7 @@ impl Run {
             phy: *phy,
             seed,
             cca_threshold: radio.cca_threshold().to_milliwatts(),
-            resting: RadioState::Receive,
+            hears_always: true,
         };
         Ok(Self {
             network,

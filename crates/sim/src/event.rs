@@ -1,7 +1,7 @@
 //! What happens in a simulation.
 
 use sextant_kernel::{NodeId, Rank};
-use sextant_mac::{Class, csma, responder};
+use sextant_mac::{Class, coordinator, csma, device, responder};
 
 /// What happens in a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +10,8 @@ pub(crate) enum Event {
     FrameDue(NodeId),
     /// Something happened to the MAC of a node.
     Mac(NodeId, csma::Event),
+    /// Something happened to a node that follows beacons.
+    Tracking(NodeId, device::Event),
     /// Something happened to a robot.
     Robot(u32, RobotEvent),
 }
@@ -23,17 +25,33 @@ pub(crate) enum RobotEvent {
     SlotEnded,
     /// Something happened to its acknowledgement.
     Responder(responder::Event),
+    /// A beacon of it is due one turnaround from now.
+    BeaconDue,
+    /// Something happened to its beacon.
+    Coordinator(coordinator::Event),
+    /// The active part of its superframe is over.
+    ActivePartEnded,
 }
 
 impl Event {
+    /// What happens to robot number `robot`.
+    pub(crate) fn of_robot(robot: usize, event: RobotEvent) -> Self {
+        Self::Robot(NodeId::from_index(robot).0, event)
+    }
+
     /// Where the event stands among those of the same instant; robots are numbered after the `nodes`.
     pub(crate) fn rank(self, nodes: u32) -> Rank {
         match self {
             Self::FrameDue(node) => Class::Application.rank(node),
             Self::Mac(node, event) => event.class().rank(node),
+            Self::Tracking(node, event) => event.class().rank(node),
             Self::Robot(robot, event) => {
                 let class = match event {
-                    RobotEvent::Arrived | RobotEvent::SlotEnded => Class::Application,
+                    RobotEvent::Arrived
+                    | RobotEvent::SlotEnded
+                    | RobotEvent::BeaconDue
+                    | RobotEvent::ActivePartEnded => Class::Application,
+                    RobotEvent::Coordinator(event) => event.class(),
                     RobotEvent::Responder(event) => event.class(),
                 };
                 class.rank(NodeId(nodes + robot))

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sextant_channel::{Milliwatts, Position};
 use sextant_kernel::{EventKey, EventQueue, NodeId, Purpose, Seed, SimTime};
-use sextant_mac::{EnergyMeter, Phy, RadioState, csma};
+use sextant_mac::{EnergyMeter, Phy, RadioState, csma, device};
 
 use crate::air::{Air, Transmission};
 use crate::event::Event;
@@ -23,6 +23,8 @@ pub(crate) struct Node {
     /// The best that became of the frame under way.
     pub(crate) fate: Fate,
     timer: Option<EventKey>,
+    /// The pending event of following beacons.
+    tracking: Option<EventKey>,
     backoffs: u64,
 }
 
@@ -36,6 +38,7 @@ impl Node {
             transmission: None,
             fate: Fate::NotListened,
             timer: None,
+            tracking: None,
             backoffs: 0,
         }
     }
@@ -50,10 +53,12 @@ pub(crate) struct Network {
     pub(crate) phy: Phy,
     pub(crate) seed: Seed,
     pub(crate) cca_threshold: Milliwatts,
-    /// State of a node's radio when it has nothing to do.
-    pub(crate) resting: RadioState,
+    /// Whether nodes can receive whenever their receiver is on; otherwise only while they wait for an acknowledgement.
+    pub(crate) hears_always: bool,
     /// The acknowledgement that each robot has on air, with its sequence number.
     pub(crate) acknowledgements: Vec<Option<(Transmission, u8)>>,
+    /// The beacon that is on air.
+    pub(crate) beacon: Option<Transmission>,
 }
 
 impl Network {
@@ -116,7 +121,7 @@ impl csma::Radio for NodeRadio<'_> {
         self.state().meter.enter(state, now);
         // A node that rests deaf hears frames only while it waits for an acknowledgement: its short listening
         // during carrier sense can catch no whole frame.
-        let listens = state == RadioState::Receive && (awaits_ack || self.network.resting == RadioState::Receive);
+        let listens = state == RadioState::Receive && (awaits_ack || self.network.hears_always);
         if listens {
             self.network.air.listen(now, node, place);
         } else {
@@ -136,5 +141,18 @@ impl csma::Radio for NodeRadio<'_> {
         let transmission = self.network.air.begin(now, node, place, airtime);
         self.state().transmission = Some(transmission);
         self.network.after(airtime, Event::Mac(node, csma::Event::TransmissionEnded));
+    }
+}
+
+impl device::Radio for NodeRadio<'_> {
+    fn track_after(&mut self, span: Duration, event: device::Event) {
+        let key = self.network.after(span, Event::Tracking(self.node, event));
+        self.state().tracking = Some(key);
+    }
+
+    fn cancel_tracking(&mut self) {
+        if let Some(key) = self.state().tracking.take() {
+            self.network.queue.cancel(key);
+        }
     }
 }

@@ -12,28 +12,39 @@ pub struct Frame<'a> {
     pub start: SimTime,
     /// Time on air.
     pub airtime: Duration,
-    /// Who sent it.
+    /// Who sent it; robots are numbered after the nodes.
     pub source: NodeId,
     /// The MAC frame (MPDU), check sequence included.
     pub bytes: &'a [u8],
-    /// The best that became of it at any robot.
+    /// The best that became of it at any robot; of a frame that a robot sent, at any node.
     pub outcome: FrameOutcome,
-    /// Power at that robot [dBm], where a signal was measured.
+    /// Power at that station [dBm], where a signal was measured.
     pub power: Option<Dbm>,
+    /// The robots that received it, by number.
+    pub heard: &'a [HeardFrame],
 }
 
-/// The best that became of a frame at any robot.
+/// A frame at a robot that received it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeardFrame {
+    /// Which robot.
+    pub robot: usize,
+    /// Power there [dBm].
+    pub power: Dbm,
+}
+
+/// The best that became of a frame at any robot, or, if a robot sent it, at any node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameOutcome {
-    /// A robot received it.
+    /// It was received.
     Received,
     /// Lost to another signal.
     Collided,
     /// Too weak.
     Weak,
-    /// All robots that listened were out of range.
+    /// All that listened were out of range.
     OutOfRange,
-    /// No robot listened.
+    /// Nobody listened.
     NotListened,
 }
 

@@ -81,6 +81,11 @@ impl Pilot {
         self.position
     }
 
+    /// Whether it stands and listens.
+    pub(crate) fn is_listening(&self) -> bool {
+        matches!(self.activity, Activity::Listening { .. })
+    }
+
     pub(crate) fn is_finished(&self) -> bool {
         self.activity == Activity::Finished
     }

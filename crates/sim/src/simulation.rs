@@ -1,23 +1,27 @@
 //! The only event loop.
 
+mod coordination;
+mod frames;
 mod robots;
 
 use std::time::Duration;
 
 use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, ReceptionLogBuilder, Stop};
 use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SettingError, SimTime};
-use sextant_mac::csma::{Csma, CsmaSettings, Outcome};
+use sextant_mac::coordinator::Coordinator;
+use sextant_mac::csma::Outcome;
 use sextant_mac::frame::{Address, Body, Frame as MacFrame, NodeFrame};
 use sextant_mac::responder::{Responder, Verdict};
 use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
 
-use crate::air::{Air, AirSettings, Arrival, Transmission};
+use crate::air::{Air, AirSettings, Arrival};
 use crate::event::{Event, RobotEvent};
+use crate::mac::NodeMac;
 use crate::node::{Network, Node};
 use crate::pilot::Pilot;
 use crate::receiver::{Fate, Reception};
 use crate::survey::{Packets, Survey};
-use crate::{Frame, FrameOutcome, Observer, Radio, ReceptionModel, Robot, Traffic, World};
+use crate::{HeardFrame, Mac, Observer, Radio, ReceptionModel, Robot, Traffic, World};
 
 use robots::RobotRadio;
 
@@ -40,7 +44,7 @@ pub struct Setup {
     /// The physical layer.
     pub phy: Phy,
     /// Channel access of the nodes.
-    pub csma: CsmaSettings,
+    pub mac: Mac,
     /// What the nodes send, and when.
     pub traffic: Traffic,
     /// What the nodes' radios draw.
@@ -55,7 +59,9 @@ pub struct Setup {
 pub struct Simulation {
     world: World,
     network: Network,
-    macs: Vec<Csma>,
+    macs: Vec<NodeMac>,
+    /// The first robot's, if it coordinates.
+    coordinator: Option<Coordinator>,
     pilots: Vec<Pilot>,
     traffic: Traffic,
     sink: Option<NodeId>,
@@ -68,6 +74,7 @@ pub struct Simulation {
     heard: Vec<bool>,
     nodes_heard: usize,
     arrivals: Vec<Arrival>,
+    told: Vec<HeardFrame>,
     mpdu: Vec<u8>,
     events: u64,
 }
@@ -76,10 +83,10 @@ impl Simulation {
     /// A simulation, ready to run.
     ///
     /// # Errors
-    /// If the channel's settings are out of their domain, the frames have no room for the addresses, or several robots are
-    /// to hear frames that are sent to one.
+    /// If the channel's settings are out of their domain, the frames have no room for the addresses, several robots are to
+    /// hear frames that are sent to one, or superframes do not fit world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
-        let Setup { world, channel, radio, reception, phy, csma, traffic, radio_states, robots, seed } = setup;
+        let Setup { world, channel, radio, reception, phy, mac, traffic, radio_states, robots, seed } = setup;
         let nodes = world.nodes.len();
         if traffic.is_acknowledged() && robots.len() > 1 {
             let allowed =
@@ -116,14 +123,19 @@ impl Simulation {
             nodes,
             robots.len(),
         );
-        let resting = csma.resting_state();
-        let new_node = |(i, position): (usize, Position)| {
-            let bits = seed.bits(Purpose::Sequence, [i as u64, 0, 0]);
-            Node::new(position, resting, (bits >> 56) as u8)
+        let initial_state = mac.initial_state();
+        let first_number = |station: usize| (seed.bits(Purpose::Sequence, [station as u64, 0, 0]) >> 56) as u8;
+        let coordinator = match &mac {
+            Mac::CsmaUnslotted(_) => None,
+            Mac::BeaconEnabled(settings) => {
+                coordination::coordinator(settings, phy, &world, &robots, &traffic, first_number(nodes))?
+            }
         };
+        let new_node = |(i, position): (usize, Position)| Node::new(position, initial_state, first_number(i));
         let acknowledgements = vec![None; robots.len()];
         let network = Network {
             acknowledgements,
+            beacon: None,
             now: SimTime::ZERO,
             queue: EventQueue::new(),
             nodes: places().enumerate().map(new_node).collect(),
@@ -131,7 +143,7 @@ impl Simulation {
             phy,
             seed,
             cca_threshold: radio.cca_threshold().to_milliwatts(),
-            resting,
+            hears_always: initial_state == RadioState::Receive,
         };
         let address = |robot: usize| Address::of(NodeId::from_index(nodes + robot));
         let sink = (traffic.is_acknowledged() && !robots.is_empty()).then(|| NodeId::from_index(nodes));
@@ -139,7 +151,8 @@ impl Simulation {
             .map(|(i, robot)| Pilot::new(robot, Responder::new(phy, PAN, address(i)), nodes))
             .collect();
         Ok(Self {
-            macs: vec![Csma::new(csma, phy); nodes],
+            macs: (0..nodes).map(|i| mac.of(NodeId::from_index(i), phy)).collect(),
+            coordinator,
             network,
             pilots,
             traffic,
@@ -153,6 +166,7 @@ impl Simulation {
             heard: vec![false; nodes],
             nodes_heard: 0,
             arrivals: Vec::new(),
+            told: Vec::new(),
             mpdu: Vec::with_capacity(127),
             events: 0,
             world,
@@ -170,6 +184,7 @@ impl Simulation {
             match event {
                 Event::FrameDue(node) => self.offer(node),
                 Event::Mac(node, event) => self.handle_mac(node, event, observer),
+                Event::Tracking(node, event) => self.handle_tracking(node, event),
                 Event::Robot(robot, event) => interrupted = !self.handle_robot(robot as usize, event, observer),
             }
         }
@@ -180,13 +195,16 @@ impl Simulation {
         for i in 0..self.macs.len() {
             let node = NodeId::from_index(i);
             self.schedule_frame(node);
-            if self.network.resting == RadioState::Receive {
+            if self.network.nodes[i].meter.state() == RadioState::Receive {
                 let place = self.network.nodes[i].position;
                 self.network.air.listen(SimTime::ZERO, node, place);
             }
         }
         for robot in 0..self.pilots.len() {
-            self.network.after(Duration::ZERO, Event::Robot(NodeId::from_index(robot).0, RobotEvent::Arrived));
+            self.network.after(Duration::ZERO, Event::of_robot(robot, RobotEvent::Arrived));
+        }
+        if self.coordinator.is_some() {
+            self.network.after(Duration::ZERO, Event::of_robot(coordination::COORDINATOR, RobotEvent::BeaconDue));
         }
     }
 
@@ -214,7 +232,7 @@ impl Simulation {
                 ack_request: self.sink.is_some(),
                 sequence: state.sequence,
             };
-            mac.start(frame, &mut self.network.radio(node, false));
+            mac.start(self.network.now, frame, &mut self.network.radio(node, false));
         }
         self.schedule_frame(node);
     }
@@ -229,7 +247,8 @@ impl Simulation {
             _ => event,
         };
         let awaits_ack = event == csma::Event::ReceiveReady;
-        let report = self.macs[node.index()].handle(event, &mut self.network.radio(node, awaits_ack));
+        let now = self.network.now;
+        let report = self.macs[node.index()].handle(now, event, &mut self.network.radio(node, awaits_ack));
         if let Some(report) = report {
             self.count(node, report);
         }
@@ -250,7 +269,7 @@ impl Simulation {
         }
         self.write_frame(node);
         if observer.wants_frames() {
-            self.tell_frame(&transmission, node, best, observer);
+            self.tell_frame(&transmission, best, observer);
         }
         for i in 0..self.arrivals.len() {
             if is_received(&self.arrivals[i]) {
@@ -269,34 +288,16 @@ impl Simulation {
         frame.expect("the size was checked at the start").write(sequence, &mut self.mpdu);
     }
 
-    fn tell_frame(&self, transmission: &Transmission, node: NodeId, best: Fate, observer: &mut impl Observer) {
-        let heard = |a: &&Arrival| a.station.index() >= self.macs.len() && a.fate == best;
-        let power = self.arrivals.iter().find(heard).map(|arrival| arrival.power.to_dbm());
-        observer.framed(Frame {
-            start: transmission.start(),
-            airtime: self.network.now - transmission.start(),
-            source: node,
-            bytes: &self.mpdu,
-            outcome: match best {
-                Fate::Received => FrameOutcome::Received,
-                Fate::Collided => FrameOutcome::Collided,
-                Fate::Weak => FrameOutcome::Weak,
-                Fate::OutOfRange => FrameOutcome::OutOfRange,
-                Fate::NotListened => FrameOutcome::NotListened,
-            },
-            power,
-        });
-    }
-
     /// A robot has received the frame in `mpdu`.
     fn deliver(&mut self, arrival: Arrival) {
         let robot = arrival.station.index() - self.macs.len();
         let frame = MacFrame::parse(&self.mpdu).expect("stations write what they can read");
         let source = frame.source.and_then(|source| source.address.node());
         let is_data = matches!(frame.body, Body::Data(_));
+        let gap = self.ack_gap(robot);
         let pilot = &mut self.pilots[robot];
         let mut radio = RobotRadio { network: &mut self.network, robot, place: pilot.position() };
-        let verdict = pilot.responder.receive(&frame, &mut radio);
+        let verdict = pilot.responder.receive_and_respond(&frame, gap, &mut radio);
         if let (Verdict::Deliver, true, Some(node)) = (verdict, is_data, source) {
             pilot.note(node, arrival.power);
         }

@@ -10,9 +10,12 @@ use sextant_kernel::{NodeId, Purpose, Seed, SettingError, SimTime};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum TrafficConfig {
-    /// Each node broadcasts a short frame once an interval, at a phase of its own.
+    /// Each node broadcasts a short frame once an interval, at a phase of its own. With a beacon-enabled MAC the frame waits
+    /// for the next superframe of which the node hears the beacon, and one that comes meanwhile is lost; an interval near
+    /// the beacon interval gives each superframe about one frame a node.
     Beacon(BeaconConfig),
-    /// All nodes have one frame at the same instant, as if a robot had asked.
+    /// All nodes have one frame at the same instant, as if a robot had asked. With a beacon-enabled MAC each sends it once, in
+    /// the first superframe of which it hears the beacon: for studies of contention, too little for surveys.
     Query(QueryConfig),
 }
 

@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use sextant_channel::{ChannelConfig, ObstacleField, Position};
 use sextant_kernel::{Seed, SimTime};
-use sextant_mac::csma::{CsmaConfig, CsmaSettings};
+use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Body, Command, Controller, Ending, Frame, FrameOutcome, Observer, Outcome, QueryConfig, Radio, RadioConfig,
+    Body, Command, Controller, Ending, Frame, FrameOutcome, Mac, Observer, Outcome, QueryConfig, Radio, RadioConfig,
     ReceptionModel, Robot, Setup, Simulation, Situation, Traffic, TrafficConfig, World,
 };
 
@@ -64,7 +64,7 @@ fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup 
         .expect("good settings"),
         reception: ReceptionModel::Overlap,
         phy: Phy::Oqpsk2450,
-        csma: CsmaSettings::try_from(CsmaConfig::default()).expect("good settings"),
+        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         traffic: Traffic::try_from(TrafficConfig::Query(query)).expect("good settings"),
         radio_states: RadioStates::cc2420(),
         robots: vec![Robot {

@@ -6,12 +6,13 @@ use sextant_channel::{
     BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, Stop,
 };
 use sextant_kernel::{Seed, SimTime};
-use sextant_mac::csma::{CsmaConfig, CsmaSettings};
+use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BeaconConfig, Body, Command, Controller, Ending, Observer, Outcome, Progress, QueryConfig, Radio, RadioConfig,
-    ReceptionModel, Robot, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig, Unobserved, World,
+    BeaconConfig, Body, Command, Controller, Ending, Mac, Observer, Outcome, Progress, QueryConfig, Radio,
+    RadioConfig, ReceptionModel, Robot, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig, Unobserved,
+    World,
 };
 
 /// Drives to each place and listens there; notes where it was stopped.
@@ -62,7 +63,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         .expect("good settings"),
         reception: ReceptionModel::SinrThreshold { least: 2.0 },
         phy: Phy::Oqpsk2450,
-        csma: CsmaSettings::try_from(CsmaConfig::default()).expect("good settings"),
+        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         traffic: Traffic::try_from(TrafficConfig::Beacon(BeaconConfig {
             mpdu_octets: 20,
             interval_s: 0.5,

@@ -1,10 +1,11 @@
-//! What happens to robots: they arrive, listen, acknowledge, and are told what to do next.
+//! What happens to robots: they arrive, listen, acknowledge, send beacons, and are told what to do next.
 
 use std::time::Duration;
 
 use sextant_channel::{Contact, Position};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_mac::{RadioState, csma, responder};
+use sextant_mac::frame::Frame;
+use sextant_mac::{RadioState, coordinator, csma, responder};
 
 use super::Simulation;
 use crate::event::{Event, RobotEvent};
@@ -24,31 +25,33 @@ impl Simulation {
                 observer.moved(robot, now, self.pilots[robot].position());
                 self.act(robot, decision, observer);
             }
-            RobotEvent::SlotEnded if self.pilots[robot].responder.is_responding() => {
-                self.pilots[robot].slot_is_over = true;
-            }
-            RobotEvent::SlotEnded => return self.end_slot(robot, observer),
-            RobotEvent::Responder(event) => {
-                self.handle_responder(robot, event);
-                if self.pilots[robot].slot_is_over && !self.pilots[robot].responder.is_responding() {
-                    return self.end_slot(robot, observer);
-                }
-            }
+            RobotEvent::SlotEnded => self.pilots[robot].slot_is_over = true,
+            RobotEvent::Responder(event) => self.handle_responder(robot, event, observer),
+            RobotEvent::BeaconDue => self.prepare_beacon(),
+            RobotEvent::Coordinator(event) => self.handle_coordinator(event, observer),
+            RobotEvent::ActivePartEnded => {}
+        }
+        if self.pilots[robot].slot_is_over && self.may_leave(robot) {
+            return self.end_slot(robot, observer);
         }
         true
     }
 
-    fn handle_responder(&mut self, robot: usize, event: responder::Event) {
+    fn handle_responder(&mut self, robot: usize, event: responder::Event, observer: &mut impl Observer) {
         if event == responder::Event::TransmissionEnded {
             let on_air = self.network.acknowledgements[robot].take();
             let (ack, sequence) = on_air.expect("only an acknowledgement on air ends");
             self.network.air.end(self.network.now, &ack, &mut self.arrivals);
-            let nodes = self.macs.len();
+            if observer.wants_frames() {
+                Frame::acknowledgement(sequence).write(&mut self.mpdu).expect("an acknowledgement has five octets");
+                self.tell_frame(&ack, self.best_at_nodes(), observer);
+            }
+            let (nodes, now) = (self.macs.len(), self.network.now);
             for arrival in std::mem::take(&mut self.arrivals) {
                 if arrival.fate == Fate::Received && arrival.station.index() < nodes {
                     let event = csma::Event::AckReceived { sequence };
                     let mac = &mut self.macs[arrival.station.index()];
-                    if let Some(report) = mac.handle(event, &mut self.network.radio(arrival.station, false)) {
+                    if let Some(report) = mac.handle(now, event, &mut self.network.radio(arrival.station, false)) {
                         self.count(arrival.station, report);
                     }
                 }
@@ -80,7 +83,6 @@ impl Simulation {
 
     fn act(&mut self, robot: usize, decision: Decision, observer: &mut impl Observer) {
         let now = self.network.now;
-        let number = NodeId::from_index(robot).0;
         match decision {
             Decision::Drive { span, contact } => {
                 observer.moved(robot, now, self.pilots[robot].position());
@@ -89,19 +91,19 @@ impl Simulation {
                     observer.met(robot, contact);
                     self.contacts.push(contact);
                 }
-                self.network.after(span, Event::Robot(number, RobotEvent::Arrived));
+                self.network.after(span, Event::of_robot(robot, RobotEvent::Arrived));
             }
             Decision::Listen { span } => {
                 let station = NodeId::from_index(self.macs.len() + robot);
                 self.network.air.listen(now, station, self.pilots[robot].position());
-                self.network.after(span, Event::Robot(number, RobotEvent::SlotEnded));
+                self.network.after(span, Event::of_robot(robot, RobotEvent::SlotEnded));
             }
             Decision::Finish => {}
         }
     }
 }
 
-/// The radio of a robot, as its responder sees it.
+/// The radio of a robot, as its machines see it.
 pub(super) struct RobotRadio<'a> {
     pub(super) network: &'a mut Network,
     pub(super) robot: usize,
@@ -112,15 +114,9 @@ impl RobotRadio<'_> {
     fn station(&self) -> NodeId {
         NodeId::from_index(self.network.nodes.len() + self.robot)
     }
-}
 
-impl responder::Radio for RobotRadio<'_> {
-    fn after(&mut self, span: Duration, event: responder::Event) {
-        let robot = NodeId::from_index(self.robot).0;
-        self.network.after(span, Event::Robot(robot, RobotEvent::Responder(event)));
-    }
-
-    fn enter(&mut self, state: RadioState) {
+    /// It hears while it receives, and is deaf otherwise.
+    fn change_to(&mut self, state: RadioState) {
         let (now, station) = (self.network.now, self.station());
         if state == RadioState::Receive {
             self.network.air.listen(now, station, self.place);
@@ -128,13 +124,39 @@ impl responder::Radio for RobotRadio<'_> {
             self.network.air.deafen(station, self.place);
         }
     }
+}
+
+impl responder::Radio for RobotRadio<'_> {
+    fn after(&mut self, span: Duration, event: responder::Event) {
+        self.network.after(span, Event::of_robot(self.robot, RobotEvent::Responder(event)));
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.change_to(state);
+    }
 
     fn start_acknowledgement(&mut self, sequence: u8) {
         let (now, station, airtime) = (self.network.now, self.station(), self.network.phy.ack_airtime());
         let transmission = self.network.air.begin(now, station, self.place, airtime);
         self.network.acknowledgements[self.robot] = Some((transmission, sequence));
-        let robot = NodeId::from_index(self.robot).0;
-        let event = Event::Robot(robot, RobotEvent::Responder(responder::Event::TransmissionEnded));
-        self.network.after(airtime, event);
+        let event = RobotEvent::Responder(responder::Event::TransmissionEnded);
+        self.network.after(airtime, Event::of_robot(self.robot, event));
+    }
+}
+
+impl coordinator::Radio for RobotRadio<'_> {
+    fn after(&mut self, span: Duration, event: coordinator::Event) {
+        self.network.after(span, Event::of_robot(self.robot, RobotEvent::Coordinator(event)));
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.change_to(state);
+    }
+
+    fn start_beacon(&mut self, mpdu_octets: u8) {
+        let (now, station, airtime) = (self.network.now, self.station(), self.network.phy.airtime(mpdu_octets));
+        self.network.beacon = Some(self.network.air.begin(now, station, self.place, airtime));
+        let event = RobotEvent::Coordinator(coordinator::Event::TransmissionEnded);
+        self.network.after(airtime, Event::of_robot(self.robot, event));
     }
 }

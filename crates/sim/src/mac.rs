@@ -1,0 +1,142 @@
+//! How the nodes share the channel.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::{NodeId, SettingError, SimTime};
+use sextant_mac::csma::{self, Csma, CsmaConfig, CsmaSettings, Report, Transmission};
+use sextant_mac::device::{self, Device};
+use sextant_mac::frame::{Address, Beacon};
+use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig};
+use sextant_mac::{Phy, RadioState};
+
+/// How nodes share the channel, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum MacConfig {
+    /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
+    CsmaUnslotted(CsmaConfig),
+    /// The first robot coordinates: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in slots of
+    /// their own (IEEE 802.15.4 at 2.4 GHz).
+    BeaconEnabled(BeaconEnabledConfig),
+}
+
+impl Default for MacConfig {
+    fn default() -> Self {
+        Self::CsmaUnslotted(CsmaConfig::default())
+    }
+}
+
+/// How nodes share the channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Mac {
+    /// Unslotted CSMA-CA.
+    CsmaUnslotted(CsmaSettings),
+    /// Superframes of a coordinator.
+    BeaconEnabled(BeaconEnabled),
+}
+
+impl TryFrom<MacConfig> for Mac {
+    type Error = SettingError;
+
+    fn try_from(config: MacConfig) -> Result<Self, SettingError> {
+        match config {
+            MacConfig::CsmaUnslotted(csma) => {
+                CsmaSettings::try_from(csma).map(Self::CsmaUnslotted).map_err(|error| error.within("csma_unslotted"))
+            }
+            MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons)
+                .map(Self::BeaconEnabled)
+                .map_err(|error| error.within("beacon_enabled")),
+        }
+    }
+}
+
+impl Mac {
+    /// Contention, whether slotted or not.
+    pub(crate) fn csma(&self) -> CsmaSettings {
+        match self {
+            Self::CsmaUnslotted(csma) => *csma,
+            Self::BeaconEnabled(beacons) => beacons.csma(),
+        }
+    }
+
+    /// The state of a node's radio at first.
+    pub(crate) fn initial_state(&self) -> RadioState {
+        match self {
+            Self::CsmaUnslotted(csma) => csma.resting_state(),
+            Self::BeaconEnabled(_) => Device::INITIAL_STATE,
+        }
+    }
+
+    /// The MAC of a node.
+    pub(crate) fn of(&self, node: NodeId, phy: Phy) -> NodeMac {
+        match self {
+            Self::CsmaUnslotted(csma) => NodeMac::Unslotted(Csma::new(*csma, phy)),
+            Self::BeaconEnabled(beacons) => {
+                NodeMac::Device(Device::new(beacons, phy, short_address(node).unwrap_or(Address::NONE)))
+            }
+        }
+    }
+}
+
+/// The short address of a node, if it has one.
+pub(crate) fn short_address(node: NodeId) -> Option<u16> {
+    match Address::of(node) {
+        Address::Short(short) => Some(short),
+        Address::Extended(_) => None,
+    }
+}
+
+/// The MAC of one node.
+pub(crate) enum NodeMac {
+    Unslotted(Csma),
+    Device(Device),
+}
+
+impl NodeMac {
+    pub(crate) fn is_busy(&self) -> bool {
+        match self {
+            Self::Unslotted(csma) => csma.is_busy(),
+            Self::Device(device) => device.is_busy(),
+        }
+    }
+
+    pub(crate) fn start(&mut self, now: SimTime, frame: Transmission, radio: &mut impl device::Radio) {
+        match self {
+            Self::Unslotted(csma) => csma.start(frame, radio),
+            Self::Device(device) => device.start(now, frame, radio),
+        }
+    }
+
+    pub(crate) fn handle(
+        &mut self,
+        now: SimTime,
+        event: csma::Event,
+        radio: &mut impl device::Radio,
+    ) -> Option<Report> {
+        match self {
+            Self::Unslotted(csma) => csma.handle(event, radio),
+            Self::Device(device) => device.handle_csma(now, event, radio),
+        }
+    }
+
+    /// Takes note of what happened as the node follows beacons.
+    pub(crate) fn track(&mut self, now: SimTime, event: device::Event, radio: &mut impl device::Radio) {
+        match self {
+            Self::Unslotted(_) => unreachable!("only devices follow beacons"),
+            Self::Device(device) => device.handle(now, event, radio),
+        }
+    }
+
+    /// A beacon of `octets` was received; a node without superframes takes no note.
+    pub(crate) fn receive_beacon(
+        &mut self,
+        now: SimTime,
+        octets: u8,
+        beacon: &Beacon<'_>,
+        radio: &mut impl device::Radio,
+    ) {
+        if let Self::Device(device) = self {
+            device.receive_beacon(now, octets, beacon, radio);
+        }
+    }
+}
