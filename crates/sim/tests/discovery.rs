@@ -9,8 +9,8 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Discovered, Discovery, DiscoveryConfig, QueryConfig, Radio, RadioConfig, ReceptionConfig, ReceptionModel, Round,
-    Setup, Traffic, TrafficConfig, World, discover,
+    Discovered, Discovery, DiscoveryConfig, Mac, QueryConfig, Radio, RadioConfig, ReceptionConfig, ReceptionModel,
+    Round, Setup, Traffic, TrafficConfig, World, discover,
 };
 
 fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64) -> Setup {
@@ -35,7 +35,7 @@ fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64
         .expect("good settings"),
         reception: ReceptionModel::try_from(ReceptionConfig::default()).expect("good settings"),
         phy: Phy::Oqpsk2450,
-        csma: CsmaSettings::default(),
+        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         traffic: Traffic::try_from(TrafficConfig::Query(query)).expect("good settings"),
         radio_states: RadioStates::cc2420(),
         robots: Vec::new(),

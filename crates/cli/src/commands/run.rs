@@ -21,6 +21,10 @@ pub struct Arguments {
     /// Also write the results to this file, as one JSON object
     #[arg(long, value_name = "FILE.json")]
     pub summary: Option<PathBuf>,
+    /// Also write the frames to this file, for Wireshark: all on air, or those that the robot hears that the
+    /// scenario names as recording.pcap.robot
+    #[arg(long, value_name = "FILE.pcap")]
+    pub pcap: Option<PathBuf>,
     /// Seed of all randomness, in place of the scenario's
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,

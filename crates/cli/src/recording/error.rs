@@ -25,6 +25,14 @@ pub enum RecordingError {
         /// The system's answer.
         why: String,
     },
+    /// A write to a capture failed; the frames written until then are in `PATH.part`.
+    #[error("cannot write `{}`: {why}; the frames written before are left there", .path.display())]
+    WriteCapture {
+        /// The file that was being written.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
     /// The finished file cannot be given its name.
     #[error("cannot rename `{}` to `{}`: {why}", .part.display(), .path.display())]
     Rename {
@@ -99,7 +107,7 @@ impl RecordingError {
     /// Whether the disk or the system is at fault (exit code 1), and not what was given (exit code 2).
     #[must_use]
     pub fn is_of_the_system(&self) -> bool {
-        matches!(self, Self::Create { .. } | Self::Write { .. } | Self::Rename { .. })
+        matches!(self, Self::Create { .. } | Self::Write { .. } | Self::WriteCapture { .. } | Self::Rename { .. })
     }
 
     pub(super) fn create(path: &Path, why: impl fmt::Display) -> Self {

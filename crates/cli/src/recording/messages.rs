@@ -92,16 +92,17 @@ pub struct Frame {
     /// Time on air [ns].
     #[prost(uint64, tag = "2")]
     pub airtime_ns: u64,
-    /// Index of the station that sent it.
+    /// Index of the station that sent it; robots are numbered after the nodes.
     #[prost(uint32, tag = "3")]
     pub source: u32,
     /// The MAC frame, its check sequence included.
     #[prost(bytes = "vec", tag = "4")]
     pub mpdu: Vec<u8>,
-    /// The best that became of it at any robot: `received`, `collided`, `weak`, `out_of_range`, `not_listened`.
+    /// The best that became of it at any robot, or, of a robot's frame, at any node: `received`, `collided`, `weak`,
+    /// `out_of_range`, `not_listened`.
     #[prost(string, tag = "5")]
     pub outcome: String,
-    /// Power at that robot [dBm], where a signal was measured.
+    /// Power at that station [dBm], where a signal was measured.
     #[prost(double, optional, tag = "6")]
     pub power_dbm: Option<f64>,
 }

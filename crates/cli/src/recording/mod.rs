@@ -22,7 +22,9 @@
 //! # Ok::<(), sextant::recording::RecordingError>(())
 //! ```
 
+mod capture;
 mod descriptor;
+mod draft;
 mod drawing;
 mod drawn;
 mod error;
@@ -34,6 +36,7 @@ mod recover;
 mod scan;
 mod sink;
 
+pub use capture::{Capture, CapturedFrame, FileCapture, Signal};
 pub use drawing::{LikelihoodPlane, PlacedNode, Solid};
 pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use error::RecordingError;

@@ -12,10 +12,11 @@ use mcap::records::{MessageHeader, Metadata};
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::SimTime;
 
+use super::draft::Draft;
 use super::drawing::{self, LikelihoodPlane, PlacedNode, Solid};
 use super::error::RecordingError;
 use super::messages;
-use super::sink::{Draft, Sink};
+use super::sink::Sink;
 
 /// Name of the attachment with the scenario as it was read.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";

@@ -6,10 +6,10 @@ use std::path::Path;
 use mcap::records::Metadata;
 use serde::Serialize;
 
+use super::draft::Draft;
 use super::error::RecordingError;
 use super::inspect::Damage;
 use super::scan::{Piece, scan};
-use super::sink::Draft;
 
 /// What was saved.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -1,4 +1,4 @@
-//! The file under a recording: chunks closed by count, the first error latched, a name given at the end.
+//! The container under a recording: chunks closed by count, the first error latched.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -9,6 +9,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
+use super::draft::Draft;
 use super::error::RecordingError;
 
 /// Name of the writer in the header of a recording: fixed, so that equal runs give equal bytes.
@@ -122,55 +123,14 @@ impl<W: Write> Sink<W> {
     }
 }
 
-/// A file that bears another name until it is whole.
-pub(super) struct Draft {
-    /// Name until then.
-    pub(super) part: PathBuf,
-    /// Name from then on.
-    pub(super) path: PathBuf,
-}
-
 impl Draft {
-    /// The file `path`, called `path` + `suffix` until it is whole.
-    pub(super) fn new(path: &Path, suffix: &str) -> Self {
-        let mut part = path.as_os_str().to_owned();
-        part.push(suffix);
-        Self { part: part.into(), path: path.to_owned() }
-    }
-
     /// Creates it and a container in it.
     pub(super) fn create(&self) -> Result<Sink<BufWriter<File>>, RecordingError> {
-        if self.path.is_dir() {
-            return Err(RecordingError::create(&self.path, "it is a folder"));
-        }
-        let file = File::create(&self.part).map_err(|why| RecordingError::create(&self.part, why))?;
-        Sink::new(BufWriter::new(file), &self.part)
+        Sink::new(self.open()?, &self.part)
     }
 
-    /// Finishes the container, syncs the file, names it, and syncs the folder, in this order: whoever
-    /// sees the name sees a whole file, even after a power cut.
+    /// Finishes the container and names the file.
     pub(super) fn publish(&self, sink: Sink<BufWriter<File>>) -> Result<(), RecordingError> {
-        let written = |why: std::io::Error| RecordingError::write(&self.part, &why.into());
-        let file = sink.finish()?.into_inner().map_err(|why| written(why.into_error()))?;
-        file.sync_all().map_err(written)?;
-        drop(file);
-        std::fs::rename(&self.part, &self.path).map_err(|why| RecordingError::Rename {
-            part: self.part.clone(),
-            path: self.path.clone(),
-            why: why.to_string(),
-        })?;
-        sync_folder_of(&self.path).map_err(|why| RecordingError::write(&self.path, &why.into()))
+        self.name(sink.finish()?, |path, why| RecordingError::write(path, &why.into()))
     }
-}
-
-#[cfg(unix)]
-fn sync_folder_of(path: &Path) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
-}
-
-/// Other systems cannot open a folder as a file; they order renames by themselves.
-#[cfg(not(unix))]
-fn sync_folder_of(_path: &Path) -> std::io::Result<()> {
-    Ok(())
 }

@@ -2,15 +2,16 @@
 
 use sextant_channel::{Channel, Db, Dbm, Position};
 use sextant_mapper::{TrueModel, at_least_one};
-use sextant_sim::Survey;
+use sextant_sim::{MacConfig, Survey};
 
 use crate::scenario::Scenario;
 
 /// The posterior bound under the channel and the obstacles of the scenario, with collisions as losses that do not depend
-/// on the distance [m]. `None` if receptions at different stops are not independent, or nothing was heard.
+/// on the distance [m]. `None` if receptions at different stops are not independent, if a node must hear a beacon before it is
+/// heard, or nothing was heard.
 pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[Position]) -> Option<f64> {
     let known = scenario.known_channel();
-    if !known.is_independent() {
+    if !known.is_independent() || matches!(scenario.config().mac, MacConfig::BeaconEnabled(_)) {
         return None;
     }
     let obstacles = scenario.world().obstacles.clone();

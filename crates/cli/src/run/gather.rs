@@ -1,21 +1,47 @@
 //! The simulation, recorded while it runs.
 
-use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{Frame, FrameOutcome, Observer, Progress};
 
 use crate::interrupt::Interrupt;
-use crate::recording::{FileRecorder, RecordingError, messages};
+use crate::recording::{CapturedFrame, FileCapture, FileRecorder, RecordingError, Signal, messages};
 use crate::terminal;
 
 /// Records a simulation while it runs, shows how far it is, and ends it when the user or the disk says so.
 pub(super) struct Gathering<'a> {
     recorder: &'a mut FileRecorder,
     frames: bool,
+    sniffer: Option<Sniffer<'a>>,
     interrupt: &'a Interrupt,
     progress: terminal::Progress,
     robots: Vec<Track>,
     failure: Option<RecordingError>,
+}
+
+/// Captures frames.
+pub(super) struct Sniffer<'a> {
+    /// Where they go.
+    pub(super) capture: &'a mut FileCapture,
+    /// The robot whose frames they are; all frames on air if absent.
+    pub(super) robot: Option<usize>,
+    /// Least power that a robot can receive.
+    pub(super) sensitivity: Dbm,
+}
+
+impl Sniffer<'_> {
+    /// Captures a frame, if it is to be captured.
+    fn sniff(&mut self, frame: &Frame<'_>) -> Result<(), RecordingError> {
+        let signal = match self.robot {
+            None => None,
+            Some(robot) => match frame.heard.iter().find(|heard| heard.robot == robot) {
+                None => return Ok(()),
+                Some(heard) => Some(Signal { power: heard.power, sensitivity: self.sensitivity }),
+            },
+        };
+        let Frame { start, airtime, bytes: mpdu, .. } = *frame;
+        self.capture.frame(&CapturedFrame { start, airtime, mpdu, signal })
+    }
 }
 
 /// Where a robot was.
@@ -26,16 +52,17 @@ pub(super) struct Track {
 }
 
 impl<'a> Gathering<'a> {
-    /// A gathering by the robots `names` among `nodes` nodes; every frame is recorded if `frames`.
+    /// A gathering by the robots `names`; every frame is recorded if `frames`.
     pub(super) fn new(
         recorder: &'a mut FileRecorder,
         frames: bool,
+        sniffer: Option<Sniffer<'a>>,
         interrupt: &'a Interrupt,
         progress: terminal::Progress,
         names: impl Iterator<Item = String>,
     ) -> Self {
         let robots = names.map(|name| Track { name, places: Vec::new(), heading_rad: 0.0 }).collect();
-        Self { recorder, frames, interrupt, progress, robots, failure: None }
+        Self { recorder, frames, sniffer, interrupt, progress, robots, failure: None }
     }
 
     /// Where the robots were, or the first failure to record.
@@ -76,6 +103,14 @@ impl Observer for Gathering<'_> {
     }
 
     fn framed(&mut self, frame: Frame<'_>) {
+        if let Some(sniffer) = &mut self.sniffer
+            && self.failure.is_none()
+        {
+            self.failure = sniffer.sniff(&frame).err();
+        }
+        if !self.frames {
+            return;
+        }
         let NodeId(source) = frame.source;
         let message = messages::Frame {
             start_ns: frame.start.as_nanos(),
@@ -89,7 +124,7 @@ impl Observer for Gathering<'_> {
     }
 
     fn wants_frames(&self) -> bool {
-        self.frames
+        self.frames || self.sniffer.is_some()
     }
 
     fn goes_on(&mut self, progress: Progress) -> bool {

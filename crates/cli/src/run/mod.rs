@@ -9,9 +9,10 @@ mod outcome;
 
 use std::borrow::Cow;
 use std::io::{self, Write};
+use std::path::Path;
 use std::time::Instant;
 
-use sextant_channel::Position;
+use sextant_channel::{Dbm, Position};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mapper::{Fit, Mapper, Surface, TopologyMap};
 use sextant_sim::{Simulation, Survey};
@@ -20,7 +21,7 @@ use crate::commands::Format;
 use crate::commands::run::Arguments;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
+use crate::recording::{FileCapture, FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{MapSummary, Summary, Timing, peak_rss_bytes};
 use crate::table;
@@ -30,7 +31,7 @@ pub use discovery::Discoveries;
 pub use evaluation::{Evaluation, bound_m, evaluate};
 pub use outcome::sum_up;
 
-use gather::{Gathering, Track};
+use gather::{Gathering, Sniffer, Track};
 
 #[expect(clippy::disallowed_methods, reason = "the cli times whole stages")]
 fn now() -> Instant {
@@ -47,8 +48,13 @@ pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure
     let discoveries = Discoveries::of(scenario)?;
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let mut recorder = FileRecorder::create(&arguments.recording())?;
+    let mut capture = capture(arguments, scenario)?;
     open(&mut recorder, scenario)?;
-    let (survey, tracks) = gather(simulation, &mut recorder, scenario, &interrupt, arguments.quiet)?;
+    let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
+    let (survey, tracks) = gather(simulation, outputs, scenario, &interrupt, arguments.quiet)?;
+    if let Some(capture) = capture {
+        capture.finish()?;
+    }
     let gather_s = start.elapsed().as_secs_f64();
     for track in &tracks {
         recorder.path(survey.end, &track.name, &track.places)?;
@@ -97,16 +103,44 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     Ok(())
 }
 
+/// The capture that `--pcap` asks for.
+fn capture(arguments: &Arguments, scenario: &Scenario) -> Result<Option<FileCapture>, Failure> {
+    let Some(path) = &arguments.pcap else {
+        return Ok(None);
+    };
+    let is_same = |a: &Path, b: &Path| std::path::absolute(a).ok() == std::path::absolute(b).ok();
+    let others = [("--out", Some(arguments.recording())), ("--summary", arguments.summary.clone())];
+    for (flag, other) in others {
+        if other.is_some_and(|other| is_same(path, &other)) {
+            let message = format!("`--pcap` and `{flag}` are both `{}`: give each a file of its own", path.display());
+            return Err(Failure::bad_input(message));
+        }
+    }
+    Ok(Some(FileCapture::create(path, scenario.recording().pcap.channel)?))
+}
+
+/// The files that a simulation fills.
+struct Outputs<'a> {
+    recorder: &'a mut FileRecorder,
+    capture: Option<&'a mut FileCapture>,
+}
+
 fn gather(
     simulation: Simulation,
-    recorder: &mut FileRecorder,
+    outputs: Outputs<'_>,
     scenario: &Scenario,
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<(Survey, Vec<Track>), Failure> {
     let progress = terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet);
     let names = scenario.config().robots.iter().map(|robot| robot.name.clone());
-    let mut gathering = Gathering::new(recorder, scenario.recording().frames, interrupt, progress, names);
+    let sniffer = outputs.capture.map(|capture| Sniffer {
+        capture,
+        robot: scenario.captured_robot(),
+        sensitivity: Dbm(scenario.config().radio.sensitivity_dbm),
+    });
+    let frames = scenario.recording().frames;
+    let mut gathering = Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names);
     let survey = simulation.run(&mut gathering);
     let tracks = gathering.finish()?;
     Ok((survey, tracks))

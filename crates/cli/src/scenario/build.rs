@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::{Anchor, Channel, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
-use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_mapper::{MapConfig, Mapper};
-use sextant_sim::{Body, Discovery, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World};
+use sextant_sim::{
+    Body, Discovery, Mac, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World,
+};
 use sha2::{Digest, Sha256};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -45,7 +46,7 @@ struct Parts {
     world: World,
     radio: Radio,
     reception: ReceptionModel,
-    csma: CsmaSettings,
+    mac: Mac,
     traffic: Traffic,
     radio_states: RadioStates,
     anchors: Vec<Anchor>,
@@ -144,6 +145,13 @@ impl Scenario {
         &self.config.recording
     }
 
+    /// Number of the robot whose frames a capture holds; `None` if it holds all frames on air.
+    #[must_use]
+    pub fn captured_robot(&self) -> Option<usize> {
+        let name = self.config.recording.pcap.robot.as_ref()?;
+        self.config.robots.iter().position(|robot| robot.name == *name)
+    }
+
     /// Everything that the simulation needs; the robots start afresh with each call.
     #[must_use]
     pub fn setup(&self) -> Setup {
@@ -218,17 +226,18 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
     let radio = errors.take("radio", Radio::try_from(config.radio));
     errors.take("channel", Channel::new(config.channel, ObstacleField::default(), Seed(config.seed)));
-    let csma = errors.take("mac", CsmaSettings::try_from(config.mac));
+    let mac = errors.take("mac", Mac::try_from(config.mac.clone()));
     let traffic = errors.take("traffic", Traffic::try_from(config.traffic));
     let reception = errors.take("reception", ReceptionModel::try_from(config.reception));
     let radio_states = errors.take("energy", RadioStates::try_from(config.energy));
     let robots = check_robots(config, world.as_ref(), errors);
     let maps = check_maps(&config.maps, Some(known_channel(config)), errors);
     errors.take("metrics", config.metrics.check());
+    errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
-    let (Some(world), Some(radio), Some(csma), Some(traffic), Some(reception), Some(radio_states)) =
-        (world, radio, csma, traffic, reception, radio_states)
+    let (Some(world), Some(radio), Some(mac), Some(traffic), Some(reception), Some(radio_states)) =
+        (world, radio, mac, traffic, reception, radio_states)
     else {
         return (None, maps);
     };
@@ -239,7 +248,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
             errors.refuse(&SettingError::new(key, format!("`{name}`"), "the name of a node"));
         }
     }
-    let parts = Parts { world, radio, reception, csma, traffic, radio_states, anchors, discovery };
+    let parts = Parts { world, radio, reception, mac, traffic, radio_states, anchors, discovery };
     if errors.found.is_empty() {
         // What depends on several parts, the size of frames and addresses, the simulation checks itself.
         if let Err(error) = Simulation::new(setup(config, parts.clone(), robots)) {
@@ -349,14 +358,14 @@ fn robot(
 }
 
 fn setup(config: &ScenarioConfig, parts: Parts, robots: Vec<Robot>) -> Setup {
-    let Parts { world, radio, reception, csma, traffic, radio_states, .. } = parts;
+    let Parts { world, radio, reception, mac, traffic, radio_states, .. } = parts;
     Setup {
         world,
         channel: config.channel,
         radio,
         reception,
         phy: Phy::default(),
-        csma,
+        mac,
         traffic,
         radio_states,
         robots,

@@ -1,15 +1,16 @@
 //! A scenario as written: the whole of the file.
 
+use std::ops::RangeInclusive;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
-use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mapper::MapConfig;
 use sextant_sim::{
-    AnchorsConfig, DiscoveryConfig, RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
@@ -68,29 +69,6 @@ fn default_seed() -> u64 {
     1
 }
 
-/// How nodes share the channel, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum MacConfig {
-    /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
-    CsmaUnslotted(CsmaConfig),
-}
-
-impl Default for MacConfig {
-    fn default() -> Self {
-        Self::CsmaUnslotted(CsmaConfig::default())
-    }
-}
-
-impl TryFrom<MacConfig> for CsmaSettings {
-    type Error = SettingError;
-
-    fn try_from(config: MacConfig) -> Result<Self, SettingError> {
-        let MacConfig::CsmaUnslotted(csma) = config;
-        Self::try_from(csma).map_err(|error| error.within("csma_unslotted"))
-    }
-}
-
 /// How maps are compared with the truth, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -123,4 +101,41 @@ pub struct RecordingConfig {
     pub frames: bool,
     /// Names of the nodes whose likelihood surface is recorded, for each map that has one.
     pub likelihood: Vec<String>,
+    /// What `--pcap` writes.
+    pub pcap: PcapConfig,
+}
+
+/// What `--pcap` writes, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PcapConfig {
+    /// Name of the robot whose received frames are written, with their strength and quality; all frames on air if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// Radio channel that the capture names, at 2.4 GHz: 11 to 26. It changes nothing else.
+    pub channel: u8,
+}
+
+impl Default for PcapConfig {
+    fn default() -> Self {
+        Self { robot: None, channel: *CHANNELS_2450.start() }
+    }
+}
+
+/// Radio channels at 2.4 GHz (IEEE 802.15.4-2006, 6.1.2.1).
+const CHANNELS_2450: RangeInclusive<u8> = 11..=26;
+
+impl PcapConfig {
+    /// Refuses channels of other bands and robots that are not there.
+    pub(crate) fn check(&self, robots: &[RobotConfig<ControllerConfig>]) -> Result<(), SettingError> {
+        if !CHANNELS_2450.contains(&self.channel) {
+            return Err(SettingError::new("channel", self.channel, "11 to 26"));
+        }
+        match &self.robot {
+            Some(name) if !robots.iter().any(|robot| robot.name == *name) => {
+                Err(SettingError::new("robot", format!("`{name}`"), "the name of a robot"))
+            }
+            _ => Ok(()),
+        }
+    }
 }

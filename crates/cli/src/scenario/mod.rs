@@ -13,7 +13,7 @@ mod map_settings;
 mod sweep;
 
 pub use build::{NamedMap, Scenario};
-pub use config::{MacConfig, MetricsConfig, RecordingConfig, ScenarioConfig};
+pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
 pub use map_settings::MapSettings;

@@ -1,0 +1,208 @@
+//! Captures of frames for protocol analysers: classic pcap with nanosecond stamps, link type IEEE 802.15.4 TAP.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use sextant_channel::Dbm;
+use sextant_kernel::SimTime;
+
+use super::draft::Draft;
+use super::error::RecordingError;
+
+/// Magic number of a pcap file whose stamps count nanoseconds.
+const NANOSECOND_MAGIC: u32 = 0xA1B2_3C4D;
+/// Version of the format, major and minor.
+const VERSION: [u16; 2] = [2, 4];
+/// Longest record that a reader must be ready for [octets].
+const SNAP_LENGTH: u32 = 65_535;
+/// LINKTYPE_IEEE802_15_4_TAP: frames with a header of fields that a sniffer knows.
+const LINK_TYPE: u32 = 283;
+/// Power above the sensitivity from which on a link has the best quality [dB]: the range that energy detection has
+/// at least (IEEE 802.15.4-2006, 6.9.7 and 6.9.8).
+const QUALITY_RANGE_DB: f64 = 40.0;
+
+/// Types of the fields of a TAP header (IEEE 802.15.4 TAP, section 4).
+mod field {
+    pub(super) const FCS_TYPE: u16 = 0;
+    pub(super) const RSS: u16 = 1;
+    pub(super) const CHANNEL_ASSIGNMENT: u16 = 3;
+    pub(super) const START_OF_FRAME: u16 = 5;
+    pub(super) const END_OF_FRAME: u16 = 6;
+    pub(super) const LINK_QUALITY: u16 = 10;
+}
+/// FCS type of a 16-bit CRC.
+const CRC_16: u8 = 1;
+
+/// A frame as it goes into a capture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CapturedFrame<'a> {
+    /// First symbol on air.
+    pub start: SimTime,
+    /// Time on air.
+    pub airtime: Duration,
+    /// The MAC frame (MPDU), check sequence included.
+    pub mpdu: &'a [u8],
+    /// How it was received, if the capture is that of one receiver.
+    pub signal: Option<Signal>,
+}
+
+/// How a frame was received.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Signal {
+    /// Received signal strength [dBm].
+    pub power: Dbm,
+    /// Least power that this receiver can receive [dBm].
+    pub sensitivity: Dbm,
+}
+
+impl Signal {
+    /// Link quality: 0 at the sensitivity, 255 from 40 dB above it on, uniform in between.
+    #[must_use]
+    pub fn link_quality(&self) -> u8 {
+        let share = (self.power - self.sensitivity).0 / QUALITY_RANGE_DB;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 255")]
+        let quality = (255.0 * share.clamp(0.0, 1.0)).round() as u8;
+        quality
+    }
+}
+
+/// Writes a capture. Frames are stamped with their end, because that is when a receiver has them; their start is in the
+/// header of each. After the first failure every call returns that failure again.
+pub struct Capture<W: Write> {
+    output: W,
+    path: PathBuf,
+    channel: u16,
+    record: Vec<u8>,
+    failure: Option<RecordingError>,
+}
+
+impl<W: Write> Capture<W> {
+    /// A capture on radio channel `channel` (page 0) into `output`, which errors call `path`.
+    ///
+    /// # Errors
+    /// If the header cannot be written.
+    pub fn new(output: W, path: &Path, channel: u8) -> Result<Self, RecordingError> {
+        let record = Vec::with_capacity(256);
+        let mut capture = Self { output, path: path.to_owned(), channel: u16::from(channel), record, failure: None };
+        let [major, minor] = VERSION;
+        capture.record.extend(NANOSECOND_MAGIC.to_le_bytes());
+        capture.record.extend(major.to_le_bytes());
+        capture.record.extend(minor.to_le_bytes());
+        // Time zone and accuracy of the stamps, which nobody fills in.
+        capture.record.extend([0; 8]);
+        capture.record.extend(SNAP_LENGTH.to_le_bytes());
+        capture.record.extend(LINK_TYPE.to_le_bytes());
+        capture.write_record()?;
+        Ok(capture)
+    }
+
+    /// A frame that was on air.
+    ///
+    /// # Errors
+    /// If a write failed, now or before.
+    pub fn frame(&mut self, frame: &CapturedFrame<'_>) -> Result<(), RecordingError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        let end = frame.start + frame.airtime;
+        let since_start = end - SimTime::ZERO;
+        self.record.clear();
+        // More than 136 years do not fit into a stamp.
+        self.record.extend(u32::try_from(since_start.as_secs()).unwrap_or(u32::MAX).to_le_bytes());
+        self.record.extend(since_start.subsec_nanos().to_le_bytes());
+        // Length as captured and on air, known when the rest is written.
+        self.record.extend([0; 8]);
+        let tap = self.record.len();
+        // Version, reserved octet, length of the TAP header.
+        self.record.extend([0; 4]);
+        self.field(field::FCS_TYPE, &[CRC_16]);
+        if let Some(signal) = frame.signal {
+            #[expect(clippy::cast_possible_truncation, reason = "the format has single precision")]
+            let power_dbm = signal.power.0 as f32;
+            self.field(field::RSS, &power_dbm.to_le_bytes());
+        }
+        let [low, high] = self.channel.to_le_bytes();
+        self.field(field::CHANNEL_ASSIGNMENT, &[low, high, 0]);
+        self.field(field::START_OF_FRAME, &frame.start.as_nanos().to_le_bytes());
+        self.field(field::END_OF_FRAME, &end.as_nanos().to_le_bytes());
+        if let Some(signal) = frame.signal {
+            self.field(field::LINK_QUALITY, &[signal.link_quality()]);
+        }
+        let header_octets = u16::try_from(self.record.len() - tap).expect("six fields of at most 12 octets");
+        self.record[tap + 2..tap + 4].copy_from_slice(&header_octets.to_le_bytes());
+        self.record.extend(frame.mpdu);
+        let octets = u32::try_from(self.record.len() - tap).expect("a frame has at most 127 octets");
+        self.record[tap - 8..tap - 4].copy_from_slice(&octets.to_le_bytes());
+        self.record[tap - 4..tap].copy_from_slice(&octets.to_le_bytes());
+        self.write_record()
+    }
+
+    /// A field of the TAP header: type, length, value, zeros up to a multiple of four octets.
+    fn field(&mut self, kind: u16, value: &[u8]) {
+        let octets = u16::try_from(value.len()).expect("at most eight octets");
+        self.record.extend(kind.to_le_bytes());
+        self.record.extend(octets.to_le_bytes());
+        self.record.extend(value);
+        self.record.extend(std::iter::repeat_n(0, value.len().next_multiple_of(4) - value.len()));
+    }
+
+    fn write_record(&mut self) -> Result<(), RecordingError> {
+        self.output.write_all(&self.record).map_err(|why| {
+            let failure = unwritten(&self.path, why);
+            self.failure = Some(failure.clone());
+            failure
+        })
+    }
+
+    /// Flushes and hands the output back.
+    ///
+    /// # Errors
+    /// If a write failed, now or before.
+    pub fn into_output(mut self) -> Result<W, RecordingError> {
+        match self.failure {
+            Some(failure) => Err(failure),
+            None => self.output.flush().map(|()| self.output).map_err(|why| unwritten(&self.path, why)),
+        }
+    }
+}
+
+fn unwritten(path: &Path, why: io::Error) -> RecordingError {
+    RecordingError::WriteCapture { path: path.to_owned(), why: why.to_string() }
+}
+
+/// A capture that is `PATH.part` until it is whole.
+pub struct FileCapture {
+    capture: Capture<BufWriter<File>>,
+    draft: Draft,
+}
+
+impl FileCapture {
+    /// A capture on radio channel `channel` that is to be the file `path`; a file of this name is replaced when the
+    /// capture is finished.
+    ///
+    /// # Errors
+    /// If the file `PATH.part` cannot be created, or `path` is a folder.
+    pub fn create(path: &Path, channel: u8) -> Result<Self, RecordingError> {
+        let draft = Draft::new(path, ".part");
+        let capture = Capture::new(draft.open()?, &draft.part, channel)?;
+        Ok(Self { capture, draft })
+    }
+
+    /// A frame that was on air.
+    ///
+    /// # Errors
+    /// If a write failed, now or before.
+    pub fn frame(&mut self, frame: &CapturedFrame<'_>) -> Result<(), RecordingError> {
+        self.capture.frame(frame)
+    }
+
+    /// Syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
+    ///
+    /// # Errors
+    /// If a write failed, now or before. The file `PATH.part` then stays.
+    pub fn finish(self) -> Result<(), RecordingError> {
+        self.draft.name(self.capture.into_output()?, unwritten)
+    }
+}

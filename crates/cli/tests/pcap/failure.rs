@@ -1,0 +1,73 @@
+//! A disk that fails is reported, once and for all.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::time::Duration;
+
+use sextant::recording::{Capture, CapturedFrame, FileCapture, RecordingError};
+use sextant_kernel::SimTime;
+
+/// Takes `room` octets, refuses one write, and takes all later ones.
+struct Hiccup {
+    room: usize,
+    failed: bool,
+}
+
+impl Write for Hiccup {
+    fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
+        if !self.failed && octets.len() > self.room {
+            self.failed = true;
+            return Err(io::Error::new(io::ErrorKind::StorageFull, "no room for it"));
+        }
+        self.room = self.room.saturating_sub(octets.len());
+        Ok(octets.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+const FRAME: CapturedFrame<'_> = CapturedFrame {
+    start: SimTime::ZERO,
+    airtime: Duration::from_micros(352),
+    mpdu: &[0x02, 0x00, 0x05, 0x15, 0xE2],
+    signal: None,
+};
+
+#[test]
+fn the_first_write_error_answers_every_later_call() {
+    let mut capture = Capture::new(Hiccup { room: 150, failed: false }, Path::new("a.pcap"), 11).unwrap();
+    assert_eq!(capture.frame(&FRAME), Ok(()));
+    let first = capture.frame(&FRAME).unwrap_err();
+    assert!(matches!(&first, RecordingError::WriteCapture { why, .. } if why == "no room for it"), "{first}");
+    assert!(first.is_of_the_system());
+    assert_eq!(capture.frame(&FRAME), Err(first.clone()));
+    assert_eq!(capture.into_output().err(), Some(first));
+    assert!(Capture::new(Hiccup { room: 23, failed: false }, Path::new("a.pcap"), 11).is_err());
+}
+
+/// `/dev/full` answers every write as a full disk does.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_the_part_file_and_no_capture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pcap");
+    let part = folder.path().join("a.pcap.part");
+    std::os::unix::fs::symlink("/dev/full", &part).unwrap();
+    let mut capture = FileCapture::create(&path, 11).unwrap();
+    capture.frame(&FRAME).expect("buffered");
+    assert!(matches!(capture.finish(), Err(RecordingError::WriteCapture { .. })));
+    assert!(part.is_symlink() && !path.exists());
+}
+
+#[test]
+fn a_file_has_its_name_only_when_it_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pcap");
+    let mut capture = FileCapture::create(&path, 11).unwrap();
+    capture.frame(&FRAME).unwrap();
+    assert!(!path.exists() && folder.path().join("a.pcap.part").exists());
+    capture.finish().unwrap();
+    assert!(path.exists() && !folder.path().join("a.pcap.part").exists());
+}
