@@ -44,11 +44,13 @@ fn now() -> Instant {
 /// If the simulation or a file fails, or the user interrupts.
 pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure> {
     let start = now();
+    refuse_shared_files(arguments)?;
     let interrupt = Interrupt::install()?;
     let discoveries = Discoveries::of(scenario)?;
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let mut recorder = FileRecorder::create(&arguments.recording())?;
-    let mut capture = capture(arguments, scenario)?;
+    let channel = scenario.recording().pcap.channel;
+    let mut capture = arguments.pcap.as_ref().map(|path| FileCapture::create(path, channel)).transpose()?;
     open(&mut recorder, scenario)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
     let (survey, tracks) = gather(simulation, outputs, scenario, &interrupt, arguments.quiet)?;
@@ -103,10 +105,10 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     Ok(())
 }
 
-/// The capture that `--pcap` asks for.
-fn capture(arguments: &Arguments, scenario: &Scenario) -> Result<Option<FileCapture>, Failure> {
+/// Refuses a capture that another output would overwrite.
+fn refuse_shared_files(arguments: &Arguments) -> Result<(), Failure> {
     let Some(path) = &arguments.pcap else {
-        return Ok(None);
+        return Ok(());
     };
     let is_same = |a: &Path, b: &Path| std::path::absolute(a).ok() == std::path::absolute(b).ok();
     let others = [("--out", Some(arguments.recording())), ("--summary", arguments.summary.clone())];
@@ -116,7 +118,7 @@ fn capture(arguments: &Arguments, scenario: &Scenario) -> Result<Option<FileCapt
             return Err(Failure::bad_input(message));
         }
     }
-    Ok(Some(FileCapture::create(path, scenario.recording().pcap.channel)?))
+    Ok(())
 }
 
 /// The files that a simulation fills.

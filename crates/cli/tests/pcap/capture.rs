@@ -35,11 +35,12 @@ fn received(dbm: f64, mpdu: &[u8]) -> CapturedFrame<'_> {
 
 #[test]
 fn a_capture_of_one_frame_has_the_octets_of_the_formats() {
+    // Numbers packed with Python's `struct`.
     // RSS -81.5 dBm is 0xC2A30000; 18.5 of 40 dB above the sensitivity are LQI 118. End 2.123808789 s.
     let expected = "4d3cb2a1 0200 0400 00000000 00000000 ffff0000 1b010000
-        02000000 95016107 41000000 41000000
+        02000000 152c6107 41000000 41000000
         00003c00 0000010001000000 010004000000a3c2 030003000f000000
-        0500080015cf917e00000000 0600080015 2e977e00000000 0a00010076000000
+        050008001561917e00000000 0600080015c0967e00000000 0a00010076000000
         02000515e2";
     assert_eq!(captured(15, &[received(-81.5, ACK)]), hex(expected));
 }

@@ -43,7 +43,8 @@ pub(crate) fn read(file: &[u8]) -> Vec<Packet> {
         assert_eq!(captured, size(&head[12..16]), "nothing was cut");
         let mut record = take(&mut rest, captured);
         assert_eq!(record[..2], [0, 0], "version of the TAP header");
-        let mut tap = take(&mut record, size(&record[2..4]));
+        let header_octets = size(&record[2..4]);
+        let mut tap = take(&mut record, header_octets);
         take(&mut tap, 4);
         let mut fields = BTreeMap::new();
         while !tap.is_empty() {

@@ -87,8 +87,8 @@ fn acknowledgements_of_robots_are_on_air_too() {
     let (file, summary) = captured(&acknowledged);
     let packets = packet::read(&file);
     let acknowledgements: Vec<_> = packets.iter().filter(|packet| packet.kind() == 2).collect();
-    assert!(summary["gathering"]["packets_received"].as_u64().unwrap() > 10, "{summary:#}");
-    assert!(acknowledgements.len() > 10);
+    assert!(summary["gathering"]["packets_received"].as_u64().unwrap() > 5, "{summary:#}");
+    assert!(acknowledgements.len() > 5);
     for ack in acknowledgements {
         // 192 us after the frame that it answers.
         let (start, end) = ack.span_ns();
