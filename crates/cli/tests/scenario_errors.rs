@@ -255,3 +255,35 @@ fn files_are_looked_up_beside_the_layer_that_names_them() {
     let text = folder.refusal(&["base/base.toml"]);
     assert!(text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"), "{text}");
 }
+
+/// What is printed about the good scenario with these settings of a beacon-enabled MAC.
+fn refused_superframe(settings: &str) -> String {
+    refused("[traffic.beacon]", &format!("[mac.beacon_enabled]\n{settings}\n\n[traffic.beacon]"))
+}
+
+#[test]
+fn an_active_part_longer_than_the_beacon_interval() {
+    assert_snapshot!(refused_superframe("beacon_order = 3\nsuperframe_order = 4"));
+}
+
+#[test]
+fn guaranteed_slots_that_leave_too_little_for_contention() {
+    let settings = "beacon_order = 0\nsuperframe_order = 0\ngts = [{ node = \"n0\", slots = 8 }]";
+    assert_snapshot!(refused_superframe(settings));
+}
+
+#[test]
+fn eight_guaranteed_slots() {
+    let slots = vec!["{ node = \"n0\" }"; 8].join(", ");
+    assert_snapshot!(refused_superframe(&format!("gts = [{slots}]")));
+}
+
+#[test]
+fn a_guaranteed_slot_of_nobody() {
+    assert_snapshot!(refused_superframe("gts = [{ node = \"n0\" }, { node = \"n9\" }]"));
+}
+
+#[test]
+fn a_stop_shorter_than_the_beacon_interval() {
+    assert_snapshot!(refused_superframe("beacon_order = 7\nsuperframe_order = 0"));
+}
