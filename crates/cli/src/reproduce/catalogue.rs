@@ -1,6 +1,6 @@
 //! The experiments of chapter 3.
 
-use super::experiment::{Claim, Content, Experiment, Quantity};
+use super::experiment::{Check, Claim, Content, Experiment, Quantity};
 
 const RANDOM: &str = "ml-tm/trajectory-random.toml";
 const SPIRAL: &str = "ml-tm/trajectory-spiral.toml";
@@ -74,13 +74,14 @@ pub const CHAPTER_3: &[Experiment] = &[
             metres("Hilbert curve: mean position error", HILBERT, ERROR_M),
         ]),
         claims: &[
+            Claim { text: "S and spiral within a point of E_total", check: Check::Within((S, E), (SPIRAL, E), 0.01) },
             Claim {
-                text: "the Hilbert curve takes longer than the S",
-                rising: &[(S, "path_length_m"), (HILBERT, "path_length_m")],
+                text: "the Hilbert curve takes about twice as long as the S",
+                check: Check::Ratio((HILBERT, "path_length_m"), (S, "path_length_m"), 1.75..=2.25),
             },
             Claim {
                 text: "the longest path, the Hilbert curve, has the least E_total",
-                rising: &[(HILBERT, E), (S, E)],
+                check: Check::Rising(&[(HILBERT, E), (SPIRAL, E)]),
             },
         ],
         notes: &[
@@ -157,51 +158,51 @@ pub const CHAPTER_3: &[Experiment] = &[
         claims: &[
             Claim {
                 text: "circular: ML-TM < SVD hop map < RSSI centroid by E_total",
-                rising: &[
+                check: Check::Rising(&[
                     (CIRCULAR, "ml-tm.connectivity_error"),
                     (CIRCULAR, "tpm.connectivity_error"),
                     (CIRCULAR, "rssi-triangle-centroid.connectivity_error"),
-                ],
+                ]),
             },
             Claim {
                 text: "circular: ML-TM < SVD hop map < RSSI centroid by symmetric loss",
-                rising: &[
+                check: Check::Rising(&[
                     (CIRCULAR, "ml-tm.symmetric_loss"),
                     (CIRCULAR, "tpm.symmetric_loss"),
                     (CIRCULAR, "rssi-triangle-centroid.symmetric_loss"),
-                ],
+                ]),
             },
             Claim {
                 text: "sparse: ML-TM < SVD hop map < RSSI centroid by E_total",
-                rising: &[
+                check: Check::Rising(&[
                     (SPARSE, "ml-tm.connectivity_error"),
                     (SPARSE, "tpm.connectivity_error"),
                     (SPARSE, "rssi-triangle-centroid.connectivity_error"),
-                ],
+                ]),
             },
             Claim {
                 text: "sparse: ML-TM < SVD hop map < RSSI centroid by symmetric loss",
-                rising: &[
+                check: Check::Rising(&[
                     (SPARSE, "ml-tm.symmetric_loss"),
                     (SPARSE, "tpm.symmetric_loss"),
                     (SPARSE, "rssi-triangle-centroid.symmetric_loss"),
-                ],
+                ]),
             },
             Claim {
                 text: "concave: ML-TM < SVD hop map < RSSI centroid by E_total",
-                rising: &[
+                check: Check::Rising(&[
                     (CONCAVE, "ml-tm.connectivity_error"),
                     (CONCAVE, "tpm.connectivity_error"),
                     (CONCAVE, "rssi-triangle-centroid.connectivity_error"),
-                ],
+                ]),
             },
             Claim {
                 text: "concave: ML-TM < SVD hop map < RSSI centroid by symmetric loss",
-                rising: &[
+                check: Check::Rising(&[
                     (CONCAVE, "ml-tm.symmetric_loss"),
                     (CONCAVE, "tpm.symmetric_loss"),
                     (CONCAVE, "rssi-triangle-centroid.symmetric_loss"),
-                ],
+                ]),
             },
         ],
         notes: &[
@@ -257,8 +258,8 @@ mod tests {
             for scenario in experiment.scenarios() {
                 assert!(SHIPPED.iter().any(|(name, _)| *name == scenario), "{scenario}");
             }
-            for Claim { rising, .. } in experiment.claims {
-                assert!(rising.iter().all(|(scenario, _)| experiment.scenarios().contains(scenario)));
+            for Claim { check, .. } in experiment.claims {
+                assert!(check.measures().iter().all(|(scenario, _)| experiment.scenarios().contains(scenario)));
             }
         }
     }

@@ -47,13 +47,27 @@ pub struct Quantity {
     pub published: Option<&'static str>,
 }
 
-/// Something that the thesis concludes: means in rising order.
+/// Something that the thesis concludes.
 #[derive(Debug)]
 pub struct Claim {
     /// The conclusion.
     pub text: &'static str,
-    /// Scenario and column of each mean, the smallest first.
-    pub rising: &'static [(&'static str, &'static str)],
+    /// What it says of means.
+    pub check: Check,
+}
+
+/// A column of the table of runs of a scenario.
+pub type Measure = (&'static str, &'static str);
+
+/// What a conclusion says of means.
+#[derive(Debug)]
+pub enum Check {
+    /// Each is above the one before.
+    Rising(&'static [Measure]),
+    /// Two differ by at most this much.
+    Within(Measure, Measure, f64),
+    /// The first is the second times a factor in this range.
+    Ratio(Measure, Measure, std::ops::RangeInclusive<f64>),
 }
 
 impl Experiment {
@@ -102,16 +116,34 @@ impl Quantity {
     }
 }
 
+impl Check {
+    /// The means that it needs.
+    #[must_use]
+    pub fn measures(&self) -> Vec<Measure> {
+        match self {
+            Self::Rising(measures) => measures.to_vec(),
+            Self::Within(a, b, _) | Self::Ratio(a, b, _) => vec![*a, *b],
+        }
+    }
+
+    /// Whether it holds for these means.
+    fn holds(&self, means: &[f64]) -> bool {
+        match self {
+            Self::Rising(_) => means.windows(2).all(|pair| pair[0] < pair[1]),
+            Self::Within(_, _, most) => (means[0] - means[1]).abs() <= *most,
+            Self::Ratio(_, _, range) => range.contains(&(means[0] / means[1])),
+        }
+    }
+}
+
 impl Claim {
-    /// Whether the means rise; `None` if one is missing.
+    /// Whether it holds for the means of `runs`; `None` if one is missing.
     #[must_use]
     pub fn holds(&self, runs: &Runs) -> Option<bool> {
-        let means: Option<Vec<f64>> = self
-            .rising
-            .iter()
-            .map(|(scenario, column)| runs.mean(scenario, 0, column).map(|mean| mean.mean))
-            .collect();
-        means.map(|means| means.windows(2).all(|pair| pair[0] < pair[1]))
+        let measures = self.check.measures();
+        let means: Option<Vec<f64>> =
+            measures.iter().map(|(scenario, column)| runs.mean(scenario, 0, column).map(|mean| mean.mean)).collect();
+        means.map(|means| self.check.holds(&means))
     }
 
     fn line(&self, runs: &Runs) -> Line {
@@ -121,5 +153,26 @@ impl Claim {
             None => Ours::Missing,
         };
         Line { what: self.text.to_owned(), published: "yes".to_owned(), unit: "", ours }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_conclusion_is_checked_as_it_reads() {
+        const A: Measure = ("s", "a");
+        const B: Measure = ("s", "b");
+        for (check, means, holds) in [
+            (Check::Rising(&[A, B]), [1.0, 2.0], true),
+            (Check::Rising(&[A, B]), [2.0, 2.0], false),
+            (Check::Within(A, B, 0.5), [2.0, 2.5], true),
+            (Check::Within(A, B, 0.5), [2.0, 1.4], false),
+            (Check::Ratio(A, B, 1.5..=2.5), [4.0, 2.0], true),
+            (Check::Ratio(A, B, 1.5..=2.5), [2.0, 4.0], false),
+        ] {
+            assert_eq!(check.holds(&means), holds, "{check:?} for {means:?}");
+        }
     }
 }

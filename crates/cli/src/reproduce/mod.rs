@@ -12,7 +12,7 @@ mod shipped;
 mod worked_example;
 
 pub use catalogue::{CHAPTER_3, find};
-pub use experiment::{Claim, Content, Experiment, Quantity};
+pub use experiment::{Check, Claim, Content, Experiment, Measure, Quantity};
 pub use figures::write_figures;
 pub use line::{Line, Ours, write_csv};
 pub use shipped::{SHIPPED, write_scenarios};
