@@ -125,7 +125,7 @@ fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflecti
 }
 
 /// Connectivity errors of a node at which its distribution is told.
-const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
+pub(crate) const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
 
 fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) -> ConnectivitySummary {
     let error = |rule| connectivity_error(truth, mapped, radius_m, rule).ok();

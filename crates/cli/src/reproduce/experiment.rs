@@ -13,6 +13,8 @@ pub struct Experiment {
     pub title: &'static str,
     /// What is computed.
     pub content: Content,
+    /// Scenarios of which the distribution of the nodes' connectivity errors is drawn.
+    pub distributions: &'static [&'static str],
     /// What the thesis concludes, as far as it can be checked.
     pub claims: &'static [Claim],
     /// Where definitions differ, and what the thesis leaves open.

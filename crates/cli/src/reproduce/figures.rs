@@ -5,19 +5,43 @@ use std::path::Path;
 use super::experiment::{Content, Experiment};
 use super::{Runs, sensitivity};
 use crate::diagnostic::Failure;
-use crate::figure::FileFormat;
+use crate::figure::{Curves, Figure, FileFormat, Series};
+use crate::measure::NODE_ERRORS;
+use crate::sweep::node_error_cdf;
 
 /// Draws what `experiment` shows into `out`.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn write_figures(experiment: &Experiment, runs: &Runs, out: &Path) -> Result<(), Failure> {
-    let figures = match experiment.content {
+    let mut figures = match experiment.content {
         Content::Sensitivity => sensitivity::figures(runs),
         Content::Quantities(_) | Content::WorkedExample => Vec::new(),
     };
+    figures.extend(distribution(experiment, runs));
     for figure in figures {
         figure.write(out, FileFormat::Svg).map_err(|error| Failure::unwritable(out, &error))?;
     }
     Ok(())
+}
+
+/// Which share of the nodes loses at most how many of its neighbours, a curve for each scenario and map.
+fn distribution(experiment: &Experiment, runs: &Runs) -> Option<Figure> {
+    let mut series = Vec::new();
+    for &scenario in experiment.distributions {
+        for map in runs.plan(scenario)?.maps() {
+            let share = |error| runs.mean(scenario, 0, &node_error_cdf(map, error)).map(|mean| (error, mean.mean));
+            let points: Vec<_> = NODE_ERRORS.into_iter().filter_map(share).collect();
+            let name = format!("{map}, {}", scenario.trim_start_matches("ml-tm/").trim_end_matches(".toml"));
+            series.push(Series { name, points });
+        }
+    }
+    let curves = Curves {
+        title: "Connectivity error of the nodes".to_owned(),
+        note: "share of the nodes that lose at most this share of their neighbours; mean over the runs".to_owned(),
+        across: "neighbours lost".to_owned(),
+        up: "share of the nodes".to_owned(),
+        series,
+    };
+    (!curves.series.is_empty()).then(|| curves.figure(&format!("{}-cdf", experiment.id)))
 }

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::measure::NODE_ERRORS;
 use crate::summary::Summary;
 
 /// What the texts of a column are.
@@ -32,7 +33,7 @@ impl Column {
 }
 
 /// What is taken of the survey: JSON pointers into the summary.
-const OF_SURVEY: [(&str, Kind); 15] = [
+const OF_SURVEY: [(&str, Kind); 19] = [
     ("/simulation/nodes", Kind::Integer),
     ("/simulation/obstacles", Kind::Integer),
     ("/gathering/stops", Kind::Integer),
@@ -48,10 +49,14 @@ const OF_SURVEY: [(&str, Kind); 15] = [
     ("/gathering/energy_j/rx", Kind::Real),
     ("/gathering/energy_j/idle", Kind::Real),
     ("/simulation/events", Kind::Integer),
+    ("/discovery/neighbours/energy_j/tx", Kind::Real),
+    ("/discovery/neighbours/energy_j/rx", Kind::Real),
+    ("/discovery/anchors/energy_j/tx", Kind::Real),
+    ("/discovery/anchors/energy_j/rx", Kind::Real),
 ];
 
 /// What is taken of each map: JSON pointers into its summary.
-const OF_MAP: [(&str, Kind); 18] = [
+const OF_MAP: [(&str, Kind); 21] = [
     ("/mapped", Kind::Integer),
     ("/unmapped", Kind::Integer),
     ("/infeasible", Kind::Integer),
@@ -70,12 +75,21 @@ const OF_MAP: [(&str, Kind); 18] = [
     ("/posterior_bound_m", Kind::Real),
     ("/coverage_95", Kind::Real),
     ("/vertices_evaluated", Kind::Integer),
+    ("/topology_preservation_error", Kind::Real),
+    ("/message_energy_j", Kind::Real),
+    ("/connectivity_errors/0/nodes_within_0_2", Kind::Real),
 ];
+
+/// Name of the column with the share of nodes that lose at most `error` of their neighbours on `map`.
+pub(crate) fn node_error_cdf(map: &str, error: f64) -> String {
+    format!("{map}.node_error_cdf_{error}")
+}
 
 /// The columns of the measures, if the maps are called `maps`.
 pub(super) fn columns(maps: &[String]) -> Vec<Column> {
     let of_survey = OF_SURVEY.iter().map(|&(pointer, kind)| {
-        let name = pointer.trim_start_matches("/gathering/").trim_start_matches("/simulation/");
+        let name =
+            pointer.trim_start_matches("/gathering/").trim_start_matches("/simulation/").trim_start_matches('/');
         Column::new(name.replace('/', "."), kind)
     });
     let of_map = |map: &String| {
@@ -84,6 +98,10 @@ pub(super) fn columns(maps: &[String]) -> Vec<Column> {
             let name = pointer.trim_start_matches("/connectivity_errors/0/").trim_start_matches('/');
             Column::new(format!("{map}.{}", name.replace('/', ".")), kind)
         })
+    };
+    let of_map = |map: &String| {
+        let cdf = NODE_ERRORS.map(|error| Column::new(node_error_cdf(map, error), Kind::Real));
+        of_map(map).chain(cdf).collect::<Vec<_>>()
     };
     of_survey.chain(maps.iter().flat_map(of_map)).collect()
 }
@@ -99,7 +117,11 @@ pub(super) fn texts(summary: &Summary, maps: &[String]) -> Vec<String> {
     let of_survey = OF_SURVEY.iter().map(|&(pointer, _)| text(json.pointer(pointer)));
     let of_maps = maps.iter().flat_map(|name| {
         let map = named(name);
-        OF_MAP.iter().map(move |&(pointer, _)| text(map.and_then(|map| map.pointer(pointer))))
+        let of_map = OF_MAP.iter().map(move |&(pointer, _)| text(map.and_then(|map| map.pointer(pointer))));
+        let cdf = (0..NODE_ERRORS.len()).map(move |i| {
+            text(map.and_then(|map| map.pointer(&format!("/connectivity_errors/0/node_error_cdf/{i}/1"))))
+        });
+        of_map.chain(cdf)
     });
     of_survey.chain(of_maps).collect()
 }

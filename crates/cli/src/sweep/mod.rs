@@ -12,6 +12,7 @@ mod statistics;
 mod table_file;
 mod unit;
 
+pub(crate) use measures::node_error_cdf;
 pub use measures::{Column, Kind};
 pub use plan::{Cell, Plan};
 pub use shard::Shard;
