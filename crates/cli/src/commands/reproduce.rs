@@ -11,7 +11,9 @@ use super::Format;
 use super::run::set_threads;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::reproduce::{CHAPTER_3, Experiment, Line, Runs, find, write_csv, write_figures, write_scenarios};
+use crate::reproduce::{
+    CHAPTER_3, Experiment, Line, Runs, find, write_csv, write_figures, write_pictures, write_scenarios,
+};
 use crate::sweep::write_table;
 use crate::table::{Align, columns};
 
@@ -60,6 +62,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let name = scenario.trim_end_matches(".toml").replace('/', "-");
         write_table(&out.join(format!("runs-{name}.csv")), &plan.columns(), rows)?;
     }
+    let names: Vec<_> = runs.scenarios().map(|(scenario, ..)| scenario).collect();
+    write_pictures(&names, &scenarios, &out.join("figures"), &interrupt)?;
     let mut printed = Vec::new();
     for experiment in &experiments {
         let lines = experiment.lines(&runs);

@@ -2,12 +2,41 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::experiment::{Content, Experiment};
 use super::{Runs, sensitivity};
 use crate::diagnostic::Failure;
-use crate::figure::{Curves, Figure, FileFormat, Series};
+use crate::figure::{self, Curves, Figure, FileFormat, Series, Source};
+use crate::interrupt::Interrupt;
 use crate::measure::NODE_ERRORS;
+use crate::recording::{read_drawn, read_log};
+use crate::run::{self, Files};
+use crate::scenario::Scenario;
 use crate::sweep::node_error_cdf;
+
+/// Draws the scenarios `names` of the files in `scenarios`, each with its own seed, into `out`/NAME: the network with the
+/// survey, the maps, their errors.
+///
+/// # Errors
+/// If a run or a file fails, or the user interrupts.
+pub fn write_pictures(names: &[&str], scenarios: &Path, out: &Path, interrupt: &Interrupt) -> Result<(), Failure> {
+    names.par_iter().try_for_each(|name| {
+        let scenario = Scenario::load(&scenarios.join(name), &[], None)?;
+        let folder = out.join(scenario.name());
+        std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+        let recording = folder.join("run.mcap");
+        run::record(&scenario, Files { recording: &recording, pcap: None }, interrupt, true)?;
+        if interrupt.is_requested() {
+            return Err(Failure::Interrupted);
+        }
+        let (log, drawn) = (read_log(&recording)?.log, read_drawn(&recording)?);
+        for figure in figure::all(&Source { title: scenario.name(), log: &log, drawn: &drawn }) {
+            figure.write(&folder, FileFormat::Svg).map_err(|error| Failure::unwritable(&folder, &error))?;
+        }
+        Ok(())
+    })
+}
 
 /// Draws what `experiment` shows into `out`.
 ///

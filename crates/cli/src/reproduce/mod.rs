@@ -13,7 +13,7 @@ mod worked_example;
 
 pub use catalogue::{CHAPTER_3, find};
 pub use experiment::{Check, Claim, Content, Experiment, Measure, Quantity};
-pub use figures::write_figures;
+pub use figures::{write_figures, write_pictures};
 pub use line::{Line, Ours, write_csv};
 pub use shipped::{SHIPPED, write_scenarios};
 

@@ -43,17 +43,42 @@ fn now() -> Instant {
 /// # Errors
 /// If the simulation or a file fails, or the user interrupts.
 pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure> {
-    let start = now();
     refuse_shared_files(arguments)?;
     let interrupt = Interrupt::install()?;
+    let files = Files { recording: &arguments.recording(), pcap: arguments.pcap.as_deref() };
+    let summary = record(scenario, files, &interrupt, arguments.quiet)?;
+    if let Some(path) = &arguments.summary {
+        summary.write(path)?;
+    }
+    print(&summary, arguments)?;
+    let interrupted = summary.gathering.is_some_and(|gathering| gathering.interrupted);
+    if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+}
+
+/// The files that a run leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct Files<'a> {
+    /// The recording.
+    pub recording: &'a Path,
+    /// The capture of frames, if one is wanted.
+    pub pcap: Option<&'a Path>,
+}
+
+/// Simulates `scenario`, records it, computes and measures its maps, and returns the results. An interrupted survey is
+/// recorded as far as it went, without maps.
+///
+/// # Errors
+/// If the simulation or a file fails.
+pub fn record(scenario: &Scenario, files: Files<'_>, interrupt: &Interrupt, quiet: bool) -> Result<Summary, Failure> {
+    let start = now();
     let discoveries = Discoveries::of(scenario)?;
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
-    let mut recorder = FileRecorder::create(&arguments.recording())?;
+    let mut recorder = FileRecorder::create(files.recording)?;
     let channel = scenario.recording().pcap.channel;
-    let mut capture = arguments.pcap.as_ref().map(|path| FileCapture::create(path, channel)).transpose()?;
+    let mut capture = files.pcap.map(|path| FileCapture::create(path, channel)).transpose()?;
     open(&mut recorder, scenario)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
-    let (survey, tracks) = gather(simulation, outputs, scenario, &interrupt, arguments.quiet)?;
+    let (survey, tracks) = gather(simulation, outputs, scenario, interrupt, quiet)?;
     if let Some(capture) = capture {
         capture.finish()?;
     }
@@ -76,11 +101,7 @@ pub fn execute(arguments: &Arguments, scenario: &Scenario) -> Result<(), Failure
         events_per_s: Some(events_per_s),
         peak_rss_bytes: peak_rss_bytes(),
     });
-    if let Some(path) = &arguments.summary {
-        summary.write(path)?;
-    }
-    print(&summary, arguments)?;
-    if survey.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    Ok(summary)
 }
 
 /// What a recording holds before the first event.
