@@ -153,6 +153,18 @@ fn two_robots_fill_one_log_and_each_has_its_row() {
     assert_eq!(paths, [1, 1], "each robot has a path");
 }
 
+#[test]
+fn robots_that_listen_for_spans_of_their_own_have_no_bound_but_a_map() {
+    let folder = TempDir::new().unwrap();
+    let json = folder.path().join("run.json");
+    let mut command = sextant();
+    command.arg("run").arg(scenario("ml-tm/two-robots.toml")).args(["--set", "robots.1.listen_s=2.5", "--summary"]);
+    let output = command.arg(&json).arg("--out").arg(folder.path().join("two.mcap")).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let map = &summary(&json)["maps"][0];
+    assert_eq!((map["mapped"].as_u64(), map.get("posterior_bound_m")), (Some(496), None));
+}
+
 /// Messages on a topic.
 fn messages_on(mcap: &Path, topic: &str) -> usize {
     let bytes = std::fs::read(mcap).expect("a recording");

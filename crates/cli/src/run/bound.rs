@@ -7,11 +7,12 @@ use sextant_sim::{MacConfig, Survey};
 use crate::scenario::Scenario;
 
 /// The posterior bound under the channel and the obstacles of the scenario, with collisions as losses that do not depend
-/// on the distance [m]. `None` if receptions at different stops are not independent, if a node must hear a beacon before it is
-/// heard, or nothing was heard.
+/// on the distance [m]. `None` if receptions at different stops are not independent, robots listen for spans of their own,
+/// a node must hear a beacon before it is heard, or nothing was heard.
 pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[Position]) -> Option<f64> {
     let known = scenario.known_channel();
-    if !known.is_independent() || matches!(scenario.config().mac, MacConfig::BeaconEnabled(_)) {
+    let beacons_come_first = matches!(scenario.config().mac, MacConfig::BeaconEnabled(_));
+    if !(known.is_independent() && known.is_alike_at_all_stops) || beacons_come_first {
         return None;
     }
     let obstacles = scenario.world().obstacles.clone();

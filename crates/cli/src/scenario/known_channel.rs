@@ -13,8 +13,10 @@ pub struct KnownChannel {
     pub radio: RadioConfig,
     /// What happens to power on its way.
     pub channel: ChannelConfig,
-    /// Packets that a node sends, on average, while the first robot listens at a stop.
+    /// Packets that a node sends, on average, while a robot listens at a stop: the mean over the robots.
     pub packets_per_stop: f64,
+    /// Whether that is the same for all robots.
+    pub is_alike_at_all_stops: bool,
 }
 
 impl KnownChannel {
@@ -24,11 +26,15 @@ impl KnownChannel {
         traffic: TrafficConfig,
         robots: &[RobotConfig<ControllerConfig>],
     ) -> Self {
-        let packets_per_stop = match (traffic, robots.first()) {
-            (TrafficConfig::Beacon(beacon), Some(robot)) => robot.listen_s / beacon.interval_s,
-            (TrafficConfig::Beacon(_) | TrafficConfig::Query(_), _) => 1.0,
+        let packets = |robot: &RobotConfig<ControllerConfig>| match traffic {
+            TrafficConfig::Beacon(beacon) => robot.listen_s / beacon.interval_s,
+            TrafficConfig::Query(_) => 1.0,
         };
-        Self { radio, channel, packets_per_stop }
+        let least = robots.iter().map(packets).fold(f64::INFINITY, f64::min);
+        let most = robots.iter().map(packets).fold(0.0, f64::max);
+        #[expect(clippy::cast_precision_loss, reason = "a number of robots")]
+        let packets_per_stop = robots.iter().map(packets).sum::<f64>() / robots.len().max(1) as f64;
+        Self { radio, channel, packets_per_stop, is_alike_at_all_stops: least >= most }
     }
 
     /// Fills in what a map that knows the channel, by profile or by signal strengths, leaves open.
