@@ -116,9 +116,9 @@ fn a_map_of_the_recording_is_the_map_of_the_run() {
     let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let (mut of_run, of_map) = (summary(&of_run), summary(&of_map));
-    // Only a run knows the true channel.
-    let bound_m = of_run["maps"][0].as_object_mut().unwrap().remove("posterior_bound_m").unwrap();
-    assert!((0.01..1.0).contains(&bound_m.as_f64().unwrap()), "{bound_m}");
+    let [bound_m, energy_j] = take_what_only_a_run_knows(&mut of_run["maps"][0]);
+    assert!((0.01..1.0).contains(&bound_m), "{bound_m}");
+    assert!(energy_j > 0.0);
     assert_eq!(of_run["maps"], of_map["maps"]);
 }
 
@@ -147,7 +147,7 @@ fn two_robots_fill_one_log_and_each_has_its_row() {
     // Stops of both, interleaved, come back from the recording as they were.
     let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    of_run["maps"][0].as_object_mut().unwrap().remove("posterior_bound_m").unwrap();
+    take_what_only_a_run_knows(&mut of_run["maps"][0]);
     assert_eq!(of_run["maps"], summary(&of_map)["maps"]);
     let paths = ["west", "east"].map(|name| messages_on(&mcap, &format!("/robot/{name}/path")));
     assert_eq!(paths, [1, 1], "each robot has a path");
@@ -163,6 +163,12 @@ fn robots_that_listen_for_spans_of_their_own_have_no_bound_but_a_map() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let map = &summary(&json)["maps"][0];
     assert_eq!((map["mapped"].as_u64(), map.get("posterior_bound_m")), (Some(496), None));
+}
+
+/// Takes out of a map what follows from the true channel, and from the radios [m, J].
+fn take_what_only_a_run_knows(map: &mut Value) -> [f64; 2] {
+    let map = map.as_object_mut().expect("a map");
+    ["posterior_bound_m", "message_energy_j"].map(|key| map.remove(key).and_then(|value| value.as_f64()).expect(key))
 }
 
 /// Messages on a topic.
