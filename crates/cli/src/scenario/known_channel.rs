@@ -13,7 +13,8 @@ pub struct KnownChannel {
     pub radio: RadioConfig,
     /// What happens to power on its way.
     pub channel: ChannelConfig,
-    /// Packets that a node sends, on average, while a robot listens at a stop: the mean over the robots.
+    /// Packets that a node sends, on average, while a robot listens at a stop: the mean over the robots; 1
+    /// if none is known.
     pub packets_per_stop: f64,
     /// Whether that is the same for all robots.
     pub is_alike_at_all_stops: bool,
@@ -33,7 +34,8 @@ impl KnownChannel {
         let least = robots.iter().map(packets).fold(f64::INFINITY, f64::min);
         let most = robots.iter().map(packets).fold(0.0, f64::max);
         #[expect(clippy::cast_precision_loss, reason = "a number of robots")]
-        let packets_per_stop = robots.iter().map(packets).sum::<f64>() / robots.len().max(1) as f64;
+        let mean = robots.iter().map(packets).sum::<f64>() / robots.len() as f64;
+        let packets_per_stop = if robots.is_empty() { 1.0 } else { mean };
         Self { radio, channel, packets_per_stop, is_alike_at_all_stops: least >= most }
     }
 
