@@ -274,7 +274,7 @@ fn guaranteed_slots_that_leave_too_little_for_contention() {
 
 #[test]
 fn eight_guaranteed_slots() {
-    let slots = vec!["{ node = \"n0\" }"; 8].join(", ");
+    let slots = ["{ node = \"n0\" }"; 8].join(", ");
     assert_snapshot!(refused_superframe(&format!("gts = [{slots}]")));
 }
 

@@ -169,7 +169,7 @@ impl Device {
                 radio.track_after(self.phy.turnaround() + self.phy.airtime(MAX_MPDU_OCTETS), Event::BeaconMissed);
             }
             Event::BeaconMissed => {
-                coordinator.beacon = coordinator.beacon + coordinator.timing.beacon_interval();
+                coordinator.beacon += coordinator.timing.beacon_interval();
                 coordinator.missed += 1;
                 if coordinator.missed == MAX_LOST_BEACONS {
                     // The receiver is on and stays on.
