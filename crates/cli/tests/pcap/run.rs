@@ -20,8 +20,13 @@ pub(crate) fn sextant(folder: &Path) -> Command {
 
 /// Runs the smoke scenario in `folder`, with a capture `a.pcap`.
 pub(crate) fn run(folder: &Path, words: &[&str]) -> Output {
+    run_scenario("smoke.toml", folder, words)
+}
+
+/// Runs a scenario in `folder`, with a capture `a.pcap`.
+pub(crate) fn run_scenario(name: &str, folder: &Path, words: &[&str]) -> Output {
     let mut command = sextant(folder);
-    command.arg("run").arg(scenario("smoke.toml")).args(["--pcap", "a.pcap", "--format", "json"]);
+    command.arg("run").arg(scenario(name)).args(["--pcap", "a.pcap", "--format", "json"]);
     command.args(words).output().expect("it starts")
 }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::process::Command;
 
 use crate::packet;
-use crate::run::run;
+use crate::run::{run, run_scenario};
 
 /// Environment variable that says that tshark must be there: the name of its program.
 const VARIABLE: &str = "SEXTANT_TSHARK";
@@ -92,4 +92,40 @@ fn tshark_decodes_all_frames_on_air_acknowledgements_included() {
         "--set",
         "robots.0.listen_s=30",
     ]);
+}
+
+#[test]
+fn tshark_decodes_beacons_and_the_superframes_that_they_open() {
+    let Some(program) = tshark() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["--set", "recording.pcap={}", "--set", "maps=[]"];
+    let output = run_scenario("mac/beacon-enabled.toml", folder.path(), &words);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let fields = [
+        "wpan.frame_type",
+        "wpan.fcs_ok",
+        "_ws.malformed",
+        "wpan.beacon_order",
+        "wpan.superframe_order",
+        "wpan.cap",
+        "wpan.bcn_coord",
+        "wpan.gts.count",
+        "frame.time_epoch",
+    ];
+    let rows = dissect(&program, &folder.path().join("a.pcap"), &fields);
+    let is_beacon = |row: &&Vec<String>| row[0] == "0x0000" || row[0] == "0x00" || row[0] == "0";
+    assert!(rows.iter().all(|row| row[1] != "0" && row[1] != "False" && row[2].is_empty()));
+    let beacons: Vec<_> = rows.iter().filter(is_beacon).collect();
+    assert!(beacons.len() > 128 && rows.len() > 2 * beacons.len(), "{} beacons of {}", beacons.len(), rows.len());
+    for beacon in &beacons {
+        assert_eq!((beacon[3].as_str(), beacon[4].as_str(), beacon[5].as_str()), ("4", "2", "13"), "{beacon:?}");
+        assert!(matches!(beacon[6].as_str(), "1" | "True") && beacon[7] == "2", "{beacon:?}");
+    }
+    // Beacons keep to a grid of 245.76 ms, whether the robot drives in between or not.
+    let micros = |row: &Vec<String>| {
+        let (seconds, fraction) = row[8].split_once('.').unwrap();
+        1_000_000 * seconds.parse::<u64>().unwrap() + fraction.parse::<u64>().unwrap() / 1000
+    };
+    let first = micros(beacons[0]);
+    assert!(beacons.iter().all(|beacon| (micros(beacon) - first) % 245_760 == 0));
 }
