@@ -136,7 +136,7 @@ fn every_figure_is_drawn_and_named() {
     let (folder, path) = recording(World::Flat, Maps::Two);
     let drawn = sextant(&[&path]).success();
     let figures = folder.path().join("run.figures");
-    let names = ["network", "map-ml-tm", "map-dv-hop", "error-cdf", "likelihood-ml-tm-n10"];
+    let names = ["network", "map-ml-tm", "map-dv-hop", "error-cdf", "connectivity-cdf", "likelihood-ml-tm-n10"];
     let expected: Vec<_> = names.iter().map(|name| figures.join(format!("{name}.svg"))).collect();
     assert_eq!(lines(&drawn.get_output().stdout), expected);
     let mut found: Vec<_> = fs::read_dir(&figures).expect("a folder").map(|entry| entry.expect("").path()).collect();
@@ -156,6 +156,7 @@ fn a_picture_has_a_circle_for_each_node_and_one_in_the_legend() {
     assert_eq!(circles("map-dv-hop.svg"), (NODES - UNMAPPED) as usize + 1);
     // A median for each map.
     assert_eq!(circles("error-cdf.svg"), 2);
+    assert_eq!(circles("connectivity-cdf.svg"), 2);
 }
 
 #[test]
@@ -178,7 +179,7 @@ fn the_same_recording_gives_the_same_bytes() {
         for out in [&first, &second] {
             sextant(&[&path, "--out".as_ref(), out, "--format".as_ref(), format.as_ref()]).success();
         }
-        for name in ["network", "map-ml-tm", "map-dv-hop", "error-cdf", "likelihood-ml-tm-n10"] {
+        for name in ["network", "map-ml-tm", "map-dv-hop", "error-cdf", "connectivity-cdf", "likelihood-ml-tm-n10"] {
             let file = format!("{name}.{format}");
             let [a, b] = [&first, &second].map(|out| fs::read(out.join(&file)).expect("a figure"));
             assert!(a == b && !a.is_empty(), "{file}");

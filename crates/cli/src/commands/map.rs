@@ -8,11 +8,13 @@ use std::time::Instant;
 
 use clap::Args;
 use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::Seed;
+use sextant_mapper::Knowledge;
 
 use super::Format;
 use crate::diagnostic::Failure;
 use crate::measure::{Truth, in_world, measure};
-use crate::recording::{self, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
+use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
 use crate::scenario::MapSettings;
 use crate::summary::{GatheringSummary, MapSummary, Summary, Timing, peak_rss_bytes};
 use crate::{robot_log, table};
@@ -58,6 +60,8 @@ struct Input {
     log: ReceptionLog,
     scenario: Option<String>,
     truth: Option<BTreeMap<String, Position>>,
+    known: Known,
+    seed: Seed,
     notes: Vec<String>,
 }
 
@@ -79,11 +83,18 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let truth = input.truth.as_ref().and_then(|truth| places(truth, &input.log, &mut input.notes));
     let map_start = now();
     let mut summaries: Vec<MapSummary> = Vec::new();
+    let knowledge = Knowledge {
+        neighbours: input.known.neighbours.as_ref(),
+        beacons: input.known.beacons.as_ref(),
+        anchors: &input.known.anchors,
+        seed: input.seed,
+        ..Knowledge::from(&input.log)
+    };
     for named in &settings.maps {
         let (map, fit) =
-            named.mapper.map_and_fit(&input.log).map_err(|error| Failure::bad_input(error.to_string()))?;
+            named.mapper.map_and_fit(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
         let (map, alignment) = in_world(map, truth.as_deref());
-        let truth = truth.as_deref().map(|places| Truth { places, anchors: &[] });
+        let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
         let summary = measure(named, &map, truth, &settings.metrics);
         let alignment = Some(alignment);
         summaries.push(MapSummary { alignment, fitted_profile: fit.as_ref().map(Into::into), ..summary });
@@ -123,7 +134,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
 fn read(path: &Path) -> Result<Input, Failure> {
     if path.is_dir() {
         let log = robot_log::read(path)?;
-        return Ok(Input { log, scenario: None, truth: None, notes: Vec::new() });
+        let known = Known::default();
+        return Ok(Input { log, scenario: None, truth: None, known, seed: Seed(1), notes: Vec::new() });
     }
     let run = recording::read_log(path)?;
     let scenario = run.attachments.iter().rfind(|attachment| attachment.name == SCENARIO_ATTACHMENT);
@@ -137,7 +149,10 @@ fn read(path: &Path) -> Result<Input, Failure> {
     if !run.metadata.contains_key(ORIGIN_METADATA) {
         notes.push("the recording does not say what made it".to_owned());
     }
-    Ok(Input { log: run.log, scenario, truth: recording::read_truth(path)?, notes })
+    let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
+    let known = recording::read_known(path, run.log.node_count())?;
+    let truth = recording::read_truth(path)?;
+    Ok(Input { log: run.log, scenario, truth, known, seed: Seed(seed.unwrap_or(1)), notes })
 }
 
 /// The true place of each node of the log. A node whose place is unknown cannot be measured: then nothing is.

@@ -20,7 +20,7 @@
 
 mod axes;
 mod curves;
-mod error_cdf;
+mod distribution;
 mod likelihood;
 mod map;
 mod network;
@@ -38,6 +38,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub use curves::{Curves, Series};
+use distribution::NodeError;
 use picture::Picture;
 pub use source::Source;
 
@@ -102,7 +103,8 @@ impl Figure {
     }
 }
 
-/// All figures of a recording: `network`, `map-NAME` for each map, `error-cdf` if the true places are known,
+/// All figures of a recording: `network`, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
+/// places are known,
 /// `likelihood-NAME-NODE` for each surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
@@ -110,7 +112,9 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
     for (name, places) in &source.drawn.maps {
         figures.push((format!("map-{name}"), map::draw(source, name, places)));
     }
-    figures.extend(error_cdf::draw(source).map(|picture| ("error-cdf".to_owned(), picture)));
+    for (name, what) in [("error-cdf", NodeError::Position), ("connectivity-cdf", NodeError::Connectivity)] {
+        figures.extend(distribution::draw(source, what).map(|picture| (name.to_owned(), picture)));
+    }
     for surface in &source.drawn.likelihoods {
         let name = format!("likelihood-{}-{}", surface.map, surface.node);
         figures.push((name, likelihood::draw(source, surface)));

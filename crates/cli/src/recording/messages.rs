@@ -83,6 +83,43 @@ pub struct Contact {
     pub z_m: f64,
 }
 
+/// What one node heard of another, or of an anchor.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Link {
+    /// Index of the node that heard.
+    #[prost(uint32, tag = "1")]
+    pub listener: u32,
+    /// Index of the node that was heard.
+    #[prost(uint32, tag = "2")]
+    pub sender: u32,
+    /// Packets received, at most `sent`.
+    #[prost(uint32, tag = "3")]
+    pub received: u32,
+    /// Packets that the sender put on air.
+    #[prost(uint32, tag = "4")]
+    pub sent: u32,
+    /// Mean received signal strength [dBm].
+    #[prost(double, optional, tag = "5")]
+    pub rssi_dbm: Option<f64>,
+}
+
+/// A node that knows its place.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Anchor {
+    /// Index of the node.
+    #[prost(uint32, tag = "1")]
+    pub node: u32,
+    /// East [m].
+    #[prost(double, tag = "2")]
+    pub x_m: f64,
+    /// North [m].
+    #[prost(double, tag = "3")]
+    pub y_m: f64,
+    /// Up [m].
+    #[prost(double, tag = "4")]
+    pub z_m: f64,
+}
+
 /// A frame that was on air.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Frame {
@@ -173,4 +210,9 @@ recorded! {
         "power_dbm" = 6 OptionalDouble,
     ];
     Metric: ["time_ns" = 1 Uint64, "name" = 2 String, "value" = 3 Double];
+    Link: [
+        "listener" = 1 Uint32, "sender" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,
+        "rssi_dbm" = 5 OptionalDouble,
+    ];
+    Anchor: ["node" = 1 Uint32, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
 }

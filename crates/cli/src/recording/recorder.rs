@@ -9,7 +9,7 @@ use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
-use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::SimTime;
 
 use super::draft::Draft;
@@ -156,6 +156,40 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn nodes(&mut self, names: &[String]) -> Result<(), RecordingError> {
         self.write(SimTime::ZERO, "/nodes", &messages::Nodes { first: 0, names: names.to_vec() })
+    }
+
+    /// What nodes heard of each other's hello packets before the survey.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn neighbours(&mut self, log: &NeighbourLog) -> Result<(), RecordingError> {
+        self.links(super::NEIGHBOURS_TOPIC, log)
+    }
+
+    /// What nodes heard of the anchors' packets before the survey.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn beacons(&mut self, log: &NeighbourLog) -> Result<(), RecordingError> {
+        self.links(super::BEACONS_TOPIC, log)
+    }
+
+    fn links(&mut self, topic: &str, log: &NeighbourLog) -> Result<(), RecordingError> {
+        log.links().iter().try_for_each(|&Link { listener, sender, received, sent, rssi_dbm }| {
+            let message = messages::Link { listener: listener.0, sender: sender.0, received, sent, rssi_dbm };
+            self.write(SimTime::ZERO, topic, &message)
+        })
+    }
+
+    /// The nodes that know their place.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn anchors(&mut self, anchors: &[Anchor]) -> Result<(), RecordingError> {
+        anchors.iter().try_for_each(|&Anchor { node, position: Position { x_m, y_m, z_m } }| {
+            let message = messages::Anchor { node: node.0, x_m, y_m, z_m };
+            self.write(SimTime::ZERO, super::ANCHORS_TOPIC, &message)
+        })
     }
 
     /// A stop and all that was heard there. Stops are numbered from 0 in the order of the calls; `receptions`

@@ -6,6 +6,7 @@ use sextant_mapper::{Knowledge, KnowledgeKind};
 use sextant_sim::{Discovered, Round, Survey, discover};
 
 use crate::diagnostic::Failure;
+use crate::recording::{FileRecorder, RecordingError};
 use crate::scenario::Scenario;
 use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
 
@@ -52,6 +53,21 @@ impl Discoveries {
             seed: scenario.seed(),
             ..Knowledge::from(&survey.log)
         }
+    }
+
+    /// Records what was found out, so that the maps can be made of the recording again.
+    ///
+    /// # Errors
+    /// If the disk does not take it.
+    pub(super) fn record(&self, scenario: &Scenario, recorder: &mut FileRecorder) -> Result<(), RecordingError> {
+        let uses_anchors = scenario.maps().iter().any(|map| map.mapper.least_anchors(2) > 0);
+        if uses_anchors {
+            recorder.anchors(scenario.anchors())?;
+        }
+        if let Some(neighbours) = &self.neighbours {
+            recorder.neighbours(&neighbours.log)?;
+        }
+        self.beacons.as_ref().map_or(Ok(()), |beacons| recorder.beacons(&beacons.log))
     }
 
     /// What the results say of them; `None` if there were none.

@@ -77,6 +77,7 @@ pub fn record(scenario: &Scenario, files: Files<'_>, interrupt: &Interrupt, quie
     let channel = scenario.recording().pcap.channel;
     let mut capture = files.pcap.map(|path| FileCapture::create(path, channel)).transpose()?;
     open(&mut recorder, scenario)?;
+    discoveries.record(scenario, &mut recorder)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
     let (survey, tracks) = gather(simulation, outputs, scenario, interrupt, quiet)?;
     if let Some(capture) = capture {

@@ -42,6 +42,10 @@ def plain(schema, m):
         return [m.first, list(m.names)]
     if schema == "sextant.Contact":
         return [m.time_ns, m.x_m, m.y_m, m.z_m]
+    if schema == "sextant.Link":
+        return [m.listener, m.sender, m.received, m.sent, m.rssi_dbm if m.HasField("rssi_dbm") else None]
+    if schema == "sextant.Anchor":
+        return [m.node, m.x_m, m.y_m, m.z_m]
     if schema == "sextant.Frame":
         return [m.start_ns, m.airtime_ns, m.source, m.mpdu.hex(), m.outcome, m.power_dbm]
     if schema == "sextant.Metric":

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use sextant::recording::{
-    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_attachment, read_log,
-    read_truth,
+    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_attachment, read_known,
+    read_log, read_truth,
 };
-use sextant_channel::ReceptionLog;
+use sextant_channel::{Anchor, Position, ReceptionLog};
+use sextant_kernel::NodeId;
 
 use crate::sample;
 
@@ -27,6 +28,19 @@ fn a_reception_log_comes_back_equal_with_its_unheard_nodes() {
         assert_eq!(read_attachment(&path, SCENARIO_ATTACHMENT).unwrap().unwrap().data, b"name = \"sample\"\n");
         assert_eq!(read_attachment(&path, "other").unwrap(), None);
     }
+}
+
+#[test]
+fn what_nodes_knew_of_each_other_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    sample::record_file(&path, &sample::log(8, 5, 3));
+    let known = read_known(&path, 5).unwrap();
+    assert_eq!((&known.neighbours, &known.beacons), (&Some(sample::links(5)), &Some(sample::links(5))));
+    let anchor = Anchor { node: NodeId(0), position: Position::new(7.0, 8.0, 9.0) };
+    assert_eq!(known.anchors, [anchor]);
+    let error = read_known(&path, 4).unwrap_err().to_string();
+    assert!(error.contains("node 4") && error.contains("/neighbours"), "{error}");
 }
 
 #[test]
@@ -89,7 +103,7 @@ fn an_inspection_counts_messages_by_topic() {
     assert_eq!(count("/stops"), Some(100));
     assert_eq!(count("/receptions"), Some(log.receptions().len() as u64));
     assert_eq!(count("/robot/surveyor/contacts"), Some(20));
-    assert_eq!(inspection.topics.len(), 13);
+    assert_eq!(inspection.topics.len(), 16);
     assert_eq!(inspection.messages, inspection.topics.iter().map(|topic| topic.messages).sum::<u64>());
     assert_eq!(inspection.damage, None);
     assert_eq!(inspection.start_s, Some(0.0));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sextant::recording::messages::Frame;
 use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid};
-use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SimTime};
 
 /// Numbers that look random and are the same everywhere (splitmix64).
@@ -73,6 +73,18 @@ pub(crate) fn truth(log: &ReceptionLog) -> Vec<PlacedNode> {
         .collect()
 }
 
+/// The last node has heard the first, if there are two.
+pub(crate) fn links(nodes: usize) -> NeighbourLog {
+    let link = Link {
+        listener: NodeId::from_index(nodes - 1),
+        sender: NodeId(0),
+        received: 4,
+        sent: 5,
+        rssi_dbm: Some(-66.5),
+    };
+    NeighbourLog::new(nodes, if nodes > 1 { vec![link] } else { Vec::new() }).expect("two nodes")
+}
+
 /// Calls every method of the recorder.
 pub(crate) fn record_all<W: std::io::Write>(
     recorder: &mut Recorder<W>,
@@ -86,6 +98,11 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.obstacles(at(0), &[solid])?;
     recorder.world_nodes(at(0), &truth(log))?;
     recorder.log("surveyor", log)?;
+    let anchor = Anchor { node: NodeId(0), position: Position::new(7.0, 8.0, 9.0) };
+    recorder.anchors(&[anchor])?;
+    let heard = links(log.node_count());
+    recorder.neighbours(&heard)?;
+    recorder.beacons(&heard)?;
     recorder.robot(at(5), "surveyor", Position::new(1.0, 2.0, 3.0), std::f64::consts::PI)?;
     recorder.path(at(6), "surveyor", &corners)?;
     recorder.metric(at(7), "path_length_m", 12.5)?;

@@ -1,0 +1,77 @@
+//! What nodes knew of each other, as a recording holds it.
+
+use std::path::Path;
+
+use prost::Message as _;
+use sextant_channel::{Anchor, Link, NeighbourLog, Position};
+use sextant_kernel::NodeId;
+
+use super::error::RecordingError;
+use super::messages;
+use super::reader::sound;
+use super::scan::Piece;
+
+/// What nodes knew of each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Known {
+    /// What they heard of each other's hello packets, if they sent any that were heard.
+    pub neighbours: Option<NeighbourLog>,
+    /// What they heard of the anchors' packets, if these sent any that were heard.
+    pub beacons: Option<NeighbourLog>,
+    /// The nodes that knew their place, by node.
+    pub anchors: Vec<Anchor>,
+}
+
+/// What the `nodes` nodes of the recording `path` knew of each other.
+///
+/// # Errors
+/// If the file cannot be read, is damaged, or names nodes that there are not.
+pub fn read_known(path: &Path, nodes: usize) -> Result<Known, RecordingError> {
+    let (mut neighbours, mut beacons) = (Vec::new(), Vec::new());
+    let mut known = Known::default();
+    sound(path, &mut |piece| {
+        let Piece::Message { channel, data, .. } = piece else { return Ok(()) };
+        let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
+        match channel.topic.as_str() {
+            super::NEIGHBOURS_TOPIC => neighbours.push(link(data).map_err(wrong)?),
+            super::BEACONS_TOPIC => beacons.push(link(data).map_err(wrong)?),
+            super::ANCHORS_TOPIC => known.anchors.push(anchor(data, nodes).map_err(wrong)?),
+            _ => {}
+        }
+        Ok(())
+    })?;
+    known.neighbours = log(path, super::NEIGHBOURS_TOPIC, nodes, neighbours)?;
+    known.beacons = log(path, super::BEACONS_TOPIC, nodes, beacons)?;
+    known.anchors.sort_by_key(|anchor| anchor.node);
+    if let Some(pair) = known.anchors.windows(2).find(|pair| pair[0].node == pair[1].node) {
+        let problem = format!("node {} is an anchor twice", pair[0].node.0);
+        return Err(RecordingError::message(path, super::ANCHORS_TOPIC, problem));
+    }
+    Ok(known)
+}
+
+fn log(path: &Path, topic: &str, nodes: usize, links: Vec<Link>) -> Result<Option<NeighbourLog>, RecordingError> {
+    if links.is_empty() {
+        return Ok(None);
+    }
+    let log = NeighbourLog::new(nodes, links);
+    log.map(Some).map_err(|error| RecordingError::message(path, topic, error.to_string()))
+}
+
+fn link(data: &[u8]) -> Result<Link, String> {
+    let messages::Link { listener, sender, received, sent, rssi_dbm } =
+        messages::Link::decode(data).map_err(|why| why.to_string())?;
+    Ok(Link { listener: NodeId(listener), sender: NodeId(sender), received, sent, rssi_dbm })
+}
+
+fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
+    let messages::Anchor { node, x_m, y_m, z_m } = messages::Anchor::decode(data).map_err(|why| why.to_string())?;
+    let position = Position::new(x_m, y_m, z_m);
+    if node as usize >= nodes {
+        return Err(format!("an anchor is node {node}, but there are {nodes} nodes"));
+    }
+    if !position.is_finite() {
+        return Err(format!("anchor {node} is at {position}; coordinates are finite metres"));
+    }
+    Ok(Anchor { node: NodeId(node), position })
+}
