@@ -3,12 +3,15 @@
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    ConnectivityError, Fit, Frame, KnowledgeKind, NeighbourhoodRule, PositionError, Reflection, Region, Similarity,
-    TopologyMap, connectivity_error, topology_preservation_error,
+    AbsorptionMap, CalibratedCurve, Calibration, ConnectivityError, Fit, Frame, KnowledgeKind, Learned,
+    NeighbourhoodRule, ObstacleKnowledge, PositionError, Reflection, Region, Similarity, TopologyMap,
+    connectivity_error, topology_preservation_error,
 };
 
 use crate::scenario::{MetricsConfig, NamedMap};
-use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary};
+use crate::summary::{
+    AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary,
+};
 
 /// What is really where.
 #[derive(Clone, Copy, Debug)]
@@ -39,13 +42,20 @@ const LEAST_TO_ALIGN: usize = 4;
 
 /// What a map says of itself, without a look at the truth.
 #[must_use]
-pub fn outline(named: &NamedMap, map: &TopologyMap) -> MapSummary {
+pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>) -> MapSummary {
+    let (fitted_profile, calibration) = match learned {
+        Some(Learned::Profile(fit)) => (Some(fit.into()), None),
+        Some(Learned::Calibration(calibration)) => (None, Some(calibration.into())),
+        _ => (None, None),
+    };
     let name = &named.name;
     let coincident = map.coincident();
     MapSummary {
         name: (name != map.algorithm).then(|| name.to_owned()),
         algorithm: map.algorithm.to_owned(),
         knowledge: named.mapper.uses().to_vec(),
+        fitted_profile,
+        calibration,
         coincident: (coincident > 0).then_some(coincident),
         mapped: map.mapped(),
         unmapped: map.unmapped(),
@@ -63,9 +73,15 @@ pub fn outline(named: &NamedMap, map: &TopologyMap) -> MapSummary {
 ///
 /// Position errors are those of the nodes whose place the map had to find; connectivity is that of all nodes.
 #[must_use]
-pub fn measure(named: &NamedMap, map: &TopologyMap, truth: Option<Truth<'_>>, metrics: &MetricsConfig) -> MapSummary {
+pub fn measure(
+    named: &NamedMap,
+    map: &TopologyMap,
+    learned: Option<&Learned>,
+    truth: Option<Truth<'_>>,
+    metrics: &MetricsConfig,
+) -> MapSummary {
     let Some(Truth { places: truth, anchors }) = truth else {
-        return outline(named, map);
+        return outline(named, map, learned);
     };
     let mapped = map.positions();
     let mut found = mapped.clone();
@@ -86,7 +102,7 @@ pub fn measure(named: &NamedMap, map: &TopologyMap, truth: Option<Truth<'_>>, me
         false_neighbour_rate: first.false_neighbour_rate,
         topology_preservation_error: topology_preservation_error(truth, &mapped),
         connectivity_errors,
-        ..outline(named, map)
+        ..outline(named, map, learned)
     }
 }
 
@@ -111,6 +127,31 @@ impl From<&Fit> for FittedProfileSummary {
             probability: (0..8).map(|i| fit.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
             dead_stops: fit.dead_stops.clone(),
             outliers: fit.outliers.len(),
+        }
+    }
+}
+
+impl From<&Calibration> for CalibrationSummary {
+    fn from(calibration: &Calibration) -> Self {
+        let range_m = calibration.curve.as_ref().map(CalibratedCurve::range_m);
+        let along = |curve: &CalibratedCurve| {
+            (0..8).map(|i| curve.probability(curve.range_m() * f64::from(i) / 8.0)).collect::<Vec<_>>()
+        };
+        let mut efficiency = calibration.efficiency.clone();
+        efficiency.sort_by(f64::total_cmp);
+        let quarter = |i: usize| efficiency[i * (efficiency.len() - 1) / 4];
+        Self {
+            rounds: calibration.rounds,
+            converged: calibration.converged,
+            range_m,
+            probability: calibration.curve.as_ref().map(along).unwrap_or_default(),
+            efficiency: if efficiency.is_empty() { Vec::new() } else { (0..=4).map(quarter).collect() },
+            obstacle_knowledge: match calibration.knowledge {
+                ObstacleKnowledge::None => "none",
+                ObstacleKnowledge::FromReceptions => "from_receptions",
+                ObstacleKnowledge::FromLog => "from_log",
+            },
+            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
         }
     }
 }

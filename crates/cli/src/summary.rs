@@ -231,6 +231,9 @@ pub struct MapSummary {
     /// The reception profile, if it was estimated from the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fitted_profile: Option<FittedProfileSummary>,
+    /// What was estimated beside the map, if it is self-calibrated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<CalibrationSummary>,
     /// The same after the best rotation, reflection, scale and shift [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_m: Option<ErrorSummary>,
@@ -279,6 +282,30 @@ pub struct FittedProfileSummary {
     pub dead_stops: Vec<u32>,
     /// Receptions that were left out because they came from far beyond the range.
     pub outliers: usize,
+}
+
+/// What was estimated beside a self-calibrated map, and from which knowledge.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CalibrationSummary {
+    /// Rounds of the estimation.
+    pub rounds: u32,
+    /// Whether it converged.
+    pub converged: bool,
+    /// Distance beyond which less than one packet in a hundred arrives [m]; absent if the log is too poor to tell a curve.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range_m: Option<f64>,
+    /// Probability of a reception over a clear link at a stop of average efficiency at 0, 1/8, 2/8, .. of the range.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub probability: Vec<f64>,
+    /// Least, lower quartile, median, upper quartile and highest efficiency of the stops.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub efficiency: Vec<f64>,
+    /// Knowledge of obstacles that was used: `none`, `from_receptions`, or `from_log` (receptions, where the robot
+    /// drove, and what it met).
+    pub obstacle_knowledge: &'static str,
+    /// Area that absorbs [m²]; absent if no obstacles were sought, or none explains what was heard.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorbing_m2: Option<f64>,
 }
 
 /// How large an error is [m].

@@ -29,6 +29,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
         fitted_profiles(&summary.maps, out)?;
+        calibrations(&summary.maps, out)?;
         writeln!(out)?;
     }
     for application in &summary.applications {
@@ -176,6 +177,32 @@ fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> 
             write!(out, ", without {} from far beyond", counted(profile.outliers, "reception"))?;
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(calibration) = &map.calibration else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        match calibration.range_m {
+            Some(range_m) => write!(out, "{name}: curve of range {range_m:.2} m")?,
+            None => write!(out, "{name}: too few receptions for a curve")?,
+        }
+        let end = if calibration.converged { "converged" } else { "did not converge" };
+        write!(out, ", {end} in {}", counted(calibration.rounds as usize, "round"))?;
+        let knowledge = match calibration.obstacle_knowledge {
+            "from_log" => "receptions, drives and contacts",
+            "from_receptions" => "receptions",
+            _ => {
+                writeln!(out, "; obstacles not sought")?;
+                continue;
+            }
+        };
+        match calibration.absorbing_m2 {
+            Some(area_m2) => writeln!(out, "; {area_m2:.0} m² absorb by {knowledge}")?,
+            None => writeln!(out, "; no obstacles by {knowledge}")?,
+        }
     }
     Ok(())
 }

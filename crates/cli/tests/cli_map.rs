@@ -94,6 +94,28 @@ fn a_log_of_an_unknown_channel_is_mapped_under_a_fitted_profile() {
 }
 
 #[test]
+fn a_log_is_mapped_by_the_algorithm_asked_for() {
+    let folder = survey();
+    let words = ["--algorithm", "self-calibrated", "--truth", "nodes.csv"];
+    let (code, stdout, stderr) = map(folder.path(), &[&words[..], &["--format", "json"]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let mapped = &summary["maps"][0];
+    assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &"self-calibrated".into()));
+    assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < 0.6, "{mapped:#}");
+    let calibration = &mapped["calibration"];
+    assert_eq!((&calibration["obstacle_knowledge"], &calibration["converged"]), (&"from_log".into(), &true.into()));
+    assert!((calibration["range_m"].as_f64().unwrap() - 2.0).abs() < 0.5, "{calibration:#}");
+    let (_, text, _) = map(folder.path(), &words);
+    assert!(text.contains("self-calibrated: curve of range"), "{text}");
+    assert!(text.contains("no obstacles by receptions, drives and contacts"), "{text}");
+    let (code, _, stderr) = map(folder.path(), &[&words[..], &["--profile", PROFILE]].concat());
+    assert!(code == 2 && stderr.contains("none of the maps has a reception profile"), "{stderr}");
+    let (code, _, stderr) = map(folder.path(), &["--algorithm", "guess"]);
+    assert!(code == 2 && stderr.contains("self-calibrated"), "{stderr}");
+}
+
+#[test]
 fn a_log_of_a_known_channel_is_mapped_under_its_curve() {
     let folder = survey();
     let profile = "channel:exponent=2,sigma_db=1,tx_power_dbm=-50,sensitivity_dbm=-57";

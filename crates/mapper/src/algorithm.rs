@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::{
-    ApitConfig, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge, KnowledgeKind,
-    MapError, MdsMapConfig, MlTm, MlTmConfig, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig,
-    RssMlConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
+    ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge,
+    KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, ProfileConfig, RangingConfig, ReceptionProfile,
+    RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig,
+    TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -27,6 +28,8 @@ pub struct MapConfig {
 pub enum AlgorithmConfig {
     /// Maximum likelihood on a grid.
     MlTm(MlTmConfig),
+    /// Places, reception curve, stops and obstacles estimated together, from the log alone.
+    SelfCalibrated(SelfCalibratedConfig),
     /// A topology-preserving map of hop counts.
     Tpm(TpmConfig),
     /// Circles round the strongest anchors, three by three.
@@ -79,8 +82,20 @@ pub enum Mapper {
     MlTm(MlTm),
     /// Maximum likelihood on a grid under a profile estimated from the log.
     FittedMlTm(FittedMlTm),
+    /// Places, reception curve, stops and obstacles estimated together, from the log alone.
+    SelfCalibrated(SelfCalibrated),
     /// An algorithm to compare with.
     Comparator(Comparator),
+}
+
+/// What an algorithm learned from a log beside the map.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Learned {
+    /// A reception profile.
+    Profile(Fit),
+    /// A reception curve, the efficiency of each stop, and what stands in the way.
+    Calibration(Calibration),
 }
 
 impl Mapper {
@@ -89,6 +104,7 @@ impl Mapper {
     pub fn name(&self) -> &'static str {
         match self {
             Self::MlTm(_) | Self::FittedMlTm(_) => MlTm::NAME,
+            Self::SelfCalibrated(_) => SelfCalibrated::NAME,
             Self::Comparator(comparator) => comparator.name(),
         }
     }
@@ -102,6 +118,7 @@ impl Mapper {
                 ReceptionProfile::Trapezoid(_) => &[KnowledgeKind::RobotReceptions],
             },
             Self::FittedMlTm(_) => &[KnowledgeKind::RobotReceptions],
+            Self::SelfCalibrated(algorithm) => algorithm.uses(),
             Self::Comparator(comparator) => comparator.uses(),
         }
     }
@@ -110,7 +127,7 @@ impl Mapper {
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
-            Self::MlTm(_) | Self::FittedMlTm(_) => 0,
+            Self::MlTm(_) | Self::FittedMlTm(_) | Self::SelfCalibrated(_) => 0,
             Self::Comparator(comparator) => comparator.least_anchors(dimensions),
         }
     }
@@ -120,21 +137,25 @@ impl Mapper {
     /// # Errors
     /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
     pub fn map<'a>(&self, knowledge: impl Into<Knowledge<'a>>) -> Result<TopologyMap, MapError> {
-        self.map_and_fit(knowledge).map(|(map, _)| map)
+        self.map_and_learn(knowledge).map(|(map, _)| map)
     }
 
-    /// The map of the nodes in the log, and the reception profile if it was estimated from the log.
+    /// The map of the nodes in the log, and what was learned from the log beside it, if the algorithm learns anything.
     ///
     /// # Errors
     /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
-    pub fn map_and_fit<'a>(
+    pub fn map_and_learn<'a>(
         &self,
         knowledge: impl Into<Knowledge<'a>>,
-    ) -> Result<(TopologyMap, Option<Fit>), MapError> {
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
         let knowledge = knowledge.into();
         match self {
             Self::MlTm(ml_tm) => ml_tm.map(knowledge.log).map(|map| (map, None)),
-            Self::FittedMlTm(fitted) => fitted.map(knowledge.log),
+            Self::FittedMlTm(fitted) => fitted.map(knowledge.log).map(|(map, fit)| (map, fit.map(Learned::Profile))),
+            Self::SelfCalibrated(algorithm) => {
+                let (map, calibration) = algorithm.map(knowledge.log);
+                Ok((map, calibration.map(Learned::Calibration)))
+            }
             Self::Comparator(comparator) => comparator.map(&knowledge).map(|map| (map, None)),
         }
     }
@@ -150,6 +171,9 @@ impl TryFrom<AlgorithmConfig> for Mapper {
                 ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(config).map(Self::MlTm),
             }
             .map_err(|error| error.within("ml_tm")),
+            AlgorithmConfig::SelfCalibrated(config) => SelfCalibrated::try_from(config)
+                .map(Self::SelfCalibrated)
+                .map_err(|error| error.within("self_calibrated")),
             AlgorithmConfig::Tpm(config) => compare("tpm", config, Comparator::Tpm),
             AlgorithmConfig::RssiTriangleCentroid(config) => {
                 compare("rssi_triangle_centroid", config, Comparator::TriangleCentroid)

@@ -41,12 +41,13 @@ mod posterior_bound;
 mod profile;
 mod region;
 mod sectors;
+mod self_calibrated;
 mod solver;
 mod surface;
 mod table_profile;
 mod topology_map;
 
-pub use algorithm::{AlgorithmConfig, MapConfig, Mapper};
+pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper};
 pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DvHop, DvHopConfig,
@@ -69,6 +70,9 @@ pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{ChannelProfileConfig, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig, at_least_one};
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig};
+pub use self_calibrated::{
+    AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
+};
 pub use surface::Surface;
 pub use table_profile::TableProfile;
 pub use topology_map::{Estimate, Frame, TopologyMap};

@@ -278,7 +278,7 @@ fn hardly_any_evidence_is_no_reason_to_fail() {
         (vec![stop(0.0), stop(4.0)], vec![Reception { received: 0, ..heard(0, 0) }], 0),
     ] {
         let log = ReceptionLog::new(names(), stops, receptions, Vec::new()).unwrap();
-        let (map, _) = mapper.map_and_fit(&log).unwrap();
+        let (map, _) = mapper.map_and_learn(&log).unwrap();
         assert_eq!(map.mapped(), mapped, "{log:?}");
     }
 }

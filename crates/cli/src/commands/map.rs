@@ -15,7 +15,7 @@ use super::Format;
 use crate::diagnostic::Failure;
 use crate::measure::{Truth, in_world, measure};
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
-use crate::scenario::MapSettings;
+use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::{GatheringSummary, MapSummary, Summary, Timing, peak_rss_bytes};
 use crate::{robot_log, table};
 
@@ -31,6 +31,10 @@ pub struct Arguments {
     /// for a folder
     #[arg(long, value_name = "PROFILE")]
     pub profile: Option<String>,
+    /// Make one map by this algorithm, with the settings that it has by itself, in place of the maps of a recording's
+    /// scenario
+    #[arg(long, value_enum, value_name = "ALGORITHM")]
+    pub algorithm: Option<AlgorithmName>,
     /// Measure the maps against the true places: a CSV file with columns node,x_m,y_m,z_m. For a recording, the
     /// places that it holds if absent
     #[arg(long, value_name = "nodes.csv")]
@@ -76,7 +80,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut input = read(&arguments.log)?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| (name.as_str(), text));
-    let settings = MapSettings::new(scenario, arguments.profile.as_deref(), &arguments.set)?;
+    let settings = MapSettings::new(scenario, arguments.algorithm, arguments.profile.as_deref(), &arguments.set)?;
     if let Some(path) = &arguments.truth {
         input.truth = Some(robot_log::read_truth(path)?);
     }
@@ -91,13 +95,12 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ..Knowledge::from(&input.log)
     };
     for named in &settings.maps {
-        let (map, fit) =
-            named.mapper.map_and_fit(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
+        let (map, learned) =
+            named.mapper.map_and_learn(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
         let (map, alignment) = in_world(map, truth.as_deref());
         let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
-        let summary = measure(named, &map, truth, &settings.metrics);
-        let alignment = Some(alignment);
-        summaries.push(MapSummary { alignment, fitted_profile: fit.as_ref().map(Into::into), ..summary });
+        let summary = measure(named, &map, learned.as_ref(), truth, &settings.metrics);
+        summaries.push(MapSummary { alignment: Some(alignment), ..summary });
         if let Some(out) = &arguments.out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.clone() };
             robot_log::write_map(&path, input.log.names(), &map)?;

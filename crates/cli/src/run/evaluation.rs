@@ -1,7 +1,7 @@
 //! One map of a survey, and how good it is.
 
 use sextant_channel::Position;
-use sextant_mapper::{Fit, KnowledgeKind, TopologyMap};
+use sextant_mapper::{KnowledgeKind, Learned, TopologyMap};
 use sextant_sim::Survey;
 
 use super::message_energy::message_energy_j;
@@ -16,8 +16,8 @@ use crate::summary::MapSummary;
 pub struct Evaluation {
     /// The map, in the world.
     pub map: TopologyMap,
-    /// The reception profile, if it was estimated from the log.
-    pub fit: Option<Fit>,
+    /// What was learned from the log beside the map.
+    pub learned: Option<Learned>,
     /// What the map says of itself, and its errors.
     pub summary: MapSummary,
 }
@@ -34,7 +34,8 @@ pub fn evaluate(
     bound_m: Option<f64>,
 ) -> Result<Evaluation, Failure> {
     let knowledge = discoveries.knowledge(scenario, survey);
-    let (map, fit) = named.mapper.map_and_fit(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let (map, learned) =
+        named.mapper.map_and_learn(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
     let truth = truth(scenario);
     let (map, alignment) = in_world(map, Some(&truth));
     let truth = Truth { places: &truth, anchors: scenario.anchors() };
@@ -42,10 +43,9 @@ pub fn evaluate(
         alignment: Some(alignment),
         message_energy_j: message_energy_j(scenario, &named.mapper, survey, discoveries),
         posterior_bound_m: bound_m.filter(|_| named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)),
-        fitted_profile: fit.as_ref().map(Into::into),
-        ..measure(named, &map, Some(truth), scenario.metrics())
+        ..measure(named, &map, learned.as_ref(), Some(truth), scenario.metrics())
     };
-    Ok(Evaluation { map, fit, summary })
+    Ok(Evaluation { map, learned, summary })
 }
 
 /// The posterior bound of all maps of `survey` [m]; `None` if the scenario has no maps, or where it does not apply.

@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use sextant_channel::{Dbm, Position};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_mapper::{Fit, Mapper, Surface, TopologyMap};
+use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
 use sextant_sim::{Simulation, Survey};
 
 use crate::commands::Format;
@@ -181,7 +181,8 @@ fn map(
     let bound_m = evaluation::bound_m(scenario, survey);
     let mut summaries = Vec::new();
     for named in scenario.maps() {
-        let Evaluation { map, fit, summary } = evaluation::evaluate(scenario, named, (survey, discoveries), bound_m)?;
+        let Evaluation { map, learned, summary } =
+            evaluation::evaluate(scenario, named, (survey, discoveries), bound_m)?;
         recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
         for (what, value) in [
             ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
@@ -195,7 +196,7 @@ fn map(
             let note = format!("{} of {} nodes were never heard and are not mapped", map.unmapped(), truth.len());
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
         }
-        record_likelihoods(scenario, named, fit.as_ref(), survey, recorder)?;
+        record_likelihoods(scenario, named, learned.as_ref(), survey, recorder)?;
         summaries.push(summary);
     }
     Ok(summaries)
@@ -213,13 +214,15 @@ fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
 fn record_likelihoods(
     scenario: &Scenario,
     named: &NamedMap,
-    fit: Option<&Fit>,
+    learned: Option<&Learned>,
     survey: &Survey,
     recorder: &mut FileRecorder,
 ) -> Result<(), Failure> {
-    let (ml_tm, log) = match (&named.mapper, fit) {
+    let (ml_tm, log) = match (&named.mapper, learned) {
         (Mapper::MlTm(ml_tm), _) => (ml_tm.clone(), Cow::Borrowed(&survey.log)),
-        (Mapper::FittedMlTm(fitted), Some(fit)) => (fitted.with_fit(fit), Cow::Owned(fit.evidence(&survey.log))),
+        (Mapper::FittedMlTm(fitted), Some(Learned::Profile(fit))) => {
+            (fitted.with_fit(fit), Cow::Owned(fit.evidence(&survey.log)))
+        }
         _ => return Ok(()),
     };
     for name in &scenario.recording().likelihood {

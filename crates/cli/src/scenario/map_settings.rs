@@ -13,13 +13,35 @@ use super::build::{Errors, NamedMap, check_maps};
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
 use super::document::{self, Document, Source, Value};
-use super::error::ScenarioErrors;
+use super::error::{ScenarioError, ScenarioErrors};
 use super::known_channel::KnownChannel;
 use super::layers;
 
 /// What `sextant map` computes if nothing says otherwise.
 const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
                        profile.fitted = {} }\n";
+
+/// The same for another algorithm.
+const SELF_CALIBRATED: &str = "[[maps]]\nalgorithm.self_calibrated = {}\n";
+
+/// An algorithm with settings that fit any log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum AlgorithmName {
+    /// Maximum likelihood on a grid, under a reception profile that is fitted first.
+    MlTm,
+    /// Positions, reception curve, stops and obstacles estimated together.
+    SelfCalibrated,
+}
+
+impl AlgorithmName {
+    /// One map by the algorithm, as in a scenario.
+    fn text(self) -> &'static str {
+        match self {
+            Self::MlTm => DEFAULT,
+            Self::SelfCalibrated => SELF_CALIBRATED,
+        }
+    }
+}
 
 /// Which maps to make of a log, and how to compare them with the truth.
 #[derive(Clone, Debug)]
@@ -48,8 +70,9 @@ struct Written {
 }
 
 impl MapSettings {
-    /// The maps of the scenario `text` (called `name` in messages), or one `ml-tm` map with a fitted profile if there is
-    /// no scenario or it has no maps. `profile` replaces the profile of every map: the name of a profile, alone
+    /// The maps of the scenario `text` (called `name` in messages), or one by `algorithm` if that is given, or one `ml-tm`
+    /// map with a fitted profile if there is no scenario or it has no maps. `profile` replaces the profile of every map
+    /// that has one: the name of a profile, alone
     /// (`fitted`) or with a colon and its keys (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); keys without a name are those
     /// of a trapezoid. `set` are flags as of `run`.
     ///
@@ -57,19 +80,20 @@ impl MapSettings {
     /// If anything is wrong: everything that was found.
     pub fn new(
         scenario: Option<(&str, &str)>,
+        algorithm: Option<AlgorithmName>,
         profile: Option<&str>,
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let source =
             |name: &str, text: &str| Source { name: name.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
-        let (name, text) = scenario.unwrap_or(("the defaults", DEFAULT));
+        let defaults = algorithm.unwrap_or(AlgorithmName::MlTm).text();
+        let (name, text) = scenario.unwrap_or(("the defaults", defaults));
         let mut sources = vec![source(name, text)];
         let mut root = document::parse(&sources, 0)?;
-        let mut map_count = keep_maps(&mut root.value);
-        if map_count == 0 {
-            sources[0] = source("the defaults", DEFAULT);
-            root = document::parse(&sources, 0)?;
-            map_count = 1;
+        let map_count = keep_maps(&mut root.value);
+        if scenario.is_some() && (map_count == 0 || algorithm.is_some()) {
+            sources.push(source("the defaults", defaults));
+            root.overlay(document::parse(&sources, 1)?);
         }
         if let Some(profile) = profile {
             let (name, settings) = profile.split_once(':').unwrap_or(if profile.contains(['=', ' ']) {
@@ -77,7 +101,12 @@ impl MapSettings {
             } else {
                 (profile, "")
             });
-            for map in 0..map_count {
+            let with_profile = maps_with_profile(&root.value);
+            if with_profile.is_empty() {
+                let message = format!("--profile {profile}: none of the maps has a reception profile");
+                return Err(ScenarioErrors::from(ScenarioError::new(message)));
+            }
+            for map in with_profile {
                 let flag = format!("maps[{map}].algorithm.ml_tm.profile.{name}={{ {settings} }}");
                 sources.push(source("--profile", &flag));
                 layers::lay_flag(&mut root, &sources)?;
@@ -111,6 +140,17 @@ fn keep_maps(value: &mut Value) -> usize {
     }
 }
 
+/// Indices of the maps that have a reception profile.
+fn maps_with_profile(value: &Value) -> Vec<usize> {
+    let Value::Table(table) = value else { return Vec::new() };
+    let Some(Value::Array(maps)) = table.get("maps").map(|maps| &maps.value) else { return Vec::new() };
+    let has_profile = |value: &Value| {
+        let Value::Table(map) = value else { return false };
+        matches!(map.get("algorithm").map(|entry| &entry.value), Some(Value::Table(table)) if table.contains_key("ml_tm"))
+    };
+    (0..).zip(maps).filter(|(_, map)| has_profile(&map.value)).map(|(index, _)| index).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,13 +159,13 @@ mod tests {
 
     #[test]
     fn a_profile_makes_a_map_of_a_log_without_a_scenario() {
-        let settings = MapSettings::new(None, Some(PROFILE), &[]).unwrap();
+        let settings = MapSettings::new(None, None, Some(PROFILE), &[]).unwrap();
         assert_eq!(settings.maps.len(), 1);
         assert_eq!(settings.maps[0].name, "ml-tm");
-        let same = MapSettings::new(None, Some(&format!("trapezoid:{PROFILE}")), &[]).unwrap();
+        let same = MapSettings::new(None, None, Some(&format!("trapezoid:{PROFILE}")), &[]).unwrap();
         assert_eq!(same.maps, settings.maps);
         let set = ["maps.0.algorithm.ml_tm.grid_step_m=1".to_owned(), "maps.0.name=coarse".to_owned()];
-        let coarse = MapSettings::new(None, Some(PROFILE), &set).unwrap();
+        let coarse = MapSettings::new(None, None, Some(PROFILE), &set).unwrap();
         assert_eq!(coarse.maps[0].name, "coarse");
         assert_ne!(coarse.maps[0].mapper, settings.maps[0].mapper);
     }
@@ -134,10 +174,32 @@ mod tests {
     fn the_maps_of_a_scenario_are_kept_and_its_other_parts_ignored() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
-        let kept = MapSettings::new(Some(("x", text)), None, &[]).unwrap();
+        let kept = MapSettings::new(Some(("x", text)), None, None, &[]).unwrap();
         assert_eq!(kept.maps[0].name, "a");
-        let changed = MapSettings::new(Some(("x", text)), Some(PROFILE), &[]).unwrap();
+        let changed = MapSettings::new(Some(("x", text)), None, Some(PROFILE), &[]).unwrap();
         assert_ne!(changed.maps[0].mapper, kept.maps[0].mapper);
+    }
+
+    #[test]
+    fn an_algorithm_replaces_the_maps_of_a_scenario_and_takes_no_profile_if_it_has_none() {
+        let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
+                    profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
+        let algorithm = Some(AlgorithmName::SelfCalibrated);
+        for scenario in [None, Some(("x", text)), Some(("x", "name = \"x\"\n"))] {
+            let settings = MapSettings::new(scenario, algorithm, None, &[]).unwrap();
+            assert_eq!((settings.maps.len(), settings.maps[0].name.as_str()), (1, "self-calibrated"));
+            let set = ["maps.0.algorithm.self_calibrated.grid_step_m=0.5".to_owned()];
+            let finer = MapSettings::new(scenario, algorithm, None, &set).unwrap();
+            assert_ne!(finer.maps[0].mapper, settings.maps[0].mapper);
+            let refused = MapSettings::new(scenario, algorithm, Some(PROFILE), &[]).unwrap_err().to_string();
+            assert!(refused.contains("none of the maps has a reception profile"), "{refused}");
+        }
+        let refused = ["maps.0.algorithm.self_calibrated.grid_step_m=0".to_owned()];
+        let refused = MapSettings::new(None, algorithm, None, &refused).unwrap_err().to_string();
+        assert!(
+            refused.contains("maps[0].algorithm.self_calibrated.grid_step_m") && refused.contains("is 0"),
+            "{refused}"
+        );
     }
 
     #[test]
@@ -148,7 +210,7 @@ mod tests {
                  traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
                  algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
             );
-            let settings = MapSettings::new(Some(("x", &text)), None, &[]).unwrap();
+            let settings = MapSettings::new(Some(("x", &text)), None, None, &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
@@ -162,7 +224,7 @@ mod tests {
 
     #[test]
     fn a_wrong_profile_is_refused_at_the_flag() {
-        let refused = |profile: Option<&str>| MapSettings::new(None, profile, &[]).unwrap_err().to_string();
+        let refused = |profile: Option<&str>| MapSettings::new(None, None, profile, &[]).unwrap_err().to_string();
         assert!(refused(Some("channel:sigma_db=8")).contains("`"), "{}", refused(Some("channel:sigma_db=8")));
         assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
         assert!(refused(Some("p=2")).contains("unknown key `p`"));

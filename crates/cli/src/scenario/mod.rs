@@ -16,7 +16,7 @@ pub use build::{NamedMap, Scenario};
 pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
-pub use map_settings::MapSettings;
+pub use map_settings::{AlgorithmName, MapSettings};
 pub use sweep::{Setting, Sweep, SweepConfig};
 
 use deserialize::Refusal;

@@ -86,7 +86,7 @@ impl Fitted {
     /// The same bits for any number of threads.
     #[must_use]
     pub fn fit(&self, log: &ReceptionLog, z_range_m: Option<[f64; 2]>) -> Option<Fit> {
-        let heights = heights(log.stops(), z_range_m)?;
+        let heights = Heights::of(log.stops(), z_range_m)?;
         let heard: Vec<NodeId> =
             (0..log.node_count()).map(NodeId::from_index).filter(|&node| is_heard(log, node)).collect();
         let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];
@@ -186,20 +186,6 @@ impl Fit {
 
 fn is_heard(log: &ReceptionLog, node: NodeId) -> bool {
     log.of(node).iter().any(|reception| reception.received > 0)
-}
-
-/// Where nodes may be; `None` without stops.
-fn heights(stops: &[Stop], z_range_m: Option<[f64; 2]>) -> Option<Heights> {
-    let first = stops.first()?.position.z_m;
-    let level = |z_m: f64| Heights::Level(z_m);
-    #[expect(clippy::float_cmp, reason = "stops of a planar survey have the very same height")]
-    let is_planar = |stops: &[Stop]| stops.iter().all(|stop| stop.position.z_m == first);
-    Some(match z_range_m {
-        Some([low, high]) if high > low => Heights::Between(low, high),
-        Some([z_m, _]) => level(z_m),
-        None if is_planar(stops) => level(first),
-        None => Heights::Between(f64::NEG_INFINITY, f64::INFINITY),
-    })
 }
 
 /// Where stops at which a node was heard lie, with the packets heard.

@@ -1,0 +1,136 @@
+//! The self-calibrated map.
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::SettingError;
+
+use super::absorption::AbsorptionMap;
+use super::counts::Counts;
+use super::draft::Draft;
+use super::model::CalibratedCurve;
+use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
+use super::start::Start;
+use crate::local_posterior::{Heights, are_level};
+use crate::{Estimate, Frame, KnowledgeKind, TopologyMap};
+
+/// Grid steps over the range that the log shows, if no step is set, in the plane and in space.
+const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
+/// The first stage has steps of this share of the range, at most.
+const COARSEST: f64 = 0.12;
+/// Width of a cell that may absorb, as a share of the range.
+const CELL: f64 = 0.05;
+/// A stage ends when a round moves the nodes by less than this share of its step on average.
+const SETTLED: f64 = 0.05;
+
+/// Self-calibrated maps: the positions of the nodes with the reception curve, the efficiency of each stop and what stands
+/// in the way, all from one log (see the [module](self) for the model).
+///
+/// What a map uses: which packets were received at which stops, and, if obstacles are sought, where the robot drove and
+/// what it met. It uses no channel, no anchors, no signal strengths and no sectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SelfCalibrated {
+    settings: Settings,
+}
+
+/// What was estimated beside a self-calibrated map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// How likely a packet is received over a clear link at a stop of average efficiency; `None` if the log is too poor to
+    /// tell: the map is then made with a trapezoid over the range that the log shows.
+    pub curve: Option<CalibratedCurve>,
+    /// Efficiency of each stop: the share of the packets that it receives of those that reach it.
+    pub efficiency: Vec<f64>,
+    /// The knowledge of obstacles that was used: less than was asked for if it does not apply.
+    pub knowledge: ObstacleKnowledge,
+    /// What stands in the way; `None` if it was not sought, or explains nothing.
+    pub obstacles: Option<AbsorptionMap>,
+    /// Rounds of positions, curve and obstacles.
+    pub rounds: u32,
+    /// Whether the last round moved the nodes by less than a twentieth of the grid step on average.
+    pub converged: bool,
+}
+
+impl SelfCalibrated {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "self-calibrated";
+
+    /// What it uses of what it is given to know.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        match self.settings.obstacles {
+            ObstacleKnowledge::None | ObstacleKnowledge::FromReceptions => &[KnowledgeKind::RobotReceptions],
+            ObstacleKnowledge::FromLog => &[KnowledgeKind::RobotReceptions, KnowledgeKind::RobotPath],
+        }
+    }
+
+    /// The map of the nodes in `log`, with a covariance of each, and what was estimated beside it (`None` if nothing was
+    /// heard), computed on the current rayon pool; the same bits for any number of threads. Nodes that were never heard
+    /// are not placed. Takes about 30 rounds, each linear in the nodes and in the stops in range of a node.
+    #[must_use]
+    pub fn map(&self, log: &ReceptionLog) -> (TopologyMap, Option<Calibration>) {
+        let mut map = TopologyMap {
+            algorithm: Self::NAME,
+            estimates: vec![None; log.node_count()],
+            grid_step_m: self.settings.grid_step_m,
+            vertices_evaluated: 0,
+            frame: Frame::World,
+        };
+        let (Some(start), Some(heights)) = (Start::of(log), Heights::of(log.stops(), self.settings.z_range_m)) else {
+            return (map, None);
+        };
+        let is_spatial = matches!(heights, Heights::Between(..));
+        let step_m = self.settings.grid_step_m.unwrap_or(start.range_m / STEPS_PER_RANGE[usize::from(is_spatial)]);
+        // Over stops at several heights a robot passes above and below what is in its way elsewhere.
+        let applies = start.is_rich && are_level(log.stops());
+        let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
+        let counts = Counts::new(log, start.range_m);
+        let mut draft = Draft::new(&counts, &start, heights);
+        let converged = self.run(&mut draft, start.range_m, step_m, knowledge);
+        for belief in &draft.beliefs.nodes {
+            map.estimates[belief.node.index()] = Some(Estimate {
+                position: belief.mean,
+                log_likelihood: Some(belief.highest),
+                ties: 1,
+                covariance: Some(belief.covariance),
+                infeasible: false,
+            });
+        }
+        map.grid_step_m = Some(step_m);
+        map.vertices_evaluated = draft.vertices;
+        let calibration = Calibration {
+            curve: start.is_rich.then(|| draft.model.curve()),
+            efficiency: draft.model.efficiencies().to_vec(),
+            knowledge,
+            rounds: draft.rounds,
+            converged,
+            obstacles: draft.into_obstacles(),
+        };
+        (map, Some(calibration))
+    }
+
+    /// From coarse steps, without obstacles, to steps of `step_m`; whether the last stage converged.
+    fn run(&self, draft: &mut Draft<'_>, range_m: f64, step_m: f64, knowledge: ObstacleKnowledge) -> bool {
+        let most_rounds = self.settings.max_rounds;
+        let mut halvings = libm::log2(COARSEST * range_m / step_m).floor().clamp(0.0, 30.0);
+        let coarsest_m = step_m * libm::exp2(halvings);
+        let mut converged = draft.stage(coarsest_m, SETTLED * coarsest_m, most_rounds);
+        if knowledge != ObstacleKnowledge::None {
+            draft.seek_obstacles(knowledge, CELL * range_m, coarsest_m);
+            // Obstacles move the nodes, so there is another stage even if there are no finer steps.
+            halvings = halvings.max(1.0);
+        }
+        while halvings > 0.0 {
+            halvings -= 1.0;
+            let stage_step_m = (step_m * libm::exp2(halvings)).min(coarsest_m);
+            converged = draft.stage(stage_step_m, SETTLED * stage_step_m, most_rounds);
+        }
+        converged
+    }
+}
+
+impl TryFrom<SelfCalibratedConfig> for SelfCalibrated {
+    type Error = SettingError;
+
+    fn try_from(config: SelfCalibratedConfig) -> Result<Self, SettingError> {
+        Settings::try_from(config).map(|settings| Self { settings })
+    }
+}

@@ -1,0 +1,78 @@
+//! What is believed of all nodes.
+
+use rayon::prelude::*;
+
+use super::model::Sums;
+use super::posterior::{Belief, Scratch, Surroundings, Tally};
+
+/// Nodes whose counts are held at a time.
+const BLOCK: usize = 512;
+
+/// The beliefs of all nodes that were heard.
+#[derive(Debug)]
+pub(super) struct Beliefs {
+    pub(super) nodes: Vec<Belief>,
+    tallies: Vec<Tally>,
+    next: Vec<Belief>,
+}
+
+/// What a round did.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Progress {
+    /// How far the nodes moved on average [m].
+    pub(super) shift_m: f64,
+    pub(super) vertices: u64,
+}
+
+impl Beliefs {
+    pub(super) fn new(nodes: Vec<Belief>, bins: usize) -> Self {
+        let tallies = vec![Tally::new(bins); nodes.len().min(BLOCK)];
+        Self { next: nodes.clone(), nodes, tallies }
+    }
+
+    /// Computes the posterior of each node again, and adds their counts to `sums`, in the order of the nodes whatever
+    /// the threads.
+    pub(super) fn refine(&mut self, surroundings: &Surroundings<'_>, sums: &mut Sums) -> Progress {
+        sums.clear();
+        let (mut shift_m, mut vertices) = (0.0, 0);
+        for (before, after) in self.nodes.chunks(BLOCK).zip(self.next.chunks_mut(BLOCK)) {
+            let tallies = &mut self.tallies[..before.len()];
+            let work = before.par_iter().zip(after.par_iter_mut()).zip(tallies.par_iter_mut());
+            work.with_min_len(8).for_each_init(Scratch::default, |scratch, ((before, after), tally)| {
+                tally.vertices = 0;
+                *after = surroundings.refine(scratch, before, tally);
+            });
+            for ((before, after), tally) in before.iter().zip(after.iter()).zip(tallies.iter()) {
+                shift_m += before.mean.distance_m(after.mean);
+                vertices += tally.vertices;
+                sums.add(tally);
+            }
+        }
+        std::mem::swap(&mut self.nodes, &mut self.next);
+        #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
+        let share = 1.0 / self.nodes.len() as f64;
+        Progress { shift_m: shift_m * share, vertices }
+    }
+}
+
+impl Sums {
+    fn clear(&mut self) {
+        self.received.fill(0.0);
+        self.sent.fill(0.0);
+        self.stops.fill([0.0; 2]);
+    }
+
+    fn add(&mut self, tally: &Tally) {
+        for (sum, part) in self.received.iter_mut().zip(&tally.received) {
+            *sum += part;
+        }
+        for (sum, part) in self.sent.iter_mut().zip(&tally.sent) {
+            *sum += part;
+        }
+        for &(stop, [received, expected]) in &tally.stops {
+            let [all_received, all_expected] = &mut self.stops[stop as usize];
+            *all_received += received;
+            *all_expected += expected;
+        }
+    }
+}

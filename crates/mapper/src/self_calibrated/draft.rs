@@ -1,0 +1,135 @@
+//! A self-calibrated map in the making.
+
+use super::beliefs::Beliefs;
+use super::counts::Counts;
+use super::model::{Model, Sums};
+use super::posterior::{Belief, Obstacles, Surroundings};
+use super::settings::ObstacleKnowledge;
+use super::shadows::Shadows;
+use super::start::Start;
+use super::tomography::Tomography;
+use crate::local_posterior::Heights;
+
+/// Rounds with stops of one efficiency: the first curves are too rough to tell stops apart.
+const EQUAL_ROUNDS: u32 = 2;
+/// Rounds of tomography the first time, and each time after.
+const FIRST_IMPROVEMENT: usize = 40;
+const IMPROVEMENT: usize = 15;
+
+/// Positions, curve, efficiencies and obstacles as far as they are known.
+#[derive(Debug)]
+pub(super) struct Draft<'a> {
+    counts: &'a Counts<'a>,
+    pub(super) beliefs: Beliefs,
+    pub(super) model: Model,
+    sums: Sums,
+    heights: Heights,
+    tomography: Option<Tomography>,
+    shadows: Shadows,
+    /// Whether the absorption found is used.
+    is_obstructed: bool,
+    /// Whether curve and efficiencies are fitted.
+    fits: bool,
+    pub(super) rounds: u32,
+    pub(super) vertices: u64,
+}
+
+impl<'a> Draft<'a> {
+    pub(super) fn new(counts: &'a Counts<'a>, start: &Start, heights: Heights) -> Self {
+        let model = Model::new(start.range_m, counts.log.stops().len());
+        let nodes = start.nodes.iter().map(|&(node, mut mean)| {
+            mean.z_m = heights.clamp(mean.z_m);
+            Belief { node, mean, highest: f64::NEG_INFINITY, covariance: [[0.0; 3]; 3] }
+        });
+        Self {
+            counts,
+            beliefs: Beliefs::new(nodes.collect(), model.bins()),
+            sums: model.sums(),
+            model,
+            heights,
+            tomography: None,
+            shadows: Shadows::default(),
+            is_obstructed: false,
+            fits: start.is_rich,
+            rounds: 0,
+            vertices: 0,
+        }
+    }
+
+    /// From now on obstacles are sought, in cells of `cell_m`, over the places of the nodes, known to `slack_m`.
+    pub(super) fn seek_obstacles(&mut self, knowledge: ObstacleKnowledge, cell_m: f64, slack_m: f64) {
+        let tomography = Tomography::new(self.counts.log, &self.beliefs.nodes, cell_m, slack_m, knowledge);
+        self.tomography = Some(tomography);
+    }
+
+    /// Rounds on a grid of `step_m` until one moves the nodes by less than `tolerance_m` on average. Returns whether it
+    /// does before there were `most_rounds` in all; one round is made in any case.
+    pub(super) fn stage(&mut self, step_m: f64, tolerance_m: f64, most_rounds: u32) -> bool {
+        if self.tomography.is_some() && !self.is_obstructed {
+            self.look_for_obstacles();
+        } else {
+            self.improve_obstacles(FIRST_IMPROVEMENT);
+        }
+        loop {
+            let shift_m = self.refine(step_m);
+            if self.fits {
+                self.fit();
+            }
+            if shift_m < tolerance_m {
+                return true;
+            }
+            if self.rounds >= most_rounds {
+                return false;
+            }
+            self.improve_obstacles(IMPROVEMENT);
+        }
+    }
+
+    /// What stands in the way, if that was sought and found.
+    pub(super) fn into_obstacles(self) -> Option<super::AbsorptionMap> {
+        self.tomography.filter(|_| self.is_obstructed).map(|tomography| tomography.map)
+    }
+
+    /// The posteriors of all nodes; returns how far they moved on average [m].
+    fn refine(&mut self, step_m: f64) -> f64 {
+        let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
+        if let Some(map) = map {
+            self.shadows.trace(map, self.counts.log.stops(), self.model.range_m());
+        }
+        let surroundings = Surroundings {
+            counts: self.counts,
+            model: &self.model,
+            obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
+            heights: self.heights,
+            step_m,
+        };
+        let progress = self.beliefs.refine(&surroundings, &mut self.sums);
+        self.rounds += 1;
+        self.vertices += progress.vertices;
+        progress.shift_m
+    }
+
+    fn fit(&mut self) {
+        if self.rounds <= EQUAL_ROUNDS {
+            self.sums.stops.fill([0.0; 2]);
+        }
+        self.model.fit(&self.sums);
+    }
+
+    /// Takes obstacles into account if they explain the log.
+    fn look_for_obstacles(&mut self) {
+        let Some(tomography) = &mut self.tomography else { return };
+        tomography.draw(self.counts, &self.beliefs.nodes, &self.model);
+        self.is_obstructed = tomography.is_warranted(&self.model, FIRST_IMPROVEMENT);
+        if self.is_obstructed {
+            tomography.improve(&self.model, FIRST_IMPROVEMENT);
+        }
+    }
+
+    fn improve_obstacles(&mut self, rounds: usize) {
+        if let Some(tomography) = self.tomography.as_mut().filter(|_| self.is_obstructed) {
+            tomography.draw(self.counts, &self.beliefs.nodes, &self.model);
+            tomography.improve(&self.model, rounds);
+        }
+    }
+}

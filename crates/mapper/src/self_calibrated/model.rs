@@ -1,0 +1,262 @@
+//! How likely a packet is received: a curve over distance, an efficiency of each stop.
+
+use super::normal::{Normal, index, quantile};
+use crate::never_rising;
+
+/// Bins over the range that the log shows.
+const BINS_PER_RANGE: f64 = 100.0;
+/// Bins; the last of them holds everything beyond two and a half ranges.
+const BINS: u32 = 250;
+/// Least probability of anything.
+pub(super) const FLOOR: f64 = 1e-6;
+/// Highest probability of a reception.
+pub(super) const CEILING: f64 = 1.0 - 1e-4;
+/// What a clear link next to the node is set to at full efficiency: curve and efficiency are known up to a factor only.
+const TOP: f64 = 0.998;
+/// Packets expected at a stop that weigh as much as its own: what the efficiency of all stops counts.
+const SHRINKAGE: f64 = 20.0;
+/// The curve ends where it falls below this.
+const NOTHING: f64 = 1e-4;
+/// The range that is told of ends where it falls below this.
+const RARE: f64 = 0.01;
+
+/// What a model is estimated from: packets by distance and by stop, as expected under the positions of the nodes.
+#[derive(Clone, Debug)]
+pub(super) struct Sums {
+    /// Packets received, by bin.
+    pub(super) received: Vec<f64>,
+    /// Packets sent times the efficiency of the stop and the share that obstacles let pass, by bin.
+    pub(super) sent: Vec<f64>,
+    /// Packets received, and expected at full efficiency, by stop.
+    pub(super) stops: Vec<[f64; 2]>,
+}
+
+/// The probability of a reception.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    bin_m: f64,
+    per_m: f64,
+    /// Probability over clear links at full efficiency, by bin.
+    clear: Vec<f64>,
+    /// The same as a normal quantile: z.
+    score: Vec<f64>,
+    efficiency: Vec<f64>,
+    floor: f64,
+    range_m: f64,
+    normal: Normal,
+}
+
+impl Model {
+    /// A first model: the trapezoid with a plateau of a fifth of `range_m`.
+    pub(super) fn new(range_m: f64, stops: usize) -> Self {
+        let bin_m = range_m / BINS_PER_RANGE;
+        let trapezoid = |bin: u32| {
+            let share = (f64::from(bin) + 0.5) / BINS_PER_RANGE;
+            0.95 * ((1.2 - share) / 1.0).clamp(0.0, 1.0)
+        };
+        let mut model = Self {
+            bin_m,
+            per_m: 1.0 / bin_m,
+            clear: (0..BINS).map(trapezoid).collect(),
+            score: Vec::new(),
+            efficiency: vec![1.0; stops],
+            floor: FLOOR,
+            range_m,
+            normal: Normal::new(),
+        };
+        model.finish();
+        model
+    }
+
+    /// Number of bins.
+    pub(super) fn bins(&self) -> usize {
+        self.clear.len()
+    }
+
+    /// Probability over clear links at full efficiency, in a bin.
+    pub(super) fn in_bin(&self, bin: usize) -> f64 {
+        self.clear[bin]
+    }
+
+    /// Nothing counted yet.
+    pub(super) fn sums(&self) -> Sums {
+        let bins = vec![0.0; self.clear.len()];
+        Sums { received: bins.clone(), sent: bins, stops: vec![[0.0; 2]; self.efficiency.len()] }
+    }
+
+    /// The bin that holds `distance_m`.
+    #[inline]
+    pub(super) fn bin(&self, distance_m: f64) -> usize {
+        index(distance_m * self.per_m).min(self.clear.len() - 1)
+    }
+
+    /// Where the curve falls below `probability` for good [m].
+    pub(super) fn reach_m(&self, probability: f64) -> f64 {
+        let bin = self.clear.iter().rposition(|&clear| clear > probability).unwrap_or(0);
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
+        let bin = bin as f64;
+        bin * self.bin_m
+    }
+
+    /// Where the last bin begins [m].
+    pub(super) fn last_bin_m(&self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
+        let bins = (self.clear.len() - 1) as f64;
+        bins * self.bin_m
+    }
+
+    /// Distance from which on receptions are outliers [m].
+    pub(super) fn range_m(&self) -> f64 {
+        self.range_m
+    }
+
+    /// Efficiency of a stop.
+    pub(super) fn efficiency(&self, stop: usize) -> f64 {
+        self.efficiency[stop]
+    }
+
+    /// z over `distance_m`.
+    pub(super) fn score(&self, distance_m: f64) -> f64 {
+        self.score[self.bin(distance_m)]
+    }
+
+    pub(super) fn normal(&self) -> &Normal {
+        &self.normal
+    }
+
+    /// Probability of a reception over a clear link.
+    #[inline]
+    pub(super) fn clear(&self, efficiency: f64, distance_m: f64) -> f64 {
+        (self.clear[self.bin(distance_m)] * efficiency).clamp(self.floor, CEILING)
+    }
+
+    /// Probability of a reception over a link that obstacles weaken by `absorbed` standard deviations.
+    #[inline]
+    pub(super) fn shaded(&self, efficiency: f64, distance_m: f64, absorbed: f64) -> f64 {
+        if absorbed <= 0.0 {
+            return self.clear(efficiency, distance_m);
+        }
+        let passed = self.normal.below(self.score[self.bin(distance_m)] - absorbed);
+        (passed * efficiency).clamp(self.floor, CEILING)
+    }
+
+    /// Share of the packets over a length in `bin` that would arrive over a clear link and do so although obstacles
+    /// weaken them by `absorbed` standard deviations.
+    pub(super) fn passed(&self, bin: usize, absorbed: f64) -> f64 {
+        if absorbed <= 0.0 { 1.0 } else { self.normal.below(self.score[bin] - absorbed) / self.clear[bin] }
+    }
+
+    /// Fits curve and efficiencies to `sums`.
+    pub(super) fn fit(&mut self, sums: &Sums) {
+        self.fit_efficiency(&sums.stops);
+        // Half a packet in 10⁴ keeps probabilities off 0 where nothing was sent.
+        let sent: Vec<f64> = sums.sent.iter().map(|sent| sent + 2e-4).collect();
+        let received = sums.received.iter().map(|received| received + 1e-4);
+        let means: Vec<f64> = received.zip(&sent).map(|(received, sent)| received / sent).collect();
+        self.clear = never_rising(&means, &sent);
+        let factor = TOP / self.top(sums);
+        for clear in &mut self.clear {
+            *clear *= factor;
+        }
+        for efficiency in &mut self.efficiency {
+            *efficiency /= factor;
+        }
+        self.finish();
+    }
+
+    /// Fits the efficiencies but for their common level: were that set by the old curve, and the curve by the old
+    /// efficiencies, both would swing for ever.
+    fn fit_efficiency(&mut self, stops: &[[f64; 2]]) {
+        let (mut received, mut expected, mut at_full) = (0.0, 0.0, 0.0);
+        for (efficiency, stop) in self.efficiency.iter().zip(stops) {
+            received += stop[0];
+            expected += efficiency * stop[1];
+            at_full += stop[1];
+        }
+        if received <= 0.0 || expected <= 0.0 {
+            return;
+        }
+        let level = expected / at_full;
+        for (efficiency, stop) in self.efficiency.iter_mut().zip(stops) {
+            *efficiency = (stop[0] * expected / received + SHRINKAGE * level) / (stop[1] + SHRINKAGE);
+        }
+    }
+
+    /// Probability of a reception over the nearest hundredth of the links in range, at full efficiency; of more of them, up
+    /// to a tenth, if these are fewer than fifty packets.
+    fn top(&self, sums: &Sums) -> f64 {
+        let within = self.bin(self.range_m);
+        let all: f64 = sums.sent[..=within].iter().sum();
+        let enough = (0.01 * all).max(50.0).min(0.1 * all);
+        let (mut received, mut sent) = (0.5, 0.5);
+        for (bin, &packets) in sums.sent[..=within].iter().enumerate() {
+            received += sums.received[bin];
+            sent += packets;
+            if sent > enough {
+                break;
+            }
+        }
+        (received / sent).max(0.01)
+    }
+
+    fn finish(&mut self) {
+        for clear in &mut self.clear {
+            *clear = clear.clamp(FLOOR, 0.999);
+        }
+        self.score = self.clear.iter().map(|&clear| quantile(clear)).collect();
+        self.floor = self.clear.last().copied().unwrap_or(FLOOR);
+        let end = self.clear.iter().rposition(|&clear| clear > 3.0 * self.floor + NOTHING).map_or(1, |bin| bin + 1);
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
+        let range_m = end as f64 * self.bin_m;
+        self.range_m = range_m;
+    }
+
+    /// The curve for everybody.
+    pub(super) fn curve(&self) -> CalibratedCurve {
+        #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
+        let mean = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
+        let probabilities = self.clear.iter().map(|&clear| (clear * mean).clamp(self.floor, CEILING)).collect();
+        CalibratedCurve { bin_m: self.bin_m, probabilities, range_m: self.reach_m(RARE) + self.bin_m }
+    }
+
+    /// Efficiency of each stop.
+    pub(super) fn efficiencies(&self) -> &[f64] {
+        &self.efficiency
+    }
+}
+
+/// The reception curve of a self-calibrated map: the probability that a packet is received over a clear link of some
+/// distance at a stop of average efficiency. It never rises with distance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedCurve {
+    bin_m: f64,
+    probabilities: Vec<f64>,
+    range_m: f64,
+}
+
+impl CalibratedCurve {
+    /// Probability that a packet is received over `distance_m`.
+    #[must_use]
+    pub fn probability(&self, distance_m: f64) -> f64 {
+        let bin = crate::lattice::whole(distance_m / self.bin_m);
+        self.probabilities[bin.min(self.probabilities.len() - 1)]
+    }
+
+    /// The distance beyond which less than one packet in a hundred arrives [m].
+    #[must_use]
+    pub fn range_m(&self) -> f64 {
+        self.range_m
+    }
+
+    /// Width of the bins within which the curve is constant, the last of them without an end [m].
+    #[must_use]
+    pub fn bin_m(&self) -> f64 {
+        self.bin_m
+    }
+
+    /// The probability in each bin.
+    #[must_use]
+    pub fn probabilities(&self) -> &[f64] {
+        &self.probabilities
+    }
+}

@@ -1,0 +1,105 @@
+//! Settings of the self-calibrated map.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+/// The self-calibrated map as written in a scenario. Every key has a value that fits logs of any range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SelfCalibratedConfig {
+    /// Distance of neighbouring grid vertices in the last stage [m]; if absent, a sixtieth of the range that the log shows,
+    /// a fortieth in space.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grid_step_m: Option<f64>,
+    /// Which knowledge of obstacles is used. Obstacles are thought of as upright, and are sought only if all stops share
+    /// one height; else none is used.
+    #[serde(default)]
+    pub obstacles: ObstacleKnowledge,
+    /// Rounds of positions, curve and obstacles, at most, but for one of each stage; 1 or more.
+    #[serde(default = "default_max_rounds")]
+    pub max_rounds: u32,
+    /// Lowest and highest height of a node [m]. Without it a log with all stops at one height is mapped in the
+    /// plane of the stops, any other as far below and above them as packets reach.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_range_m: Option<[f64; 2]>,
+}
+
+/// Which knowledge of obstacles a self-calibrated map uses. Ground truth is never part of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ObstacleKnowledge {
+    /// None: obstacles are not modelled.
+    None,
+    /// Which packets were received at which stops.
+    FromReceptions,
+    /// That, and what the robot knows of its own way: where it drove straight from one stop to the next nothing
+    /// stands; where it met an obstacle one is likely.
+    #[default]
+    FromLog,
+}
+
+fn default_max_rounds() -> u32 {
+    60
+}
+
+impl Default for SelfCalibratedConfig {
+    fn default() -> Self {
+        Self {
+            grid_step_m: None,
+            obstacles: ObstacleKnowledge::default(),
+            max_rounds: default_max_rounds(),
+            z_range_m: None,
+        }
+    }
+}
+
+/// Validated settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Settings {
+    pub(super) grid_step_m: Option<f64>,
+    pub(super) obstacles: ObstacleKnowledge,
+    pub(super) max_rounds: u32,
+    pub(super) z_range_m: Option<[f64; 2]>,
+}
+
+impl TryFrom<SelfCalibratedConfig> for Settings {
+    type Error = SettingError;
+
+    fn try_from(config: SelfCalibratedConfig) -> Result<Self, SettingError> {
+        let SelfCalibratedConfig { grid_step_m, obstacles, max_rounds, z_range_m } = config;
+        if let Some(step_m) = grid_step_m {
+            SettingError::positive("grid_step_m", step_m)?;
+        }
+        if max_rounds == 0 {
+            return Err(SettingError::new("max_rounds", 0, "1 or more"));
+        }
+        if let Some([low, high]) = z_range_m
+            && !(low.is_finite() && high.is_finite() && low <= high)
+        {
+            let allowed = "two finite heights, the lower one first";
+            return Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed));
+        }
+        Ok(Self { grid_step_m, obstacles, max_rounds, z_range_m })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_outside_their_domain_are_refused_by_name() {
+        let good = SelfCalibratedConfig::default();
+        assert!(Settings::try_from(good.clone()).is_ok());
+        for (config, key) in [
+            (SelfCalibratedConfig { grid_step_m: Some(0.0), ..good.clone() }, "grid_step_m"),
+            (SelfCalibratedConfig { grid_step_m: Some(f64::NAN), ..good.clone() }, "grid_step_m"),
+            (SelfCalibratedConfig { max_rounds: 0, ..good.clone() }, "max_rounds"),
+            (SelfCalibratedConfig { z_range_m: Some([1.0, 0.0]), ..good.clone() }, "z_range_m"),
+            (SelfCalibratedConfig { z_range_m: Some([0.0, f64::INFINITY]), ..good }, "z_range_m"),
+        ] {
+            assert_eq!(Settings::try_from(config).unwrap_err().key, key);
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The map of obstacles: absorption that explains which packets were lost along which lines.
+
+use rayon::prelude::*;
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{Purpose, Seed};
+
+use super::absorption::AbsorptionMap;
+use super::counts::{Counts, Record};
+use super::lines::{Half, Line, Lines};
+use super::model::Model;
+use super::posterior::Belief;
+use super::settings::ObstacleKnowledge;
+use super::start::gap_m;
+
+/// Parts that the lines are dealt to, whatever the threads, so that sums have one order.
+const PARTS: usize = 8;
+/// Crossings of lines and cells, at most; of more lines, some are drawn by lot.
+const MOST_CROSSINGS: f64 = 2e7;
+/// Cells, at most.
+const MOST_CELLS: f64 = 2e5;
+/// Lines shorter than this share of the range cross nothing that matters.
+const SHORTEST: f64 = 0.03;
+/// Lines within this share of the end of the curve may be too long to be received, rather than obstructed.
+const MARGIN: f64 = 0.03;
+/// The end of the curve for this purpose.
+const FAINT: f64 = 0.02;
+/// Absorption of a cell, at most [standard deviations]: two such cells stop all that a clear link would bring.
+const OPAQUE: f64 = 4.0;
+/// What a cell must gain to absorb, in standard deviations of its gain by chance: the 95 % quantile of the normal
+/// distribution.
+const THRESHOLD: f64 = 1.645;
+/// The penalty of a difference between neighbours, as a share of that of absorption.
+const SMOOTHNESS: f64 = 0.25;
+/// Differences below this count less [standard deviations].
+const SOFT: f64 = 0.05;
+/// The threshold of a cell where the robot met an obstacle, as a share.
+const CONTACT: f64 = 0.2;
+/// Drives longer than this many gaps between stops need not have been straight.
+const STRAIGHT: f64 = 1.5;
+
+/// Radio tomography by penalised maximum likelihood.
+#[derive(Debug)]
+pub(super) struct Tomography {
+    pub(super) map: AbsorptionMap,
+    /// Cells where nothing can stand.
+    is_free: Vec<bool>,
+    /// Factor on the threshold of each cell.
+    reluctance: Vec<f64>,
+    threshold: Vec<f64>,
+    parts: Vec<Lines>,
+    next: Vec<f64>,
+}
+
+impl Tomography {
+    /// Cells over the places of the nodes, which are known to about `slack_m`.
+    pub(super) fn new(
+        log: &ReceptionLog,
+        nodes: &[Belief],
+        cell_m: f64,
+        slack_m: f64,
+        knowledge: ObstacleKnowledge,
+    ) -> Self {
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for belief in nodes {
+            for (axis, value) in [belief.mean.x_m, belief.mean.y_m].into_iter().enumerate() {
+                low[axis] = low[axis].min(value - slack_m);
+                high[axis] = high[axis].max(value + slack_m);
+            }
+        }
+        let map = AbsorptionMap::new(low, high, cell_m, MOST_CELLS);
+        let cells = map.cells.len();
+        let mut tomography = Self {
+            is_free: vec![false; cells],
+            reluctance: vec![1.0; cells],
+            threshold: vec![0.0; cells],
+            parts: (0..PARTS).map(|_| Lines::default()).collect(),
+            next: vec![0.0; cells],
+            map,
+        };
+        if knowledge == ObstacleKnowledge::FromLog {
+            tomography.learn(log);
+        }
+        tomography
+    }
+
+    /// Takes note of where the robot drove, and what it met.
+    fn learn(&mut self, log: &ReceptionLog) {
+        let straight_m = STRAIGHT * gap_m(log).unwrap_or(0.0);
+        for pair in log.stops().windows(2) {
+            let (from, to) = (pair[0].position, pair[1].position);
+            if from.distance_m(to) <= straight_m {
+                self.map.crossings(from, to, |cell, _, _| self.is_free[cell] = true);
+            }
+        }
+        for contact in log.contacts() {
+            if let Some(cell) = self.map.cell(contact.position) {
+                self.reluctance[cell] = CONTACT;
+            }
+        }
+    }
+
+    /// Draws the lines anew for the places of the nodes.
+    pub(super) fn draw(&mut self, counts: &Counts<'_>, nodes: &[Belief], model: &Model) {
+        let Self { map, is_free, parts, .. } = self;
+        let end_m = model.reach_m(FAINT);
+        let reach_m = end_m * (1.0 - MARGIN);
+        let share = share_of_lines(counts, nodes, reach_m, map.cell_m());
+        let dealt = nodes.chunks(nodes.len().div_ceil(PARTS).max(1)).chain(std::iter::repeat(&[][..]));
+        let work: Vec<(&mut Lines, &[Belief])> = parts.iter_mut().zip(dealt).collect();
+        work.into_par_iter().for_each(|(lines, nodes)| {
+            lines.clear();
+            let mut record = Record::default();
+            for belief in nodes {
+                let spread_m = belief.spread_m(0).max(belief.spread_m(1));
+                let to_m = reach_m.min(end_m - spread_m);
+                if to_m <= 0.0 {
+                    continue;
+                }
+                counts.read(belief.node, &mut record);
+                counts.within(&record, belief.mean, to_m, |link| {
+                    let distance_m = link.place.distance_m(belief.mean);
+                    let lot = Seed(0).uniform(Purpose::Mapper, [u64::from(belief.node.0), u64::from(link.stop), 0]);
+                    let is_silent = link.received == 0 && link.missed == 0;
+                    if is_silent || distance_m < SHORTEST * end_m || lot > share {
+                        return;
+                    }
+                    lines.draw(
+                        map,
+                        is_free,
+                        [link.place, belief.mean],
+                        Line {
+                            score: model.score(distance_m),
+                            efficiency: model.efficiency(link.stop as usize),
+                            received: f64::from(link.received),
+                            missed: f64::from(link.missed),
+                            half: if lot < 0.5 * share { Half::One } else { Half::Other },
+                        },
+                    );
+                });
+            }
+        });
+    }
+
+    /// Whether absorption estimated from half of the lines explains the other half better than none does, by more
+    /// than three standard deviations of the difference. Leaves nothing absorbing.
+    pub(super) fn is_warranted(&mut self, model: &Model, rounds: usize) -> bool {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for (half, other) in [(Half::One, Half::Other), (Half::Other, Half::One)] {
+            self.map.cells.fill(0.0);
+            self.set_threshold(model, Some(half));
+            for _ in 0..rounds {
+                self.step(model, Some(half));
+            }
+            for gain in self.parts.iter().flat_map(|part| part.gains(model, &self.map.cells, other)) {
+                sum += gain;
+                squares += gain * gain;
+            }
+        }
+        self.map.cells.fill(0.0);
+        sum > 3.0 * squares.sqrt()
+    }
+
+    /// Improves the absorption, starting from what it is.
+    pub(super) fn improve(&mut self, model: &Model, rounds: usize) {
+        self.set_threshold(model, None);
+        for _ in 0..rounds {
+            self.step(model, None);
+        }
+        self.map.count();
+    }
+
+    /// The threshold of a cell: [`THRESHOLD`] standard deviations of the gradient of the likelihood there without
+    /// obstacles.
+    fn set_threshold(&mut self, model: &Model, half: Option<Half>) {
+        let cells = self.map.cells.len();
+        self.parts.par_iter_mut().for_each(|part| part.inform(model, cells, half));
+        for (cell, threshold) in self.threshold.iter_mut().enumerate() {
+            let information: f64 = self.parts.iter().map(|part| part.gradient[cell]).sum();
+            *threshold = THRESHOLD * self.reluctance[cell] * information.sqrt();
+        }
+    }
+
+    /// One round of separable surrogates (De Pierro 1995; Erdogan and Fessler 1999): each cell moves to the optimum of a
+    /// parabola of its own, all cells at once.
+    fn step(&mut self, model: &Model, half: Option<Half>) {
+        let cells = &self.map.cells;
+        self.parts.par_iter_mut().for_each(|part| part.differentiate(model, cells, half));
+        let [columns, rows] = self.map.counts();
+        for cell in 0..cells.len() {
+            if self.is_free[cell] {
+                continue;
+            }
+            let here = cells[cell];
+            let threshold = self.threshold[cell];
+            let mut gradient = -threshold;
+            let mut curvature = 1e-9;
+            for part in &self.parts {
+                gradient += part.gradient[cell];
+                curvature += part.curvature[cell];
+            }
+            let (i, j) = (cell % columns, cell / columns);
+            let neighbours = [
+                (i > 0).then(|| cell - 1),
+                (i + 1 < columns).then(|| cell + 1),
+                (j > 0).then(|| cell - columns),
+                (j + 1 < rows).then(|| cell + columns),
+            ];
+            for neighbour in neighbours.into_iter().flatten().filter(|&neighbour| !self.is_free[neighbour]) {
+                let difference = here - cells[neighbour];
+                let weight = SMOOTHNESS * 0.5 * (threshold + self.threshold[neighbour])
+                    / (difference * difference + SOFT * SOFT).sqrt();
+                gradient -= weight * difference;
+                curvature += 2.0 * weight;
+            }
+            self.next[cell] = (here + gradient / curvature).clamp(0.0, OPAQUE);
+        }
+        std::mem::swap(&mut self.map.cells, &mut self.next);
+    }
+}
+
+/// The share of the lines that is used, as so many in one.
+fn share_of_lines(counts: &Counts<'_>, nodes: &[Belief], reach_m: f64, cell_m: f64) -> f64 {
+    let mut lines = 0.0;
+    // A sample is enough for an estimate.
+    let every = nodes.len().div_ceil(1000).max(1);
+    for belief in nodes.iter().step_by(every) {
+        counts.within(&Record::default(), belief.mean, reach_m, |_| lines += 1.0);
+    }
+    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
+    let crossings = lines * every as f64 * reach_m / cell_m;
+    (MOST_CROSSINGS / crossings.max(1.0)).min(1.0)
+}
