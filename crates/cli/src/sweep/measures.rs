@@ -56,12 +56,16 @@ const OF_SURVEY: [(&str, Kind); 19] = [
 ];
 
 /// What is taken of each map: JSON pointers into its summary.
-const OF_MAP: [(&str, Kind); 21] = [
+const OF_MAP: [(&str, Kind); 25] = [
     ("/mapped", Kind::Integer),
     ("/unmapped", Kind::Integer),
     ("/infeasible", Kind::Integer),
     ("/ambiguous", Kind::Integer),
     ("/connectivity_error", Kind::Real),
+    ("/connectivity_errors/1/connectivity_error", Kind::Real),
+    ("/connectivity_errors/1/nodes_within_0_2", Kind::Real),
+    ("/connectivity_errors/2/connectivity_error", Kind::Real),
+    ("/connectivity_errors/2/nodes_within_0_2", Kind::Real),
     ("/connectivity_errors/0/connectivity_error_end_points", Kind::Real),
     ("/connectivity_errors/0/connectivity_error_per_node", Kind::Real),
     ("/connectivity_errors/0/symmetric_loss", Kind::Real),
