@@ -7,7 +7,7 @@ use super::absorption::AbsorptionMap;
 use super::normal::index;
 
 /// Memory for the tables, at most [values]; larger surveys get coarser tables.
-const MOST_VALUES: f64 = 2.5e8;
+const MOST_VALUES: f64 = 5e7;
 
 /// Absorption along level rays from each stop that something absorbs near.
 #[derive(Debug, Default)]

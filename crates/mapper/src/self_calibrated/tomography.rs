@@ -15,7 +15,7 @@ use super::start::gap_m;
 /// Parts that the lines are dealt to, whatever the threads, so that sums have one order.
 const PARTS: usize = 8;
 /// Crossings of lines and cells, at most; of more lines, some are drawn by lot.
-const MOST_CROSSINGS: f64 = 2e7;
+const MOST_CROSSINGS: f64 = 5e6;
 /// Cells, at most.
 const MOST_CELLS: f64 = 2e5;
 /// Lines shorter than this share of the range cross nothing that matters.

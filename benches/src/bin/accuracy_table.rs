@@ -1,0 +1,93 @@
+//! Prints how accurate the maps of scenarios are: the mean position error over the nodes, its mean over seeds, and half
+//! the width of the 95 % interval of that mean (Student), beside the posterior bound and the coverage of the 95 % regions.
+//!
+//! Usage: `accuracy_table [RUNS [SCENARIO.toml..]]`, by default 10 runs (seeds 1 to 10) of the scenarios in
+//! `scenarios/accuracy`.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use sextant::run::{Discoveries, bound_m, evaluate};
+use sextant::scenario::Scenario;
+use sextant::sweep::Mean;
+use sextant_sim::{Simulation, Unobserved};
+
+/// What was measured of one map, a value a run.
+#[derive(Default)]
+struct Series {
+    error_m: Vec<f64>,
+    coverage: Vec<f64>,
+    seconds: Vec<f64>,
+}
+
+#[expect(clippy::disallowed_methods, reason = "a stopwatch")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+fn main() -> std::io::Result<()> {
+    let mut words = std::env::args().skip(1);
+    let runs: u64 = match words.next() {
+        Some(word) => word.parse().map_err(|_| std::io::Error::other(format!("`{word}` is no number of runs")))?,
+        None => 10,
+    };
+    let mut paths: Vec<PathBuf> = words.map(PathBuf::from).collect();
+    if paths.is_empty() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/accuracy");
+        paths = ["circular", "sparse", "concave"].map(|name| folder.join(format!("{name}.toml"))).to_vec();
+    }
+    let mut out = std::io::stdout().lock();
+    writeln!(
+        out,
+        "| scenario | map | mean position error [m] | over the bound | bound [m] | in 95 % region | mapping [s] |"
+    )?;
+    writeln!(out, "| --- | --- | --- | --- | --- | --- | --- |")?;
+    for path in &paths {
+        rows(&mut out, path, runs)?;
+    }
+    Ok(())
+}
+
+/// The rows of one scenario.
+fn rows(out: &mut impl Write, path: &Path, runs: u64) -> std::io::Result<()> {
+    let mut names: Vec<String> = Vec::new();
+    let mut series: Vec<Series> = Vec::new();
+    let mut bounds_m: Vec<f64> = Vec::new();
+    let other = |error: &dyn std::fmt::Display| std::io::Error::other(error.to_string());
+    for seed in 1..=runs {
+        let scenario = Scenario::load(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
+        let simulation = Simulation::new(scenario.setup()).map_err(|error| other(&error))?;
+        let survey = simulation.run(&mut Unobserved);
+        let bound = bound_m(&scenario, &survey);
+        bounds_m.extend(bound);
+        names = scenario.maps().iter().map(|map| map.name.clone()).collect();
+        series.resize_with(names.len(), Series::default);
+        for (named, series) in scenario.maps().iter().zip(&mut series) {
+            let start = now();
+            let evaluation = evaluate(&scenario, named, (&survey, &Discoveries::default()), bound)
+                .map_err(|failure| std::io::Error::other(format!("{failure:?}")))?;
+            series.seconds.push(start.elapsed().as_secs_f64());
+            series.error_m.extend(evaluation.summary.position_error_m.map(|error| error.mean));
+            series.coverage.extend(evaluation.summary.coverage_95);
+        }
+    }
+    let scenario = path.file_stem().unwrap_or_default().to_string_lossy();
+    let mean = |values: &[f64]| Mean::of(values).map(|mean| mean.mean);
+    let bound_m = mean(&bounds_m);
+    for (name, Series { error_m, coverage, seconds }) in names.iter().zip(&series) {
+        let Some(error) = Mean::of(error_m) else { continue };
+        let half_width = error.half_width_95.map_or_else(String::new, |half_width| format!(" ± {half_width:.3}"));
+        let optional = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"));
+        writeln!(
+            out,
+            "| {scenario} | {name} | {:.3}{half_width} | {} | {} | {} | {:.2} |",
+            error.mean,
+            optional(bound_m.map(|bound_m| error.mean / bound_m)),
+            optional(bound_m),
+            optional(mean(coverage)),
+            mean(seconds).unwrap_or_default(),
+        )?;
+    }
+    Ok(())
+}
