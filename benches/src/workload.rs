@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
+use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 
 /// A survey to be mapped.
@@ -92,6 +92,42 @@ pub fn field(nodes: u32) -> Workload {
         })
         .collect();
     Workload { name: "field", log: survey(seed, &nodes, &stops, 10.0), range_m: 10.0, grid_step_m: 0.24 }
+}
+
+/// W3: 881 nodes in a room of 40 m by 20 m by 4 m, 1000 stops in five layers, 7 m of range, a grid of 0.2 m, and an
+/// antenna of 8 sectors in each of two rings, below and above the horizon.
+#[must_use]
+pub fn room() -> Workload {
+    let seed = Seed(3);
+    let sites = (0..5).flat_map(|z| (0..10).flat_map(move |y| (0..20).map(move |x| [x, y, z])));
+    let stops: Vec<Position> = sites
+        .map(|site| site.map(f64::from))
+        .map(|[x, y, z]| Position::new(2.0 * x + 1.0, 2.0 * y + 1.0, z))
+        .collect();
+    let nodes: Vec<Position> = (0..881)
+        .map(|node| {
+            let draw = |axis| seed.uniform(Purpose::Layout, [node, axis, 0]);
+            Position::new(40.0 * draw(0), 20.0 * draw(1), 4.0 * draw(2))
+        })
+        .collect();
+    let omni = survey(seed, &nodes, &stops, 7.0);
+    let sectored = omni.receptions().iter().map(|reception| {
+        let apart = nodes[reception.node.index()] - stops[reception.stop as usize];
+        let turn = apart.y_m.atan2(apart.x_m).rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
+        let azimuth = (0..8).rfind(|&i| turn >= (f64::from(i) - 0.5) / 8.0).filter(|_| turn < 7.5 / 8.0).unwrap_or(0);
+        Reception { sector: Some(azimuth + if apart.z_m > 0.0 { 8 } else { 0 }), ..reception }
+    });
+    let mut receptions = ReceptionLogBuilder::default();
+    receptions.extend(sectored);
+    let even = EvenSectorsConfig {
+        azimuth_sectors: 8,
+        first_azimuth_deg: 0.0,
+        elevations_deg: vec![[-90.0, 0.0], [0.0, 90.0]],
+    };
+    let sectors = SectorTable::try_from(even).expect("sound sectors");
+    let log = receptions.build(omni.names().to_vec(), omni.stops().to_vec(), Vec::new());
+    let log = log.and_then(|log| log.with_sectors(sectors)).expect("a log without contradictions");
+    Workload { name: "room", log, range_m: 7.0, grid_step_m: 0.2 }
 }
 
 /// What is heard of `nodes` at `stops`: one packet each, under log-distance loss with shadowing drawn for each packet,

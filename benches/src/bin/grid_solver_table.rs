@@ -1,6 +1,7 @@
 //! Prints a table of the grid solver's times against the literal product and a NumPy script, on one thread and on two.
 //!
-//! Usage: `grid_solver_table [W1|W2|linear|W4|W5]..`, by default W1, W2 and linear. `PYTHON` names an interpreter with
+//! Usage: `grid_solver_table [W1|W2|W3|linear|W4|W5]..`, by default W1, W2, W3 and linear; `linear` goes to 100 000 nodes,
+//! of which W5 is the continuation. Peak memory is that of the whole process, the log included. `PYTHON` names an interpreter with
 //! NumPy (`python3` if unset); without one the columns of the peer stay empty. Nodes are sought with the range widened
 //! by half a cell diagonal, so that every node has an answer. Times are the least of several runs; those of the
 //! literal product and of the peer are scaled from a sample of the nodes.
@@ -23,18 +24,19 @@ const PEER_NODES: [usize; 2] = [5, 500];
 fn main() -> std::io::Result<()> {
     let mut names: Vec<String> = std::env::args().skip(1).collect();
     if names.is_empty() {
-        names = ["W1", "W2", "linear"].map(String::from).to_vec();
+        names = ["W1", "W2", "W3", "linear"].map(String::from).to_vec();
     }
     let mut out = std::io::stdout().lock();
     writeln!(
         out,
-        "| | nodes | stops | receptions a node | one thread [ms] | two threads [ms] | nodes/s | vertices/s | literal product [s], ratio | NumPy product [s], ratio | NumPy GEMM [s], ratio | same vertex |"
+        "| | nodes | stops | receptions a node | one thread [ms] | two threads [ms] | nodes/s | vertices/s | peak memory [MB] | literal product [s], ratio | NumPy product [s], ratio | NumPy GEMM [s], ratio | same vertex |"
     )?;
-    writeln!(out, "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")?;
+    writeln!(out, "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")?;
     for name in &names {
         match name.as_str() {
             "W1" => row(&mut out, name, &workload::plane(), 30, true)?,
             "W2" => row(&mut out, name, &workload::ball(), 10, true)?,
+            "W3" => row(&mut out, name, &workload::room(), 10, false)?,
             "W4" => row(&mut out, name, &workload::field(100_000), 3, false)?,
             "W5" => row(&mut out, name, &workload::field(1_000_000), 1, false)?,
             "linear" => {
@@ -42,7 +44,7 @@ fn main() -> std::io::Result<()> {
                     row(&mut out, &format!("{nodes} nodes"), &workload::field(nodes), 3, false)?;
                 }
             }
-            _ => return Err(std::io::Error::other(format!("`{name}`; allowed: W1, W2, linear, W4, W5"))),
+            _ => return Err(std::io::Error::other(format!("`{name}`; allowed: W1, W2, W3, linear, W4, W5"))),
         }
     }
     Ok(())
@@ -71,13 +73,14 @@ fn row(
     let scale = |sample: usize| count(nodes) / count(sample);
     write!(
         out,
-        "| {name} | {nodes} | {} | {:.0} | {:.2} | {:.2} | {:.0} | {:.3e} |",
+        "| {name} | {nodes} | {} | {:.0} | {:.2} | {:.2} | {:.0} | {:.3e} | {:.0} |",
         log.stops().len(),
         count(log.receptions().len()) / count(nodes),
         one * 1e3,
         two * 1e3,
         count(nodes) / one,
         map_vertices(map.vertices_evaluated) / one,
+        peak_mb().unwrap_or(f64::NAN),
     )?;
     let ratio = |seconds: f64| format!(" {seconds:.3}, {:.0} |", seconds / one);
     if !peers {
@@ -183,6 +186,14 @@ fn peer(folder: &Path, version: &str) -> Option<(f64, Vec<u64>)> {
     let (seconds, best) = text.trim().split_once('\n')?;
     let best = best.split(' ').map(str::parse).collect::<Result<_, _>>().ok()?;
     Some((seconds.parse().ok()?, best))
+}
+
+/// Most memory that the process has had [MB], where the system tells.
+fn peak_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+    Some(kib * 1024.0 / 1e6)
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a count of things in memory")]
