@@ -206,21 +206,15 @@ fn places(mut next: Vec<usize>, keys: impl Iterator<Item = usize>) -> impl Itera
 
 /// Sorts the receptions of each node by stop.
 fn sort_each(columns: &mut Columns, first: &[usize]) {
-    let is_sorted = |range: &[usize]| columns.stops[range[0]..range[1]].is_sorted();
-    if first.windows(2).all(is_sorted) {
-        return;
-    }
-    let mut destinations = vec![0; columns.len()];
     let mut order = Vec::new();
     for range in first.windows(2) {
-        order.clear();
-        order.extend(range[0]..range[1]);
-        order.sort_by_key(|&at| columns.stops[at]);
-        for (place, &at) in (range[0]..).zip(&order) {
-            destinations[at] = place;
+        if !columns.stops[range[0]..range[1]].is_sorted() {
+            order.clear();
+            order.extend(range[0]..range[1]);
+            order.sort_by_key(|&at| columns.stops[at]);
+            columns.gather(range[0], &order);
         }
     }
-    columns.scatter(|| destinations.iter().copied());
 }
 
 #[cfg(test)]

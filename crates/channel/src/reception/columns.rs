@@ -44,6 +44,14 @@ impl Columns {
         scatter(&mut self.strengths.0, destinations());
     }
 
+    /// Writes the receptions of the places `order`, which are those from `start` on, in this order.
+    pub(super) fn gather(&mut self, start: usize, order: &[usize]) {
+        gather(&mut self.stops, start, order);
+        gather(&mut self.packets.0, start, order);
+        gather(&mut self.sectors.0, start, order);
+        gather(&mut self.strengths.0, start, order);
+    }
+
     pub(super) fn shrink_to_fit(&mut self) {
         self.stops.shrink_to_fit();
         self.packets.0.shrink_to_fit();
@@ -59,6 +67,13 @@ pub(super) fn scatter<T: Copy + Default>(values: &mut Vec<T>, destinations: impl
         moved[destination] = value;
     }
     *values = moved;
+}
+
+fn gather<T: Copy>(values: &mut [T], start: usize, order: &[usize]) {
+    if !values.is_empty() {
+        let ordered: Vec<T> = order.iter().map(|&at| values[at]).collect();
+        values[start..start + order.len()].copy_from_slice(&ordered);
+    }
 }
 
 /// The default value for every reception, as long as it is empty.
