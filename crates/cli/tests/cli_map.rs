@@ -181,3 +181,12 @@ fn bad_input_exits_with_two_and_a_bad_disk_with_one() {
     std::fs::write(folder.path().join("log/receptions.csv"), "node,stop,received\na,0,1\na,zero,1\n").unwrap();
     refused(&with(&[]), 2, "receptions.csv, line 3");
 }
+
+#[test]
+fn a_log_without_a_scenario_cannot_know_the_obstacles() {
+    let folder = survey();
+    let profile = "channel:exponent=2,sigma_db=4,tx_power_dbm=-50,sensitivity_dbm=-60,obstacles=\"known\"";
+    let (code, _, stderr) = map(folder.path(), &["--profile", profile]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("obstacles of the world"), "{stderr}");
+}

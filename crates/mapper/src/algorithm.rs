@@ -6,9 +6,9 @@ use sextant_kernel::SettingError;
 
 use crate::{
     ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge,
-    KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, ProfileConfig, RangingConfig, ReceptionProfile,
-    RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig,
-    TriangleCentroidConfig, WeightedCentroidConfig,
+    KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, ObstacleMlTm, ObstacleUse, ProfileConfig, RangingConfig,
+    ReceptionProfile, RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap,
+    TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -82,6 +82,8 @@ pub enum Mapper {
     MlTm(MlTm),
     /// Maximum likelihood on a grid under a profile estimated from the log.
     FittedMlTm(FittedMlTm),
+    /// Maximum likelihood under a known channel among known obstacles.
+    ObstacleMlTm(Box<ObstacleMlTm>),
     /// Places, reception curve, stops and obstacles estimated together, from the log alone.
     SelfCalibrated(SelfCalibrated),
     /// An algorithm to compare with.
@@ -103,7 +105,7 @@ impl Mapper {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::MlTm(_) | Self::FittedMlTm(_) => MlTm::NAME,
+            Self::MlTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) => MlTm::NAME,
             Self::SelfCalibrated(_) => SelfCalibrated::NAME,
             Self::Comparator(comparator) => comparator.name(),
         }
@@ -118,6 +120,9 @@ impl Mapper {
                 ReceptionProfile::Trapezoid(_) => &[KnowledgeKind::RobotReceptions],
             },
             Self::FittedMlTm(_) => &[KnowledgeKind::RobotReceptions],
+            Self::ObstacleMlTm(_) => {
+                &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
+            }
             Self::SelfCalibrated(algorithm) => algorithm.uses(),
             Self::Comparator(comparator) => comparator.uses(),
         }
@@ -127,7 +132,7 @@ impl Mapper {
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
-            Self::MlTm(_) | Self::FittedMlTm(_) | Self::SelfCalibrated(_) => 0,
+            Self::MlTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) | Self::SelfCalibrated(_) => 0,
             Self::Comparator(comparator) => comparator.least_anchors(dimensions),
         }
     }
@@ -152,6 +157,9 @@ impl Mapper {
         match self {
             Self::MlTm(ml_tm) => ml_tm.map(knowledge.log).map(|map| (map, None)),
             Self::FittedMlTm(fitted) => fitted.map(knowledge.log).map(|(map, fit)| (map, fit.map(Learned::Profile))),
+            Self::ObstacleMlTm(ml_tm) => {
+                ml_tm.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?).map(|map| (map, None))
+            }
             Self::SelfCalibrated(algorithm) => {
                 let (map, calibration) = algorithm.map(knowledge.log);
                 Ok((map, calibration.map(Learned::Calibration)))
@@ -168,6 +176,9 @@ impl TryFrom<AlgorithmConfig> for Mapper {
         match config {
             AlgorithmConfig::MlTm(config) => match config.profile.clone() {
                 ProfileConfig::Fitted(fitted) => FittedMlTm::new(config, fitted).map(Self::FittedMlTm),
+                ProfileConfig::Channel(channel) if channel.obstacles == ObstacleUse::Known => {
+                    ObstacleMlTm::new(config, &channel).map(Box::new).map(Self::ObstacleMlTm)
+                }
                 ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(config).map(Self::MlTm),
             }
             .map_err(|error| error.within("ml_tm")),

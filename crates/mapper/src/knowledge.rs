@@ -1,7 +1,7 @@
 //! What an algorithm is given to know, and what it says it uses.
 
 use serde::Serialize;
-use sextant_channel::{Anchor, NeighbourLog, Position, ReceptionLog};
+use sextant_channel::{Anchor, NeighbourLog, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::Seed;
 
 use crate::MapError;
@@ -17,6 +17,8 @@ pub struct Knowledge<'a> {
     pub beacons: Option<&'a NeighbourLog>,
     /// The nodes that know their place, by node.
     pub anchors: &'a [Anchor],
+    /// What stands in the way, if it is known: only simulations tell.
+    pub obstacles: Option<&'a ObstacleField>,
     /// Seed of the algorithm's own choices, such as the nodes from which hops are counted.
     pub seed: Seed,
 }
@@ -24,7 +26,7 @@ pub struct Knowledge<'a> {
 impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
     /// Nothing but the log.
     fn from(log: &'a ReceptionLog) -> Self {
-        Self { log, neighbours: None, beacons: None, anchors: &[], seed: Seed(1) }
+        Self { log, neighbours: None, beacons: None, anchors: &[], obstacles: None, seed: Seed(1) }
     }
 }
 
@@ -50,6 +52,8 @@ pub enum KnowledgeKind {
     Anchors,
     /// How power falls with distance.
     PathLoss,
+    /// What stands in the way.
+    Obstacles,
 }
 
 impl KnowledgeKind {
@@ -66,6 +70,7 @@ impl KnowledgeKind {
             Self::AnchorRssi => "anchor RSSI",
             Self::Anchors => "anchors",
             Self::PathLoss => "path loss",
+            Self::Obstacles => "obstacles",
         }
     }
 
@@ -110,6 +115,15 @@ impl<'a> Knowledge<'a> {
             algorithm,
             what: "what the nodes heard of the anchors",
             remedy: "a simulation finds it out as `anchors` and `discovery` say",
+        })
+    }
+
+    /// What stands in the way.
+    pub(crate) fn obstacles(&self, algorithm: &'static str) -> Result<&'a ObstacleField, MapError> {
+        self.obstacles.ok_or(MapError::Missing {
+            algorithm,
+            what: "the obstacles of the world",
+            remedy: "only a scenario tells; without one, take `obstacles = \"unknown\"`",
         })
     }
 

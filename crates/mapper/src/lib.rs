@@ -37,6 +37,8 @@ mod lattice;
 mod local_posterior;
 mod metrics;
 mod ml_tm;
+mod node_evidence;
+mod obstacle_ml_tm;
 mod posterior_bound;
 mod profile;
 mod region;
@@ -66,8 +68,11 @@ pub use metrics::{
     topology_preservation_error,
 };
 pub use ml_tm::{EstimateKind, MlTm, MlTmConfig, TieRule};
+pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};
-pub use profile::{ChannelProfileConfig, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig, at_least_one};
+pub use profile::{
+    ChannelProfileConfig, ObstacleUse, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig, at_least_one,
+};
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig};
 pub use self_calibrated::{

@@ -5,6 +5,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use crate::local_posterior::{Heights, local_posterior};
+use crate::node_evidence::NodeEvidence;
 
 /// What is true of a simulated survey: what the bound is computed from.
 #[derive(Clone, Copy, Debug)]
@@ -53,36 +54,8 @@ fn node_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
     node: NodeId,
 ) -> Option<f64> {
     let near = *model.near.get(node.index())?;
-    if log.of(node).iter().all(|reception| reception.received == 0) {
-        return None;
-    }
-    let mut listeners: Vec<(u32, i32, i32)> = Vec::new();
-    let mut entries = log.of(node).iter().peekable();
-    for (index, stop) in (0_u32..).zip(log.stops()) {
-        let entry = entries.next_if(|entry| entry.stop == index);
-        let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
-        // Places looked at are within a few metres of the node.
-        if received > 0 || stop.position.distance_m(near) <= 1.5 * model.reach_m {
-            let count = |packets: u32| i32::try_from(packets).unwrap_or(i32::MAX);
-            listeners.push((index, count(received), count(sent - received)));
-        }
-    }
-    let log_likelihood = |place: Position| {
-        let (mut sum, mut product) = (0.0, 1.0);
-        for &(stop, received, missed) in &listeners {
-            let s = (model.probability)(stop, place);
-            product *= if received == 1 { s } else { s.powi(received) };
-            product *= if missed == 1 { 1.0 - s } else { (1.0 - s).powi(missed) };
-            if product <= 0.0 {
-                return f64::NEG_INFINITY;
-            }
-            if product < 1e-200 {
-                sum += libm::log(product);
-                product = 1.0;
-            }
-        }
-        sum + libm::log(product)
-    };
+    let evidence = NodeEvidence::near(log, node, near, model.reach_m)?;
+    let log_likelihood = |place: Position| evidence.log_likelihood(|stop| (model.probability)(stop, place));
     let [low, high] = model.z_range_m;
     let heights = if high > low { Heights::Between(low, high) } else { Heights::Level(low) };
     let posterior = local_posterior(heights, near, [SPREAD_M; 3], LEAST_STEP_M, &log_likelihood)?;

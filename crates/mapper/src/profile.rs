@@ -10,7 +10,8 @@ mod cell;
 mod channel;
 
 pub(crate) use cell::averaged_over_cell;
-pub use channel::{ChannelProfileConfig, at_least_one};
+pub(crate) use channel::KnownLink;
+pub use channel::{ChannelProfileConfig, ObstacleUse, at_least_one};
 
 /// Lowest probability that a robust profile gives to any outcome: one shadowed packet from far away
 /// then costs a vertex a factor and does not rule it out.

@@ -35,13 +35,19 @@ impl WorldConfig {
     /// # Errors
     /// If an obstacle has no volume, a node stands in an obstacle, or the nodes do not fit.
     pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
-        let obstacles = (self.obstacles.iter().enumerate())
-            .map(|(i, config)| {
-                Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]")))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        let obstacles = ObstacleField::new(obstacles);
+        let obstacles = Self::set_up_obstacles(&self.obstacles, folder)?;
         let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;
         Ok(World { nodes, obstacles })
+    }
+
+    /// The obstacles alone. Paths are relative to `folder`.
+    ///
+    /// # Errors
+    /// If an obstacle has no volume.
+    pub fn set_up_obstacles(configs: &[ObstacleConfig], folder: &Path) -> Result<ObstacleField, SettingError> {
+        let obstacle = |(i, config): (usize, &ObstacleConfig)| {
+            Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]")))
+        };
+        configs.iter().enumerate().map(obstacle).collect::<Result<Vec<_>, _>>().map(ObstacleField::new)
     }
 }

@@ -91,6 +91,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         neighbours: input.known.neighbours.as_ref(),
         beacons: input.known.beacons.as_ref(),
         anchors: &input.known.anchors,
+        obstacles: settings.obstacles.as_ref(),
         seed: input.seed,
         ..Knowledge::from(&input.log)
     };

@@ -50,6 +50,7 @@ impl Discoveries {
             neighbours: self.neighbours.as_ref().map(|round| &round.log),
             beacons: self.beacons.as_ref().map(|round| &round.log),
             anchors: scenario.anchors(),
+            obstacles: Some(&scenario.world().obstacles),
             seed: scenario.seed(),
             ..Knowledge::from(&survey.log)
         }

@@ -1,13 +1,13 @@
 //! Which maps to make of a log that came without a running scenario.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
-use sextant_channel::ChannelConfig;
-use sextant_mapper::MapConfig;
-use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
+use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
+use sextant_mapper::{KnowledgeKind, MapConfig};
+use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 
 use super::build::{Errors, NamedMap, check_maps};
 use super::config::MetricsConfig;
@@ -48,6 +48,8 @@ impl AlgorithmName {
 pub struct MapSettings {
     /// The maps to compute.
     pub maps: Vec<NamedMap>,
+    /// What stands in the way, if the scenario tells and a map may know it.
+    pub obstacles: Option<ObstacleField>,
     /// How they are compared with the truth.
     pub metrics: MetricsConfig,
 }
@@ -56,6 +58,8 @@ pub struct MapSettings {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
+    #[serde(default)]
+    world: WrittenWorld,
     #[serde(default)]
     radio: Option<RadioConfig>,
     #[serde(default)]
@@ -67,6 +71,13 @@ struct Written {
     maps: Vec<MapConfig>,
     #[serde(default)]
     metrics: MetricsConfig,
+}
+
+/// The part of a world that a map may know: not the nodes.
+#[derive(Debug, Default, Deserialize)]
+struct WrittenWorld {
+    #[serde(default)]
+    obstacles: Vec<ObstacleConfig>,
 }
 
 impl MapSettings {
@@ -125,15 +136,23 @@ impl MapSettings {
         };
         let maps = check_maps(&written.maps, channel, &mut errors);
         errors.take("metrics", written.metrics.check());
+        let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
+        let obstacles = if scenario.is_some() && maps.iter().any(knows) {
+            errors.take("world", WorldConfig::set_up_obstacles(&written.world.obstacles, Path::new("")))
+        } else {
+            None
+        };
         ScenarioErrors::check(errors.found)?;
-        Ok(Self { maps, metrics: written.metrics })
+        Ok(Self { maps, obstacles, metrics: written.metrics })
     }
 }
 
 /// Drops all but the parts of a scenario that concern maps; the number of maps.
 fn keep_maps(value: &mut Value) -> usize {
     let Value::Table(table) = value else { return 0 };
-    table.retain(|key, _| ["radio", "channel", "traffic", "robots", "maps", "metrics"].contains(&key.as_str()));
+    table.retain(|key, _| {
+        ["world", "radio", "channel", "traffic", "robots", "maps", "metrics"].contains(&key.as_str())
+    });
     match table.get("maps").map(|maps| &maps.value) {
         Some(Value::Array(maps)) => maps.len(),
         _ => 0,

@@ -49,12 +49,27 @@ pub struct ChannelProfileConfig {
     /// vertices nearest to a node wherever the node's own place is barely in range.
     #[serde(default = "default_cell_average")]
     pub cell_average: bool,
+    /// Whether the map is told of the obstacles of the world. If it is, the probability at a vertex is that of the straight
+    /// line to each stop with what the obstacles on it absorb.
+    #[serde(default)]
+    pub obstacles: ObstacleUse,
     /// Lowest probability of a reception, at any distance.
     #[serde(default = "super::default_floor")]
     pub floor: f64,
     /// Highest probability of a reception, at any distance.
     #[serde(default = "super::default_ceiling")]
     pub ceiling: f64,
+}
+
+/// Whether a map is told of the obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ObstacleUse {
+    /// It knows of none.
+    #[default]
+    Unknown,
+    /// It knows them all, as only a simulation does.
+    Known,
 }
 
 fn default_delivery() -> f64 {
@@ -79,6 +94,7 @@ impl Default for ChannelProfileConfig {
             delivery: default_delivery(),
             packets_per_stop: None,
             cell_average: default_cell_average(),
+            obstacles: ObstacleUse::default(),
             floor: DEFAULT_FLOOR,
             ceiling: 1.0 - DEFAULT_FLOOR,
         }
@@ -97,6 +113,30 @@ impl ChannelProfileConfig {
     /// times that survives; a stop at which n packets are sent hears at least one with `1 − (1 − delivery q)ⁿ`, n being
     /// the one or the other whole number next to `packets_per_stop`, in the shares that give this mean.
     pub(super) fn table(&self, grid_step_m: f64) -> Result<TableProfile, SettingError> {
+        let link = self.link()?;
+        let probability = |distance_m: f64| link.probability(distance_m, Db(0.0));
+        let hard_m = link.channel.max_range_m();
+        let range_m = range(probability, hard_m).ok_or_else(|| {
+            let allowed = format!("a power that is received at least once in {} packets", 1.0 / NEGLIGIBLE);
+            SettingError::new("tx_power_dbm", link.tx.0, allowed)
+        })?;
+        let cell_m = if self.cell_average { grid_step_m } else { 0.0 };
+        let whole_range_m = range_m + 0.5 * 3.0_f64.sqrt() * cell_m;
+        let step_m = whole_range_m / f64::from(SAMPLES);
+        let samples = (0..=SAMPLES).map(|i| {
+            let distance_m = (step_m * f64::from(i)).min(whole_range_m);
+            if cell_m > 0.0 {
+                averaged_over_cell(probability, distance_m, cell_m)
+            } else {
+                // The last sample is at the hard radius, whatever the rounding.
+                probability(if i == SAMPLES { range_m } else { distance_m })
+            }
+        });
+        TableProfile::new(step_m, samples.collect(), self.floor, self.ceiling)
+    }
+
+    /// The law of one link.
+    pub(crate) fn link(&self) -> Result<KnownLink, SettingError> {
         let needed = |key, value: Option<f64>| {
             value.ok_or_else(|| SettingError::new(key, "absent", "a number; in a scenario, that of its channel"))
         };
@@ -124,28 +164,34 @@ impl ChannelProfileConfig {
             obstacles_attenuate: false,
         };
         let channel = Channel::new(config, ObstacleField::default(), Seed(0)).map_err(flat)?;
-        let probability = |distance_m: f64| {
-            let q = channel.reception_probability(Dbm(tx), Dbm(sensitivity), distance_m, Db(0.0));
-            at_least_one(self.delivery * q, packets)
-        };
-        let hard_m = channel.max_range_m();
-        let range_m = range(probability, hard_m).ok_or_else(|| {
-            let allowed = format!("a power that is received at least once in {} packets", 1.0 / NEGLIGIBLE);
-            SettingError::new("tx_power_dbm", tx, allowed)
-        })?;
-        let cell_m = if self.cell_average { grid_step_m } else { 0.0 };
-        let whole_range_m = range_m + 0.5 * 3.0_f64.sqrt() * cell_m;
-        let step_m = whole_range_m / f64::from(SAMPLES);
-        let samples = (0..=SAMPLES).map(|i| {
-            let distance_m = (step_m * f64::from(i)).min(whole_range_m);
-            if cell_m > 0.0 {
-                averaged_over_cell(probability, distance_m, cell_m)
-            } else {
-                // The last sample is at the hard radius, whatever the rounding.
-                probability(if i == SAMPLES { range_m } else { distance_m })
-            }
-        });
-        TableProfile::new(step_m, samples.collect(), self.floor, self.ceiling)
+        Ok(KnownLink { channel, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery: self.delivery, packets })
+    }
+}
+
+/// How likely a stop hears a node over a link of known length through known obstacles.
+#[derive(Clone, Debug)]
+pub(crate) struct KnownLink {
+    channel: Channel,
+    tx: Dbm,
+    sensitivity: Dbm,
+    delivery: f64,
+    packets: f64,
+}
+
+impl KnownLink {
+    /// Probability that a stop hears at least one packet over `distance_m` through obstacles that take `loss`; 0 beyond the
+    /// hard radius of the channel.
+    pub(crate) fn probability(&self, distance_m: f64, loss: Db) -> f64 {
+        if distance_m > self.channel.max_range_m() {
+            return 0.0;
+        }
+        let q = self.channel.reception_probability(self.tx, self.sensitivity, distance_m, loss);
+        at_least_one(self.delivery * q, self.packets)
+    }
+
+    /// Distance beyond which hardly anything is received [m].
+    pub(crate) fn reach_m(&self) -> f64 {
+        self.channel.reach_m(self.tx, self.sensitivity)
     }
 }
 

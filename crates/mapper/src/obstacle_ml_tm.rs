@@ -1,0 +1,230 @@
+//! ML-TM under a known channel among known obstacles.
+
+use rayon::prelude::*;
+use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
+use sextant_kernel::{NodeId, SettingError};
+
+use crate::local_posterior::{Heights, LocalPosterior, local_posterior};
+use crate::node_evidence::NodeEvidence;
+use crate::profile::KnownLink;
+use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, TopologyMap};
+
+/// ML-TM under a channel whose obstacles are known: the likelihood of a place counts for each stop what the obstacles on the
+/// straight line to it absorb.
+///
+/// That is not a function of the distance, so no grid is shared by the nodes. Each node starts at the best place of a coarse
+/// scan round its posterior mean without obstacles, within a third of the reach (a fifth in space); a grid of its own is moved, widened and refined
+/// round that until it holds the posterior. With `argmax` the place is the best vertex of this grid.
+#[derive(Clone, Debug)]
+pub struct ObstacleMlTm {
+    start: MlTm,
+    /// The channel as written, which [`link`](Self::link) follows from.
+    channel: ChannelProfileConfig,
+    link: KnownLink,
+    estimate: EstimateKind,
+    z_range_m: Option<[f64; 2]>,
+}
+
+/// First guess of how far a posterior spreads [m].
+const SPREAD_M: f64 = 0.3;
+/// Step of the coarse scan, as a share of the reach, and steps to each side of the start in the plane and in space.
+const SCAN_STEP: f64 = 0.05;
+const SCAN: [i32; 2] = [6, 4];
+/// Least step of a node's grid [m].
+const LEAST_STEP_M: f64 = 0.01;
+
+impl ObstacleMlTm {
+    /// The algorithm with the settings of `config` under the channel of `channel`.
+    ///
+    /// # Errors
+    /// If a value is outside its domain, or a number of the channel is absent.
+    pub fn new(config: MlTmConfig, channel: &ChannelProfileConfig) -> Result<Self, SettingError> {
+        let link = channel.link().map_err(|error| error.within("profile.channel"))?;
+        let (estimate, z_range_m) = (config.estimate, config.z_range_m);
+        let start = MlTm::try_from(MlTmConfig { estimate: EstimateKind::PosteriorMean, ..config })?;
+        Ok(Self { start, channel: channel.clone(), link, estimate, z_range_m })
+    }
+
+    /// The map of the nodes in `log`, which were heard among `obstacles`.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`].
+    pub fn map(&self, log: &ReceptionLog, obstacles: &ObstacleField) -> Result<TopologyMap, MapError> {
+        let start = self.start.map(log)?;
+        let Some(heights) = Heights::of(log.stops(), self.z_range_m) else { return Ok(start) };
+        let estimates = (start.estimates.par_iter().enumerate())
+            .map(|(node, start)| {
+                let start = start.as_ref()?;
+                let found = self.place(log, obstacles, NodeId::from_index(node), start.position, heights);
+                Some(found.unwrap_or_else(|| Estimate { infeasible: true, ..start.clone() }))
+            })
+            .collect();
+        Ok(TopologyMap { estimates, ..start })
+    }
+
+    fn place(
+        &self,
+        log: &ReceptionLog,
+        obstacles: &ObstacleField,
+        node: NodeId,
+        near: Position,
+        heights: Heights,
+    ) -> Option<Estimate> {
+        let evidence = NodeEvidence::near(log, node, near, self.link.reach_m())?;
+        let stops = log.stops();
+        let (floor, ceiling) = (self.channel.floor, self.channel.ceiling);
+        let log_likelihood = |place: Position| {
+            evidence.log_likelihood(|stop| {
+                let stop = stops[stop as usize].position;
+                let loss = if obstacles.is_empty() { Db(0.0) } else { obstacles.loss(place, stop) };
+                self.link.probability(place.distance_m(stop), loss).clamp(floor, ceiling)
+            })
+        };
+        let summit = self.scan(near, heights, &log_likelihood);
+        let LocalPosterior { places, mean, .. } =
+            local_posterior(heights, summit, [SPREAD_M; 3], LEAST_STEP_M, &log_likelihood)?;
+        let best = places.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(mean, |&(place, _)| place);
+        let (position, covariance) = match self.estimate {
+            EstimateKind::Argmax => (best, None),
+            EstimateKind::PosteriorMean => (mean, Some(covariance(&places, mean))),
+        };
+        let log_likelihood = Some(log_likelihood(best));
+        Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false })
+    }
+
+    /// The likeliest of the places on a coarse grid round `near`, itself included.
+    fn scan(&self, near: Position, heights: Heights, log_likelihood: &impl Fn(Position) -> f64) -> Position {
+        let step_m = SCAN_STEP * self.link.reach_m();
+        let (steps, layers) = match heights {
+            Heights::Level(_) => (SCAN[0], 0),
+            Heights::Between(..) => (SCAN[1], SCAN[1]),
+        };
+        let mut best = (near, log_likelihood(near));
+        for k in -layers..=layers {
+            let z_m = heights.clamp(near.z_m + step_m * f64::from(k));
+            for j in -steps..=steps {
+                for i in -steps..=steps {
+                    let place =
+                        Position::new(near.x_m + step_m * f64::from(i), near.y_m + step_m * f64::from(j), z_m);
+                    let value = log_likelihood(place);
+                    if value > best.1 {
+                        best = (place, value);
+                    }
+                }
+            }
+        }
+        best.0
+    }
+}
+
+impl PartialEq for ObstacleMlTm {
+    fn eq(&self, other: &Self) -> bool {
+        let settings = |this: &Self| (this.estimate, this.z_range_m);
+        settings(self) == settings(other) && self.start == other.start && self.channel == other.channel
+    }
+}
+
+/// Covariance of places with probabilities round their mean [m²].
+fn covariance(places: &[(Position, f64)], mean: Position) -> [[f64; 3]; 3] {
+    let mut covariance = [[0.0; 3]; 3];
+    for &(place, probability) in places {
+        let apart: [f64; 3] = (place - mean).into();
+        for (row, &a) in covariance.iter_mut().zip(&apart) {
+            for (entry, &b) in row.iter_mut().zip(&apart) {
+                *entry += probability * a * b;
+            }
+        }
+    }
+    covariance
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, Reception, ShapeConfig, Stop};
+    use sextant_kernel::SimTime;
+
+    use super::*;
+    use crate::{ObstacleUse, ProfileConfig};
+
+    fn channel() -> ChannelProfileConfig {
+        ChannelProfileConfig {
+            exponent: Some(2.7),
+            sigma_db: Some(6.0),
+            tx_power_dbm: Some(-50.0),
+            sensitivity_dbm: Some(-80.0),
+            max_range_m: Some(10.0),
+            obstacles: ObstacleUse::Known,
+            ..ChannelProfileConfig::default()
+        }
+    }
+
+    fn algorithm() -> ObstacleMlTm {
+        let config = MlTmConfig {
+            estimate: EstimateKind::PosteriorMean,
+            ..MlTmConfig::new(0.25, ProfileConfig::Channel(channel()))
+        };
+        ObstacleMlTm::new(config, &channel()).expect("good settings")
+    }
+
+    /// A wall that hardly anything passes, 1 m thick.
+    fn wall() -> ObstacleField {
+        let shape = BoxConfig { center_m: Position::new(3.0, 0.0, 0.0), size_m: [1.0, 12.0, 4.0], yaw_deg: 0.0 };
+        let config = ObstacleConfig {
+            name: None,
+            shape: ShapeConfig::Box(shape),
+            material: None,
+            absorption_per_m: Some(10.0),
+        };
+        ObstacleField::new(vec![Obstacle::try_from(config).expect("a good obstacle")])
+    }
+
+    /// Stops on both sides of the wall; each hears the node, at `place`, if that is likelier than not.
+    fn log(place: Position, obstacles: &ObstacleField) -> ReceptionLog {
+        let at = |i: i32, j: i32| Position::new(f64::from(i), f64::from(j), 0.0);
+        let stops: Vec<Stop> = (-10..=14)
+            .flat_map(|i| (-8..=8).map(move |j| (i, j)))
+            .filter(|&(i, _)| i != 3)
+            .map(|(i, j)| Stop { time: SimTime::ZERO, position: at(i, j) })
+            .collect();
+        let link = channel().link().expect("a good channel");
+        let hears = |stop: &Stop| {
+            link.probability(stop.position.distance_m(place), obstacles.loss(stop.position, place)) > 0.5
+        };
+        let receptions = (0_u32..).zip(&stops).filter(|(_, stop)| hears(stop)).map(|(stop, _)| Reception {
+            node: NodeId(0),
+            stop,
+            received: 1,
+            sent: 1,
+            sector: None,
+            rssi_dbm: None,
+        });
+        let receptions = receptions.collect();
+        ReceptionLog::new(vec!["n".into()], stops, receptions, Vec::new()).expect("a good log")
+    }
+
+    #[test]
+    fn a_node_behind_a_wall_is_placed_where_the_wall_explains_the_silence() {
+        let (place, wall) = (Position::new(1.3, 0.4, 0.0), wall());
+        let log = log(place, &wall);
+        let error_m = |obstacles: &ObstacleField| {
+            let map = algorithm().map(&log, obstacles).expect("a map");
+            map.estimates[0].as_ref().expect("the node was heard").position.distance_m(place)
+        };
+        let (told, untold) = (error_m(&wall), error_m(&ObstacleField::default()));
+        assert!(told < 0.5, "{told} m");
+        assert!(untold > 2.0 * told, "{untold} m without the wall, {told} m with it");
+    }
+
+    #[test]
+    fn without_obstacles_the_place_is_that_of_the_shared_grid() {
+        let log = log(Position::new(-2.0, 1.0, 0.0), &ObstacleField::default());
+        let algorithm = algorithm();
+        let place = |map: TopologyMap| map.estimates[0].as_ref().expect("the node was heard").position;
+        let (own, shared) = (
+            place(algorithm.map(&log, &ObstacleField::default()).expect("a map")),
+            place(algorithm.start.map(&log).expect("a map")),
+        );
+        // Half the diagonal of a cell of the shared grid, over which that takes the mean.
+        assert!(own.distance_m(shared) < 0.18, "{own:?} {shared:?}");
+    }
+}
