@@ -132,7 +132,7 @@ pub enum LogError {
         known: String,
     },
     /// A stop that is nowhere.
-    #[error("stop {stop} is at ({x_m}, {y_m}, {z_m}); coordinates are finite metres")]
+    #[error("stop {stop} is at ({x_m}, {y_m}, {z_m}); coordinates are metres, at most 10⁹ from zero")]
     NotFinite {
         /// Index of the stop.
         stop: usize,

@@ -190,3 +190,12 @@ fn a_log_without_a_scenario_cannot_know_the_obstacles() {
     assert_eq!(code, 2);
     assert!(stderr.contains("obstacles of the world"), "{stderr}");
 }
+
+#[test]
+fn a_stop_that_is_nowhere_is_refused_with_its_line() {
+    let folder = survey();
+    std::fs::write(folder.path().join("log/stops.csv"), "stop,t_s,x_m,y_m\n0,0,0,0\n1,1,1e308,0\n").expect("room");
+    let (code, _, stderr) = map(folder.path(), &[]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("stops.csv") && stderr.contains("1e308"), "{stderr}");
+}

@@ -280,3 +280,33 @@ fn a_grid_beyond_the_memory_is_refused_with_its_size_and_a_step_that_fits() {
     assert_eq!(output.status.code(), Some(2), "{error}");
     assert!(error.contains("vertices") && error.contains("grid_step_m of"), "{error}");
 }
+
+#[test]
+fn an_output_that_would_overwrite_another_or_a_device_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("a.mcap");
+    let output = run(&["--summary", out.to_str().unwrap()], &out);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("`--summary` and `--out` are both"));
+    assert!(!out.exists());
+    #[cfg(unix)]
+    {
+        let pipe = folder.path().join("pipe");
+        assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo starts").success());
+        let output = run(&[], &pipe);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("a device or a pipe"));
+        assert!(!pipe.is_file(), "the pipe is still one");
+    }
+}
+
+#[test]
+fn a_robot_that_starts_at_the_end_of_the_world_is_refused() {
+    let folder = TempDir::new().unwrap();
+    for start in ["robots.0.start_m=[1e9,0]", "robots.0.start_m=[1e300,0]"] {
+        let output = run(&["--set", start], &folder.path().join("far.mcap"));
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("robots[0].start_m") && text.contains("of a node"), "{text}");
+    }
+}

@@ -6,6 +6,9 @@ use super::columns::{Columns, scatter};
 use super::{Contact, LogError, Reception, ReceptionLog, Stop};
 use crate::Position;
 
+/// No stop is farther from zero along an axis [m].
+const FARTHEST_M: f64 = 1e9;
+
 /// A [`ReceptionLog`] in the making. Needs the memory of the log, half as much again while the receptions are sorted,
 /// and four octets a reception if they do not come node by node.
 ///
@@ -127,7 +130,7 @@ impl ReceptionLogBuilder {
     ///
     /// # Errors
     /// If a reception names a node or stop that does not exist, appears twice, or has more packets than were sent;
-    /// if a stop is not finite.
+    /// if a stop is not finite or farther than 10⁹ m from zero along an axis.
     pub fn build(
         self,
         names: Vec<String>,
@@ -135,7 +138,8 @@ impl ReceptionLogBuilder {
         contacts: Vec<Contact>,
     ) -> Result<ReceptionLog, LogError> {
         for (stop, &Stop { position, .. }) in stops.iter().enumerate() {
-            if !position.is_finite() {
+            // Not a number is within no limit.
+            if !<[f64; 3]>::from(position).iter().all(|coordinate_m| coordinate_m.abs() <= FARTHEST_M) {
                 let Position { x_m, y_m, z_m } = position;
                 return Err(LogError::NotFinite { stop, x_m, y_m, z_m });
             }

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// places that it holds if absent
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
-    /// Write the map to this file, with columns node,x_m,y_m,z_m,ties,infeasible. Further maps go to files beside it, named after them
+    /// Write the map to this file, with columns node,x_m,y_m,z_m,ties,infeasible and the entries of the covariance, if there is one. Further maps go to files beside it, named after them
     #[arg(long, value_name = "MAP.csv")]
     pub out: Option<PathBuf>,
     /// Also write the results to this file, as one JSON object

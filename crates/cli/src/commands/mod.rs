@@ -102,8 +102,12 @@ fn execute(command: &Command) -> Result<(), Failure> {
     }
 }
 
-/// Writes `text` to the file at `path`, whole or not at all: first beside it, then renamed.
+/// Writes `text` to the file at `path`, whole or not at all: first beside it, then renamed. A device or a pipe is
+/// written to as it is.
 pub(crate) fn write_file(path: &Path, text: &[u8]) -> Result<(), Failure> {
+    if path.exists() && !path.is_file() && !path.is_dir() {
+        return std::fs::write(path, text).map_err(|error| Failure::unwritable(path, &error));
+    }
     let mut part = path.as_os_str().to_owned();
     part.push(".part");
     let part = Path::new(&part);

@@ -21,6 +21,9 @@ pub struct Source<'a> {
     pub drawn: &'a Drawn,
 }
 
+/// No map finds a place as exactly as this [m].
+const TOLD_M: f64 = 1e-6;
+
 impl Source<'_> {
     /// Where the robots were and what they met.
     pub(super) fn survey(&self) -> impl Iterator<Item = Position> {
@@ -52,10 +55,13 @@ impl Source<'_> {
         &self.drawn.obstacles
     }
 
-    /// The distances of a map's places to the true ones, in the order of the nodes [m].
+    /// The distances of a map's places to the true ones, in the order of the nodes [m]. An anchor that stands at its very
+    /// place was told it: it does not count.
     pub(super) fn errors(&self, places: &Places) -> Vec<(NodeId, f64)> {
         let error = |(&node, &place): (&NodeId, &Position)| {
-            self.drawn.nodes.get(&node).map(|truth| (node, truth.distance_m(place)))
+            let error_m = self.drawn.nodes.get(&node)?.distance_m(place);
+            let was_told = self.drawn.anchors.contains(&node) && error_m < TOLD_M;
+            (!was_told).then_some((node, error_m))
         };
         places.iter().filter_map(error).collect()
     }

@@ -27,6 +27,9 @@ impl Draft {
         if self.path.is_dir() {
             return Err(RecordingError::create(&self.path, "it is a folder"));
         }
+        if self.path.exists() && !self.path.is_file() {
+            return Err(RecordingError::create(&self.path, "it is a device or a pipe, not a file"));
+        }
         let file = File::create(&self.part).map_err(|why| RecordingError::create(&self.part, why))?;
         Ok(BufWriter::new(file))
     }

@@ -1,6 +1,6 @@
 //! Reading back what viewers draw: places, shapes and likelihood surfaces.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use foxglove::messages::{Grid, PointCloud, PosesInFrame, SceneUpdate};
@@ -24,6 +24,8 @@ pub type Places = BTreeMap<NodeId, Position>;
 pub struct Drawn {
     /// Where the nodes really are; empty if the recording does not tell.
     pub nodes: Places,
+    /// The nodes that knew their place.
+    pub anchors: BTreeSet<NodeId>,
     /// The obstacles.
     pub obstacles: Vec<Solid>,
     /// Robots with the places that they passed, in the order of the file.
@@ -72,6 +74,9 @@ impl Drawn {
                 if let Some(name) = topic.strip_prefix("/map/") {
                     replace(&mut self.maps, name, places(data)?);
                 }
+            }
+            _ if topic == super::ANCHORS_TOPIC => {
+                self.anchors.insert(super::known::anchor(data, usize::MAX)?.node);
             }
             "foxglove.SceneUpdate" if topic == "/world/obstacles" => self.obstacles = solids(data)?,
             "foxglove.PosesInFrame" => {

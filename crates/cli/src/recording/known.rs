@@ -64,7 +64,7 @@ fn link(data: &[u8]) -> Result<Link, String> {
     Ok(Link { listener: NodeId(listener), sender: NodeId(sender), received, sent, rssi_dbm })
 }
 
-fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
+pub(super) fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
     let messages::Anchor { node, x_m, y_m, z_m } = messages::Anchor::decode(data).map_err(|why| why.to_string())?;
     let position = Position::new(x_m, y_m, z_m);
     if node as usize >= nodes {

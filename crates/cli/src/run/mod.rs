@@ -127,16 +127,20 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     Ok(())
 }
 
-/// Refuses a capture that another output would overwrite.
+/// Refuses an output that another one would overwrite.
 fn refuse_shared_files(arguments: &Arguments) -> Result<(), Failure> {
-    let Some(path) = &arguments.pcap else {
-        return Ok(());
-    };
     let is_same = |a: &Path, b: &Path| std::path::absolute(a).ok() == std::path::absolute(b).ok();
-    let others = [("--out", Some(arguments.recording())), ("--summary", arguments.summary.clone())];
-    for (flag, other) in others {
-        if other.is_some_and(|other| is_same(path, &other)) {
-            let message = format!("`--pcap` and `{flag}` are both `{}`: give each a file of its own", path.display());
+    let outputs = [
+        ("--out", Some(arguments.recording())),
+        ("--summary", arguments.summary.clone()),
+        ("--pcap", arguments.pcap.clone()),
+    ];
+    for (i, (flag, path)) in outputs.iter().enumerate() {
+        let Some(path) = path else { continue };
+        let twin = outputs[..i].iter().find(|(_, other)| other.as_ref().is_some_and(|other| is_same(path, other)));
+        if let Some((other, _)) = twin {
+            let message =
+                format!("`{flag}` and `{other}` are both `{}`: give each a file of its own", path.display());
             return Err(Failure::bad_input(message));
         }
     }

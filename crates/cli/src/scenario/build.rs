@@ -201,6 +201,9 @@ impl Scenario {
     }
 }
 
+/// Nobody drives farther to a network [m].
+const FARTHEST_START_M: f64 = 1e5;
+
 /// Collects what is wrong.
 pub(super) struct Errors<'a> {
     pub(super) document: &'a Document,
@@ -292,6 +295,13 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
         let Some(robot) = errors.take(&table, robot) else {
             continue;
         };
+        if let Some(world) = world
+            && !world.nodes.iter().any(|node| node.position.distance_m(robot.body.start) <= FARTHEST_START_M)
+        {
+            let [x, y, z] = robot.body.start.into();
+            let allowed = format!("a place within {FARTHEST_START_M} m of a node");
+            errors.refuse(&SettingError::new("start_m", format!("[{x}, {y}, {z}]"), allowed).within(&table));
+        }
         if robots.iter().any(|other| other.body.name == robot.body.name) {
             let found = format!("`{}`, as of a robot before", robot.body.name);
             errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));

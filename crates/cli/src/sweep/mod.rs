@@ -44,7 +44,7 @@ pub fn run(
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<Vec<Row>, Failure> {
-    let parts = Parts::open(out, plan.fingerprint(), resume)?;
+    let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
     let units: Vec<_> = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
     let progress = Progress::new("sweeping", units.len() as u64, quiet);
     let done = AtomicU64::new(0);

@@ -25,7 +25,9 @@ impl Parts {
         let mark = this.folder.join(FINGERPRINT);
         match fs::read_to_string(&mark) {
             Ok(found) if found != fingerprint => Err(Failure::bad_input_with_help(
-                format!("`{name}` holds parts of another sweep (another scenario, seed, number of runs or version)"),
+                format!(
+                    "`{name}` holds parts of another sweep (another scenario, seed, number of runs, shard or version)"
+                ),
                 "remove the folder, or choose another --out",
             )),
             Ok(_) if !resume => Err(Failure::bad_input_with_help(
@@ -34,7 +36,13 @@ impl Parts {
             )),
             Ok(_) => Ok(this),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                fs::create_dir_all(&this.folder).map_err(|error| Failure::unwritable(&this.folder, &error))?;
+                fs::create_dir(&this.folder)
+                    .or_else(|error| match error.kind() {
+                        // The mark may be missing in a folder that a sweep had just made when it was killed.
+                        io::ErrorKind::AlreadyExists => Ok(()),
+                        _ => Err(error),
+                    })
+                    .map_err(|error| Failure::unwritable(&this.folder, &error))?;
                 write_file(&mark, fingerprint.as_bytes())?;
                 Ok(this)
             }
