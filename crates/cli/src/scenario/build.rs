@@ -291,17 +291,19 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
         let table = format!("robots[{i}]");
         let none = ObstacleField::default();
         let obstacles = world.map_or(&none, |world| &world.obstacles);
+        // A path to the end of the world is not planned.
+        if let Some(world) = world
+            && !world.nodes.iter().any(|node| node.position.distance_m(robot_config.start_m) <= FARTHEST_START_M)
+        {
+            let [x, y, z] = robot_config.start_m.into();
+            let allowed = format!("a place within {FARTHEST_START_M} m of a node");
+            errors.refuse(&SettingError::new("start_m", format!("[{x}, {y}, {z}]"), allowed).within(&table));
+            continue;
+        }
         let robot = robot(i, robot_config, obstacles, Seed(config.seed));
         let Some(robot) = errors.take(&table, robot) else {
             continue;
         };
-        if let Some(world) = world
-            && !world.nodes.iter().any(|node| node.position.distance_m(robot.body.start) <= FARTHEST_START_M)
-        {
-            let [x, y, z] = robot.body.start.into();
-            let allowed = format!("a place within {FARTHEST_START_M} m of a node");
-            errors.refuse(&SettingError::new("start_m", format!("[{x}, {y}, {z}]"), allowed).within(&table));
-        }
         if robots.iter().any(|other| other.body.name == robot.body.name) {
             let found = format!("`{}`, as of a robot before", robot.body.name);
             errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));
