@@ -22,7 +22,11 @@ const CELL: f64 = 0.05;
 const SETTLED: f64 = 0.05;
 
 /// Self-calibrated maps: the positions of the nodes with the reception curve, the efficiency of each stop and what stands
-/// in the way, all from one log (see the [module](self) for the model).
+/// in the way, all from one log.
+///
+/// The model: a packet sent at distance d is received at stop s with the probability `e_s Φ(z(d) − A)`. Φ is the normal
+/// distribution function, z falls with distance in any way, A is what obstacles absorb along the straight line in standard
+/// deviations of the shadowing (radio tomography; Wilson and Patwari 2010), `e_s` is the efficiency of the stop.
 ///
 /// What a map uses: which packets were received at which stops, and, if obstacles are sought, where the robot drove and
 /// what it met. It uses no channel, no anchors, no signal strengths and no sectors.
