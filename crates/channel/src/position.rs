@@ -86,6 +86,15 @@ impl Position {
         (self - other).length_m()
     }
 
+    /// No place in a network is farther from zero along an axis [m].
+    pub const FARTHEST_M: f64 = 1e9;
+
+    /// Whether no coordinate is beyond [`FARTHEST_M`](Self::FARTHEST_M); what is no number is.
+    #[must_use]
+    pub fn is_within_reason(self) -> bool {
+        [self.x_m, self.y_m, self.z_m].iter().all(|coordinate_m| coordinate_m.abs() <= Self::FARTHEST_M)
+    }
+
     /// Whether all coordinates are finite.
     #[must_use]
     pub fn is_finite(self) -> bool {

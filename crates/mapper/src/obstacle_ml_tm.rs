@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError};
 
-use crate::local_posterior::{Heights, LocalPosterior, local_posterior};
+use crate::local_posterior::{Heights, LocalPosterior, covariance, local_posterior};
 use crate::node_evidence::NodeEvidence;
 use crate::profile::KnownLink;
 use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, TopologyMap};
@@ -84,9 +84,10 @@ impl ObstacleMlTm {
         let LocalPosterior { places, mean, .. } =
             local_posterior(heights, summit, [SPREAD_M; 3], LEAST_STEP_M, &log_likelihood)?;
         let best = places.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(mean, |&(place, _)| place);
+        let apart = places.iter().map(|&(place, probability)| (place - mean, probability));
         let (position, covariance) = match self.estimate {
             EstimateKind::Argmax => (best, None),
-            EstimateKind::PosteriorMean => (mean, Some(covariance(&places, mean))),
+            EstimateKind::PosteriorMean => (mean, Some(covariance(apart))),
         };
         let log_likelihood = Some(log_likelihood(best));
         Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false })
@@ -122,20 +123,6 @@ impl PartialEq for ObstacleMlTm {
         let settings = |this: &Self| (this.estimate, this.z_range_m);
         settings(self) == settings(other) && self.start == other.start && self.channel == other.channel
     }
-}
-
-/// Covariance of places with probabilities round their mean [m²].
-fn covariance(places: &[(Position, f64)], mean: Position) -> [[f64; 3]; 3] {
-    let mut covariance = [[0.0; 3]; 3];
-    for &(place, probability) in places {
-        let apart: [f64; 3] = (place - mean).into();
-        for (row, &a) in covariance.iter_mut().zip(&apart) {
-            for (entry, &b) in row.iter_mut().zip(&apart) {
-                *entry += probability * a * b;
-            }
-        }
-    }
-    covariance
 }
 
 #[cfg(test)]

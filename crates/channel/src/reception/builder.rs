@@ -6,9 +6,6 @@ use super::columns::{Columns, scatter};
 use super::{Contact, LogError, Reception, ReceptionLog, Stop};
 use crate::Position;
 
-/// No stop is farther from zero along an axis [m].
-const FARTHEST_M: f64 = 1e9;
-
 /// A [`ReceptionLog`] in the making. Needs the memory of the log, half as much again while the receptions are sorted,
 /// and four octets a reception if they do not come node by node.
 ///
@@ -138,8 +135,7 @@ impl ReceptionLogBuilder {
         contacts: Vec<Contact>,
     ) -> Result<ReceptionLog, LogError> {
         for (stop, &Stop { position, .. }) in stops.iter().enumerate() {
-            // Not a number is within no limit.
-            if !<[f64; 3]>::from(position).iter().all(|coordinate_m| coordinate_m.abs() <= FARTHEST_M) {
+            if !position.is_within_reason() {
                 let Position { x_m, y_m, z_m } = position;
                 return Err(LogError::NotFinite { stop, x_m, y_m, z_m });
             }

@@ -124,12 +124,8 @@ struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// The mean of a column over the runs of a cell that did not fail.
     fn mean(&self, cell: usize, column: &str) -> Option<Mean> {
-        let column = self.plan.columns().iter().position(|other| other.name == column)?;
-        let rows = self.rows.iter().filter(|row| row.cell == cell);
-        let values: Vec<f64> = rows.filter_map(|row| row.texts[column].parse().ok()).collect();
-        Mean::of(&values)
+        self.plan.mean(self.rows, cell, column)
     }
 
     fn failed(&self, cell: Option<usize>) -> usize {

@@ -13,9 +13,6 @@ use super::error::RecordingError;
 use super::reader::sound;
 use super::scan::Piece;
 
-/// Coordinates beyond this are no place in a network [m].
-const FARTHEST_M: f64 = 1e9;
-
 /// Node places by node [m].
 pub type Places = BTreeMap<NodeId, Position>;
 
@@ -110,11 +107,11 @@ fn replace<T>(list: &mut Vec<(String, T)>, name: &str, value: T) {
 
 fn place(x_m: f64, y_m: f64, z_m: f64) -> Result<Position, String> {
     let position = Position::new(x_m, y_m, z_m);
-    // Not a number is within no limit.
-    if [x_m, y_m, z_m].iter().all(|coordinate| coordinate.abs() <= FARTHEST_M) {
+    if position.is_within_reason() {
         Ok(position)
     } else {
-        Err(format!("a place at [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {FARTHEST_M:e} m"))
+        let farthest_m = Position::FARTHEST_M;
+        Err(format!("a place at [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {farthest_m:e} m"))
     }
 }
 
@@ -159,7 +156,7 @@ fn plane(data: &[u8]) -> Result<LikelihoodPlane, String> {
         return Err("a grid without a pose or without a size of its cells".to_owned());
     };
     let step_m = cell.x;
-    if !(step_m > 0.0 && step_m <= FARTHEST_M && (cell.y - step_m).abs() <= 1e-9 * step_m) {
+    if !(step_m > 0.0 && step_m <= Position::FARTHEST_M && (cell.y - step_m).abs() <= 1e-9 * step_m) {
         return Err(format!("cells of {} m by {} m; allowed: squares", cell.x, cell.y));
     }
     let (values, rest) = grid.data.as_chunks::<4>();

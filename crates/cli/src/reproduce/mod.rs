@@ -58,10 +58,7 @@ impl Runs {
     /// The mean of a column over the runs of a cell of a scenario that did not fail.
     pub(crate) fn mean(&self, scenario: &str, cell: usize, column: &str) -> Option<Mean> {
         let (plan, rows) = self.of.get(scenario)?;
-        let at = plan.columns().iter().position(|other| other.name == column)?;
-        let values: Vec<f64> =
-            rows.iter().filter(|row| row.cell == cell).filter_map(|row| row.texts[at].parse().ok()).collect();
-        Mean::of(&values)
+        plan.mean(rows, cell, column)
     }
 
     /// The plan of a scenario.

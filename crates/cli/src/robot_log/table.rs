@@ -8,9 +8,6 @@ use sextant_kernel::SimTime;
 use super::error::RobotLogError;
 use super::instant;
 
-/// Coordinates beyond this are no place in a network [m].
-const FARTHEST_M: f64 = 1e9;
-
 /// A CSV file in memory with the columns that it has.
 pub(super) struct Table {
     path: PathBuf,
@@ -150,7 +147,7 @@ impl Row<'_> {
     /// A place; its height is 0 where the file has no column for it.
     pub(super) fn position(&self, [x, y, z]: [Column; 3]) -> Result<Position, RobotLogError> {
         let coordinate = |column| {
-            let value_m = self.finite(column)?.filter(|value_m| value_m.abs() <= FARTHEST_M);
+            let value_m = self.finite(column)?.filter(|value_m| value_m.abs() <= Position::FARTHEST_M);
             value_m.ok_or_else(|| self.wrong(column, "a finite number of metres, at most 1e9 from zero"))
         };
         let z_m = if z.at.is_some() { coordinate(z)? } else { 0.0 };

@@ -54,6 +54,7 @@ pub fn bound_m(scenario: &Scenario, survey: &Survey) -> Option<f64> {
     if scenario.maps().is_empty() { None } else { bound::posterior_bound_m(scenario, survey, &truth(scenario)) }
 }
 
-fn truth(scenario: &Scenario) -> Vec<Position> {
+/// The true places of the nodes.
+pub(super) fn truth(scenario: &Scenario) -> Vec<Position> {
     scenario.world().nodes.iter().map(|node| node.position).collect()
 }

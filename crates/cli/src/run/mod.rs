@@ -181,7 +181,7 @@ fn map(
     discoveries: &Discoveries,
     recorder: &mut FileRecorder,
 ) -> Result<Vec<MapSummary>, Failure> {
-    let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
+    let truth = evaluation::truth(scenario);
     let bound_m = evaluation::bound_m(scenario, survey);
     let mut summaries = Vec::new();
     for named in scenario.maps() {

@@ -21,7 +21,6 @@ pub use table_file::{TableFormat, write_table};
 pub use unit::Row;
 
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -45,44 +44,16 @@ pub fn run(
     quiet: bool,
 ) -> Result<Vec<Row>, Failure> {
     let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
-    let units: Vec<_> = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
-    let progress = Progress::new("sweeping", units.len() as u64, quiet);
-    let done = AtomicU64::new(0);
-    let failure = Mutex::new(None);
-    let rows: Vec<Vec<Row>> = units
-        .par_iter()
-        .map(|unit| {
-            if interrupt.is_requested() || failure.lock().is_ok_and(|failure| failure.is_some()) {
-                return Vec::new();
-            }
-            let result = match parts.read(unit.index) {
-                Ok(Some(rows)) => Ok(Some(rows)),
-                Ok(None) => unit::run(plan, unit, interrupt)
-                    .map_or(Ok(None), |rows| parts.write(unit.index, &rows).map(|()| Some(rows))),
-                Err(failure) => Err(failure),
-            };
-            progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
-            match result {
-                Ok(rows) => rows.unwrap_or_default(),
-                Err(first) => {
-                    if let Ok(mut failure) = failure.lock() {
-                        failure.get_or_insert(first);
-                    }
-                    Vec::new()
-                }
-            }
-        })
-        .collect();
-    progress.clear();
-    if let Ok(Some(failure)) = failure.into_inner() {
-        return Err(failure);
-    }
-    if interrupt.is_requested() {
-        return Err(Failure::Interrupted);
-    }
-    let mut rows: Vec<Row> = rows.into_iter().flatten().collect();
-    rows.sort_by_key(|row| (row.cell, row.replicate));
-    Ok(rows)
+    let units = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
+    let rows = all(units, "sweeping", interrupt, quiet, |unit| {
+        if let Some(rows) = parts.read(unit.index)? {
+            return Ok(rows);
+        }
+        let rows = unit::run(plan, unit, interrupt).ok_or(Failure::Interrupted)?;
+        parts.write(unit.index, &rows)?;
+        Ok(rows)
+    })?;
+    Ok(sorted(rows.into_iter().flatten().collect()))
 }
 
 /// Runs all units of several plans, all cores at once, and returns the rows of each plan by cell, then replicate.
@@ -90,30 +61,46 @@ pub fn run(
 /// # Errors
 /// If the user interrupts. A run that fails is a row with its error instead.
 pub fn rows(plans: &[Plan], interrupt: &Interrupt, quiet: bool) -> Result<Vec<Vec<Row>>, Failure> {
-    let units: Vec<_> =
-        plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |u| (i, u))).collect();
-    let progress = Progress::new("running", units.len() as u64, quiet);
-    let done = AtomicU64::new(0);
-    let made: Vec<(usize, Vec<Row>)> = units
-        .par_iter()
-        .map(|(i, unit)| {
-            let rows = if interrupt.is_requested() { None } else { unit::run(&plans[*i], unit, interrupt) };
-            progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
-            (*i, rows.unwrap_or_default())
-        })
-        .collect();
-    progress.clear();
-    if interrupt.is_requested() {
-        return Err(Failure::Interrupted);
-    }
+    let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |unit| (i, unit)));
+    let made = all(units.collect(), "running", interrupt, quiet, |(i, unit)| {
+        let rows = unit::run(&plans[*i], unit, interrupt).ok_or(Failure::Interrupted)?;
+        Ok((*i, rows))
+    })?;
     let mut rows = vec![Vec::new(); plans.len()];
     for (i, made) in made {
         rows[i].extend(made);
     }
-    for rows in &mut rows {
-        rows.sort_by_key(|row| (row.cell, row.replicate));
-    }
-    Ok(rows)
+    Ok(rows.into_iter().map(sorted).collect())
+}
+
+/// Does `work` on all `units`, all cores at once, under a bar that says `what`; the results in the order of the units. The
+/// first failure keeps further units from being begun.
+fn all<U: Sync, T: Send>(
+    units: Vec<U>,
+    what: &'static str,
+    interrupt: &Interrupt,
+    quiet: bool,
+    work: impl Fn(&U) -> Result<T, Failure> + Sync,
+) -> Result<Vec<T>, Failure> {
+    let progress = Progress::new(what, units.len() as u64, quiet);
+    let done = AtomicU64::new(0);
+    let results: Result<Vec<T>, Failure> = units
+        .par_iter()
+        .map(|unit| {
+            let result = if interrupt.is_requested() { Err(Failure::Interrupted) } else { work(unit) };
+            progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
+            result
+        })
+        .collect();
+    progress.clear();
+    let results = results?;
+    if interrupt.is_requested() { Err(Failure::Interrupted) } else { Ok(results) }
+}
+
+/// By cell, then replicate.
+fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
+    rows.sort_by_key(|row| (row.cell, row.replicate));
+    rows
 }
 
 /// Forgets the finished units beside `out`: the table is written.

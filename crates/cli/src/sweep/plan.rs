@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::measures::{self, Column, Kind};
-use super::unit::Unit;
+use super::statistics::Mean;
+use super::unit::{Row, Unit};
 use crate::scenario::{Scenario, ScenarioErrors, Setting, Sweep};
 
 /// The cells and runs of a sweep.
@@ -136,6 +137,15 @@ impl Plan {
     #[must_use]
     pub fn keys(&self) -> &[Column] {
         &self.keys
+    }
+
+    /// The mean of a column over the runs of a cell that did not fail; `None` if there are none, or no such column.
+    #[must_use]
+    pub fn mean(&self, rows: &[Row], cell: usize, column: &str) -> Option<Mean> {
+        let at = self.columns().iter().position(|other| other.name == column)?;
+        let values: Vec<f64> =
+            rows.iter().filter(|row| row.cell == cell).filter_map(|row| row.texts[at].parse().ok()).collect();
+        Mean::of(&values)
     }
 
     /// What distinguishes this sweep from all others.

@@ -8,6 +8,7 @@ use sextant_kernel::{NodeId, SettingError};
 
 use super::ranging::{Ranging, RangingConfig};
 use crate::lattice::whole;
+use crate::local_posterior::covariance;
 use crate::{Estimate, EstimateKind, Frame, Knowledge, KnowledgeKind, Lattice, MapError, TopologyMap};
 
 /// The Bayesian grid as written in a scenario.
@@ -309,16 +310,8 @@ impl SearchedSurface {
                     || self.vertices.iter().map(|&(place, value)| (place - best.0, libm::exp(value - best.1)));
                 let total: f64 = weights().map(|(_, weight)| weight).sum();
                 let mean = weights().fold(Position::ORIGIN, |sum, (offset, weight)| sum + offset * (weight / total));
-                let mut covariance = [[0.0; 3]; 3];
-                for (offset, weight) in weights() {
-                    let apart: [f64; 3] = (offset - mean).into();
-                    for (row, a) in covariance.iter_mut().zip(apart) {
-                        for (entry, b) in row.iter_mut().zip(apart) {
-                            *entry += a * b * weight / total;
-                        }
-                    }
-                }
-                (best.0 + mean, Some(covariance))
+                let apart = weights().map(|(offset, weight)| (offset - mean, weight / total));
+                (best.0 + mean, Some(covariance(apart)))
             }
         };
         Estimate { position, log_likelihood: Some(best.1), ties: 1, covariance, infeasible }

@@ -7,7 +7,7 @@ use super::absorption::AbsorptionMap;
 use super::counts::{Counts, Link, Record};
 use super::model::Model;
 use super::shadows::Shadows;
-use crate::local_posterior::Heights;
+use crate::local_posterior::{Heights, covariance};
 
 /// Steps from the middle of a window to its edge, at least.
 const REACH: usize = 4;
@@ -291,15 +291,7 @@ impl Scratch {
             offset = offset + (place - mode) * (weight / total);
         }
         let mean = mode + offset;
-        let mut covariance = [[0.0; 3]; 3];
-        for &(place, weight) in likely.iter() {
-            let apart: [f64; 3] = (place - mean).into();
-            for (row, &a) in covariance.iter_mut().zip(&apart) {
-                for (entry, &b) in row.iter_mut().zip(&apart) {
-                    *entry += weight / total * a * b;
-                }
-            }
-        }
+        let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
         Belief { node, mean, highest: best.1, covariance }
     }
 }
