@@ -1,0 +1,13 @@
+//! The program from outside: its words, what it writes, what it refuses; and the crates' edges.
+
+mod architecture;
+mod command_line;
+mod comparators;
+mod figure;
+mod map;
+mod pcap;
+mod recording;
+mod reproduce;
+mod run;
+mod scenario_errors;
+mod sweep;

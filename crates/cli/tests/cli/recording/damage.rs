@@ -1,0 +1,172 @@
+//! What is left of a damaged recording is saved; what is not a recording says so.
+
+use std::path::{Path, PathBuf};
+
+use sextant::recording::{FileRecorder, RecordingError, inspect, read_log, recover};
+use sextant_channel::ReceptionLog;
+use tempfile::TempDir;
+
+use super::sample::{self, Numbers};
+
+/// A recording in a folder of its own: the folder, its path, its octets.
+fn recorded(log: &ReceptionLog) -> (TempDir, PathBuf, Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("whole.mcap");
+    sample::record_file(&path, log);
+    let octets = std::fs::read(&path).unwrap();
+    (folder, path, octets)
+}
+
+/// Holds that what is read of `path` is what `log` begins with; returns its number of stops.
+fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
+    let found = match read_log(path) {
+        Ok(run) => run.log,
+        Err(RecordingError::NoLog { .. }) => return 0,
+        Err(other) => panic!("{other}"),
+    };
+    let stops = found.stops().len();
+    assert_eq!(found.names(), log.names());
+    assert_eq!(found.stops(), &log.stops()[..stops]);
+    let expected: Vec<_> = log.receptions().iter().filter(|r| (r.stop as usize) < stops).collect();
+    assert_eq!(found.receptions(), expected);
+    assert!(log.contacts().starts_with(found.contacts()));
+    stops
+}
+
+#[test]
+fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
+    let log = sample::log(5, 7, 300);
+    let (folder, _, octets) = recorded(&log);
+    let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
+    let mut numbers = Numbers(1);
+    let mut lengths: Vec<usize> =
+        (0..200).map(|_| usize::try_from(numbers.below(octets.len() as u64)).unwrap()).collect();
+    lengths.extend([0, 1, 7, 8, 9, octets.len() - 1]);
+    lengths.sort_unstable();
+    let mut before = 0;
+    for length in lengths {
+        std::fs::write(&broken, &octets[..length]).unwrap();
+        let recovery = recover(&broken, &good).unwrap();
+        assert!(recovery.damage.is_some(), "cut to {length} octets");
+        let inspection = inspect(&good).unwrap();
+        assert_eq!(inspection.damage, None);
+        assert_eq!(inspection.messages, recovery.messages);
+        assert!(inspection.metadata.contains_key("recovered"));
+        let stops = assert_prefix(&good, &log);
+        assert!(stops >= before, "a longer rest holds no less");
+        before = stops;
+        assert_eq!(inspect(&broken).unwrap().damage, recovery.damage);
+        assert!(matches!(read_log(&broken), Err(RecordingError::Broken { .. })));
+    }
+    assert_eq!(before, 300);
+}
+
+#[test]
+fn a_crash_loses_at_most_the_stops_of_one_chunk() {
+    let log = sample::log(6, 4, 300);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let part = folder.path().join("run.mcap.part");
+    let mut recorder = FileRecorder::create(&path).unwrap();
+    recorder.log("surveyor", &log).unwrap();
+    // What a killed process leaves: no destructor runs.
+    std::mem::forget(recorder);
+    let good = folder.path().join("good.mcap");
+    let recovery = recover(&part, &good).unwrap();
+    assert!(recovery.damage.is_some());
+    let stops = assert_prefix(&good, &log);
+    assert!(stops >= 300 - 32, "{stops} of 300 stops");
+}
+
+#[test]
+fn flipped_bits_are_found_and_what_comes_before_is_saved() {
+    let log = sample::log(11, 6, 200);
+    let (folder, _, octets) = recorded(&log);
+    let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
+    let mut numbers = Numbers(2);
+    let mut found = 0;
+    for _ in 0..200 {
+        let mut damaged = octets.clone();
+        let at = usize::try_from(numbers.below(octets.len() as u64)).unwrap();
+        damaged[at] ^= 1 << numbers.below(8);
+        std::fs::write(&broken, &damaged).unwrap();
+        match recover(&broken, &good) {
+            Ok(recovery) => {
+                found += usize::from(recovery.damage.is_some());
+                assert_eq!(inspect(&good).unwrap().damage, None);
+                // A flip in the header or an attachment may leave no name of a node: then there is no log to compare.
+                if recovery.messages > 4 {
+                    assert_prefix(&good, &log);
+                }
+            }
+            Err(RecordingError::NotMcap { .. }) => found += 1,
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert!(found >= 190, "{found} of 200 flips were found");
+}
+
+#[test]
+fn a_sound_recording_is_copied_whole() {
+    let log = sample::log(12, 5, 50);
+    let (folder, path, _) = recorded(&log);
+    let copy = folder.path().join("copy.mcap");
+    let recovery = recover(&path, &copy).unwrap();
+    assert_eq!(recovery.damage, None);
+    assert_eq!(recovery.attachments, 2);
+    assert_eq!(read_log(&copy).unwrap(), read_log(&path).unwrap());
+    let (a, b) = (inspect(&copy).unwrap(), inspect(&path).unwrap());
+    assert_eq!((a.topics, a.attachments, a.metadata), (b.topics, b.attachments, b.metadata));
+}
+
+#[test]
+fn a_part_file_is_recovered_into_its_final_name() {
+    let log = sample::log(13, 5, 50);
+    let (folder, _, octets) = recorded(&log);
+    let part = folder.path().join("run.mcap.part");
+    std::fs::write(&part, &octets[..octets.len() * 9 / 10]).unwrap();
+    let path = folder.path().join("run.mcap");
+    recover(&part, &path).unwrap();
+    assert_prefix(&path, &log);
+    assert!(part.exists());
+}
+
+#[test]
+fn recovery_never_overwrites_what_it_reads() {
+    let log = sample::log(14, 3, 5);
+    let (folder, path, octets) = recorded(&log);
+    let dotted = folder.path().join(".").join("whole.mcap");
+    assert!(matches!(recover(&path, &dotted), Err(RecordingError::SameFile { .. })));
+    let mut temporary = path.clone().into_os_string();
+    temporary.push(".recovering");
+    std::fs::copy(&path, &temporary).unwrap();
+    assert!(matches!(recover(temporary.as_ref(), &path), Err(RecordingError::SameFile { .. })));
+    assert_eq!(std::fs::read(&path).unwrap(), octets);
+}
+
+#[test]
+fn files_of_other_formats_are_refused_and_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("other.mcap");
+    std::fs::write(&other, "stop,t_s,x_m,y_m\n").unwrap();
+    let out = folder.path().join("out.mcap");
+    assert!(matches!(inspect(&other), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(read_log(&other), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(recover(&other, &out), Err(RecordingError::NotMcap { .. })));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let missing = folder.path().join("missing.mcap");
+    assert!(matches!(read_log(&missing), Err(RecordingError::Read { .. })));
+    assert!(matches!(recover(&missing, &out), Err(RecordingError::Read { .. })));
+    assert!(matches!(inspect(folder.path()), Err(RecordingError::Read { .. })));
+}
+
+#[test]
+fn a_recording_without_a_log_names_the_topics_that_it_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut recorder = FileRecorder::create(&path).unwrap();
+    recorder.metric(sextant_kernel::SimTime::ZERO, "x_m", 1.0).unwrap();
+    recorder.finish().unwrap();
+    let message = read_log(&path).unwrap_err().to_string();
+    assert!(message.ends_with("its topics: /metrics"), "{message}");
+}

@@ -1,0 +1,103 @@
+//! An independent reader agrees: the Python packages of the container and of protobuf.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::{Value, json};
+use sextant::recording::PlacedNode;
+use sextant_channel::{Contact, Reception, ReceptionLog};
+
+use super::sample;
+
+const PACKAGES: &str = "mcap mcap-protobuf-support";
+
+/// Runs Python: `$SEXTANT_PYTHON`, or `python3`.
+fn python(arguments: &[&str]) -> std::io::Result<Output> {
+    let python = std::env::var("SEXTANT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    Command::new(python).args(arguments).output()
+}
+
+/// Whether Python has the packages. A bare machine may lack them; a Python that was named for this may not.
+fn has_packages() -> bool {
+    let found =
+        python(&["-c", "import mcap.reader, mcap_protobuf.decoder"]).is_ok_and(|output| output.status.success());
+    if !found {
+        let remedy = format!("`python3 -m pip install {PACKAGES}`, or set SEXTANT_PYTHON to a Python that has them");
+        assert!(std::env::var_os("SEXTANT_PYTHON").is_none(), "Python lacks the packages {PACKAGES}: {remedy}");
+        // Not captured by the test harness, so that nobody takes a skipped check for a passed one.
+        let _ = writeln!(std::io::stderr(), "skipped: Python lacks the packages {PACKAGES}: {remedy}");
+    }
+    found
+}
+
+/// The messages that the log should have become: stops, receptions, contacts.
+fn expected(log: &ReceptionLog) -> [Value; 3] {
+    let mut receptions = log.receptions().to_vec();
+    receptions.sort_by_key(|r| (r.stop, r.node));
+    let stops = (0_u32..).zip(log.stops()).map(|(index, stop)| {
+        let count = receptions.iter().filter(|r| r.stop == index).count();
+        let p = stop.position;
+        json!([index, stop.time.as_nanos(), p.x_m, p.y_m, p.z_m, "surveyor", count])
+    });
+    let stops = stops.collect();
+    let contact = |c: &Contact| json!([c.time.as_nanos(), c.position.x_m, c.position.y_m, c.position.z_m]);
+    let reception = |r: &Reception| json!([r.node.0, r.stop, r.received, r.sent, r.sector, r.rssi_dbm]);
+    [stops, receptions.iter().map(reception).collect(), log.contacts().iter().map(contact).collect()]
+}
+
+fn topic(schema: &str, messages: impl Into<Value>) -> Value {
+    json!({ "schema": schema, "encoding": "protobuf", "messages": messages.into() })
+}
+
+#[test]
+fn independent_readers_decode_every_message() {
+    if !has_packages() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let log = sample::log(21, 6, 120);
+    sample::record_file(&path, &log);
+
+    let [stops, receptions, contacts] = expected(&log);
+    let placed = |n: &PlacedNode| json!([n.node.0, n.position.x_m, n.position.y_m, n.position.z_m, n.error_m]);
+    let truth: Value = sample::truth(&log).iter().map(placed).collect();
+    let corners = json!([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    let half_turn = [std::f64::consts::FRAC_PI_2.sin(), std::f64::consts::FRAC_PI_2.cos()];
+    let likelihood = json!([2, 8, [-1.25, -2.25], 0.5, ["-1.0", "-2.0", "-inf", "-4.0"]]);
+    // The script compares, because its JSON reader is exact to the last bit of a number.
+    let expectation = json!({
+        "library": concat!("sextant ", env!("CARGO_PKG_VERSION")),
+        "profile": "",
+        "compression": ["zstd"],
+        "metadata": { "sextant": { "scenario": "sample", "seed": "42", "version": "1.2.3" } },
+        "attachments": { "scenario.toml": "name = \"sample\"\n", "summary.json": "{\"maps\": []}" },
+        "topics": {
+            "/stops": topic("sextant.Stop", stops),
+            "/receptions": topic("sextant.Reception", receptions),
+            "/robot/surveyor/contacts": topic("sextant.Contact", contacts),
+            "/nodes": topic("sextant.Nodes", json!([[0, log.names()]])),
+            "/anchors": topic("sextant.Anchor", json!([[0, 7.0, 8.0, 9.0]])),
+            "/neighbours": topic("sextant.Link", json!([[5, 0, 4, 5, -66.5]])),
+            "/beacons": topic("sextant.Link", json!([[5, 0, 4, 5, -66.5]])),
+            "/world/nodes": topic("foxglove.PointCloud", json!([truth])),
+            "/map/ml-tm": topic("foxglove.PointCloud", json!([[[1, 4.0, 5.0, 6.0, 0.25]]])),
+            "/tf": topic("foxglove.FrameTransform", json!([[5, "world", "surveyor", [1.0, 2.0, 3.0], half_turn]])),
+            "/robot/surveyor/path": topic("foxglove.PosesInFrame", json!([["world", corners]])),
+            "/world/obstacles": topic("foxglove.SceneUpdate", json!([[["wall", 3, [0, 1, 2]]]])),
+            "/mac/frames": topic("sextant.Frame", json!([[9, 1000, 3, "418800", "received", -71.5]])),
+            "/metrics": topic("sextant.Metric", json!([[7, "path_length_m", 12.5]])),
+            "/log": topic("foxglove.Log", json!([[8, 3, "survey", "nobody heard"]])),
+            "/likelihood/ml-tm/n12": topic("foxglove.Grid", json!([likelihood])),
+        },
+    });
+    let expected = folder.path().join("expected.json");
+    std::fs::write(&expected, expectation.to_string()).unwrap();
+
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/python/check_recording.py");
+    let output = python(&[&script, &path, &expected].map(|path| path.to_str().unwrap())).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found["chunks"].as_u64().unwrap() >= 120 / 32, "chunks are closed by count");
+}

@@ -1,0 +1,266 @@
+//! Logs of robots as folders of CSV files.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant::robot_log::{self, RobotLogError};
+use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_mapper::{Estimate, Frame, TopologyMap};
+use tempfile::TempDir;
+
+use super::sample;
+
+const STOPS: &str = "stop,t_s,x_m,y_m,z_m\nA,0,0,0,0\nB,1.5,1,0,0\n";
+const RECEPTIONS: &str = "node,stop,received,sent\nlamp,A,2,5\n";
+
+fn folder(stops: &str, receptions: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("stops.csv"), stops).unwrap();
+    std::fs::write(folder.path().join("receptions.csv"), receptions).unwrap();
+    folder
+}
+
+fn read(stops: &str, receptions: &str) -> ReceptionLog {
+    robot_log::read(folder(stops, receptions).path()).unwrap()
+}
+
+/// The message about a folder that is wrong, without the path of the folder.
+fn refusal(stops: &str, receptions: &str) -> String {
+    let folder = folder(stops, receptions);
+    let message = robot_log::read(folder.path()).unwrap_err().to_string();
+    message.replace(&format!("{}/", folder.path().display()), "")
+}
+
+#[test]
+fn a_log_comes_back_equal_from_the_folder_that_it_was_written_to() {
+    let parent = tempfile::tempdir().unwrap();
+    for (nodes, stops) in [(1, 1), (2, 10), (9, 120)] {
+        let log = sample::log(31, nodes, stops);
+        let folder = parent.path().join(format!("log of {nodes}"));
+        robot_log::write(&folder, &log).unwrap();
+        assert_eq!(robot_log::read(&folder).unwrap(), log);
+    }
+}
+
+#[test]
+fn a_log_without_stops_is_refused_both_ways() {
+    let folder = folder("stop,t_s,x_m,y_m\n", "node,stop,received\n");
+    assert!(matches!(robot_log::read(folder.path()), Err(RobotLogError::NoStops { .. })));
+    let empty = ReceptionLog::default();
+    assert!(matches!(robot_log::write(folder.path(), &empty), Err(RobotLogError::NoStops { .. })));
+}
+
+#[test]
+fn spreadsheets_with_byte_order_mark_crlf_and_their_own_order_of_columns_are_read() {
+    let log = read(
+        "\u{feff}\"y_m\",x_m, t_s ,stop\r\n2,1,0.25,12\r\n\r\n4,3,1e0,spot\r\n",
+        "\u{feff}received,stop,node\r\n1, spot,\"a, \"\"b\"\"\"\r\n1,12,\u{e9}\r\n",
+    );
+    assert_eq!(log.names(), ["a, \"b\"", "\u{e9}"]);
+    assert_eq!(log.stops()[0].position, Position::new(1.0, 2.0, 0.0));
+    assert_eq!(log.stops()[1].time, SimTime::from_nanos(1_000_000_000));
+    let heard = Reception { node: NodeId(0), stop: 1, received: 1, sent: 1, sector: None, rssi_dbm: None };
+    assert_eq!(log.of(NodeId(0)), [heard]);
+}
+
+#[test]
+fn rows_without_receptions_make_nodes_known() {
+    let log = read(STOPS, "node,stop,received,sent\nmute,A,0,\ndeaf,A,0,0\nfar,B,0,4\n");
+    assert_eq!(log.names(), ["mute", "deaf", "far"]);
+    // 0 of 1 is what an absent pair means, 0 of 0 and 0 of 4 are not.
+    let counts: Vec<_> = log.receptions().iter().map(|r| (r.node.0, r.received, r.sent)).collect();
+    assert_eq!(counts, [(1, 0, 0), (2, 0, 4)]);
+}
+
+#[test]
+fn contacts_are_read_where_there_are_any() {
+    let folder = folder(STOPS, RECEPTIONS);
+    std::fs::write(folder.path().join("contacts.csv"), "t_s,x_m,y_m,z_m\n0.5,1,2,3\n").unwrap();
+    let log = robot_log::read(folder.path()).unwrap();
+    assert_eq!(log.contacts()[0].position, Position::new(1.0, 2.0, 3.0));
+    assert_eq!(log.contacts()[0].time, SimTime::from_nanos(500_000_000));
+}
+
+const SECTORS: &str = "sector,azimuth_from_deg,azimuth_to_deg,elevation_from_deg,elevation_to_deg\n\
+    0,-45,45,,\n1,45,135,-10,30\n";
+
+/// The log of one node heard in `sector`, with these sectors.
+fn with_sectors(sectors: &str, sector: u8) -> (TempDir, Result<ReceptionLog, RobotLogError>) {
+    let folder = folder(STOPS, &format!("node,stop,received,sector\nlamp,A,1,{sector}\n"));
+    std::fs::write(folder.path().join("sectors.csv"), sectors).unwrap();
+    let log = robot_log::read(folder.path());
+    (folder, log)
+}
+
+#[test]
+fn sectors_are_read_and_written_back() {
+    let log = with_sectors(SECTORS, 1).1.unwrap();
+    let table: Vec<_> = log.sectors().unwrap().iter().cloned().collect();
+    let second = SectorConfig {
+        sector: 1,
+        azimuth_from_deg: 45.0,
+        azimuth_to_deg: 135.0,
+        elevation_from_deg: -10.0,
+        elevation_to_deg: 30.0,
+    };
+    assert_eq!((table.len(), &table[1]), (2, &second));
+    assert!((table[0].elevation_to_deg - 90.0).abs() < 1e-12);
+    let folder = tempfile::tempdir().unwrap();
+    robot_log::write(folder.path(), &log).unwrap();
+    assert_eq!(robot_log::read(folder.path()).unwrap(), log);
+}
+
+#[test]
+fn sectors_that_are_wrong_or_missing_are_named() {
+    let header = "sector,azimuth_from_deg,azimuth_to_deg,elevation_to_deg\n";
+    for (sectors, sector, expected) in [
+        (SECTORS.to_owned(), 7, "node `lamp` at stop 0 was heard in sector 7; the listener's sectors are 0 to 1"),
+        (
+            format!("{header}0,5,5,\n"),
+            0,
+            "sectors.csv, line 2, column `azimuth_to_deg`: found `5`; allowed: an azimuth other than azimuth_from_deg (5); 365 is all round",
+        ),
+        (
+            format!("{header}0,5,15,91\n"),
+            0,
+            "column `elevation_to_deg`: found `91`; allowed: above elevation_from_deg (-90), at most 90",
+        ),
+        (format!("{header}0,5,,\n"), 0, "column `azimuth_to_deg`: found ``; allowed: a finite number"),
+        (
+            format!("{header}0,5,9,\n0,9,12,\n"),
+            0,
+            "line 3, column `sector`: found `0`; allowed: each sector once; this one is given above",
+        ),
+        (format!("{header}300,5,9,\n"), 0, "column `sector`: found `300`; allowed: a whole number from 0 to 255"),
+    ] {
+        let message = with_sectors(&sectors, sector).1.unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn a_wrong_cell_is_named_with_file_line_column_and_what_is_allowed() {
+    let whole = "a whole number from 0 to 4294967295";
+    for (stops, receptions, expected) in [
+        (STOPS, "node,stop,received\nlamp,A,-3\n", format!("receptions.csv, line 2, column `received`: found `-3`; allowed: {whole}")),
+        (STOPS, "node,stop,received\nlamp,A,1\nlamp,B,x\n", format!("receptions.csv, line 3, column `received`: found `x`; allowed: {whole}")),
+        (STOPS, "node,stop,received,sent\nlamp,A,6,5\n", "receptions.csv, line 2, column `received`: found `6`; allowed: at most 5, the packets sent".to_owned()),
+        (STOPS, "node,stop,received\nlamp,A,2\n", "receptions.csv, line 2, column `received`: found `2`; allowed: at most 1, the packets sent, which is 1 where `sent` is absent".to_owned()),
+        (STOPS, "node,stop,received,sector\nlamp,A,1,256\n", "receptions.csv, line 2, column `sector`: found `256`; allowed: a whole number from 0 to 255".to_owned()),
+        (STOPS, "node,stop,received,rssi_dbm\nlamp,A,1,inf\n", "receptions.csv, line 2, column `rssi_dbm`: found `inf`; allowed: a finite number".to_owned()),
+        (STOPS, "node,stop,received\n,A,1\n", "receptions.csv, line 2, column `node`: found ``; allowed: the name of a node".to_owned()),
+        (STOPS, "node,stop,received\nlamp,C,1\n", "receptions.csv, line 2, column `stop`: found `C`; allowed: one of the 2 stops of stops.csv, the first of which is `A`, the last `B`".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,0,NaN,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found `NaN`; allowed: a finite number".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,0,,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found ``; allowed: a finite number of metres, at most 1e9 from zero".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,-1,0,0\n", RECEPTIONS, "stops.csv, line 2, column `t_s`: found `-1`; allowed: seconds as a decimal number, 0 or above and below 18446744073".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,0,0,0\n0,1,1,1\n", RECEPTIONS, "stops.csv, line 3, column `stop`: found `0`; allowed: each stop once; this one is given above".to_owned()),
+    ] {
+        assert_eq!(refusal(stops, receptions), expected);
+    }
+}
+
+#[test]
+fn a_wrong_row_or_header_is_named_with_its_line() {
+    for (receptions, expected) in [
+        (
+            "node,stop,recieved\nlamp,A,1\n",
+            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? known columns: node, stop, received, sent, sector, rssi_dbm",
+        ),
+        (
+            "node,stop,received,weather\n",
+            "receptions.csv, line 1: unknown column `weather`; known columns: node, stop, received, sent, sector, rssi_dbm",
+        ),
+        (
+            "node,stop\nlamp,A\n",
+            "receptions.csv, line 1: column `received` is missing; the first line names the columns: node,stop,received",
+        ),
+        (
+            "",
+            "receptions.csv, line 1: column `node` is missing; the first line names the columns: node,stop,received",
+        ),
+        ("node,stop,received,stop\n", "receptions.csv, line 1: column `stop` appears twice"),
+        ("node,stop,received\nlamp,A,1\nlamp,B\n", "receptions.csv, line 3: 2 cells, but the header has 3 columns"),
+        (
+            "node,stop,received\nlamp,A,1\ndoor,A,1\nlamp,A,0\n",
+            "receptions.csv, line 4: node `lamp` at this stop is already on line 2; give each pair of node and stop once",
+        ),
+    ] {
+        assert_eq!(refusal(STOPS, receptions), expected);
+    }
+}
+
+#[test]
+fn lines_are_counted_as_an_editor_does() {
+    let unix = "node,stop,received\n\n\nlamp,A,1\n\"two\nlines\",A,1\ndoor,A,?\n";
+    for text in [unix.to_owned(), unix.replace('\n', "\r\n"), format!("\u{feff}{unix}")] {
+        let message = refusal(STOPS, &text);
+        assert!(message.starts_with("receptions.csv, line 7, column `received`: found `?`"), "{message}");
+    }
+}
+
+#[test]
+fn text_that_is_not_utf_8_is_named_with_its_line() {
+    let folder = folder(STOPS, RECEPTIONS);
+    std::fs::write(folder.path().join("receptions.csv"), b"node,stop,received\nlamp,A,1\n\xff,A,1\n").unwrap();
+    let message = robot_log::read(folder.path()).unwrap_err().to_string();
+    assert!(message.ends_with("receptions.csv, line 3: not UTF-8 text"), "{message}");
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = robot_log::read(folder.path()).unwrap_err();
+    assert!(matches!(&error, RobotLogError::Read { path, .. } if path.ends_with("stops.csv")), "{error}");
+    assert!(!error.is_of_the_system());
+    let nowhere = folder.path().join("stops.csv/below");
+    std::fs::write(folder.path().join("stops.csv"), STOPS).unwrap();
+    let error = robot_log::write(&nowhere, &sample::log(1, 1, 1)).unwrap_err();
+    assert!(error.is_of_the_system(), "{error}");
+}
+
+#[test]
+fn a_map_has_a_row_for_each_node_that_is_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.csv");
+    let estimate = |x_m, ties, covariance| {
+        let position = Position::new(x_m, 2.0, 0.0);
+        Some(Estimate { position, log_likelihood: None, ties, covariance, infeasible: ties > 1 })
+    };
+    let names = ["a", "b,c", "d"].map(str::to_owned);
+    let mut map = TopologyMap {
+        algorithm: "ml-tm",
+        estimates: vec![estimate(0.1, 1, None), None, estimate(-3.0, 4, None)],
+        grid_step_m: Some(0.1),
+        vertices_evaluated: 7,
+        frame: Frame::World,
+    };
+    robot_log::write_map(&path, &names, &map).unwrap();
+    let plain = "node,x_m,y_m,z_m,ties,infeasible\na,0.1,2,0,1,0\nd,-3,2,0,4,1\n";
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), plain);
+
+    map.estimates = vec![None, estimate(1.0, 1, Some([[4.0, 0.5, 0.0], [0.5, 9.0, 0.0], [0.0; 3]])), None];
+    robot_log::write_map(&path, &names, &map).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    let header = "node,x_m,y_m,z_m,ties,infeasible,cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
+    assert_eq!(text, format!("{header}\n\"b,c\",1,2,0,1,0,4,0.5,0,9,0,0\n"));
+}
+
+#[test]
+fn the_truth_comes_back_equal_and_names_each_node_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nodes.csv");
+    let truth = BTreeMap::from([
+        ("a,b".to_owned(), Position::new(0.1, -2.5e-7, 1e6)),
+        (" c".to_owned(), Position::new(1.0 / 3.0, 0.0, 0.0)),
+    ]);
+    robot_log::write_truth(&path, &truth).unwrap();
+    assert_eq!(robot_log::read_truth(&path).unwrap(), truth);
+    std::fs::write(&path, "node,x_m,y_m\na,1,2\na,1,2\n").unwrap();
+    let message = robot_log::read_truth(&path).unwrap_err().to_string();
+    assert!(
+        message.ends_with("line 3, column `node`: found `a`; allowed: each node once; this one is given above"),
+        "{message}"
+    );
+    assert!(robot_log::read_truth(Path::new("/nonexistent/nodes.csv")).is_err());
+}

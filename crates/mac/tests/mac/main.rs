@@ -1,0 +1,4 @@
+//! Channel access over ideal media, against enumerations, closed forms and other simulations.
+
+mod one_shot;
+mod slotted;

@@ -1,0 +1,6 @@
+//! Networks from end to end, against closed forms and references of other simulators.
+
+mod discovery;
+mod one_shot;
+mod superframe;
+mod survey;
