@@ -11,6 +11,7 @@ use sextant_mapper::{
 use crate::scenario::{MetricsConfig, NamedMap};
 use crate::summary::{
     AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary,
+    NODE_ERRORS,
 };
 
 /// What is really where.
@@ -164,9 +165,6 @@ fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflecti
     let left: Vec<_> = pairs.iter().map(|&(mapped, truth)| similarity.apply(mapped).distance_m(truth)).collect();
     PositionError::of(&left)
 }
-
-/// Connectivity errors of a node at which its distribution is told.
-pub(crate) const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
 
 fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) -> ConnectivitySummary {
     let error = |rule| connectivity_error(truth, mapped, radius_m, rule).ok();

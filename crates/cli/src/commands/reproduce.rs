@@ -60,7 +60,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let runs = Runs::make(&experiments, &scenarios, arguments.runs, &interrupt, arguments.quiet)?;
     for (scenario, plan, rows) in runs.scenarios() {
         let name = scenario.trim_end_matches(".toml").replace('/', "-");
-        write_table(&out.join(format!("runs-{name}.csv")), &plan.columns(), rows)?;
+        write_table(&out.join(format!("runs-{name}.csv")), plan, rows)?;
     }
     let names: Vec<_> = runs.scenarios().map(|(scenario, ..)| scenario).collect();
     write_pictures(&names, &scenarios, &out.join("figures"), &interrupt)?;

@@ -11,6 +11,7 @@ use super::Format;
 use super::run::set_threads;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::summary::{Measure, measures};
 use crate::sweep::{Column, Mean, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
 use crate::table::{Align, columns, counted};
 
@@ -87,7 +88,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         other => other?,
     };
-    write_table(&out, &plan.columns(), &rows)?;
+    write_table(&out, &plan, &rows)?;
     clear_parts(&out)?;
     let results = Results { plan: &plan, rows: &rows };
     match arguments.format {
@@ -124,14 +125,21 @@ struct Results<'a> {
 }
 
 impl Results<'_> {
-    fn mean(&self, cell: usize, column: &str) -> Option<Mean> {
-        self.plan.mean(self.rows, cell, column)
+    /// The mean of a measure with its interval, in the unit for people: `6.0 ± 0.3 %`.
+    fn written(&self, cell: usize, measure: Measure<'_>) -> String {
+        let (factor, unit) = measure.unit().for_people();
+        match self.plan.mean(self.rows, cell, measure) {
+            None => "-".to_owned(),
+            Some(Mean { mean, half_width_95: None, .. }) => format!("{:.2} {unit}", factor * mean),
+            Some(Mean { mean, half_width_95: Some(half_width_95), .. }) => {
+                format!("{:.2} ± {:.2} {unit}", factor * mean, factor * half_width_95)
+            }
+        }
     }
 
     fn failed(&self, cell: Option<usize>) -> usize {
-        let error = self.plan.columns().iter().position(|column| column.name == "error").unwrap_or_default();
         let rows = self.rows.iter().filter(|row| cell.is_none_or(|cell| row.cell == cell));
-        rows.filter(|row| !row.texts[error].is_empty()).count()
+        rows.filter(|row| row.outcome.is_err()).count()
     }
 
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
@@ -144,10 +152,12 @@ impl Results<'_> {
         let mut rows = vec![header];
         for i in 0..self.plan.cells().len() {
             let count = self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
-            let mut row = vec![i.to_string(), count.to_string(), written(self.mean(i, "path_length_m"), 1.0, "m")];
+            let path = self.written(i, Measure::OfRun(&measures::run::PATH_LENGTH_M));
+            let mut row = vec![i.to_string(), count.to_string(), path];
             for map in self.plan.maps() {
-                row.push(written(self.mean(i, &format!("{map}.connectivity_error")), 100.0, "%"));
-                row.push(written(self.mean(i, &format!("{map}.position_error_m.mean")), 1.0, "m"));
+                for number in [&measures::map::CONNECTIVITY_ERROR, &measures::map::POSITION_ERROR_MEAN_M] {
+                    row.push(self.written(i, Measure::OfMap(map, number)));
+                }
             }
             row.extend(self.plan.values(i));
             rows.push(row);
@@ -163,30 +173,19 @@ impl Results<'_> {
             let settings: Map<_, _> =
                 cell.settings.iter().map(|setting| (setting.key.clone(), json!(setting.value))).collect();
             let mut means = Map::new();
-            for column in self.plan.columns().iter().skip_while(|column| column.name != "error").skip(1) {
-                if let Some(Mean { mean, half_width_95, runs }) = self.mean(i, &column.name) {
+            for measure in self.plan.measures() {
+                if let Some(Mean { mean, half_width_95, runs }) = self.plan.mean(self.rows, i, measure) {
                     let mut value = json!({"mean": mean, "runs": runs});
                     if let Some(half_width_95) = half_width_95 {
                         value["half_width_95"] = json!(half_width_95);
                     }
-                    means.insert(column.name.clone(), value);
+                    means.insert(measure.column(), value);
                 }
             }
             json!({"cell": i, "settings": settings, "failed": self.failed(Some(i)), "measures": means})
         });
         json!({"sweep": {"runs": self.plan.runs(), "seed": self.plan.seed(), "rows": self.rows.len(),
                          "cells": cells.collect::<Vec<_>>()}})
-    }
-}
-
-/// A mean with its interval: `6.0 ± 0.3 %`.
-fn written(mean: Option<Mean>, factor: f64, unit: &str) -> String {
-    match mean {
-        None => "-".to_owned(),
-        Some(Mean { mean, half_width_95: None, .. }) => format!("{:.2} {unit}", factor * mean),
-        Some(Mean { mean, half_width_95: Some(half_width_95), .. }) => {
-            format!("{:.2} ± {:.2} {unit}", factor * mean, factor * half_width_95)
-        }
     }
 }
 

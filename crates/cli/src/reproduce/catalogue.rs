@@ -1,6 +1,8 @@
 //! The experiments of chapter 3.
 
 use super::experiment::{Check, Claim, Content, Experiment, Quantity};
+use crate::summary::measures::{map, run};
+use crate::summary::{MapSummary, Measure, Number};
 
 const RANDOM: &str = "ml-tm/trajectory-random.toml";
 const SPIRAL: &str = "ml-tm/trajectory-spiral.toml";
@@ -21,44 +23,56 @@ const RADIUS_IN_3D: &str = "The thesis leaves the radius of communication in thr
 const fn e_total(
     what: &'static str,
     scenario: &'static str,
-    column: &'static str,
+    measure: Measure<'static>,
     published: &'static str,
 ) -> Quantity {
-    Quantity { what, scenario, column, factor: 100.0, unit: "%", published: Some(published) }
+    Quantity { what, scenario, measure, factor: 100.0, unit: "%", published: Some(published) }
 }
 
 /// The length of the path, which at 1 m/s is the time of driving.
 const fn seconds(what: &'static str, scenario: &'static str, published: &'static str) -> Quantity {
-    Quantity { what, scenario, column: "path_length_m", factor: 1.0, unit: "s", published: Some(published) }
+    Quantity { what, scenario, measure: PATH, factor: 1.0, unit: "s", published: Some(published) }
 }
 
 /// A share that the thesis does not give, in per cent.
-const fn share(what: &'static str, scenario: &'static str, column: &'static str) -> Quantity {
-    Quantity { what, scenario, column, factor: 100.0, unit: "%", published: None }
+const fn share(what: &'static str, scenario: &'static str, measure: Measure<'static>) -> Quantity {
+    Quantity { what, scenario, measure, factor: 100.0, unit: "%", published: None }
 }
 
 /// An energy that the thesis does not give.
-const fn millijoules(what: &'static str, scenario: &'static str, column: &'static str) -> Quantity {
-    Quantity { what, scenario, column, factor: 1000.0, unit: "mJ", published: None }
+const fn millijoules(what: &'static str, scenario: &'static str, measure: Measure<'static>) -> Quantity {
+    Quantity { what, scenario, measure, factor: 1000.0, unit: "mJ", published: None }
 }
 
 /// A mean error that the thesis does not give.
-const fn metres(what: &'static str, scenario: &'static str, column: &'static str) -> Quantity {
-    Quantity { what, scenario, column, factor: 1.0, unit: "m", published: None }
+const fn metres(what: &'static str, scenario: &'static str, measure: Measure<'static>) -> Quantity {
+    Quantity { what, scenario, measure, factor: 1.0, unit: "m", published: None }
 }
 
-const E: &str = "ml-tm.connectivity_error";
-const E_SECOND: &str = "ml-tm.connectivity_errors.1.connectivity_error";
-const E_THIRD: &str = "ml-tm.connectivity_errors.2.connectivity_error";
-const ML_TM_J: &str = "ml-tm.message_energy_j";
-const RSSI_J: &str = "rssi-triangle-centroid.message_energy_j";
-const TPM_J: &str = "tpm.message_energy_j";
-const WITHIN: &str = "ml-tm.nodes_within_0_2";
-const WITHIN_SECOND: &str = "ml-tm.connectivity_errors.1.nodes_within_0_2";
-const TPM: &str = "tpm.connectivity_error";
-const TPM_END_POINTS: &str = "tpm.connectivity_error_end_points";
-const RSSI: &str = "rssi-triangle-centroid.connectivity_error";
-const ERROR_M: &str = "ml-tm.position_error_m.mean";
+/// What is measured of the map of ML-TM, the hop map and the centroid.
+const fn ml_tm(number: &'static Number<MapSummary>) -> Measure<'static> {
+    Measure::OfMap("ml-tm", number)
+}
+const fn tpm(number: &'static Number<MapSummary>) -> Measure<'static> {
+    Measure::OfMap("tpm", number)
+}
+const fn rssi(number: &'static Number<MapSummary>) -> Measure<'static> {
+    Measure::OfMap("rssi-triangle-centroid", number)
+}
+
+const PATH: Measure<'static> = Measure::OfRun(&run::PATH_LENGTH_M);
+const E: Measure<'static> = ml_tm(&map::CONNECTIVITY_ERROR);
+const E_SECOND: Measure<'static> = ml_tm(&map::CONNECTIVITY_ERROR_1);
+const E_THIRD: Measure<'static> = ml_tm(&map::CONNECTIVITY_ERROR_2);
+const ML_TM_J: Measure<'static> = ml_tm(&map::MESSAGE_ENERGY_J);
+const RSSI_J: Measure<'static> = rssi(&map::MESSAGE_ENERGY_J);
+const TPM_J: Measure<'static> = tpm(&map::MESSAGE_ENERGY_J);
+const WITHIN: Measure<'static> = ml_tm(&map::NODES_WITHIN);
+const WITHIN_SECOND: Measure<'static> = ml_tm(&map::NODES_WITHIN_1);
+const TPM: Measure<'static> = tpm(&map::CONNECTIVITY_ERROR);
+const TPM_END_POINTS: Measure<'static> = tpm(&map::CONNECTIVITY_ERROR_END_POINTS);
+const RSSI: Measure<'static> = rssi(&map::CONNECTIVITY_ERROR);
+const ERROR_M: Measure<'static> = ml_tm(&map::POSITION_ERROR_MEAN_M);
 
 /// All of them, in the order of the thesis.
 pub const CHAPTER_3: &[Experiment] = &[
@@ -92,7 +106,7 @@ pub const CHAPTER_3: &[Experiment] = &[
             Claim { text: "S and spiral within a point of E_total", check: Check::Within((S, E), (SPIRAL, E), 0.01) },
             Claim {
                 text: "the Hilbert curve takes about twice as long as the S",
-                check: Check::Ratio((HILBERT, "path_length_m"), (S, "path_length_m"), 1.75..=2.25),
+                check: Check::Ratio((HILBERT, PATH), (S, PATH), 1.75..=2.25),
             },
             Claim {
                 text: "the longest path, the Hilbert curve, has the least E_total",
@@ -126,19 +140,15 @@ pub const CHAPTER_3: &[Experiment] = &[
             e_total("circular: ML-TM, E_total, neighbourhood of 10 m", CIRCULAR, E_THIRD, "5"),
             e_total("circular: SVD hop map, E_total", CIRCULAR, TPM, "10"),
             e_total("circular: RSSI triangle centroid, E_total", CIRCULAR, RSSI, "40"),
-            share("circular: ML-TM, symmetric loss", CIRCULAR, "ml-tm.symmetric_loss"),
-            share("circular: SVD hop map, symmetric loss", CIRCULAR, "tpm.symmetric_loss"),
-            share(
-                "circular: RSSI triangle centroid, symmetric loss",
-                CIRCULAR,
-                "rssi-triangle-centroid.symmetric_loss",
-            ),
+            share("circular: ML-TM, symmetric loss", CIRCULAR, ml_tm(&map::SYMMETRIC_LOSS)),
+            share("circular: SVD hop map, symmetric loss", CIRCULAR, tpm(&map::SYMMETRIC_LOSS)),
+            share("circular: RSSI triangle centroid, symmetric loss", CIRCULAR, rssi(&map::SYMMETRIC_LOSS)),
             metres("circular: ML-TM, mean position error", CIRCULAR, ERROR_M),
-            metres("circular: SVD hop map, mean position error", CIRCULAR, "tpm.position_error_m.mean"),
+            metres("circular: SVD hop map, mean position error", CIRCULAR, tpm(&map::POSITION_ERROR_MEAN_M)),
             metres(
                 "circular: RSSI triangle centroid, mean position error",
                 CIRCULAR,
-                "rssi-triangle-centroid.position_error_m.mean",
+                rssi(&map::POSITION_ERROR_MEAN_M),
             ),
             seconds("circular: time of driving at 1 m/s", CIRCULAR, "444"),
             e_total("sparse: ML-TM, E_total", SPARSE, E, "7"),
@@ -146,16 +156,12 @@ pub const CHAPTER_3: &[Experiment] = &[
             e_total("sparse: ML-TM, E_total, neighbourhood of 10 m", SPARSE, E_THIRD, "7"),
             e_total("sparse: SVD hop map, E_total", SPARSE, TPM, "14"),
             e_total("sparse: RSSI triangle centroid, E_total", SPARSE, RSSI, "33"),
-            share("sparse: ML-TM, symmetric loss", SPARSE, "ml-tm.symmetric_loss"),
-            share("sparse: SVD hop map, symmetric loss", SPARSE, "tpm.symmetric_loss"),
-            share("sparse: RSSI triangle centroid, symmetric loss", SPARSE, "rssi-triangle-centroid.symmetric_loss"),
+            share("sparse: ML-TM, symmetric loss", SPARSE, ml_tm(&map::SYMMETRIC_LOSS)),
+            share("sparse: SVD hop map, symmetric loss", SPARSE, tpm(&map::SYMMETRIC_LOSS)),
+            share("sparse: RSSI triangle centroid, symmetric loss", SPARSE, rssi(&map::SYMMETRIC_LOSS)),
             metres("sparse: ML-TM, mean position error", SPARSE, ERROR_M),
-            metres("sparse: SVD hop map, mean position error", SPARSE, "tpm.position_error_m.mean"),
-            metres(
-                "sparse: RSSI triangle centroid, mean position error",
-                SPARSE,
-                "rssi-triangle-centroid.position_error_m.mean",
-            ),
+            metres("sparse: SVD hop map, mean position error", SPARSE, tpm(&map::POSITION_ERROR_MEAN_M)),
+            metres("sparse: RSSI triangle centroid, mean position error", SPARSE, rssi(&map::POSITION_ERROR_MEAN_M)),
             seconds("sparse: time of driving at 1 m/s", SPARSE, "423"),
             e_total("concave: ML-TM, E_total", CONCAVE, E, "6"),
             e_total("concave: ML-TM, E_total, neighbourhood of 3 m", CONCAVE, E_SECOND, "6"),
@@ -163,19 +169,15 @@ pub const CHAPTER_3: &[Experiment] = &[
             e_total("concave: SVD hop map, E_total", CONCAVE, TPM, "19"),
             e_total("concave: SVD hop map, E_total from end points", CONCAVE, TPM_END_POINTS, "19"),
             e_total("concave: RSSI triangle centroid, E_total", CONCAVE, RSSI, "50"),
-            share("concave: ML-TM, symmetric loss", CONCAVE, "ml-tm.symmetric_loss"),
-            share("concave: SVD hop map, symmetric loss", CONCAVE, "tpm.symmetric_loss"),
-            share(
-                "concave: RSSI triangle centroid, symmetric loss",
-                CONCAVE,
-                "rssi-triangle-centroid.symmetric_loss",
-            ),
+            share("concave: ML-TM, symmetric loss", CONCAVE, ml_tm(&map::SYMMETRIC_LOSS)),
+            share("concave: SVD hop map, symmetric loss", CONCAVE, tpm(&map::SYMMETRIC_LOSS)),
+            share("concave: RSSI triangle centroid, symmetric loss", CONCAVE, rssi(&map::SYMMETRIC_LOSS)),
             metres("concave: ML-TM, mean position error", CONCAVE, ERROR_M),
-            metres("concave: SVD hop map, mean position error", CONCAVE, "tpm.position_error_m.mean"),
+            metres("concave: SVD hop map, mean position error", CONCAVE, tpm(&map::POSITION_ERROR_MEAN_M)),
             metres(
                 "concave: RSSI triangle centroid, mean position error",
                 CONCAVE,
-                "rssi-triangle-centroid.position_error_m.mean",
+                rssi(&map::POSITION_ERROR_MEAN_M),
             ),
             seconds("concave: time of driving at 1 m/s", CONCAVE, "438"),
         ]),
@@ -184,49 +186,49 @@ pub const CHAPTER_3: &[Experiment] = &[
             Claim {
                 text: "circular: ML-TM < SVD hop map < RSSI centroid by E_total",
                 check: Check::Rising(&[
-                    (CIRCULAR, "ml-tm.connectivity_error"),
-                    (CIRCULAR, "tpm.connectivity_error"),
-                    (CIRCULAR, "rssi-triangle-centroid.connectivity_error"),
+                    (CIRCULAR, ml_tm(&map::CONNECTIVITY_ERROR)),
+                    (CIRCULAR, tpm(&map::CONNECTIVITY_ERROR)),
+                    (CIRCULAR, rssi(&map::CONNECTIVITY_ERROR)),
                 ]),
             },
             Claim {
                 text: "circular: ML-TM < SVD hop map < RSSI centroid by symmetric loss",
                 check: Check::Rising(&[
-                    (CIRCULAR, "ml-tm.symmetric_loss"),
-                    (CIRCULAR, "tpm.symmetric_loss"),
-                    (CIRCULAR, "rssi-triangle-centroid.symmetric_loss"),
+                    (CIRCULAR, ml_tm(&map::SYMMETRIC_LOSS)),
+                    (CIRCULAR, tpm(&map::SYMMETRIC_LOSS)),
+                    (CIRCULAR, rssi(&map::SYMMETRIC_LOSS)),
                 ]),
             },
             Claim {
                 text: "sparse: ML-TM < SVD hop map < RSSI centroid by E_total",
                 check: Check::Rising(&[
-                    (SPARSE, "ml-tm.connectivity_error"),
-                    (SPARSE, "tpm.connectivity_error"),
-                    (SPARSE, "rssi-triangle-centroid.connectivity_error"),
+                    (SPARSE, ml_tm(&map::CONNECTIVITY_ERROR)),
+                    (SPARSE, tpm(&map::CONNECTIVITY_ERROR)),
+                    (SPARSE, rssi(&map::CONNECTIVITY_ERROR)),
                 ]),
             },
             Claim {
                 text: "sparse: ML-TM < SVD hop map < RSSI centroid by symmetric loss",
                 check: Check::Rising(&[
-                    (SPARSE, "ml-tm.symmetric_loss"),
-                    (SPARSE, "tpm.symmetric_loss"),
-                    (SPARSE, "rssi-triangle-centroid.symmetric_loss"),
+                    (SPARSE, ml_tm(&map::SYMMETRIC_LOSS)),
+                    (SPARSE, tpm(&map::SYMMETRIC_LOSS)),
+                    (SPARSE, rssi(&map::SYMMETRIC_LOSS)),
                 ]),
             },
             Claim {
                 text: "concave: ML-TM < SVD hop map < RSSI centroid by E_total",
                 check: Check::Rising(&[
-                    (CONCAVE, "ml-tm.connectivity_error"),
-                    (CONCAVE, "tpm.connectivity_error"),
-                    (CONCAVE, "rssi-triangle-centroid.connectivity_error"),
+                    (CONCAVE, ml_tm(&map::CONNECTIVITY_ERROR)),
+                    (CONCAVE, tpm(&map::CONNECTIVITY_ERROR)),
+                    (CONCAVE, rssi(&map::CONNECTIVITY_ERROR)),
                 ]),
             },
             Claim {
                 text: "concave: ML-TM < SVD hop map < RSSI centroid by symmetric loss",
                 check: Check::Rising(&[
-                    (CONCAVE, "ml-tm.symmetric_loss"),
-                    (CONCAVE, "tpm.symmetric_loss"),
-                    (CONCAVE, "rssi-triangle-centroid.symmetric_loss"),
+                    (CONCAVE, ml_tm(&map::SYMMETRIC_LOSS)),
+                    (CONCAVE, tpm(&map::SYMMETRIC_LOSS)),
+                    (CONCAVE, rssi(&map::SYMMETRIC_LOSS)),
                 ]),
             },
         ],
@@ -279,89 +281,89 @@ pub const CHAPTER_3: &[Experiment] = &[
         id: "energy",
         title: "Energy of the nodes by the count of messages, and by simulated radios",
         content: Content::Quantities(&[
-            millijoules("circular: ML-TM (eq. 3.17)", CIRCULAR, "ml-tm.message_energy_j"),
+            millijoules("circular: ML-TM (eq. 3.17)", CIRCULAR, ml_tm(&map::MESSAGE_ENERGY_J)),
+            millijoules("circular: RSSI triangle centroid (eq. 3.18)", CIRCULAR, rssi(&map::MESSAGE_ENERGY_J)),
+            millijoules("circular: SVD hop map (eq. 3.19)", CIRCULAR, tpm(&map::MESSAGE_ENERGY_J)),
             millijoules(
-                "circular: RSSI triangle centroid (eq. 3.18)",
+                "circular: simulated radios, sending during the survey",
                 CIRCULAR,
-                "rssi-triangle-centroid.message_energy_j",
+                Measure::OfRun(&run::ENERGY_TX_J),
             ),
-            millijoules("circular: SVD hop map (eq. 3.19)", CIRCULAR, "tpm.message_energy_j"),
-            millijoules("circular: simulated radios, sending during the survey", CIRCULAR, "energy_j.tx"),
             millijoules(
                 "circular: simulated radios, neighbour discovery, sending",
                 CIRCULAR,
-                "discovery.neighbours.energy_j.tx",
+                Measure::OfRun(&run::NEIGHBOURS_TX_J),
             ),
             millijoules(
                 "circular: simulated radios, neighbour discovery, receiving",
                 CIRCULAR,
-                "discovery.neighbours.energy_j.rx",
+                Measure::OfRun(&run::NEIGHBOURS_RX_J),
             ),
             millijoules(
                 "circular: simulated radios, anchors' packets, sending",
                 CIRCULAR,
-                "discovery.anchors.energy_j.tx",
+                Measure::OfRun(&run::ANCHORS_TX_J),
             ),
             millijoules(
                 "circular: simulated radios, anchors' packets, receiving",
                 CIRCULAR,
-                "discovery.anchors.energy_j.rx",
+                Measure::OfRun(&run::ANCHORS_RX_J),
             ),
-            millijoules("sparse: ML-TM (eq. 3.17)", SPARSE, "ml-tm.message_energy_j"),
+            millijoules("sparse: ML-TM (eq. 3.17)", SPARSE, ml_tm(&map::MESSAGE_ENERGY_J)),
+            millijoules("sparse: RSSI triangle centroid (eq. 3.18)", SPARSE, rssi(&map::MESSAGE_ENERGY_J)),
+            millijoules("sparse: SVD hop map (eq. 3.19)", SPARSE, tpm(&map::MESSAGE_ENERGY_J)),
             millijoules(
-                "sparse: RSSI triangle centroid (eq. 3.18)",
+                "sparse: simulated radios, sending during the survey",
                 SPARSE,
-                "rssi-triangle-centroid.message_energy_j",
+                Measure::OfRun(&run::ENERGY_TX_J),
             ),
-            millijoules("sparse: SVD hop map (eq. 3.19)", SPARSE, "tpm.message_energy_j"),
-            millijoules("sparse: simulated radios, sending during the survey", SPARSE, "energy_j.tx"),
             millijoules(
                 "sparse: simulated radios, neighbour discovery, sending",
                 SPARSE,
-                "discovery.neighbours.energy_j.tx",
+                Measure::OfRun(&run::NEIGHBOURS_TX_J),
             ),
             millijoules(
                 "sparse: simulated radios, neighbour discovery, receiving",
                 SPARSE,
-                "discovery.neighbours.energy_j.rx",
+                Measure::OfRun(&run::NEIGHBOURS_RX_J),
             ),
             millijoules(
                 "sparse: simulated radios, anchors' packets, sending",
                 SPARSE,
-                "discovery.anchors.energy_j.tx",
+                Measure::OfRun(&run::ANCHORS_TX_J),
             ),
             millijoules(
                 "sparse: simulated radios, anchors' packets, receiving",
                 SPARSE,
-                "discovery.anchors.energy_j.rx",
+                Measure::OfRun(&run::ANCHORS_RX_J),
             ),
-            millijoules("concave: ML-TM (eq. 3.17)", CONCAVE, "ml-tm.message_energy_j"),
+            millijoules("concave: ML-TM (eq. 3.17)", CONCAVE, ml_tm(&map::MESSAGE_ENERGY_J)),
+            millijoules("concave: RSSI triangle centroid (eq. 3.18)", CONCAVE, rssi(&map::MESSAGE_ENERGY_J)),
+            millijoules("concave: SVD hop map (eq. 3.19)", CONCAVE, tpm(&map::MESSAGE_ENERGY_J)),
             millijoules(
-                "concave: RSSI triangle centroid (eq. 3.18)",
+                "concave: simulated radios, sending during the survey",
                 CONCAVE,
-                "rssi-triangle-centroid.message_energy_j",
+                Measure::OfRun(&run::ENERGY_TX_J),
             ),
-            millijoules("concave: SVD hop map (eq. 3.19)", CONCAVE, "tpm.message_energy_j"),
-            millijoules("concave: simulated radios, sending during the survey", CONCAVE, "energy_j.tx"),
             millijoules(
                 "concave: simulated radios, neighbour discovery, sending",
                 CONCAVE,
-                "discovery.neighbours.energy_j.tx",
+                Measure::OfRun(&run::NEIGHBOURS_TX_J),
             ),
             millijoules(
                 "concave: simulated radios, neighbour discovery, receiving",
                 CONCAVE,
-                "discovery.neighbours.energy_j.rx",
+                Measure::OfRun(&run::NEIGHBOURS_RX_J),
             ),
             millijoules(
                 "concave: simulated radios, anchors' packets, sending",
                 CONCAVE,
-                "discovery.anchors.energy_j.tx",
+                Measure::OfRun(&run::ANCHORS_TX_J),
             ),
             millijoules(
                 "concave: simulated radios, anchors' packets, receiving",
                 CONCAVE,
-                "discovery.anchors.energy_j.rx",
+                Measure::OfRun(&run::ANCHORS_RX_J),
             ),
         ]),
         distributions: &[],
@@ -418,7 +420,7 @@ mod tests {
                 assert!(SHIPPED.iter().any(|(name, _)| *name == scenario), "{scenario}");
             }
             for Claim { check, .. } in experiment.claims {
-                assert!(check.measures().iter().all(|(scenario, _)| experiment.scenarios().contains(scenario)));
+                assert!(check.terms().iter().all(|(scenario, _)| experiment.scenarios().contains(scenario)));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::line::{Line, Ours};
 use super::{Runs, sensitivity, worked_example};
+use crate::summary::Measure;
 use crate::sweep::Mean;
 
 /// A table or figure of the thesis.
@@ -39,8 +40,8 @@ pub struct Quantity {
     pub what: &'static str,
     /// The scenario that ships with the program.
     pub scenario: &'static str,
-    /// The column of its table of runs.
-    pub column: &'static str,
+    /// What is measured.
+    pub measure: Measure<'static>,
     /// What turns the column into the unit.
     pub factor: f64,
     /// The unit.
@@ -58,18 +59,18 @@ pub struct Claim {
     pub check: Check,
 }
 
-/// A column of the table of runs of a scenario.
-pub type Measure = (&'static str, &'static str);
+/// What is measured of a scenario.
+pub type Term = (&'static str, Measure<'static>);
 
 /// What a conclusion says of means.
 #[derive(Debug)]
 pub enum Check {
     /// Each is above the one before.
-    Rising(&'static [Measure]),
+    Rising(&'static [Term]),
     /// Two differ by at most this much.
-    Within(Measure, Measure, f64),
+    Within(Term, Term, f64),
     /// The first is the second times a factor in this range.
-    Ratio(Measure, Measure, std::ops::RangeInclusive<f64>),
+    Ratio(Term, Term, std::ops::RangeInclusive<f64>),
 }
 
 impl Experiment {
@@ -113,7 +114,7 @@ impl Quantity {
             what: self.what.to_owned(),
             published: self.published.unwrap_or_default().to_owned(),
             unit: self.unit,
-            ours: runs.mean(self.scenario, 0, self.column).map_or(Ours::Missing, |mean| Ours::Mean(scaled(mean))),
+            ours: runs.mean(self.scenario, 0, self.measure).map_or(Ours::Missing, |mean| Ours::Mean(scaled(mean))),
         }
     }
 }
@@ -121,9 +122,9 @@ impl Quantity {
 impl Check {
     /// The means that it needs.
     #[must_use]
-    pub fn measures(&self) -> Vec<Measure> {
+    pub fn terms(&self) -> Vec<Term> {
         match self {
-            Self::Rising(measures) => measures.to_vec(),
+            Self::Rising(terms) => terms.to_vec(),
             Self::Within(a, b, _) | Self::Ratio(a, b, _) => vec![*a, *b],
         }
     }
@@ -142,9 +143,8 @@ impl Claim {
     /// Whether it holds for the means of `runs`; `None` if one is missing.
     #[must_use]
     pub fn holds(&self, runs: &Runs) -> Option<bool> {
-        let measures = self.check.measures();
-        let means: Option<Vec<f64>> =
-            measures.iter().map(|(scenario, column)| runs.mean(scenario, 0, column).map(|mean| mean.mean)).collect();
+        let mean = |(scenario, measure)| runs.mean(scenario, 0, measure).map(|mean| mean.mean);
+        let means: Option<Vec<f64>> = self.check.terms().into_iter().map(mean).collect();
         means.map(|means| self.check.holds(&means))
     }
 
@@ -161,11 +161,12 @@ impl Claim {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::summary::measures;
 
     #[test]
     fn a_conclusion_is_checked_as_it_reads() {
-        const A: Measure = ("s", "a");
-        const B: Measure = ("s", "b");
+        const A: Term = ("a", Measure::OfRun(&measures::run::STOPS));
+        const B: Term = ("b", Measure::OfRun(&measures::run::STOPS));
         for (check, means, holds) in [
             (Check::Rising(&[A, B]), [1.0, 2.0], true),
             (Check::Rising(&[A, B]), [2.0, 2.0], false),

@@ -9,11 +9,10 @@ use super::{Runs, sensitivity};
 use crate::diagnostic::Failure;
 use crate::figure::{self, Curves, Figure, FileFormat, Series, Source};
 use crate::interrupt::Interrupt;
-use crate::measure::NODE_ERRORS;
 use crate::recording::{read_drawn, read_log};
 use crate::run::{self, Files};
 use crate::scenario::Scenario;
-use crate::sweep::node_error_cdf;
+use crate::summary::{Measure, NODE_ERRORS, measures::node_errors};
 
 /// Draws the scenarios `names` of the files in `scenarios`, each with its own seed, into `out`/NAME: the network with the
 /// survey, the maps, their errors.
@@ -59,8 +58,8 @@ fn distribution(experiment: &Experiment, runs: &Runs) -> Option<Figure> {
     let mut series = Vec::new();
     for &scenario in experiment.distributions {
         for map in runs.plan(scenario)?.maps() {
-            let share = |error| runs.mean(scenario, 0, &node_error_cdf(map, error)).map(|mean| (error, mean.mean));
-            let points: Vec<_> = NODE_ERRORS.into_iter().filter_map(share).collect();
+            let point = |(error, &share)| Some((error, runs.mean(scenario, 0, Measure::OfMap(map, share))?.mean));
+            let points: Vec<_> = NODE_ERRORS.into_iter().zip(node_errors::ALL).filter_map(point).collect();
             let name = format!("{map}, {}", scenario.trim_start_matches("ml-tm/").trim_end_matches(".toml"));
             series.push(Series { name, points });
         }

@@ -12,7 +12,7 @@ mod shipped;
 mod worked_example;
 
 pub use catalogue::{CHAPTER_3, find};
-pub use experiment::{Check, Claim, Content, Experiment, Measure, Quantity};
+pub use experiment::{Check, Claim, Content, Experiment, Quantity, Term};
 pub use figures::{write_figures, write_pictures};
 pub use line::{Line, Ours, write_csv};
 pub use shipped::{SHIPPED, write_scenarios};
@@ -23,6 +23,7 @@ use std::path::Path;
 
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use crate::summary::Measure;
 use crate::sweep::{self, Mean, Plan, Row};
 
 /// All runs of the scenarios that experiments need.
@@ -55,10 +56,10 @@ impl Runs {
         Ok(Self { of: scenarios.into_iter().zip(plans.into_iter().zip(rows)).collect() })
     }
 
-    /// The mean of a column over the runs of a cell of a scenario that did not fail.
-    pub(crate) fn mean(&self, scenario: &str, cell: usize, column: &str) -> Option<Mean> {
+    /// The mean of a measure over the runs of a cell of a scenario that did not fail.
+    pub(crate) fn mean(&self, scenario: &str, cell: usize, measure: Measure<'_>) -> Option<Mean> {
         let (plan, rows) = self.of.get(scenario)?;
-        plan.mean(rows, cell, column)
+        plan.mean(rows, cell, measure)
     }
 
     /// The plan of a scenario.
@@ -76,11 +77,10 @@ impl Runs {
     pub fn failures(&self) -> Vec<String> {
         let mut failures = Vec::new();
         for (scenario, plan, rows) in self.scenarios() {
-            let columns = plan.columns();
-            let at = |name: &str| columns.iter().position(|column| column.name == name).unwrap_or_default();
-            let (seed, error) = (at("seed"), at("error"));
-            let failed = rows.iter().filter(|row| !row.texts[error].is_empty());
-            failures.extend(failed.map(|row| format!("{scenario}, seed {}: {}", row.texts[seed], row.texts[error])));
+            failures.extend(rows.iter().filter_map(|row| {
+                let error = row.outcome.as_ref().err()?;
+                Some(format!("{scenario}, seed {}: {error}", plan.seed_of(row.replicate)))
+            }));
         }
         failures
     }

@@ -3,10 +3,14 @@
 use super::Runs;
 use super::line::{Line, Ours};
 use crate::figure::{Curves, Figure, Series};
+use crate::summary::{Measure, measures};
 use crate::sweep::Mean;
 
 /// The sweep over environments, p0 and R.
 pub(super) const SCENARIO: &str = "ml-tm/sensitivity.toml";
+
+/// What is to be least.
+const CONNECTIVITY_ERROR: Measure<'static> = Measure::OfMap("ml-tm", &measures::map::CONNECTIVITY_ERROR);
 
 /// Radius of communication of the scenario [m].
 const RADIUS_M: f64 = 10.0;
@@ -38,7 +42,7 @@ fn points(runs: &Runs) -> Vec<Point> {
             environment: value("environment")?,
             p0: value("p0")?.parse().ok()?,
             range_m: value("range_m")?.parse().ok()?,
-            error: runs.mean(SCENARIO, cell, "ml-tm.connectivity_error")?,
+            error: runs.mean(SCENARIO, cell, CONNECTIVITY_ERROR)?,
         })
     };
     (0..plan.cells().len()).filter_map(of).collect()

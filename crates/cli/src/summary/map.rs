@@ -137,6 +137,9 @@ pub struct ErrorSummary {
     pub max: f64,
 }
 
+/// Connectivity errors of a node at which its distribution is told.
+pub const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
+
 /// How well a map keeps who is whose neighbour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ConnectivitySummary {
@@ -163,7 +166,7 @@ pub struct ConnectivitySummary {
     /// Distribution of the connectivity error of a node: pairs of an error and the share of the nodes with neighbours
     /// whose error is at most that.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub node_error_cdf: Option<[[f64; 2]; 11]>,
+    pub node_error_cdf: Option<[[f64; 2]; NODE_ERRORS.len()]>,
 }
 
 /// What a map was brought into the world by.

@@ -5,11 +5,14 @@
 
 mod gathering;
 mod map;
+pub mod measures;
 
 pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSummary, RoundSummary};
 pub use map::{
     AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary,
+    NODE_ERRORS,
 };
+pub use measures::{Measure, Number, Unit};
 
 use std::path::Path;
 

@@ -4,21 +4,21 @@
 //! that cells differ by their settings alone. Cells that differ only in what is made of the reception log share their
 //! surveys. The table is a function of scenario, seeds and version: threads and shards do not change a byte of its rows.
 
-mod measures;
+mod column;
 mod parts;
 mod plan;
+mod row;
 mod shard;
 mod statistics;
 mod table_file;
 mod unit;
 
-pub(crate) use measures::node_error_cdf;
-pub use measures::{Column, Kind};
+pub use column::{Column, Kind};
 pub use plan::{Cell, Plan};
+pub use row::Row;
 pub use shard::Shard;
 pub use statistics::Mean;
-pub use table_file::{TableFormat, write_table};
-pub use unit::Row;
+pub use table_file::TableFormat;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -44,9 +44,10 @@ pub fn run(
     quiet: bool,
 ) -> Result<Vec<Row>, Failure> {
     let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
+    let measures = plan.measures().len();
     let units = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
     let rows = all(units, "sweeping", interrupt, quiet, |unit| {
-        if let Some(rows) = parts.read(unit.index)? {
+        if let Some(rows) = parts.read(unit.index, measures)? {
             return Ok(rows);
         }
         let rows = unit::run(plan, unit, interrupt).ok_or(Failure::Interrupted)?;
@@ -101,6 +102,15 @@ fn all<U: Sync, T: Send>(
 fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
     rows.sort_by_key(|row| (row.cell, row.replicate));
     rows
+}
+
+/// Writes the table of `rows` to the file at `path`, whole or not at all.
+///
+/// # Errors
+/// If the extension is none that is known or the file cannot be written.
+pub fn write_table(path: &Path, plan: &Plan, rows: &[Row]) -> Result<(), Failure> {
+    let texts: Vec<_> = rows.iter().map(|row| plan.texts(row)).collect();
+    table_file::write_table(path, &plan.columns(), &texts)
 }
 
 /// Forgets the finished units beside `out`: the table is written.

@@ -4,7 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::unit::Row;
+use super::row::Row;
 use crate::commands::write_file;
 use crate::diagnostic::Failure;
 
@@ -54,40 +54,56 @@ impl Parts {
         self.folder.join(format!("{unit:07}.csv"))
     }
 
-    /// The rows of a unit, if it is finished.
-    pub(super) fn read(&self, unit: usize) -> Result<Option<Vec<Row>>, Failure> {
+    /// The rows of a unit, each with this many `measures`, if it is finished.
+    pub(super) fn read(&self, unit: usize, measures: usize) -> Result<Option<Vec<Row>>, Failure> {
         let path = self.path(unit);
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(Failure::failed(format!("`{}` cannot be read: {error}", path.display()))),
         };
-        let broken = || {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
+        let rows: Option<Vec<Row>> = reader.records().map(|record| row(&record.ok()?, measures)).collect();
+        rows.map(Some).ok_or_else(|| {
             Failure::bad_input_with_help(
                 format!("`{}` is no part of a sweep", path.display()),
                 "remove the file: its runs will be made again",
             )
-        };
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let texts: Vec<String> = record.map_err(|_| broken())?.iter().map(str::to_owned).collect();
-            let number = |i: usize| texts.get(i).and_then(|text| text.parse::<u32>().ok()).ok_or_else(broken);
-            rows.push(Row { cell: number(0)? as usize, replicate: number(1)?, texts });
-        }
-        Ok(Some(rows))
+        })
     }
 
     /// Keeps the rows of a finished unit.
     pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), Failure> {
         let path = self.path(unit);
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let written = rows.iter().try_for_each(|row| writer.write_record(&row.texts));
+        let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+        let written = rows.iter().try_for_each(|row| writer.write_record(record(row)));
         let bytes = written
             .map_err(io::Error::from)
             .and_then(|()| writer.into_inner().map_err(|error| io::Error::other(error.to_string())));
         write_file(&path, &bytes.map_err(|error| Failure::unwritable(&path, &error))?)
     }
+}
+
+/// The fields of a row: cell, replicate, error, then the values, each with all its digits.
+fn record(row: &Row) -> Vec<String> {
+    let (error, values) = match &row.outcome {
+        Ok(values) => (String::new(), values.as_slice()),
+        Err(error) => (error.clone(), [].as_slice()),
+    };
+    let values = values.iter().map(|value| value.map_or_else(String::new, |value| format!("{value:?}")));
+    [row.cell.to_string(), row.replicate.to_string(), error].into_iter().chain(values).collect()
+}
+
+/// The row of a [`record`] with this many `measures`; none if it is no such record.
+fn row(record: &csv::StringRecord, measures: usize) -> Option<Row> {
+    let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
+    let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
+    let outcome = match record.get(2)? {
+        "" if values.len() == measures => Ok(values),
+        "" => return None,
+        error => Err(error.to_owned()),
+    };
+    Some(Row { cell: record.get(0)?.parse().ok()?, replicate: record.get(1)?.parse().ok()?, outcome })
 }
 
 /// Removes the folder beside `out`.
@@ -111,15 +127,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("table.csv");
         let rows = vec![
-            Row { cell: 2, replicate: 1, texts: vec!["2".into(), "1".into(), "a \"b\",\nc".into()] },
-            Row { cell: 3, replicate: 1, texts: vec!["3".into(), "1".into(), String::new()] },
+            Row { cell: 2, replicate: 1, outcome: Ok(vec![Some(0.1 + 0.2), None, Some(12.0)]) },
+            Row { cell: 3, replicate: 1, outcome: Err("a \"b\",\nc".into()) },
         ];
         let parts = Parts::open(&out, "this", false).unwrap();
-        assert_eq!(parts.read(7).unwrap(), None);
+        assert_eq!(parts.read(7, 3).unwrap(), None);
         parts.write(7, &rows).unwrap();
         assert!(matches!(Parts::open(&out, "this", false), Err(Failure::BadInput(_))));
         assert!(matches!(Parts::open(&out, "other", true), Err(Failure::BadInput(_))));
-        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7).unwrap(), Some(rows));
+        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7, 3).unwrap(), Some(rows));
+        assert!(matches!(parts.read(7, 4), Err(Failure::BadInput(_))), "a row of another length is no part");
         remove(&out).unwrap();
         assert!(!super::folder(&out).exists());
     }

@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::measures::{self, Column, Kind};
+use super::column::{Column, Kind};
+use super::row::{Row, written};
 use super::statistics::Mean;
-use super::unit::{Row, Unit};
+use super::unit::Unit;
 use crate::scenario::{Scenario, ScenarioErrors, Setting, Sweep};
+use crate::summary::{Measure, measures};
 
 /// The cells and runs of a sweep.
 #[derive(Debug)]
@@ -80,6 +82,9 @@ impl Plan {
         }
         let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
         digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
+        for measure in measures::all(&maps) {
+            digest.update(measure.column() + "\n");
+        }
         let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self {
             path: path.to_owned(),
@@ -124,13 +129,36 @@ impl Plan {
         &self.maps
     }
 
+    /// What is measured of each run, in the order of the columns.
+    #[must_use]
+    pub fn measures(&self) -> Vec<Measure<'_>> {
+        measures::all(&self.maps)
+    }
+
     /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a run that failed, and what
     /// was measured.
     #[must_use]
     pub fn columns(&self) -> Vec<Column> {
         let identity = ["cell", "replicate", "seed"].map(|name| Column::new(name, Kind::Integer));
         let error = Column::new("error", Kind::Text);
-        identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures::columns(&self.maps)).collect()
+        let measures = self.measures();
+        let measures = measures.iter().map(Column::from);
+        identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures).collect()
+    }
+
+    /// The texts of a row under the [`columns`](Self::columns), empty where there is nothing to tell.
+    #[must_use]
+    pub fn texts(&self, row: &Row) -> Vec<String> {
+        let identity = [row.cell.to_string(), row.replicate.to_string(), self.seed_of(row.replicate).to_string()];
+        let measures = self.measures();
+        let (error, values) = match &row.outcome {
+            Ok(values) => (String::new(), values.clone()),
+            Err(error) => (error.clone(), vec![None; measures.len()]),
+        };
+        let texts = measures.iter().zip(values).map(|(measure, value)| {
+            value.map_or_else(String::new, |value| written(value, Column::from(measure).kind))
+        });
+        identity.into_iter().chain(self.values(row.cell)).chain([error]).chain(texts).collect()
     }
 
     /// The settings that vary.
@@ -139,12 +167,18 @@ impl Plan {
         &self.keys
     }
 
-    /// The mean of a column over the runs of a cell that did not fail; `None` if there are none, or no such column.
+    /// The values of a measure in the runs of a cell that did not fail, with the number of the run.
     #[must_use]
-    pub fn mean(&self, rows: &[Row], cell: usize, column: &str) -> Option<Mean> {
-        let at = self.columns().iter().position(|other| other.name == column)?;
-        let values: Vec<f64> =
-            rows.iter().filter(|row| row.cell == cell).filter_map(|row| row.texts[at].parse().ok()).collect();
+    pub fn values_of(&self, rows: &[Row], cell: usize, measure: Measure<'_>) -> Vec<(u32, f64)> {
+        let Some(at) = self.measures().iter().position(|other| *other == measure) else { return Vec::new() };
+        let value = |row: &Row| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
+        rows.iter().filter(|row| row.cell == cell).filter_map(value).collect()
+    }
+
+    /// The mean of a measure over the runs of a cell that did not fail; `None` if there are none, or it does not apply.
+    #[must_use]
+    pub fn mean(&self, rows: &[Row], cell: usize, measure: Measure<'_>) -> Option<Mean> {
+        let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
     }
 
@@ -159,7 +193,8 @@ impl Plan {
     }
 
     /// The seed of a replicate.
-    pub(super) fn seed_of(&self, replicate: u32) -> u64 {
+    #[must_use]
+    pub fn seed_of(&self, replicate: u32) -> u64 {
         self.seed.wrapping_add(u64::from(replicate))
     }
 

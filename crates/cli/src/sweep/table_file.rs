@@ -12,8 +12,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::measures::{Column, Kind};
-use super::unit::Row;
+use super::column::{Column, Kind};
 use crate::commands::write_file;
 use crate::diagnostic::Failure;
 
@@ -46,11 +45,11 @@ impl TableFormat {
     }
 }
 
-/// Writes `rows` under `columns` to the file at `path`, whole or not at all.
+/// Writes `rows` of texts under `columns` to the file at `path`, whole or not at all.
 ///
 /// # Errors
 /// If the extension is none that is known or the file cannot be written.
-pub fn write_table(path: &Path, columns: &[Column], rows: &[Row]) -> Result<(), Failure> {
+pub(super) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), Failure> {
     let bytes = match TableFormat::of(path)? {
         TableFormat::Csv => csv(columns, rows),
         TableFormat::Parquet => parquet(columns, rows).map_err(|error| io::Error::other(error.to_string())),
@@ -58,17 +57,17 @@ pub fn write_table(path: &Path, columns: &[Column], rows: &[Row]) -> Result<(), 
     write_file(path, &bytes.map_err(|error| Failure::unwritable(path, &error))?)
 }
 
-fn csv(columns: &[Column], rows: &[Row]) -> io::Result<Vec<u8>> {
+fn csv(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(columns.iter().map(|column| &column.name))?;
     for row in rows {
-        writer.write_record(&row.texts)?;
+        writer.write_record(row)?;
     }
     writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
 }
 
 /// One row group; a text that is empty is null.
-fn parquet(columns: &[Column], rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
+fn parquet(columns: &[Column], rows: &[Vec<String>]) -> Result<Vec<u8>, ParquetError> {
     let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
     let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
     let properties = WriterProperties::builder().set_created_by(format!("sextant {}", env!("CARGO_PKG_VERSION")));
@@ -76,7 +75,7 @@ fn parquet(columns: &[Column], rows: &[Row]) -> Result<Vec<u8>, ParquetError> {
     let mut file = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties.build()))?;
     let mut group = file.next_row_group()?;
     for (i, column) in columns.iter().enumerate() {
-        let texts: Vec<&str> = rows.iter().map(|row| row.texts[i].as_str()).collect();
+        let texts: Vec<&str> = rows.iter().map(|row| row[i].as_str()).collect();
         let present: Vec<i16> = texts.iter().map(|text| i16::from(!text.is_empty())).collect();
         let texts = texts.into_iter().filter(|text| !text.is_empty());
         let Some(mut writer) = group.next_column()? else {
@@ -123,15 +122,14 @@ mod tests {
 
     use super::*;
 
-    fn table() -> (Vec<Column>, Vec<Row>) {
+    fn table() -> (Vec<Column>, Vec<Vec<String>>) {
         let columns = vec![
             Column::new("cell", Kind::Integer),
             Column::new("error", Kind::Text),
             Column::new("ml-tm.connectivity_error", Kind::Real),
         ];
-        let row =
-            |cell: usize, texts: [&str; 3]| Row { cell, replicate: 0, texts: texts.map(str::to_owned).to_vec() };
-        (columns, vec![row(0, ["0", "", "0.1"]), row(1, ["1", "no, \"never\"", ""])])
+        let row = |texts: [&str; 3]| texts.map(str::to_owned).to_vec();
+        (columns, vec![row(["0", "", "0.1"]), row(["1", "no, \"never\"", ""])])
     }
 
     #[test]

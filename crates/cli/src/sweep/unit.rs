@@ -3,8 +3,8 @@
 use sextant_channel::Contact;
 use sextant_sim::{Observer, Progress, Simulation, Survey};
 
-use super::measures;
 use super::plan::Plan;
+use super::row::Row;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::run;
@@ -18,23 +18,12 @@ pub(super) struct Unit {
     pub(super) cells: Vec<usize>,
 }
 
-/// One run of one cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Row {
-    /// Number of the cell, from 0.
-    pub cell: usize,
-    /// Number of the run, from 0.
-    pub replicate: u32,
-    /// The texts of all columns, empty where there is nothing to tell.
-    pub texts: Vec<String>,
-}
-
 /// The rows of `unit`; none if the user interrupts.
 pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec<Row>> {
     let mut survey: Option<(Survey, Option<f64>)> = None;
     let mut rows = Vec::with_capacity(unit.cells.len());
     for &cell in &unit.cells {
-        let result = plan.scenario(cell, unit.replicate).map_err(message).and_then(|scenario| {
+        let outcome = plan.scenario(cell, unit.replicate).map_err(message).and_then(|scenario| {
             if survey.is_none() {
                 let gathered = gather(&scenario, interrupt)?;
                 // Every cell of the unit has the same world, so the bound is theirs too.
@@ -47,7 +36,7 @@ pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec
         if interrupt.is_requested() {
             return None;
         }
-        rows.push(row(plan, cell, unit.replicate, result));
+        rows.push(Row { cell, replicate: unit.replicate, outcome });
     }
     Some(rows)
 }
@@ -57,24 +46,21 @@ fn gather(scenario: &Scenario, interrupt: &Interrupt) -> Result<Survey, String> 
     Ok(simulation.run(&mut Watch { interrupt }))
 }
 
-fn measured(plan: &Plan, scenario: &Scenario, survey: &Survey, bound_m: Option<f64>) -> Result<Vec<String>, String> {
+/// The values of all measures of `plan`.
+fn measured(
+    plan: &Plan,
+    scenario: &Scenario,
+    survey: &Survey,
+    bound_m: Option<f64>,
+) -> Result<Vec<Option<f64>>, String> {
     let discoveries = run::Discoveries::of(scenario).map_err(|failure| reason(&failure))?;
     let mut maps = Vec::new();
     for named in scenario.maps() {
         let evaluation = run::evaluate(scenario, named, (survey, &discoveries), bound_m);
         maps.push(evaluation.map_err(|failure| reason(&failure))?.summary);
     }
-    Ok(measures::texts(&run::sum_up(scenario, survey, &discoveries, maps), plan.maps()))
-}
-
-fn row(plan: &Plan, cell: usize, replicate: u32, result: Result<Vec<String>, String>) -> Row {
-    let identity = [cell.to_string(), replicate.to_string(), plan.seed_of(replicate).to_string()];
-    let (error, measures) = match result {
-        Ok(measures) => (String::new(), measures),
-        Err(error) => (error, vec![String::new(); measures::columns(plan.maps()).len()]),
-    };
-    let texts = identity.into_iter().chain(plan.values(cell)).chain([error]).chain(measures).collect();
-    Row { cell, replicate, texts }
+    let summary = run::sum_up(scenario, survey, &discoveries, maps);
+    Ok(plan.measures().iter().map(|measure| measure.of(&summary)).collect())
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it is the argument of map_err")]

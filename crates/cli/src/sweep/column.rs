@@ -1,0 +1,37 @@
+//! The columns of the table of a sweep.
+
+use crate::summary::{Measure, Unit};
+
+/// What the texts of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Whole numbers.
+    Integer,
+    /// Numbers.
+    Real,
+    /// Texts.
+    Text,
+}
+
+/// A column of the table of a sweep.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// What is in it.
+    pub kind: Kind,
+}
+
+impl Column {
+    /// A column `name` of `kind`.
+    pub fn new(name: impl Into<String>, kind: Kind) -> Self {
+        Self { name: name.into(), kind }
+    }
+}
+
+impl From<&Measure<'_>> for Column {
+    fn from(measure: &Measure<'_>) -> Self {
+        let kind = if measure.unit() == Unit::Count { Kind::Integer } else { Kind::Real };
+        Self::new(measure.column(), kind)
+    }
+}

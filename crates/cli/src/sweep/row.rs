@@ -1,0 +1,40 @@
+//! What came out of one run of one cell.
+
+use serde_json::Number;
+
+use super::column::Kind;
+
+/// One run of one cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Number of the cell, from 0.
+    pub cell: usize,
+    /// Number of the run, from 0.
+    pub replicate: u32,
+    /// The values of all measures of the plan, none where one does not apply; or why the run failed.
+    pub outcome: Result<Vec<Option<f64>>, String>,
+}
+
+/// A number as it stands in a table: a whole number without a point, any other with the digits that tell it from its
+/// neighbours.
+pub(super) fn written(value: f64, kind: Kind) -> String {
+    match (kind, Number::from_f64(value)) {
+        (Kind::Real, Some(number)) => number.to_string(),
+        _ => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_so_that_they_read_back_the_same() {
+        assert_eq!(written(12.0, Kind::Integer), "12");
+        assert_eq!(written(1e15, Kind::Integer), "1000000000000000");
+        assert_eq!(written(1.0, Kind::Real), "1.0");
+        for value in [0.1 + 0.2, 1e-7, 2.5e-5, f64::MIN_POSITIVE, 1e300] {
+            assert_eq!(written(value, Kind::Real).parse(), Ok(value));
+        }
+    }
+}
