@@ -18,6 +18,7 @@ use super::document::Document;
 use super::error::{ScenarioError, ScenarioErrors};
 use super::known_channel::KnownChannel;
 use super::layers;
+use super::survey_identity::SurveyIdentity;
 use crate::summary::ScenarioSummary;
 use crate::table::counted;
 
@@ -162,17 +163,10 @@ impl Scenario {
         setup(&self.config, self.parts.clone(), self.config.robots.iter().enumerate().map(robot).collect())
     }
 
-    /// A text that two scenarios share if their surveys are the same for each seed: all settings but the seed and those
-    /// that concern what is made of a survey.
+    /// What it shares with the scenarios whose surveys are the same for each seed.
     #[must_use]
-    pub fn survey_identity(&self) -> String {
-        let mut config = self.config.clone();
-        config.maps.clear();
-        config.metrics = MetricsConfig::default();
-        config.recording = RecordingConfig::default();
-        config.sweep = None;
-        (config.name, config.seed) = (String::new(), 0);
-        format!("{config:?}")
+    pub fn survey_identity(&self) -> SurveyIdentity {
+        SurveyIdentity::of(&self.config)
     }
 
     /// What the results say of the scenario.

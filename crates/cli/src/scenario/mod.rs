@@ -10,6 +10,7 @@ mod key_path;
 mod known_channel;
 mod layers;
 mod map_settings;
+mod survey_identity;
 mod sweep;
 
 pub use build::{NamedMap, Scenario};
@@ -17,6 +18,7 @@ pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
 pub use map_settings::{AlgorithmName, MapSettings};
+pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, Sweep, SweepConfig};
 
 use deserialize::Refusal;

@@ -9,7 +9,7 @@ use super::column::{Column, Kind};
 use super::row::{Row, written};
 use super::statistics::Mean;
 use super::unit::Unit;
-use crate::scenario::{Scenario, ScenarioErrors, Setting, Sweep};
+use crate::scenario::{Scenario, ScenarioErrors, Setting, SurveyIdentity, Sweep};
 use crate::summary::{Measure, measures};
 
 /// The cells and runs of a sweep.
@@ -57,7 +57,7 @@ impl Plan {
             keys[i].1.push(&setting.value);
         }
         let keys = keys.iter().map(|(key, values)| Column::new(key, kind(values))).collect();
-        let mut surveys: Vec<String> = Vec::new();
+        let mut surveys: Vec<SurveyIdentity> = Vec::new();
         let mut maps: Vec<String> = Vec::new();
         let mut cells = Vec::with_capacity(sweep.cells.len());
         let mut digest = Sha256::new();

@@ -114,6 +114,30 @@ fn a_run_in_a_sweep_is_the_run_alone() {
     }
 }
 
+#[test]
+fn cells_that_differ_in_their_anchors_share_surveys_and_get_the_maps_that_they_get_alone() {
+    let folder = TempDir::new().unwrap();
+    let sweep_of_anchors = "[[maps]]\n[maps.algorithm.weighted_centroid]\n\
+                            [sweep]\nruns = 1\nproduct.anchors.share = [0.3, 0.6]\n";
+    let (scenario, out) = (scenario(&folder, sweep_of_anchors), folder.path().join("t.csv"));
+    let plan = String::from_utf8(sweep(&scenario, &out, &["--dry-run"]).stdout).unwrap();
+    assert!(plan.contains("2 rows, 1 survey simulated"), "{plan}");
+    assert!(sweep(&scenario, &out, &[]).status.success());
+    let together = table(&out);
+    let errors = ["0.3", "0.6"].map(|share| {
+        let alone = folder.path().join(format!("{share}.csv"));
+        let set = format!("anchors.share={share}");
+        let base = scenario.with_file_name("alone.toml");
+        let text = std::fs::read_to_string(&scenario).unwrap();
+        std::fs::write(&base, text.split("[sweep]").next().unwrap()).unwrap();
+        assert!(sweep(&base, &alone, &["--runs", "1", "--set", &set]).status.success());
+        table(&alone)[0][column(&alone, "weighted-centroid.position_error_m.mean")].to_owned()
+    });
+    let at = column(&out, "weighted-centroid.position_error_m.mean");
+    assert_eq!([&together[0][at], &together[1][at]], [&errors[0], &errors[1]]);
+    assert!(errors[0] != errors[1] && !errors[0].is_empty(), "{errors:?}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_killed_sweep_is_taken_up_again_with_the_same_rows() {

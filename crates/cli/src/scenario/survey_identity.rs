@@ -1,0 +1,129 @@
+//! Which scenarios share their surveys.
+
+use serde::Serialize;
+use sextant_apps::ControllerConfig;
+use sextant_channel::ChannelConfig;
+use sextant_mac::EnergyConfig;
+use sextant_sim::{MacConfig, RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig};
+use sha2::{Digest, Sha256};
+
+use super::config::ScenarioConfig;
+
+/// What two scenarios have in common if their surveys are the same for each seed: a hash of all settings that a survey
+/// depends on, except the seed. Files count by their names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurveyIdentity([u8; 32]);
+
+/// The settings that a survey depends on.
+#[derive(Serialize)]
+struct SurveySettings<'a> {
+    world: &'a WorldConfig,
+    radio: &'a RadioConfig,
+    channel: &'a ChannelConfig,
+    mac: &'a MacConfig,
+    traffic: &'a TrafficConfig,
+    reception: &'a ReceptionConfig,
+    energy: &'a EnergyConfig,
+    robots: &'a [RobotConfig<ControllerConfig>],
+}
+
+impl SurveyIdentity {
+    /// The identity of the surveys of `config`.
+    ///
+    /// # Panics
+    /// Never for a scenario that was read from text.
+    #[must_use]
+    pub fn of(config: &ScenarioConfig) -> Self {
+        // Without `..`: whoever adds a table of settings decides here whether a survey depends on it.
+        let ScenarioConfig {
+            world,
+            radio,
+            channel,
+            mac,
+            traffic,
+            reception,
+            energy,
+            robots,
+            name: _,
+            seed: _,
+            anchors: _,
+            discovery: _,
+            maps: _,
+            metrics: _,
+            recording: _,
+            sweep: _,
+        } = config;
+        let settings = SurveySettings { world, radio, channel, mac, traffic, reception, energy, robots };
+        let json = serde_json::to_vec(&settings).expect("settings that were read from text can be written as text");
+        Self(Sha256::digest(json).into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use serde_json::{Value, json};
+
+    use super::super::Scenario;
+    use super::*;
+
+    /// Tables that concern what is made of a survey, and what is the same in each run.
+    const OTHERS: [&str; 8] = ["name", "seed", "anchors", "discovery", "maps", "metrics", "recording", "sweep"];
+
+    fn shipped(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() { shipped(&path, found) } else { found.push(path) }
+        }
+    }
+
+    /// Pointers to all values in `value` that are no tables or arrays.
+    fn leaves(value: &Value, pointer: &str, found: &mut Vec<String>) {
+        match value {
+            Value::Object(table) => {
+                table.iter().for_each(|(key, value)| leaves(value, &format!("{pointer}/{key}"), found))
+            }
+            Value::Array(items) => {
+                items.iter().enumerate().for_each(|(i, value)| leaves(value, &format!("{pointer}/{i}"), found));
+            }
+            _ => found.push(pointer.to_owned()),
+        }
+    }
+
+    fn another(value: &Value) -> Value {
+        match value {
+            Value::Bool(value) => json!(!value),
+            Value::Number(number) if number.is_f64() => json!(number.as_f64().unwrap() + 0.125),
+            Value::Number(number) => json!(number.as_u64().map_or(0, |number| number + 1)),
+            Value::Null => json!(1.5),
+            other => json!(format!("{}-other", other.as_str().unwrap())),
+        }
+    }
+
+    #[test]
+    fn every_survey_key_changes_the_identity_and_no_other_key_does() {
+        let mut paths = Vec::new();
+        shipped(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios"), &mut paths);
+        let (mut survey_keys, mut other_keys) = (0, 0);
+        for path in paths {
+            let config = Scenario::load(&path, &[], None).unwrap().config().clone();
+            let identity = SurveyIdentity::of(&config);
+            let tree = serde_json::to_value(&config).unwrap();
+            let mut pointers = Vec::new();
+            leaves(&tree, "", &mut pointers);
+            for pointer in pointers {
+                let mut tree = tree.clone();
+                let leaf = tree.pointer_mut(&pointer).unwrap();
+                *leaf = another(leaf);
+                // The name of a variant has no other value that the key takes.
+                let Ok(changed) = serde_json::from_value::<ScenarioConfig>(tree) else { continue };
+                let is_other = OTHERS.iter().any(|table| pointer.split('/').nth(1) == Some(table));
+                *(if is_other { &mut other_keys } else { &mut survey_keys }) += 1;
+                let is_same = SurveyIdentity::of(&changed) == identity;
+                assert_eq!(is_same, is_other, "{} in {}", pointer, path.display());
+            }
+        }
+        assert!(survey_keys > 300 && other_keys > 100, "{survey_keys} and {other_keys} keys were tried");
+    }
+}
