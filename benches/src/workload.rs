@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 
 /// A survey to be mapped.
 #[derive(Clone, Debug)]
@@ -149,7 +149,7 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
             }
         }
     }
-    let stops = stops.iter().map(|&position| Stop { time: SimTime::ZERO, position }).collect();
+    let stops = stops.iter().map(|&position| Stop { robot: RobotId(0), time: SimTime::ZERO, position }).collect();
     let names = (0..nodes.len()).map(|node| format!("n{node}")).collect();
     receptions.build(names, stops, Vec::new()).expect("a log without contradictions")
 }

@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let nodes = arguments.next().map_or(Ok(35_000), |nodes| nodes.parse())?;
     let workload = workload::field(nodes);
     let mut recorder = FileRecorder::create(path.as_ref())?;
-    recorder.log("surveyor", &workload.log)?;
+    recorder.log(&workload.log)?;
     recorder.finish()?;
     eprintln!("{} receptions at {} stops", workload.log.receptions().len(), workload.log.stops().len());
     Ok(())

@@ -65,7 +65,7 @@ pub use path_loss::{LogDistance, LogDistanceConfig, PathLossConfig};
 pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
-    Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
+    Contact, Drive, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
 };
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, SpatialConfig};

@@ -2,18 +2,24 @@
 
 mod builder;
 mod columns;
+mod drive;
 mod view;
 
-use sextant_kernel::{NodeId, SimTime};
+use std::borrow::Cow;
+
+use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use crate::{Position, SectorTable};
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
+pub use drive::Drive;
 pub use view::{Receptions, ReceptionsIter};
 
-/// A place where the robot listened for a while.
+/// A place where a robot listened for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
+    /// The robot that listened.
+    pub robot: RobotId,
     /// When listening began.
     pub time: SimTime,
     /// Where the robot stood, in its own odometry frame [m].
@@ -38,9 +44,11 @@ pub struct Reception {
     pub rssi_dbm: Option<f64>,
 }
 
-/// A place where a range sensor of the robot met an obstacle.
+/// A place where a range sensor of a robot met an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
+    /// The robot that met it.
+    pub robot: RobotId,
     /// When.
     pub time: SimTime,
     /// The point of the obstacle that was met [m].
@@ -61,6 +69,7 @@ pub struct ReceptionLog {
     /// Where the receptions of each node begin, and the end of the last.
     first: Vec<usize>,
     contacts: Vec<Contact>,
+    robots: Vec<String>,
     sectors: Option<SectorTable>,
 }
 
@@ -73,6 +82,7 @@ impl Default for ReceptionLog {
             columns: Columns::default(),
             first: vec![0],
             contacts: Vec::new(),
+            robots: Vec::new(),
             sectors: None,
         }
     }
@@ -119,6 +129,14 @@ pub enum LogError {
         /// Index of the stop.
         stop: u32,
     },
+    /// A stop or a contact of a robot that the log does not have.
+    #[error("a stop or contact is of robot {robot}, but the log has {robots} robots (0 to {})", .robots.saturating_sub(1))]
+    UnknownRobot {
+        /// The robot named.
+        robot: u32,
+        /// Number of robots.
+        robots: usize,
+    },
     /// A reception in a sector that the listener does not have.
     #[error("node `{node}` at stop {stop} was heard in sector {sector}; the listener's sectors are {known}")]
     UnknownSector {
@@ -162,6 +180,53 @@ impl ReceptionLog {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(receptions);
         builder.build(names, stops, contacts)
+    }
+
+    /// The same log with these names of the robots (index = [`RobotId`]); an empty list says that they are not known.
+    ///
+    /// # Errors
+    /// If a stop or a contact is of a robot that is not among them.
+    pub fn with_robots(self, robots: Vec<String>) -> Result<Self, LogError> {
+        let unnamed = Self { robots: Vec::new(), ..self };
+        match unnamed.robot_count().checked_sub(1) {
+            Some(last) if !robots.is_empty() && last >= robots.len() => {
+                Err(LogError::UnknownRobot { robot: RobotId::from_index(last).0, robots: robots.len() })
+            }
+            _ => Ok(Self { robots, ..unnamed }),
+        }
+    }
+
+    /// Names of the robots; the index is the [`RobotId`]. Empty if they were not given.
+    #[must_use]
+    pub fn robots(&self) -> &[String] {
+        &self.robots
+    }
+
+    /// The name of a robot; `robot-0` of the first one if names were not given.
+    #[must_use]
+    pub fn robot_name(&self, robot: RobotId) -> Cow<'_, str> {
+        match self.robots.get(robot.index()) {
+            Some(name) => Cow::Borrowed(name),
+            None => Cow::Owned(format!("robot-{}", robot.0)),
+        }
+    }
+
+    /// Number of robots: those named, or those that stopped or met an obstacle.
+    #[must_use]
+    pub fn robot_count(&self) -> usize {
+        let of_stops = self.stops.iter().map(|stop| stop.robot);
+        let of_contacts = self.contacts.iter().map(|contact| contact.robot);
+        let seen = of_stops.chain(of_contacts).map(|robot| robot.index() + 1).max().unwrap_or(0);
+        seen.max(self.robots.len())
+    }
+
+    /// The straight lines from each stop to the next one of the same robot, in the order of the survey.
+    pub fn drives(&self) -> impl Iterator<Item = Drive> {
+        let mut last: Vec<Option<Position>> = vec![None; self.robot_count()];
+        self.stops.iter().filter_map(move |&Stop { robot, position, .. }| {
+            let from = last[robot.index()].replace(position)?;
+            Some(Drive { robot, from, to: position })
+        })
     }
 
     /// The same log of a listener that has these sectors.
@@ -246,7 +311,7 @@ mod tests {
     }
 
     fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {
-        let stops = vec![Stop { time: SimTime::ZERO, position: Position::ORIGIN }; 3];
+        let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }; 3];
         ReceptionLog::new(vec!["a".into(), "b".into()], stops, receptions, Vec::new())
     }
 
@@ -257,6 +322,20 @@ mod tests {
         assert_eq!(log.of(NodeId(1)), [heard(1, 0), heard(1, 2)]);
         assert_eq!(log.of(NodeId(1)).stops(), [0, 2]);
         assert_eq!(log.receptions(), [heard(0, 1), heard(1, 0), heard(1, 2)]);
+    }
+
+    #[test]
+    fn drives_join_the_stops_of_one_robot_only() {
+        let stop =
+            |robot, x_m| Stop { robot: RobotId(robot), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
+        let stops = vec![stop(0, 0.0), stop(1, 100.0), stop(0, 1.0), stop(1, 98.0), stop(0, 4.0)];
+        let log = ReceptionLog::new(Vec::new(), stops, Vec::new(), Vec::new()).unwrap();
+        let lengths: Vec<(u32, f64)> = log.drives().map(|drive| (drive.robot.0, drive.length_m())).collect();
+        assert_eq!(lengths, [(0, 1.0), (1, 2.0), (0, 3.0)]);
+        assert_eq!(log.robot_count(), 2);
+        let named = log.clone().with_robots(vec!["a".into(), "b".into(), "c".into()]).unwrap();
+        assert_eq!((named.robot_count(), named.robots()[1].as_str()), (3, "b"));
+        assert_eq!(log.with_robots(vec!["a".into()]), Err(LogError::UnknownRobot { robot: 1, robots: 1 }));
     }
 
     #[test]

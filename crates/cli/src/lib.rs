@@ -18,6 +18,7 @@ pub mod measure;
 pub mod recording;
 pub mod reproduce;
 pub mod robot_log;
+mod robot_names;
 pub mod run;
 pub mod scenario;
 pub mod summary;

@@ -61,7 +61,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
-    row("packets received", Some(gathering.packets_received.to_string()), "");
+    row("packets received", count(gathering.packets_received), "");
+    row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
     row("lost to collisions", count(gathering.lost_collision), "");
     row("lost to a busy channel", count(gathering.lost_channel_access), "");
     row("lost to a weak signal", count(gathering.lost_signal), "");
@@ -263,7 +264,8 @@ mod tests {
                 stops: 444,
                 path_length_m: Some(443.96),
                 packets_offered: Some(481_120),
-                packets_received: 10_234,
+                receptions: 4_321,
+                packets_received: Some(10_234),
                 ..GatheringSummary::default()
             }),
             maps: vec![
@@ -289,6 +291,7 @@ mod tests {
         path length        444.0  m
         packets offered   481120
         packets received   10234
+        receptions          4321  pairs of a stop and a node heard there
 
         map      mapped    mean  median     p90     p95      max  aligned mean  connectivity error  false neighbours
         ml-tm   490/496  0.71 m  0.60 m  1.40 m  1.75 m  12.25 m             -               5.1 %                 -

@@ -17,11 +17,13 @@
 mod node;
 mod queue;
 mod random;
+mod robot;
 mod setting;
 mod time;
 
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
 pub use random::{Purpose, Seed, Stream};
+pub use robot::RobotId;
 pub use setting::SettingError;
 pub use time::SimTime;

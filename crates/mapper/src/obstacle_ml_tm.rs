@@ -128,7 +128,7 @@ impl PartialEq for ObstacleMlTm {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, Reception, ShapeConfig, Stop};
-    use sextant_kernel::SimTime;
+    use sextant_kernel::{RobotId, SimTime};
 
     use super::*;
     use crate::{ObstacleUse, ProfileConfig};
@@ -171,7 +171,7 @@ mod tests {
         let stops: Vec<Stop> = (-10..=14)
             .flat_map(|i| (-8..=8).map(move |j| (i, j)))
             .filter(|&(i, _)| i != 3)
-            .map(|(i, j)| Stop { time: SimTime::ZERO, position: at(i, j) })
+            .map(|(i, j)| Stop { robot: RobotId(0), time: SimTime::ZERO, position: at(i, j) })
             .collect();
         let link = channel().link().expect("a good channel");
         let hears = |stop: &Stop| {

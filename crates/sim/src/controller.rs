@@ -10,6 +10,8 @@ pub struct Heard {
     pub node: NodeId,
     /// Packets received during the slot.
     pub packets: u32,
+    /// Packets that the node sent from the first to the last one received, both counted: their sequence numbers tell.
+    pub sent: u32,
     /// Mean received signal strength [dBm].
     pub rssi_dbm: f64,
 }

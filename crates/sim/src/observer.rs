@@ -54,10 +54,10 @@ pub trait Observer {
     fn moved(&mut self, _robot: usize, _time: SimTime, _position: Position) {}
 
     /// A robot met an obstacle.
-    fn met(&mut self, _robot: usize, _contact: Contact) {}
+    fn met(&mut self, _contact: Contact) {}
 
     /// A robot has listened at stop `index` of the log, from `stop.time` until `end`, and heard `receptions`.
-    fn stopped(&mut self, _robot: usize, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
+    fn stopped(&mut self, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
 
     /// A frame was on air; told at its end, and only if [`Observer::wants_frames`].
     fn framed(&mut self, _frame: Frame<'_>) {}

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{Milliwatts, ObstacleField, Position, Reception, Stop};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, RobotId, SimTime};
 use sextant_mac::responder::Responder;
 
 use crate::survey::RobotRecord;
@@ -36,6 +36,7 @@ pub(crate) enum Decision {
 
 /// A robot under way.
 pub(crate) struct Pilot {
+    id: RobotId,
     robot: Robot,
     position: Position,
     activity: Activity,
@@ -49,28 +50,33 @@ pub(crate) struct Pilot {
 
 /// What was heard in a slot, by node.
 struct Tally {
-    packets: Vec<u32>,
-    rssi_sum_dbm: Vec<f64>,
+    slot: Vec<Slot>,
     heard: Vec<NodeId>,
     /// Packets of all slots before.
     total: Vec<u32>,
 }
 
+/// What was heard of one node in a slot.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slot {
+    packets: u32,
+    /// Packets that the node sent from the first to the last one heard, by their sequence numbers.
+    sent: u32,
+    rssi_sum_dbm: f64,
+    last_sequence: u8,
+}
+
 impl Pilot {
-    pub(crate) fn new(robot: Robot, responder: Responder, nodes: usize) -> Self {
+    pub(crate) fn new(id: RobotId, robot: Robot, responder: Responder, nodes: usize) -> Self {
         let position = robot.body.start;
         Self {
+            id,
             robot,
             position,
             activity: Activity::Driving { to: position, blocked_at: None },
             responder,
             slot_is_over: false,
-            tally: Tally {
-                packets: vec![0; nodes],
-                rssi_sum_dbm: vec![0.0; nodes],
-                heard: Vec::new(),
-                total: vec![0; nodes],
-            },
+            tally: Tally { slot: vec![Slot::default(); nodes], heard: Vec::new(), total: vec![0; nodes] },
             stops: 0,
             path_length_m: 0.0,
             ending: None,
@@ -90,14 +96,19 @@ impl Pilot {
         self.activity == Activity::Finished
     }
 
-    /// A packet of `node` was received in this slot.
-    pub(crate) fn note(&mut self, node: NodeId, power: Milliwatts) {
-        let i = node.index();
-        if self.tally.packets[i] == 0 {
+    /// The packet `sequence` of `node` was received in this slot.
+    pub(crate) fn note(&mut self, node: NodeId, sequence: u8, power: Milliwatts) {
+        let slot = &mut self.tally.slot[node.index()];
+        if slot.packets == 0 {
             self.tally.heard.push(node);
+            slot.sent = 1;
+        } else {
+            // Sequence numbers count modulo 256: a gap of 256 packets or more would look shorter.
+            slot.sent += u32::from(sequence.wrapping_sub(slot.last_sequence)).max(1);
         }
-        self.tally.packets[i] += 1;
-        self.tally.rssi_sum_dbm[i] += power.to_dbm().0;
+        slot.packets += 1;
+        slot.rssi_sum_dbm += power.to_dbm().0;
+        slot.last_sequence = sequence;
     }
 
     /// The drive is over: the robot is where it was sent, or before an obstacle.
@@ -128,12 +139,12 @@ impl Pilot {
         self.slot_is_over = false;
         self.stops += 1;
         let heard = self.tally.take();
-        let stop = Stop { time: since, position: self.position };
+        let stop = Stop { robot: self.id, time: since, position: self.position };
         let reception = |heard: &Heard| Reception {
             node: heard.node,
             stop: index,
-            received: 1,
-            sent: 1,
+            received: heard.packets,
+            sent: heard.sent,
             sector: None,
             rssi_dbm: Some(heard.rssi_dbm),
         };
@@ -144,7 +155,7 @@ impl Pilot {
 
     fn decide(&mut self, now: SimTime, outcome: Outcome<'_>, obstacles: &ObstacleField) -> Decision {
         let mut outcome = outcome;
-        let node_count = self.tally.packets.len();
+        let node_count = self.tally.slot.len();
         for _ in 0..IDLE_COMMANDS {
             let radius_m = self.robot.body.radius_m;
             let situation = Situation::new(now, self.position, outcome, node_count, obstacles, radius_m);
@@ -208,10 +219,9 @@ impl Tally {
     fn take(&mut self) -> Vec<Heard> {
         self.heard.sort_unstable();
         let heard = self.heard.drain(..).map(|node| {
-            let packets = std::mem::take(&mut self.packets[node.index()]);
+            let Slot { packets, sent, rssi_sum_dbm, .. } = std::mem::take(&mut self.slot[node.index()]);
             self.total[node.index()] += packets;
-            let sum_dbm = std::mem::take(&mut self.rssi_sum_dbm[node.index()]);
-            Heard { node, packets, rssi_dbm: sum_dbm / f64::from(packets) }
+            Heard { node, packets, sent, rssi_dbm: rssi_sum_dbm / f64::from(packets) }
         });
         heard.collect()
     }

@@ -7,7 +7,7 @@ mod robots;
 use std::time::Duration;
 
 use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, ReceptionLogBuilder, Stop};
-use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SettingError, SimTime};
+use sextant_kernel::{EventQueue, NodeId, Purpose, RobotId, Seed, SettingError, SimTime};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::csma::Outcome;
 use sextant_mac::frame::{Address, Body, Frame as MacFrame, NodeFrame};
@@ -20,7 +20,7 @@ use crate::mac::NodeMac;
 use crate::node::{Network, Node};
 use crate::pilot::Pilot;
 use crate::receiver::{Fate, Reception};
-use crate::survey::{Packets, Survey};
+use crate::survey::{Packets, RobotRecord, Survey};
 use crate::{HeardFrame, Mac, Observer, Radio, ReceptionModel, Robot, Traffic, World};
 
 use robots::RobotRadio;
@@ -148,7 +148,7 @@ impl Simulation {
         let address = |robot: usize| Address::of(NodeId::from_index(nodes + robot));
         let sink = (traffic.is_acknowledged() && !robots.is_empty()).then(|| NodeId::from_index(nodes));
         let pilots = (robots.into_iter().enumerate())
-            .map(|(i, robot)| Pilot::new(robot, Responder::new(phy, PAN, address(i)), nodes))
+            .map(|(i, robot)| Pilot::new(RobotId::from_index(i), robot, Responder::new(phy, PAN, address(i)), nodes))
             .collect();
         Ok(Self {
             macs: (0..nodes).map(|i| mac.of(NodeId::from_index(i), phy)).collect(),
@@ -299,7 +299,7 @@ impl Simulation {
         let mut radio = RobotRadio { network: &mut self.network, robot, place: pilot.position() };
         let verdict = pilot.responder.receive_and_respond(&frame, gap, &mut radio);
         if let (Verdict::Deliver, true, Some(node)) = (verdict, is_data, source) {
-            pilot.note(node, arrival.power);
+            pilot.note(node, frame.sequence, arrival.power);
         }
     }
 
@@ -335,9 +335,11 @@ impl Simulation {
             .receptions
             .build(names, self.stops, self.contacts)
             .expect("a simulation hears each node at most once a stop");
+        let robots: Vec<RobotRecord> = self.pilots.into_iter().map(Pilot::into_record).collect();
+        let named = robots.iter().map(|robot| robot.name.clone()).collect();
         Survey {
-            log,
-            robots: self.pilots.into_iter().map(Pilot::into_record).collect(),
+            log: log.with_robots(named).expect("each stop and contact is of a robot"),
+            robots,
             packets: self.packets,
             energy,
             end: self.network.now,

@@ -146,7 +146,7 @@ impl World {
             let loss_db = 10.0 * exponent * distance_m.max(0.1).log10() + self.field.loss(*node, place).0;
             let rssi_dbm = -50.0 - loss_db + shadowing_db;
             let is_heard = distance_m <= self.reach_m && (self.fading.is_none() || rssi_dbm >= -90.0);
-            is_heard.then_some(Heard { node: NodeId::from_index(i), packets: 1, rssi_dbm })
+            is_heard.then_some(Heard { node: NodeId::from_index(i), packets: 1, sent: 1, rssi_dbm })
         };
         self.nodes.iter().enumerate().filter_map(hear).collect()
     }

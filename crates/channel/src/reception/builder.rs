@@ -11,14 +11,14 @@ use crate::Position;
 ///
 /// ```
 /// use sextant_channel::{Position, Reception, ReceptionLogBuilder, Stop};
-/// use sextant_kernel::{NodeId, SimTime};
+/// use sextant_kernel::{NodeId, RobotId, SimTime};
 ///
 /// let mut builder = ReceptionLogBuilder::default();
 /// for (stop, node) in [(0, 1), (1, 0), (1, 1)] {
 ///     let node = NodeId(node);
 ///     builder.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
 /// }
-/// let stop = Stop { time: SimTime::ZERO, position: Position::ORIGIN };
+/// let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
 /// let log = builder.build(vec!["a".into(), "b".into()], vec![stop; 2], Vec::new())?;
 /// assert_eq!(log.of(NodeId(1)).stops(), [0, 1]);
 /// # Ok::<(), sextant_channel::LogError>(())
@@ -160,7 +160,7 @@ impl ReceptionLogBuilder {
                 return Err(LogError::Twice { node: name.clone(), stop: pair[0] });
             }
         }
-        Ok(ReceptionLog { names, stops, columns, first, contacts, sectors: None })
+        Ok(ReceptionLog { names, stops, columns, first, contacts, robots: Vec::new(), sectors: None })
     }
 
     /// Checks each reception on its own. Returns where those of each node will begin.
@@ -220,7 +220,7 @@ fn sort_each(columns: &mut Columns, first: &[usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{Purpose, Seed, SimTime};
+    use sextant_kernel::{Purpose, RobotId, Seed, SimTime};
 
     /// Every pair of some nodes and stops with entries of all kinds.
     fn entries() -> Vec<Reception> {
@@ -242,7 +242,7 @@ mod tests {
     fn build(receptions: impl IntoIterator<Item = Reception>) -> Result<ReceptionLog, LogError> {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(receptions);
-        let stops = vec![Stop { time: SimTime::ZERO, position: Position::ORIGIN }; 40];
+        let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }; 40];
         builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new())
     }
 
@@ -293,7 +293,7 @@ mod tests {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(entries());
         builder.forget_from(13);
-        let stops = vec![Stop { time: SimTime::ZERO, position: Position::ORIGIN }; 13];
+        let stops = vec![Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN }; 13];
         let log = builder.build((0..30).map(|node| format!("n{node}")).collect(), stops, Vec::new()).unwrap();
         let kept: Vec<Reception> = entries().into_iter().filter(|r| r.stop < 13).collect();
         assert_eq!(log.receptions(), kept);

@@ -62,6 +62,8 @@ pub struct Arguments {
 /// A log and what came with it.
 struct Input {
     log: ReceptionLog,
+    /// The paths of robots, by name, where they are known.
+    paths: Vec<(String, Vec<Position>)>,
     scenario: Option<String>,
     truth: Option<BTreeMap<String, Position>>,
     known: Known,
@@ -108,7 +110,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let summary = Summary {
-        gathering: Some(gathering(&input.log)),
+        gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
         maps: summaries,
         timing: Some(Timing {
             wall_s: start.elapsed().as_secs_f64(),
@@ -139,7 +141,15 @@ fn read(path: &Path) -> Result<Input, Failure> {
     if path.is_dir() {
         let log = robot_log::read(path)?;
         let known = Known::default();
-        return Ok(Input { log, scenario: None, truth: None, known, seed: Seed(1), notes: Vec::new() });
+        return Ok(Input {
+            log,
+            paths: Vec::new(),
+            scenario: None,
+            truth: None,
+            known,
+            seed: Seed(1),
+            notes: Vec::new(),
+        });
     }
     let run = recording::read_log(path)?;
     let scenario = run.attachments.iter().rfind(|attachment| attachment.name == SCENARIO_ATTACHMENT);
@@ -156,7 +166,7 @@ fn read(path: &Path) -> Result<Input, Failure> {
     let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
     let known = recording::read_known(path, run.log.node_count())?;
     let truth = recording::read_truth(path)?;
-    Ok(Input { log: run.log, scenario, truth, known, seed: Seed(seed.unwrap_or(1)), notes })
+    Ok(Input { log: run.log, paths: run.paths, scenario, truth, known, seed: Seed(seed.unwrap_or(1)), notes })
 }
 
 /// The true place of each node of the log. A node whose place is unknown cannot be measured: then nothing is.
@@ -171,16 +181,6 @@ fn places(truth: &BTreeMap<String, Position>, log: &ReceptionLog, notes: &mut Ve
         return None;
     }
     Some(log.names().iter().map(|name| truth[name]).collect())
-}
-
-fn gathering(log: &ReceptionLog) -> GatheringSummary {
-    let drives = log.stops().windows(2).map(|pair| pair[0].position.distance_m(pair[1].position));
-    GatheringSummary {
-        stops: log.stops().len(),
-        path_length_m: Some(drives.sum()),
-        packets_received: log.receptions().iter().map(|reception| u64::from(reception.received)).sum(),
-        ..GatheringSummary::default()
-    }
 }
 
 /// `DIR/MAP.NAME.csv` for `DIR/MAP.csv`.

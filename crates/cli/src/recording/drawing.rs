@@ -5,6 +5,7 @@ use foxglove::messages::{
     Color, FrameTransform, Grid, PackedElementField, Point3, PointCloud, Pose, PosesInFrame, Quaternion, SceneEntity,
     SceneUpdate, Timestamp, TriangleListPrimitive, Vector2, Vector3,
 };
+use prost::Message as _;
 use prost::bytes::Bytes;
 use sextant_channel::{Obstacle, Position};
 use sextant_kernel::{NodeId, SimTime};
@@ -100,6 +101,32 @@ pub(super) fn path(time: SimTime, places: &[Position]) -> PosesInFrame {
         timestamp: Some(timestamp(time)),
         frame_id: WORLD.to_owned(),
         poses: places.iter().copied().map(pose).collect(),
+    }
+}
+
+/// The robot whose path is on `topic`, if it is one of a path.
+pub(super) fn robot_of_path(topic: &str) -> Option<&str> {
+    topic.strip_prefix("/robot/")?.strip_suffix("/path")
+}
+
+/// The places of a path, as [`path`] draws it; says what is wrong with them.
+pub(super) fn path_of(data: &[u8]) -> Result<Vec<Position>, String> {
+    let poses = PosesInFrame::decode(data).map_err(|why| why.to_string())?.poses;
+    poses
+        .iter()
+        .map(|pose| pose.position.as_ref().ok_or_else(|| "a pose without a position".to_owned()))
+        .map(|position| position.and_then(|p| place(p.x, p.y, p.z)))
+        .collect()
+}
+
+/// A place that can be; says what is wrong with another.
+pub(super) fn place(x_m: f64, y_m: f64, z_m: f64) -> Result<Position, String> {
+    let position = Position::new(x_m, y_m, z_m);
+    if position.is_within_reason() {
+        Ok(position)
+    } else {
+        let farthest_m = Position::FARTHEST_M;
+        Err(format!("a place at [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {farthest_m:e} m"))
     }
 }
 

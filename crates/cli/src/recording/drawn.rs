@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use foxglove::messages::{Grid, PointCloud, PosesInFrame, SceneUpdate};
+use foxglove::messages::{Grid, PointCloud, SceneUpdate};
 use prost::Message as _;
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use super::drawing::{self, LikelihoodPlane, Solid};
+use super::drawing::{self, LikelihoodPlane, Solid, place};
 use super::error::RecordingError;
 use super::reader::sound;
 use super::scan::Piece;
@@ -77,9 +77,8 @@ impl Drawn {
             }
             "foxglove.SceneUpdate" if topic == "/world/obstacles" => self.obstacles = solids(data)?,
             "foxglove.PosesInFrame" => {
-                let robot = topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/path"));
-                if let Some(name) = robot {
-                    replace(&mut self.paths, name, track(data)?);
+                if let Some(name) = drawing::robot_of_path(topic) {
+                    replace(&mut self.paths, name, drawing::path_of(data)?);
                 }
             }
             "foxglove.Grid" => {
@@ -105,29 +104,10 @@ fn replace<T>(list: &mut Vec<(String, T)>, name: &str, value: T) {
     }
 }
 
-fn place(x_m: f64, y_m: f64, z_m: f64) -> Result<Position, String> {
-    let position = Position::new(x_m, y_m, z_m);
-    if position.is_within_reason() {
-        Ok(position)
-    } else {
-        let farthest_m = Position::FARTHEST_M;
-        Err(format!("a place at [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {farthest_m:e} m"))
-    }
-}
-
 fn places(data: &[u8]) -> Result<Places, String> {
     let cloud = PointCloud::decode(data).map_err(|why| why.to_string())?;
     let nodes = drawing::nodes_of(&cloud)?;
     nodes.into_iter().map(|(node, p)| Ok((node, place(p.x_m, p.y_m, p.z_m)?))).collect()
-}
-
-fn track(data: &[u8]) -> Result<Vec<Position>, String> {
-    let poses = PosesInFrame::decode(data).map_err(|why| why.to_string())?.poses;
-    poses
-        .iter()
-        .map(|pose| pose.position.as_ref().ok_or_else(|| "a pose without a position".to_owned()))
-        .map(|position| position.and_then(|p| place(p.x, p.y, p.z)))
-        .collect()
 }
 
 fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {

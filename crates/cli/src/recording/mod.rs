@@ -7,12 +7,12 @@
 //! ```
 //! use sextant::recording::{FileRecorder, read_log};
 //! use sextant_channel::{Position, Reception, Stop};
-//! use sextant_kernel::{NodeId, SimTime};
+//! use sextant_kernel::{NodeId, RobotId, SimTime};
 //!
 //! let path = std::env::temp_dir().join(format!("sextant-doc-{}.mcap", std::process::id()));
 //! let mut recorder = FileRecorder::create(&path)?;
 //! recorder.nodes(&["a".to_owned(), "b".to_owned()])?;
-//! let stop = Stop { time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0) };
+//! let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0) };
 //! let heard = Reception { node: NodeId(1), stop: 0, received: 3, sent: 5, sector: None, rssi_dbm: None };
 //! recorder.stop("surveyor", 0, &stop, &[heard])?;
 //! recorder.finish()?;

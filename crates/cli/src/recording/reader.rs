@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
@@ -18,6 +19,8 @@ use super::scan::{Piece, scan};
 pub struct RecordedRun {
     /// The reception log.
     pub log: ReceptionLog,
+    /// The places that robots passed, by name; empty if the recording was cut short.
+    pub paths: Vec<(String, Vec<Position>)>,
     /// Stops that were left out, 0 or 1: the last stop of a recovered recording may lack receptions, and a
     /// reception that is absent would mean that nothing was heard.
     pub cut_stops: usize,
@@ -56,7 +59,9 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
                     topics.push(channel.topic.clone());
                 }
                 let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
-                draft.add(schema, data).map_err(|problem| RecordingError::message(path, &channel.topic, problem))?;
+                draft
+                    .add(&channel.topic, schema, data)
+                    .map_err(|problem| RecordingError::message(path, &channel.topic, problem))?;
             }
             Piece::Attachment { name, media_type, data } => attachments.push(Attachment {
                 name: name.to_owned(),
@@ -77,8 +82,9 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
     let log = draft
         .receptions
         .build(draft.names, draft.stops, draft.contacts)
+        .and_then(|log| log.with_robots(draft.robots.into_vec()))
         .map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
-    Ok(RecordedRun { log, cut_stops, metadata, attachments })
+    Ok(RecordedRun { log, paths: draft.paths, cut_stops, metadata, attachments })
 }
 
 /// Where the nodes of the recording `path` really are, by name [m]; `None` if it does not tell.
@@ -94,7 +100,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
         };
         let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
         match (channel.topic.as_str(), channel.schema.as_ref().map(|schema| schema.name.as_str())) {
-            (_, Some("sextant.Nodes")) => names.add("sextant.Nodes", data).map_err(wrong),
+            (_, Some("sextant.Nodes")) => names.add(&channel.topic, "sextant.Nodes", data).map_err(wrong),
             (super::WORLD_NODES_TOPIC, Some("foxglove.PointCloud")) => {
                 let cloud = PointCloud::decode(data).map_err(|why| wrong(why.to_string()))?;
                 places = Some(drawing::nodes_of(&cloud).map_err(wrong)?);
@@ -154,24 +160,34 @@ pub(super) fn sound(
 #[derive(Default)]
 struct LogDraft {
     names: Vec<String>,
+    robots: RobotNames,
     stops: Vec<Stop>,
     receptions: ReceptionLogBuilder,
     contacts: Vec<Contact>,
+    paths: Vec<(String, Vec<Position>)>,
     /// Receptions that the last stop still lacks.
     owed: u32,
 }
 
 impl LogDraft {
     /// Takes a message of the given schema in, if it is part of a reception log; says what is wrong with it.
-    fn add(&mut self, schema: &str, data: &[u8]) -> Result<(), String> {
+    fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
             "sextant.Nodes" => self.add_nodes(decode(data)?),
             "sextant.Stop" => self.add_stop(&decode(data)?),
             "sextant.Reception" => self.add_reception(&decode(data)?),
+            "foxglove.PosesInFrame" => {
+                if let Some(name) = drawing::robot_of_path(topic) {
+                    self.paths.push((name.to_owned(), drawing::path_of(data)?));
+                }
+                Ok(())
+            }
             "sextant.Contact" => {
                 let messages::Contact { time_ns, x_m, y_m, z_m } = decode(data)?;
                 let position = Position::new(x_m, y_m, z_m);
-                self.contacts.push(Contact { time: SimTime::from_nanos(time_ns), position });
+                let name = topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/contacts"));
+                let robot = self.robots.id(name.ok_or("allowed: /robot/NAME/contacts")?);
+                self.contacts.push(Contact { robot, time: SimTime::from_nanos(time_ns), position });
                 Ok(())
             }
             _ => Ok(()),
@@ -197,7 +213,8 @@ impl LogDraft {
         }
         self.owed = message.receptions;
         let position = Position::new(message.x_m, message.y_m, message.z_m);
-        self.stops.push(Stop { time: SimTime::from_nanos(message.time_ns), position });
+        let robot = self.robots.id(&message.robot);
+        self.stops.push(Stop { robot, time: SimTime::from_nanos(message.time_ns), position });
         Ok(())
     }
 

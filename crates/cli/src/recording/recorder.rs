@@ -247,14 +247,14 @@ impl<W: Write> Recorder<W> {
         self.write(contact.time, &format!("/robot/{robot}/contacts"), &message)
     }
 
-    /// A whole reception log of one robot: names, stops with receptions, contacts.
+    /// A whole reception log: names, stops with receptions, contacts.
     ///
     /// # Errors
     /// If any write failed, now or before.
     ///
     /// # Panics
     /// If the log has 2³² stops.
-    pub fn log(&mut self, robot: &str, log: &ReceptionLog) -> Result<(), RecordingError> {
+    pub fn log(&mut self, log: &ReceptionLog) -> Result<(), RecordingError> {
         self.nodes(log.names())?;
         let mut by_stop = log.receptions().to_vec();
         by_stop.sort_by_key(|reception| (reception.stop, reception.node));
@@ -262,10 +262,10 @@ impl<W: Write> Recorder<W> {
         for (index, stop) in log.stops().iter().enumerate() {
             let index = u32::try_from(index).expect("fewer than 2^32 stops");
             let (here, later) = rest.split_at(rest.partition_point(|reception| reception.stop <= index));
-            self.stop(robot, index, stop, here)?;
+            self.stop(&log.robot_name(stop.robot), index, stop, here)?;
             rest = later;
         }
-        log.contacts().iter().try_for_each(|contact| self.contact(robot, contact))
+        log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))
     }
 
     /// Where `robot` is, and where it looks [rad, counterclockwise from x].

@@ -10,6 +10,7 @@ use super::error::RobotLogError;
 use super::output::Output;
 use super::sectors;
 use super::table::{Row, Table};
+use crate::robot_names::RobotNames;
 
 const STOPS: &str = "stops.csv";
 const RECEPTIONS: &str = "receptions.csv";
@@ -22,16 +23,17 @@ const SECTORS: &str = "sectors.csv";
 /// # Errors
 /// If a file is missing, cannot be read, or has a row that is wrong; the error names file, line and column.
 pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
-    let (stops, stop_ids) = read_stops(&folder.join(STOPS))?;
+    let mut robots = RobotNames::default();
+    let (stops, stop_ids) = read_stops(&folder.join(STOPS), &mut robots)?;
     if stops.is_empty() {
         return Err(RobotLogError::NoStops { path: folder.to_owned() });
     }
     let (names, receptions) = read_receptions(&folder.join(RECEPTIONS), &stop_ids)?;
     let contacts = folder.join(CONTACTS);
-    let contacts = if contacts.exists() { read_contacts(&contacts)? } else { Vec::new() };
+    let contacts = if contacts.exists() { read_contacts(&contacts, &mut robots)? } else { Vec::new() };
     let sectors = folder.join(SECTORS);
     let sectors = sectors.exists().then(|| sectors::read(&sectors)).transpose()?;
-    let log = receptions.build(names, stops, contacts);
+    let log = receptions.build(names, stops, contacts).and_then(|log| log.with_robots(robots.into_vec()));
     match sectors {
         Some(sectors) => log.and_then(|log| log.with_sectors(sectors)),
         None => log,
@@ -40,8 +42,9 @@ pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
 }
 
 /// The stops, and the index of each by its identity in the files.
-fn read_stops(path: &Path) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLogError> {
-    let table = Table::read(path, &["stop", "t_s", "x_m", "y_m"], &["z_m"])?;
+fn read_stops(path: &Path, robots: &mut RobotNames) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLogError> {
+    let table = Table::read(path, &["stop", "t_s", "x_m", "y_m"], &["z_m", "robot"])?;
+    let robot = table.column("robot");
     let (id, time) = (table.column("stop"), table.column("t_s"));
     let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
     let mut stops = Vec::new();
@@ -52,7 +55,11 @@ fn read_stops(path: &Path) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLo
         if ids.insert(name.to_owned(), index).is_some() {
             return Err(row.wrong(id, "each stop once; this one is given above"));
         }
-        stops.push(Stop { time: row.instant(time)?, position: row.position(place)? });
+        stops.push(Stop {
+            robot: row.robot(robot, robots)?,
+            time: row.instant(time)?,
+            position: row.position(place)?,
+        });
         Ok(())
     })?;
     Ok((stops, ids))
@@ -131,13 +138,18 @@ fn known_stops(ids: &BTreeMap<String, u32>) -> String {
     }
 }
 
-fn read_contacts(path: &Path) -> Result<Vec<Contact>, RobotLogError> {
-    let table = Table::read(path, &["t_s", "x_m", "y_m"], &["z_m"])?;
+fn read_contacts(path: &Path, robots: &mut RobotNames) -> Result<Vec<Contact>, RobotLogError> {
+    let table = Table::read(path, &["t_s", "x_m", "y_m"], &["z_m", "robot"])?;
+    let robot = table.column("robot");
     let time = table.column("t_s");
     let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
     let mut contacts = Vec::new();
     table.rows(|row: &Row<'_>| {
-        contacts.push(Contact { time: row.instant(time)?, position: row.position(place)? });
+        contacts.push(Contact {
+            robot: row.robot(robot, robots)?,
+            time: row.instant(time)?,
+            position: row.position(place)?,
+        });
         Ok(())
     })?;
     Ok(contacts)
@@ -153,9 +165,15 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
         return Err(RobotLogError::NoStops { path: folder.to_owned() });
     }
     std::fs::create_dir_all(folder).map_err(|why| RobotLogError::write(folder, why))?;
-    let mut stops = Output::new(&["stop", "t_s", "x_m", "y_m", "z_m"]);
+    let is_named = !log.robots().is_empty();
+    let with_robot = |columns: &[&'static str]| [columns, if is_named { &["robot"] } else { &[] }].concat();
+    let mut stops = Output::new(&with_robot(&["stop", "t_s", "x_m", "y_m", "z_m"]));
     for (index, stop) in log.stops().iter().enumerate() {
-        stops.text(&index.to_string()).instant(stop.time).position(stop.position).end();
+        stops.text(&index.to_string()).instant(stop.time).position(stop.position);
+        if is_named {
+            stops.text(&log.robot_name(stop.robot));
+        }
+        stops.end();
     }
     stops.save(&folder.join(STOPS))?;
 
@@ -199,9 +217,13 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
     if log.contacts().is_empty() {
         return Ok(());
     }
-    let mut contacts = Output::new(&["t_s", "x_m", "y_m", "z_m"]);
+    let mut contacts = Output::new(&with_robot(&["t_s", "x_m", "y_m", "z_m"]));
     for contact in log.contacts() {
-        contacts.instant(contact.time).position(contact.position).end();
+        contacts.instant(contact.time).position(contact.position);
+        if is_named {
+            contacts.text(&log.robot_name(contact.robot));
+        }
+        contacts.end();
     }
     contacts.save(&folder.join(CONTACTS))
 }

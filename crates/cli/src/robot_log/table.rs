@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use sextant_channel::Position;
-use sextant_kernel::SimTime;
+use sextant_kernel::{RobotId, SimTime};
 
 use super::error::RobotLogError;
 use super::instant;
+use crate::robot_names::RobotNames;
 
 /// A CSV file in memory with the columns that it has.
 pub(super) struct Table {
@@ -152,6 +153,15 @@ impl Row<'_> {
         };
         let z_m = if z.at.is_some() { coordinate(z)? } else { 0.0 };
         Ok(Position::new(coordinate(x)?, coordinate(y)?, z_m))
+    }
+
+    /// The robot that the cell names, once the file has a column for it: then each cell must name one.
+    pub(super) fn robot(&self, column: Column, robots: &mut RobotNames) -> Result<RobotId, RobotLogError> {
+        if column.at.is_none() {
+            return Ok(RobotId(0));
+        }
+        let name = self.filled(column).ok_or_else(|| self.wrong(column, "the name of a robot"))?;
+        Ok(robots.id(name))
     }
 
     /// The error that the cell says none of what is `allowed`.

@@ -94,12 +94,12 @@ impl Observer for Gathering<'_> {
         });
     }
 
-    fn met(&mut self, robot: usize, contact: Contact) {
-        self.record(|recorder, robots| recorder.contact(&robots[robot].name, &contact));
+    fn met(&mut self, contact: Contact) {
+        self.record(|recorder, robots| recorder.contact(&robots[contact.robot.index()].name, &contact));
     }
 
-    fn stopped(&mut self, robot: usize, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
-        self.record(|recorder, robots| recorder.stop(&robots[robot].name, index, stop, receptions));
+    fn stopped(&mut self, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
+        self.record(|recorder, robots| recorder.stop(&robots[stop.robot.index()].name, index, stop, receptions));
     }
 
     fn framed(&mut self, frame: Frame<'_>) {

@@ -32,12 +32,11 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             obstacles: scenario.world().obstacles.len(),
         }),
         gathering: Some(GatheringSummary {
-            stops: survey.log.stops().len(),
             path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
             duration_s: Some(survey.end.as_secs_f64()),
             packets_offered: Some(packets.offered),
             packets_sent: Some(packets.sent),
-            packets_received: packets.received,
+            packets_received: Some(packets.received),
             lost_collision: Some(packets.lost_collision),
             lost_channel_access: Some(packets.lost_channel_access),
             lost_signal: Some(packets.lost_signal),
@@ -52,6 +51,7 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             }),
             robots: robots.collect(),
             interrupted: survey.interrupted,
+            ..GatheringSummary::of_log(&survey.log, &[])
         }),
         discovery: discoveries.summary(scenario),
         maps,

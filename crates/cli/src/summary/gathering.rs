@@ -1,13 +1,17 @@
 //! What the robots gathered and the nodes found out, and at what price.
 
 use serde::Serialize;
+use sextant_channel::{Position, ReceptionLog};
 
 /// What the robots gathered, and at what price.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct GatheringSummary {
     /// Places where robots listened.
     pub stops: usize,
-    /// Distance driven, of all robots [m].
+    /// Pairs of a stop and a node of which at least one packet arrived there.
+    pub receptions: usize,
+    /// Length of the robots' paths, along all places that are known of them: where each turned, in a run and its
+    /// recording; its stops, in a log that has no more [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_length_m: Option<f64>,
     /// From the start to the end of the last robot [s].
@@ -19,8 +23,10 @@ pub struct GatheringSummary {
     /// Packets that went on air.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packets_sent: Option<u64>,
-    /// Packets that a robot received.
-    pub packets_received: u64,
+    /// Packets that a robot received, each once, however many robots and copies. Absent in the map of a log of several
+    /// robots, which does not tell which of them heard the same packet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub packets_received: Option<u64>,
     /// Packets lost to other packets while a robot listened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_collision: Option<u64>,
@@ -45,12 +51,40 @@ pub struct GatheringSummary {
     /// Energy that all nodes' radios took.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_j: Option<EnergySummary>,
-    /// How each robot ended.
+    /// What each robot did.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub robots: Vec<RobotSummary>,
     /// Whether the user ended the simulation early.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub interrupted: bool,
+}
+
+impl GatheringSummary {
+    /// What the log alone tells, and the `paths` that are known of its robots, by name.
+    pub(crate) fn of_log(log: &ReceptionLog, paths: &[(String, Vec<Position>)]) -> Self {
+        let mut robots = vec![RobotSummary::default(); log.robot_count()];
+        for stop in log.stops() {
+            robots[stop.robot.index()].stops += 1;
+        }
+        for drive in log.drives() {
+            robots[drive.robot.index()].path_length_m += drive.length_m();
+        }
+        for (robot, name) in robots.iter_mut().zip(log.robots()) {
+            robot.name.clone_from(name);
+            if let Some((_, places)) = paths.iter().find(|(other, _)| other == name) {
+                robot.path_length_m = places.windows(2).map(|pair| pair[0].distance_m(pair[1])).sum();
+            }
+        }
+        let received = || log.receptions().iter().map(|reception| reception.received);
+        Self {
+            stops: log.stops().len(),
+            receptions: received().filter(|&received| received > 0).count(),
+            path_length_m: Some(robots.iter().map(|robot| robot.path_length_m).sum()),
+            packets_received: (robots.len() == 1).then(|| received().map(u64::from).sum()),
+            robots: if log.robots().is_empty() { Vec::new() } else { robots },
+            ..Self::default()
+        }
+    }
 }
 
 /// Energy that all nodes' radios took [J].
@@ -99,12 +133,12 @@ pub struct RobotSummary {
     pub name: String,
     /// Places where it listened.
     pub stops: usize,
-    /// Distance driven [m].
+    /// Length of its path, along all places that are known of it [m].
     pub path_length_m: f64,
-    /// Why it finished: `complete`, `steps_exhausted`, `stuck`; absent if it was interrupted.
+    /// Why it finished: `complete`, `steps_exhausted`, `stuck`; absent if it was interrupted, or if only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ending: Option<&'static str>,
-    /// When it had finished [s]; absent if it was interrupted.
+    /// When it had finished [s]; absent if it was interrupted, or if only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
     /// Nodes that all robots together heard less often than this one was to hear each.

@@ -1,6 +1,5 @@
 //! The smallest piece of work of a sweep: one survey, and all that cells make of it.
 
-use sextant_channel::Contact;
 use sextant_sim::{Observer, Progress, Simulation, Survey};
 
 use super::plan::Plan;
@@ -82,8 +81,6 @@ struct Watch<'a> {
 }
 
 impl Observer for Watch<'_> {
-    fn met(&mut self, _robot: usize, _contact: Contact) {}
-
     fn goes_on(&mut self, _progress: Progress) -> bool {
         !self.interrupt.is_requested()
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use sextant::recording::{FileRecorder, LikelihoodPlane, Origin, PlacedNode, Solid};
 use sextant_channel::{Contact, Obstacle, ObstacleConfig, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, RobotId, SimTime};
 use tempfile::TempDir;
 
 const NODES: u32 = 40;
@@ -39,6 +39,7 @@ fn truth(world: World) -> Vec<PlacedNode> {
 fn log() -> ReceptionLog {
     let names = (0..NODES).map(|i| format!("n{i}")).collect();
     let stop = |i: u32| Stop {
+        robot: RobotId(0),
         time: SimTime::from_nanos(u64::from(i) * 1_000_000_000),
         position: Position::new(f64::from(i), -1.0, 0.0),
     };
@@ -55,7 +56,7 @@ fn log() -> ReceptionLog {
         (0..STOPS).filter(move |stop| (node + stop).is_multiple_of(3)).map(reception)
     };
     let receptions = (0..NODES).flat_map(heard).collect();
-    let contact = Contact { time: SimTime::ZERO, position: Position::new(3.5, 2.0, 0.0) };
+    let contact = Contact { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(3.5, 2.0, 0.0) };
     ReceptionLog::new(names, stops, receptions, vec![contact]).expect("a sound log")
 }
 
@@ -80,7 +81,7 @@ fn record(path: &Path, world: World, maps: Maps) {
     let truth = truth(world);
     recorder.world_nodes(SimTime::ZERO, &truth).expect("room");
     let log = log();
-    recorder.log("surveyor", &log).expect("room");
+    recorder.log(&log).expect("room");
     let places: Vec<_> = log.stops().iter().map(|stop| stop.position).collect();
     recorder.path(SimTime::ZERO, "surveyor", &places).expect("room");
     if maps == Maps::Two {

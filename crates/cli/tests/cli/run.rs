@@ -74,6 +74,7 @@ fn the_summary_has_the_keys_that_scripts_rely_on_and_its_packets_add_up() {
                 "packets_offered",
                 "packets_sent",
                 "packets_received",
+                "receptions",
                 "lost_collision",
                 "lost_channel_access",
                 "lost_signal",
@@ -120,6 +121,52 @@ fn a_map_of_the_recording_is_the_map_of_the_run() {
     assert!((0.01..1.0).contains(&bound_m), "{bound_m}");
     assert!(energy_j > 0.0);
     assert_eq!(of_run["maps"], of_map["maps"]);
+    assert_same_gathering(&of_run["gathering"], &of_map["gathering"]);
+}
+
+/// Each key of the `gathering` of a map has the value that it has in the run of which the log is; `packets_received` is
+/// there if one robot gathered.
+fn assert_same_gathering(of_run: &Value, of_map: &Value) {
+    let robots = |gathering: &Value| gathering["robots"].as_array().expect("robots").clone();
+    let same = |run: &Value, map: &Value| {
+        for (key, value) in map.as_object().expect("a table").iter().filter(|(key, _)| *key != "robots") {
+            assert_eq!(run.get(key), Some(value), "{key}");
+        }
+    };
+    same(of_run, of_map);
+    assert_eq!(robots(of_run).len(), robots(of_map).len());
+    for robot in robots(of_map) {
+        let twin = robots(of_run).into_iter().find(|other| other["name"] == robot["name"]);
+        same(&twin.expect("a robot of this name"), &robot);
+    }
+    assert_eq!(of_map.get("packets_received").is_some(), robots(of_run).len() == 1);
+}
+
+#[test]
+fn what_was_gathered_means_the_same_in_a_run_and_in_the_map_of_its_recording() {
+    let folder = TempDir::new().unwrap();
+    for (i, (name, setting)) in [
+        ("ml-tm/trajectory-s.toml", "robots.0.listen_s=4.7"),
+        ("mac/beacon-enabled.toml", "seed=2"),
+        ("smoke.toml", "reception={ ber = {} }"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let file = |kind: &str| folder.path().join(format!("{i}.{kind}"));
+        let mut command = sextant();
+        command.arg("run").arg(scenario(name)).args(["--set", setting]);
+        let output = command.arg("--out").arg(file("mcap")).arg("--summary").arg(file("run")).output().unwrap();
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let output = sextant().arg("map").arg(file("mcap")).arg("--summary").arg(file("map")).output().unwrap();
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        let (of_run, of_map) = (summary(&file("run")), summary(&file("map")));
+        assert_same_gathering(&of_run["gathering"], &of_map["gathering"]);
+        assert!(
+            of_run["gathering"]["packets_received"].as_u64() > of_run["gathering"]["receptions"].as_u64(),
+            "{name}"
+        );
+    }
 }
 
 #[test]
@@ -148,7 +195,9 @@ fn two_robots_fill_one_log_and_each_has_its_row() {
     let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     take_what_only_a_run_knows(&mut of_run["maps"][0]);
-    assert_eq!(of_run["maps"], summary(&of_map)["maps"]);
+    let of_map = summary(&of_map);
+    assert_eq!(of_run["maps"], of_map["maps"]);
+    assert_same_gathering(&of_run["gathering"], &of_map["gathering"]);
     let paths = ["west", "east"].map(|name| messages_on(&mcap, &format!("/robot/{name}/path")));
     assert_eq!(paths, [1, 1], "each robot has a path");
 }

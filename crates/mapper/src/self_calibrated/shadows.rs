@@ -143,7 +143,7 @@ fn turn([x, y]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::SimTime;
+    use sextant_kernel::{RobotId, SimTime};
 
     #[test]
     fn the_pseudo_angle_undoes_the_directions() {
@@ -162,7 +162,7 @@ mod tests {
             }
         }
         map.count();
-        let stop = Stop { time: SimTime::ZERO, position: Position::new(-3.3, -1.2, 0.0) };
+        let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(-3.3, -1.2, 0.0) };
         let mut shadows = Shadows::default();
         shadows.trace(&map, &[stop], 10.0);
         assert!(shadows.has(0));

@@ -49,10 +49,9 @@ impl Start {
     }
 }
 
-/// The median distance from one stop to the next, of those that differ [m]; `None` if all stops coincide.
+/// The median distance from a stop of a robot to its next one, of those that differ [m]; `None` if no robot moved.
 pub(super) fn gap_m(log: &ReceptionLog) -> Option<f64> {
-    let gaps = log.stops().windows(2).map(|pair| pair[0].position.distance_m(pair[1].position));
-    let mut gaps: Vec<f64> = gaps.filter(|&gap| gap > 0.0).collect();
+    let mut gaps: Vec<f64> = log.drives().map(|drive| drive.length_m()).filter(|&gap| gap > 0.0).collect();
     if gaps.is_empty() { None } else { Some(median(&mut gaps)) }
 }
 

@@ -87,11 +87,8 @@ impl Tomography {
     /// Takes note of where the robot drove, and what it met.
     fn learn(&mut self, log: &ReceptionLog) {
         let straight_m = STRAIGHT * gap_m(log).unwrap_or(0.0);
-        for pair in log.stops().windows(2) {
-            let (from, to) = (pair[0].position, pair[1].position);
-            if from.distance_m(to) <= straight_m {
-                self.map.crossings(from, to, |cell, _, _| self.is_free[cell] = true);
-            }
+        for drive in log.drives().filter(|drive| drive.length_m() <= straight_m) {
+            self.map.crossings(drive.from, drive.to, |cell, _, _| self.is_free[cell] = true);
         }
         for contact in log.contacts() {
             if let Some(cell) = self.map.cell(contact.position) {

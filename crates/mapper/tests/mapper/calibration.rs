@@ -1,7 +1,7 @@
 //! Whether what the mapper says of its own accuracy is true.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
     ChannelProfileConfig, EstimateKind, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, Region, TrueModel,
     posterior_bound_m,
@@ -30,7 +30,7 @@ fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
         for step in 0..15_u32 {
             let height_m = if lane % 2 == 0 { 0.0 } else { tall_m };
             let position = Position::new(f64::from(step) - 7.0, 2.5 * f64::from(lane) - 6.25, height_m);
-            stops.push(Stop { time: SimTime::ZERO, position });
+            stops.push(Stop { robot: RobotId(0), time: SimTime::ZERO, position });
         }
     }
     let truth: Vec<Position> = (0..u64::from(NODES))

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sextant_channel::{
     EvenSectorsConfig, LogError, Position, Reception, ReceptionLog, SectorConfig, SectorTable, Stop,
 };
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
     EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, SectorLayoutConfig,
     SectorTolerance, SectorsConfig, TableProfile, TieRule, TrapezoidConfig,
@@ -13,7 +13,7 @@ use sextant_mapper::{
 const LITERAL_FLOOR: f64 = 1e-6;
 
 fn stop(place: Position) -> Stop {
-    Stop { time: SimTime::ZERO, position: place }
+    Stop { robot: RobotId(0), time: SimTime::ZERO, position: place }
 }
 
 fn entry(node: u32, stop: u32, received: u32, sent: u32) -> Reception {

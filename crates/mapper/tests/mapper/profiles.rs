@@ -3,7 +3,7 @@
 use sextant_channel::{
     Channel, ChannelConfig, Db, Dbm, Environment, ObstacleField, Position, Reception, ReceptionLog, Stop,
 };
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, EstimateKind, Fit, FittedConfig, FittedMlTm, Mapper, MlTm, MlTmConfig,
     PositionError, ProfileConfig, ReceptionProfile, TopologyMap, TrapezoidConfig,
@@ -144,7 +144,7 @@ fn survey(seed: u64, nodes: u32, sent: u32, heights_m: &[f64], tall_m: f64, s: i
             }
         }
     }
-    let stops = stops.into_iter().map(|position| Stop { time: SimTime::ZERO, position }).collect();
+    let stops = stops.into_iter().map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position }).collect();
     let names = (0..nodes).map(|node| format!("n{node}")).collect();
     Survey { log: ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log"), truth }
 }
@@ -264,7 +264,7 @@ fn the_number_of_threads_does_not_change_the_fit() {
 
 #[test]
 fn hardly_any_evidence_is_no_reason_to_fail() {
-    let stop = |x_m: f64| Stop { time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
+    let stop = |x_m: f64| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
     let heard =
         |node, stop| Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None };
     let names = || vec!["a".to_owned(), "b".to_owned()];

@@ -1,7 +1,7 @@
 //! Self-calibrated maps of logs whose channel and obstacle are known to the test alone.
 
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
     AlgorithmConfig, Calibration, EstimateKind, Learned, Mapper, MlTmConfig, ObstacleKnowledge, ProfileConfig,
     Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
@@ -77,7 +77,8 @@ impl World {
     /// Eight lanes over 20 m by 20 m; nodes within 16 m by 16 m.
     fn survey(&self) -> (ReceptionLog, Vec<Position>) {
         let draw = |address| Seed(self.seed).uniform(Purpose::Mapper, address);
-        let stop = |x_m, y_m, z_m| Stop { time: SimTime::ZERO, position: Position::new(x_m, y_m, z_m) };
+        let stop =
+            |x_m, y_m, z_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, z_m) };
         let mut stops = Vec::new();
         for lane in 0..8_u32 {
             for step in 0..20_u32 {
@@ -117,7 +118,11 @@ impl World {
             }
         }
         let met = [[-HALF_M, 0.0], [HALF_M, 0.5], [0.3, HALF_M], [-0.4, -HALF_M]];
-        let contact = |[x_m, y_m]: [f64; 2]| Contact { time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
+        let contact = |[x_m, y_m]: [f64; 2]| Contact {
+            robot: RobotId(0),
+            time: SimTime::ZERO,
+            position: Position::new(x_m, y_m, 0.0),
+        };
         let contacts = if self.has_obstacle { met.map(contact).to_vec() } else { Vec::new() };
         let names = (0..self.nodes).map(|node| format!("n{node}")).collect();
         (ReceptionLog::new(names, stops, receptions, contacts).expect("a log"), truth)
@@ -309,7 +314,7 @@ fn in_space_obstacles_are_sought_from_stops_at_one_height_only() {
 #[test]
 fn poor_logs_are_mapped_as_far_as_they_go() {
     let algorithm = SelfCalibrated::try_from(SelfCalibratedConfig::default()).expect("good settings");
-    let stop = |x_m, y_m| Stop { time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
+    let stop = |x_m, y_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
     let heard =
         |node, stop| Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None };
     let names = |count| (0..count).map(|node| format!("n{node}")).collect::<Vec<_>>();

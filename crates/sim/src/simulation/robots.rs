@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{Contact, Position};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, RobotId, SimTime};
 use sextant_mac::frame::Frame;
 use sextant_mac::{RadioState, coordinator, csma, responder};
 
@@ -69,7 +69,7 @@ impl Simulation {
         self.network.air.deafen(station, pilot.position());
         let index = NodeId::from_index(self.stops.len()).0;
         let (stop, receptions, decision) = pilot.end_slot(now, &self.world.obstacles, index);
-        observer.stopped(robot, index, &stop, now, &receptions);
+        observer.stopped(index, &stop, now, &receptions);
         self.stops.push(stop);
         for reception in &receptions {
             let known = &mut self.heard[reception.node.index()];
@@ -87,8 +87,8 @@ impl Simulation {
             Decision::Drive { span, contact } => {
                 observer.moved(robot, now, self.pilots[robot].position());
                 if let Some(position) = contact {
-                    let contact = Contact { time: now + span, position };
-                    observer.met(robot, contact);
+                    let contact = Contact { robot: RobotId::from_index(robot), time: now + span, position };
+                    observer.met(contact);
                     self.contacts.push(contact);
                 }
                 self.network.after(span, Event::of_robot(robot, RobotEvent::Arrived));

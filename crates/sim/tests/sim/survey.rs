@@ -208,14 +208,7 @@ fn a_robot_halts_before_an_obstacle_and_reports_the_contact() {
 struct Impatient(Vec<SimTime>);
 
 impl Observer for Impatient {
-    fn stopped(
-        &mut self,
-        _robot: usize,
-        index: u32,
-        _stop: &Stop,
-        end: SimTime,
-        receptions: &[sextant_channel::Reception],
-    ) {
+    fn stopped(&mut self, index: u32, _stop: &Stop, end: SimTime, receptions: &[sextant_channel::Reception]) {
         assert!(receptions.iter().all(|reception| reception.stop == index));
         self.0.push(end);
     }

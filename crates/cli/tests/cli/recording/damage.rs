@@ -68,7 +68,7 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
     let path = folder.path().join("run.mcap");
     let part = folder.path().join("run.mcap.part");
     let mut recorder = FileRecorder::create(&path).unwrap();
-    recorder.log("surveyor", &log).unwrap();
+    recorder.log(&log).unwrap();
     // What a killed process leaves: no destructor runs.
     std::mem::forget(recorder);
     let good = folder.path().join("good.mcap");

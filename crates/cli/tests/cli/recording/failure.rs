@@ -53,13 +53,13 @@ fn an_error_in_the_summary_section_is_not_lost() {
     let log = sample::log(1, 2, 3);
     let mut whole = Vec::new();
     let mut recorder = Recorder::new(&mut whole, Path::new("run.mcap")).unwrap();
-    recorder.log("surveyor", &log).unwrap();
+    recorder.log(&log).unwrap();
     recorder.into_output().unwrap();
     // Each write of the summary section is small; the footer is the last.
     for missing in [1, 100, 500] {
         let hiccup = Hiccup { room: whole.len() - missing, failed: false };
         let mut recorder = Recorder::new(hiccup, Path::new("run.mcap")).unwrap();
-        recorder.log("surveyor", &log).unwrap();
+        recorder.log(&log).unwrap();
         assert!(matches!(recorder.into_output(), Err(RecordingError::Write { .. })), "{missing} octets short");
     }
 }
@@ -73,7 +73,7 @@ fn a_full_disk_leaves_the_part_file_and_no_recording() {
     let part = folder.path().join("run.mcap.part");
     std::os::unix::fs::symlink("/dev/full", &part).unwrap();
     let mut recorder = FileRecorder::create(&path).unwrap();
-    let recorded = recorder.log("surveyor", &sample::log(1, 5, 200));
+    let recorded = recorder.log(&sample::log(1, 5, 200));
     let finished = recorder.finish();
     assert!(matches!(recorded, Err(RecordingError::Write { .. })));
     assert_eq!(finished, recorded);

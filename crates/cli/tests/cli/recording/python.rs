@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 use serde_json::{Value, json};
 use sextant::recording::PlacedNode;
 use sextant_channel::{Contact, Reception, ReceptionLog};
+use sextant_kernel::RobotId;
 
 use super::sample;
 
@@ -31,19 +32,20 @@ fn has_packages() -> bool {
     found
 }
 
-/// The messages that the log should have become: stops, receptions, contacts.
-fn expected(log: &ReceptionLog) -> [Value; 3] {
+/// The messages that the log should have become: stops, receptions, contacts of each robot.
+fn expected(log: &ReceptionLog) -> [Value; 4] {
     let mut receptions = log.receptions().to_vec();
     receptions.sort_by_key(|r| (r.stop, r.node));
     let stops = (0_u32..).zip(log.stops()).map(|(index, stop)| {
         let count = receptions.iter().filter(|r| r.stop == index).count();
         let p = stop.position;
-        json!([index, stop.time.as_nanos(), p.x_m, p.y_m, p.z_m, "surveyor", count])
+        json!([index, stop.time.as_nanos(), p.x_m, p.y_m, p.z_m, log.robot_name(stop.robot), count])
     });
     let stops = stops.collect();
     let contact = |c: &Contact| json!([c.time.as_nanos(), c.position.x_m, c.position.y_m, c.position.z_m]);
     let reception = |r: &Reception| json!([r.node.0, r.stop, r.received, r.sent, r.sector, r.rssi_dbm]);
-    [stops, receptions.iter().map(reception).collect(), log.contacts().iter().map(contact).collect()]
+    let contacts = |robot| log.contacts().iter().filter(|c| c.robot == RobotId(robot)).map(contact).collect();
+    [stops, receptions.iter().map(reception).collect(), contacts(0), contacts(1)]
 }
 
 fn topic(schema: &str, messages: impl Into<Value>) -> Value {
@@ -60,7 +62,7 @@ fn independent_readers_decode_every_message() {
     let log = sample::log(21, 6, 120);
     sample::record_file(&path, &log);
 
-    let [stops, receptions, contacts] = expected(&log);
+    let [stops, receptions, of_surveyor, of_scout] = expected(&log);
     let placed = |n: &PlacedNode| json!([n.node.0, n.position.x_m, n.position.y_m, n.position.z_m, n.error_m]);
     let truth: Value = sample::truth(&log).iter().map(placed).collect();
     let corners = json!([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
@@ -76,7 +78,8 @@ fn independent_readers_decode_every_message() {
         "topics": {
             "/stops": topic("sextant.Stop", stops),
             "/receptions": topic("sextant.Reception", receptions),
-            "/robot/surveyor/contacts": topic("sextant.Contact", contacts),
+            "/robot/surveyor/contacts": topic("sextant.Contact", of_surveyor),
+            "/robot/scout/contacts": topic("sextant.Contact", of_scout),
             "/nodes": topic("sextant.Nodes", json!([[0, log.names()]])),
             "/anchors": topic("sextant.Anchor", json!([[0, 7.0, 8.0, 9.0]])),
             "/neighbours": topic("sextant.Link", json!([[5, 0, 4, 5, -66.5]])),

@@ -44,6 +44,21 @@ fn a_log_comes_back_equal_from_the_folder_that_it_was_written_to() {
 }
 
 #[test]
+fn the_robot_of_each_stop_is_read_where_the_file_names_it() {
+    let log = read(
+        "stop,t_s,x_m,y_m,robot\nA,0,0,0,west\nB,0,100,0,east\nC,1,3,4, west\n",
+        "node,stop,received\nlamp,A,1\n",
+    );
+    assert_eq!(log.robots(), ["west", "east"]);
+    assert_eq!(log.stops().iter().map(|stop| stop.robot.0).collect::<Vec<_>>(), [0, 1, 0]);
+    assert_eq!(log.drives().map(|drive| drive.length_m()).collect::<Vec<_>>(), [5.0]);
+    let unnamed = read(STOPS, RECEPTIONS);
+    assert_eq!((unnamed.robots().len(), unnamed.robot_count()), (0, 1));
+    let refused = refusal("stop,t_s,x_m,y_m,robot\nA,0,0,0,west\nB,0,1,0,\n", RECEPTIONS);
+    assert_eq!(refused, "stops.csv, line 3, column `robot`: found ``; allowed: the name of a robot");
+}
+
+#[test]
 fn a_log_without_stops_is_refused_both_ways() {
     let folder = folder("stop,t_s,x_m,y_m\n", "node,stop,received\n");
     assert!(matches!(robot_log::read(folder.path()), Err(RobotLogError::NoStops { .. })));

@@ -57,7 +57,7 @@ fn the_truth_is_read_apart_from_the_log() {
 
     let without = folder.path().join("without.mcap");
     let mut recorder = FileRecorder::create(&without).unwrap();
-    recorder.log("surveyor", &log).unwrap();
+    recorder.log(&log).unwrap();
     recorder.finish().unwrap();
     assert_eq!(read_truth(&without).unwrap(), None);
     assert_eq!(read_log(&without).unwrap().log, log);
@@ -86,7 +86,7 @@ fn a_recording_has_its_name_only_when_it_is_whole() {
     let path = folder.path().join("run.mcap");
     let part = PathBuf::from(format!("{}.part", path.display()));
     let mut recorder = FileRecorder::create(&path).unwrap();
-    recorder.log("surveyor", &sample::log(1, 3, 3)).unwrap();
+    recorder.log(&sample::log(1, 3, 3)).unwrap();
     assert!(part.exists() && !path.exists());
     recorder.finish().unwrap();
     assert!(!part.exists() && path.exists());
@@ -102,8 +102,9 @@ fn an_inspection_counts_messages_by_topic() {
     let count = |topic: &str| inspection.topics.iter().find(|t| t.topic == topic).map(|t| t.messages);
     assert_eq!(count("/stops"), Some(100));
     assert_eq!(count("/receptions"), Some(log.receptions().len() as u64));
-    assert_eq!(count("/robot/surveyor/contacts"), Some(20));
-    assert_eq!(inspection.topics.len(), 16);
+    assert_eq!(count("/robot/surveyor/contacts"), Some(13));
+    assert_eq!(count("/robot/scout/contacts"), Some(7));
+    assert_eq!(inspection.topics.len(), 17);
     assert_eq!(inspection.messages, inspection.topics.iter().map(|topic| topic.messages).sum::<u64>());
     assert_eq!(inspection.damage, None);
     assert_eq!(inspection.start_s, Some(0.0));
@@ -119,14 +120,14 @@ fn two_robots_share_one_numbering_of_stops() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let log = sample::log(4, 4, 10);
+    assert_eq!(log.robot_count(), 2);
     let mut recorder = FileRecorder::create(&path).unwrap();
     recorder.nodes(log.names()).unwrap();
     for (index, stop) in (0..).zip(log.stops()) {
         let here: Vec<_> = log.receptions().iter().filter(|r| r.stop == index).collect();
-        recorder.stop(["left", "right"][index as usize % 2], index, stop, &here).unwrap();
+        recorder.stop(&log.robot_name(stop.robot), index, stop, &here).unwrap();
     }
+    log.contacts().iter().for_each(|contact| recorder.contact(&log.robot_name(contact.robot), contact).unwrap());
     recorder.finish().unwrap();
-    let expected =
-        ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), log.receptions().to_vec(), Vec::new()).unwrap();
-    assert_eq!(read_log(&path).unwrap().log, expected);
+    assert_eq!(read_log(&path).unwrap().log, log);
 }

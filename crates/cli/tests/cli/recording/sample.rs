@@ -5,7 +5,7 @@ use std::path::Path;
 use sextant::recording::messages::Frame;
 use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, RobotId, SimTime};
 
 /// Numbers that look random and are the same everywhere (splitmix64).
 pub(crate) struct Numbers(pub(crate) u64);
@@ -33,14 +33,19 @@ impl Numbers {
     }
 }
 
-/// A log of `nodes` nodes and `stops` stops.
+/// Which of two robots makes stop or contact number `index`.
+fn robot(index: u32) -> RobotId {
+    RobotId(u32::from(index % 3 == 1))
+}
+
+/// A log of `nodes` nodes and `stops` stops, of two robots.
 pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
     let mut numbers = Numbers(seed);
     let names =
         (0..nodes).map(|node| format!("node {node}, \"quoted\" and {}", if node % 2 == 0 { "é" } else { "x" }));
     let places = (0..stops).map(|stop| {
         let time = SimTime::from_nanos(u64::from(stop) * 1_200_000_001 + numbers.below(1_000_000));
-        Stop { time, position: numbers.position() }
+        Stop { robot: robot(stop), time, position: numbers.position() }
     });
     let places: Vec<Stop> = places.collect();
     let mut receptions = Vec::new();
@@ -59,10 +64,15 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
             receptions.push(Reception { node: NodeId(node), stop, received, sent, sector, rssi_dbm });
         }
     }
-    let contacts =
-        (0..stops / 5).map(|i| Contact { time: SimTime::from_nanos(u64::from(i) * 7), position: numbers.position() });
+    let contacts = (0..stops / 5).map(|i| Contact {
+        robot: robot(i),
+        time: SimTime::from_nanos(u64::from(i) * 7),
+        position: numbers.position(),
+    });
     let contacts = contacts.collect();
-    ReceptionLog::new(names.collect(), places, receptions, contacts).expect("a sound log")
+    let log = ReceptionLog::new(names.collect(), places, receptions, contacts).expect("a sound log");
+    let robots = ["surveyor", "scout"].into_iter().take(log.robot_count()).map(str::to_owned).collect();
+    log.with_robots(robots).expect("a name for each")
 }
 
 /// Where the sample's nodes really are.
@@ -97,7 +107,7 @@ pub(crate) fn record_all<W: std::io::Write>(
     let solid = Solid { name: "wall".to_owned(), vertices: corners.into(), triangles: vec![[0, 1, 2]] };
     recorder.obstacles(at(0), &[solid])?;
     recorder.world_nodes(at(0), &truth(log))?;
-    recorder.log("surveyor", log)?;
+    recorder.log(log)?;
     let anchor = Anchor { node: NodeId(0), position: Position::new(7.0, 8.0, 9.0) };
     recorder.anchors(&[anchor])?;
     let heard = links(log.node_count());

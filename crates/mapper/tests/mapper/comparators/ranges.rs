@@ -1,7 +1,7 @@
 //! Maps from signal strengths between nodes and along the robot's path.
 
 use sextant_channel::{Anchor, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
     EstimateKind, FrameConfig, Knowledge, RangingConfig, RssGrid, RssGridConfig, RssLinks, RssMl, RssMlConfig,
     Smacof, SmacofConfig, rss_crlb_m,
@@ -158,7 +158,7 @@ fn relative_maps_are_the_same_up_to_a_similarity() {
 fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
     let stops: Vec<Stop> = (0..100)
         .map(|i| Position::new(f64::from(i % 10) * 1.5 - 2.0, f64::from(i / 10) * 1.5 - 2.0, 0.0))
-        .map(|position| Stop { time: SimTime::ZERO, position })
+        .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position })
         .collect();
     let mut receptions = Vec::new();
     for (i, node) in nodes.iter().enumerate() {
