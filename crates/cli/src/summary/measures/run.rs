@@ -35,7 +35,7 @@ numbers! { Summary {
     DURATION_S "duration_s" Second |run| gathering(run, |gathering| gathering.duration_s);
     PACKETS_OFFERED "packets_offered" Count |run| packets(run, |gathering| gathering.packets_offered);
     PACKETS_SENT "packets_sent" Count |run| packets(run, |gathering| gathering.packets_sent);
-    PACKETS_RECEIVED "packets_received" Count |run| packets(run, |gathering| Some(gathering.packets_received));
+    PACKETS_RECEIVED "packets_received" Count |run| packets(run, |gathering| gathering.packets_received);
     LOST_COLLISION "lost_collision" Count |run| packets(run, |gathering| gathering.lost_collision);
     LOST_CHANNEL_ACCESS "lost_channel_access" Count |run| packets(run, |gathering| gathering.lost_channel_access);
     LOST_SIGNAL "lost_signal" Count |run| packets(run, |gathering| gathering.lost_signal);
