@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
-use sextant_sim::{Command, Controller, Ending, Outcome, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
 
 use crate::Surroundings;
 use crate::route::Search;
@@ -115,36 +115,36 @@ impl Itinerary {
 }
 
 impl Controller for Itinerary {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         let (to, then) = match self.begun {
             0 => (situation.position, Then::Pass),
             begun => self.legs[begun - 1],
         };
         match situation.outcome {
-            Outcome::Arrived => {
+            CommandOutcome::Arrived => {
                 self.blocked = 0;
                 if then == Then::Listen {
-                    return Command::Listen;
+                    return RobotCommand::Listen;
                 }
             }
-            Outcome::Blocked(_) => {
+            CommandOutcome::Blocked(_) => {
                 self.blocked += 1;
                 if self.blocked > MAX_BLOCKED {
-                    return Command::Finish(Ending::Stuck);
+                    return RobotCommand::Finish(Ending::Stuck);
                 }
                 // So near counts as there.
                 if then == Then::Listen && situation.position.distance_m(to) <= 2.0 * MARGIN_M {
-                    return Command::Listen;
+                    return RobotCommand::Listen;
                 }
             }
-            Outcome::Started | Outcome::Listened(_) => {}
+            CommandOutcome::Started | CommandOutcome::Listened(_) => {}
         }
         match self.legs.get(self.begun) {
             Some(&(to, _)) => {
                 self.begun += 1;
-                Command::Drive(to)
+                RobotCommand::Drive(to)
             }
-            None => Command::Finish(Ending::Complete),
+            None => RobotCommand::Finish(Ending::Complete),
         }
     }
 }

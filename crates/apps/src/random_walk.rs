@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Purpose, Seed, SettingError};
 use sextant_sim::layout::RegionConfig;
-use sextant_sim::{Command, Controller, Ending, Heard, Outcome, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
 use crate::Surroundings;
 use crate::area::Area;
@@ -161,18 +161,18 @@ impl RandomWalk {
 }
 
 impl Controller for RandomWalk {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
-        let Outcome::Listened(heard) = situation.outcome else { return Command::Listen };
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
+        let CommandOutcome::Listened(heard) = situation.outcome else { return RobotCommand::Listen };
         self.count(heard, situation.node_count);
         if self.has_heard_all() {
-            return Command::Finish(Ending::Complete);
+            return RobotCommand::Finish(Ending::Complete);
         }
         if self.steps >= self.max_steps {
-            return Command::Finish(Ending::StepsExhausted);
+            return RobotCommand::Finish(Ending::StepsExhausted);
         }
-        let Some(step) = self.next(situation) else { return Command::Finish(Ending::Stuck) };
+        let Some(step) = self.next(situation) else { return RobotCommand::Finish(Ending::Stuck) };
         self.steps += 1;
         self.last_step = Some(step);
-        Command::Drive(situation.position + step)
+        RobotCommand::Drive(situation.position + step)
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
-use sextant_sim::{Command, Controller, Situation};
+use sextant_sim::{Controller, RobotCommand, Situation};
 
 use crate::Surroundings;
 use crate::itinerary::{Itinerary, MAX_STOPS, Then};
@@ -89,7 +89,7 @@ impl SPath {
 }
 
 impl Controller for SPath {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         self.itinerary.decide(situation)
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
-use sextant_sim::{Command, Controller, Situation};
+use sextant_sim::{Controller, RobotCommand, Situation};
 
 use crate::Surroundings;
 use crate::itinerary::{Itinerary, MAX_STOPS, Then};
@@ -85,7 +85,7 @@ impl Spiral {
 }
 
 impl Controller for Spiral {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         self.itinerary.decide(situation)
     }
 }

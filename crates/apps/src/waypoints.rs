@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
-use sextant_sim::{Command, Controller, Situation};
+use sextant_sim::{Controller, RobotCommand, Situation};
 
 use crate::Surroundings;
 use crate::itinerary::{Itinerary, Planner, Then};
@@ -62,7 +62,7 @@ impl Waypoints {
 }
 
 impl Controller for Waypoints {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         self.itinerary.decide(situation)
     }
 }

@@ -3,7 +3,7 @@
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, ConnectivityError, Fit, Frame, KnowledgeKind, Learned,
+    AbsorptionMap, CalibratedCurve, Calibration, ConnectivityError, CoordinateFrame, Fit, KnowledgeKind, Learned,
     NeighbourhoodRule, ObstacleKnowledge, PositionError, Reflection, Region, Similarity, TopologyMap,
     connectivity_error, topology_preservation_error,
 };
@@ -28,10 +28,10 @@ pub struct Truth<'a> {
 #[must_use]
 pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, AlignmentSummary) {
     match (&map.frame, truth) {
-        (Frame::World, _) => (map, AlignmentSummary::None),
-        (Frame::AlignedToAnchors, _) => (map, AlignmentSummary::Anchors),
-        (Frame::Relative(_), None) => (map, AlignmentSummary::Relative),
-        (Frame::Relative(_), Some(truth)) => {
+        (CoordinateFrame::World, _) => (map, AlignmentSummary::None),
+        (CoordinateFrame::AlignedToAnchors, _) => (map, AlignmentSummary::Anchors),
+        (CoordinateFrame::Relative(_), None) => (map, AlignmentSummary::Relative),
+        (CoordinateFrame::Relative(_), Some(truth)) => {
             let known: Vec<_> = truth.iter().enumerate().map(|(i, &place)| (NodeId::from_index(i), place)).collect();
             (map.aligned_to(&known, LEAST_TO_ALIGN), AlignmentSummary::Truth)
         }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use sextant_kernel::{SettingError, SimTime};
 
-use crate::frame::{Beacon, Body, Endpoint, Frame, GuaranteedSlot, Superframe, Version};
+use crate::frame::{Beacon, Endpoint, Frame, FrameBody, GuaranteedSlot, Superframe, Version};
 use crate::slotted::guaranteed_span;
 use crate::superframe::{BeaconEnabled, Contention, MIN_CAP_SYMBOLS, SLOTS, SuperframeTiming};
 use crate::{Class, Phy, RadioState};
@@ -236,7 +236,7 @@ impl Coordinator {
             sequence: self.sequence,
             destination: None,
             source: Some(self.source),
-            body: Body::Beacon(beacon),
+            body: FrameBody::Beacon(beacon),
         };
         frame.write(mpdu).expect("seven guaranteed slots and no payload fit");
     }

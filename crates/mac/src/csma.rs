@@ -20,7 +20,7 @@ pub use settings::{CsmaConfig, CsmaSettings};
 
 /// A frame to send, as far as channel access cares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Transmission {
+pub struct OutgoingFrame {
     /// Size of the MPDU [octets], FCS included: 5 to 127.
     pub mpdu_octets: u8,
     /// Whether the frame asks for an acknowledgement. A broadcast must not.
@@ -92,7 +92,7 @@ pub trait Radio {
     fn start_cca(&mut self);
 
     /// Puts the first bit on the air; [`Event::TransmissionEnded`] is due [`Phy::airtime`] from now.
-    fn start_transmission(&mut self, frame: Transmission);
+    fn start_transmission(&mut self, frame: OutgoingFrame);
 }
 
 /// How a frame ended.
@@ -112,7 +112,7 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
     /// The frame.
-    pub frame: Transmission,
+    pub frame: OutgoingFrame,
     /// How it ended.
     pub outcome: Outcome,
     /// Clear channel assessments made for it.
@@ -124,7 +124,7 @@ pub struct Report {
 /// A frame under way, whether slotted or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Attempt {
-    pub(crate) frame: Transmission,
+    pub(crate) frame: OutgoingFrame,
     /// Busy CCAs of this access to the channel: NB of the standard.
     pub(crate) busy: u8,
     /// Backoff exponent: BE of the standard.
@@ -134,7 +134,7 @@ pub(crate) struct Attempt {
 }
 
 impl Attempt {
-    pub(crate) const fn new(frame: Transmission) -> Self {
+    pub(crate) const fn new(frame: OutgoingFrame) -> Self {
         Self { frame, busy: 0, exponent: 0, ccas: 0, transmissions: 0 }
     }
 
@@ -195,7 +195,7 @@ impl Csma {
     ///
     /// # Panics
     /// If a frame is under way.
-    pub fn start(&mut self, frame: Transmission, radio: &mut impl Radio) {
+    pub fn start(&mut self, frame: OutgoingFrame, radio: &mut impl Radio) {
         assert!(!self.is_busy(), "a frame is under way");
         let attempt = Attempt::new(frame);
         self.state = match self.state {
@@ -291,7 +291,7 @@ impl Csma {
     }
 
     /// Keeps silent for what is left of the interframe spacing after `waited`; then `next` contends.
-    fn space(&self, frame: Transmission, waited: Duration, next: Option<Attempt>, radio: &mut impl Radio) -> State {
+    fn space(&self, frame: OutgoingFrame, waited: Duration, next: Option<Attempt>, radio: &mut impl Radio) -> State {
         let left = self.phy.interframe_spacing(frame.mpdu_octets).saturating_sub(waited);
         if !left.is_zero() {
             radio.enter(self.resting_state());

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
-use crate::csma::{self, CsmaSettings, Report, Transmission};
+use crate::csma::{self, CsmaSettings, OutgoingFrame, Report};
 use crate::frame::{Beacon, GuaranteedSlot};
 use crate::slotted::{SlottedCsma, Window};
 use crate::superframe::{BeaconEnabled, SuperframeTiming};
@@ -112,7 +112,7 @@ impl Device {
     ///
     /// # Panics
     /// If a frame is under way.
-    pub fn start(&mut self, now: SimTime, frame: Transmission, radio: &mut impl Radio) {
+    pub fn start(&mut self, now: SimTime, frame: OutgoingFrame, radio: &mut impl Radio) {
         let (resting, base) = (self.csma.resting_state(), self.base);
         self.csma.start(now, frame, &mut Resting { radio, resting, base });
     }
@@ -242,7 +242,7 @@ impl<R: csma::Radio> csma::Radio for Resting<'_, R> {
         self.radio.start_cca();
     }
 
-    fn start_transmission(&mut self, frame: Transmission) {
+    fn start_transmission(&mut self, frame: OutgoingFrame) {
         self.radio.start_transmission(frame);
     }
 }

@@ -1,7 +1,7 @@
 //! Frames of IEEE 802.15.4 as octets (2006, clause 7.2): writer and parser.
 //!
 //! ```
-//! use sextant_mac::frame::{Address, Body, Endpoint, Frame};
+//! use sextant_mac::frame::{Address, FrameBody, Endpoint, Frame};
 //!
 //! let mut mpdu = Vec::new();
 //! Frame::acknowledgement(0x6A).write(&mut mpdu)?;
@@ -40,7 +40,7 @@ pub enum Version {
 /// Command of a MAC command frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Command {
+pub enum MacCommand {
     /// A device asks to join.
     AssociationRequest = 1,
     /// The coordinator answers it.
@@ -61,7 +61,7 @@ pub enum Command {
     GtsRequest = 9,
 }
 
-impl Command {
+impl MacCommand {
     const ALL: [Self; 9] = [
         Self::AssociationRequest,
         Self::AssociationResponse,
@@ -77,7 +77,7 @@ impl Command {
 
 /// What a frame carries, by its type.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Body<'a> {
+pub enum FrameBody<'a> {
     /// A beacon of a coordinator.
     Beacon(Beacon<'a>),
     /// Data.
@@ -87,7 +87,7 @@ pub enum Body<'a> {
     /// A MAC command.
     Command {
         /// Which.
-        command: Command,
+        command: MacCommand,
         /// What follows its identifier.
         payload: &'a [u8],
     },
@@ -112,7 +112,7 @@ pub struct Frame<'a> {
     /// Where it comes from, if it says so.
     pub source: Option<Endpoint>,
     /// What it carries.
-    pub body: Body<'a>,
+    pub body: FrameBody<'a>,
 }
 
 /// Why octets are no frame.
@@ -189,7 +189,7 @@ impl<'a> Frame<'a> {
             sequence,
             destination: Some(destination),
             source: Some(source),
-            body: Body::Data(payload),
+            body: FrameBody::Data(payload),
         }
     }
 
@@ -203,7 +203,7 @@ impl<'a> Frame<'a> {
             sequence,
             destination: None,
             source: None,
-            body: Body::Acknowledgement,
+            body: FrameBody::Acknowledgement,
         }
     }
 
@@ -228,10 +228,10 @@ impl<'a> Frame<'a> {
             source.address.write(mpdu);
         }
         match &self.body {
-            Body::Beacon(beacon) => beacon.write(mpdu)?,
-            Body::Data(payload) => mpdu.extend(*payload),
-            Body::Acknowledgement => {}
-            Body::Command { command, payload } => {
+            FrameBody::Beacon(beacon) => beacon.write(mpdu)?,
+            FrameBody::Data(payload) => mpdu.extend(*payload),
+            FrameBody::Acknowledgement => {}
+            FrameBody::Command { command, payload } => {
                 mpdu.push(*command as u8);
                 mpdu.extend(*payload);
             }
@@ -278,7 +278,7 @@ impl<'a> Frame<'a> {
                 Some(Endpoint { pan, address: Address::parse(width, &mut cursor)? })
             }
         };
-        let body = Body::parse(control.kind, &mut cursor)?;
+        let body = FrameBody::parse(control.kind, &mut cursor)?;
         let Control { version, frame_pending, ack_request, .. } = control;
         Ok(Self { version, frame_pending, ack_request, sequence, destination, source, body })
     }
@@ -287,10 +287,10 @@ impl<'a> Frame<'a> {
         let same_pan = |(from, to): (Endpoint, Endpoint)| from.pan == to.pan;
         Control {
             kind: match self.body {
-                Body::Beacon(_) => Kind::Beacon,
-                Body::Data(_) => Kind::Data,
-                Body::Acknowledgement => Kind::Acknowledgement,
-                Body::Command { .. } => Kind::Command,
+                FrameBody::Beacon(_) => Kind::Beacon,
+                FrameBody::Data(_) => Kind::Data,
+                FrameBody::Acknowledgement => Kind::Acknowledgement,
+                FrameBody::Command { .. } => Kind::Command,
             },
             frame_pending: self.frame_pending,
             ack_request: self.ack_request,
@@ -302,20 +302,20 @@ impl<'a> Frame<'a> {
     }
 }
 
-impl<'a> Body<'a> {
+impl<'a> FrameBody<'a> {
     fn parse(kind: Kind, cursor: &mut Cursor<'a>) -> Result<Self, ParseError> {
         match kind {
-            Kind::Beacon => Ok(Body::Beacon(Beacon::parse(cursor)?)),
-            Kind::Data => Ok(Body::Data(cursor.rest())),
+            Kind::Beacon => Ok(FrameBody::Beacon(Beacon::parse(cursor)?)),
+            Kind::Data => Ok(FrameBody::Data(cursor.rest())),
             Kind::Acknowledgement => match cursor.rest() {
-                [] => Ok(Body::Acknowledgement),
+                [] => Ok(FrameBody::Acknowledgement),
                 surplus => Err(ParseError::AcknowledgementWithPayload(surplus.len())),
             },
             Kind::Command => {
                 let id = cursor.u8("command identifier")?;
-                let command = Command::ALL.into_iter().find(|&command| command as u8 == id);
+                let command = MacCommand::ALL.into_iter().find(|&command| command as u8 == id);
                 let command = command.ok_or(ParseError::ReservedCommand(id))?;
-                Ok(Body::Command { command, payload: cursor.rest() })
+                Ok(FrameBody::Command { command, payload: cursor.rest() })
             }
         }
     }

@@ -10,7 +10,7 @@
 //!
 //! ```
 //! use std::time::Duration;
-//! use sextant_mac::csma::{Csma, CsmaSettings, Event, Outcome, Radio, Transmission};
+//! use sextant_mac::csma::{Csma, CsmaSettings, Event, Outcome, Radio, OutgoingFrame};
 //! use sextant_mac::{Phy, RadioState};
 //!
 //! struct Alone {
@@ -32,14 +32,14 @@
 //!     fn start_cca(&mut self) {
 //!         self.after(Phy::Oqpsk2450.cca(), Event::CcaEnded { busy: false });
 //!     }
-//!     fn start_transmission(&mut self, frame: Transmission) {
+//!     fn start_transmission(&mut self, frame: OutgoingFrame) {
 //!         self.after(Phy::Oqpsk2450.airtime(frame.mpdu_octets), Event::TransmissionEnded);
 //!     }
 //! }
 //!
 //! let mut radio = Alone { now: Duration::ZERO, next: None };
 //! let mut csma = Csma::new(CsmaSettings::default(), Phy::Oqpsk2450);
-//! csma.start(Transmission { mpdu_octets: 20, ack_request: false, sequence: 0 }, &mut radio);
+//! csma.start(OutgoingFrame { mpdu_octets: 20, ack_request: false, sequence: 0 }, &mut radio);
 //! let report = loop {
 //!     let (now, event) = radio.next.take().expect("something is pending");
 //!     radio.now = now;

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use crate::frame::{Address, BROADCAST_PAN, Body, Endpoint, Frame};
+use crate::frame::{Address, BROADCAST_PAN, Endpoint, Frame, FrameBody};
 use crate::{Class, Phy, RadioState};
 
 /// What happened.
@@ -102,7 +102,7 @@ impl Responder {
     /// If an acknowledgement is on its way.
     pub fn receive_and_respond(&mut self, frame: &Frame<'_>, gap: Duration, radio: &mut impl Radio) -> Verdict {
         assert!(!self.is_responding(), "a deaf radio receives nothing");
-        if matches!(frame.body, Body::Acknowledgement) || !self.is_addressed(frame) {
+        if matches!(frame.body, FrameBody::Acknowledgement) || !self.is_addressed(frame) {
             return Verdict::NotForUs;
         }
         // A broadcast must not ask for an acknowledgement; one that does gets none.
@@ -144,7 +144,7 @@ impl Responder {
                 (to.pan == self.pan || to.pan == BROADCAST_PAN)
                     && (to.address == self.address || to.address == Address::BROADCAST)
             }
-            (None, Some(from)) => matches!(frame.body, Body::Beacon(_)) && from.pan == self.pan,
+            (None, Some(from)) => matches!(frame.body, FrameBody::Beacon(_)) && from.pan == self.pan,
             (None, None) => false,
         }
     }

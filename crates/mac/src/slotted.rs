@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
-use crate::csma::{Attempt, CsmaSettings, Event, Outcome, Radio, Report, Transmission};
+use crate::csma::{Attempt, CsmaSettings, Event, Outcome, OutgoingFrame, Radio, Report};
 use crate::superframe::Contention;
 use crate::{Phy, RadioState};
 
@@ -112,7 +112,7 @@ impl SlottedCsma {
     ///
     /// # Panics
     /// If a frame is under way.
-    pub fn start(&mut self, now: SimTime, frame: Transmission, radio: &mut impl Radio) {
+    pub fn start(&mut self, now: SimTime, frame: OutgoingFrame, radio: &mut impl Radio) {
         assert!(!self.is_busy(), "a frame is under way");
         let attempt = Attempt::new(frame);
         self.state = match self.state {
@@ -206,7 +206,7 @@ impl SlottedCsma {
 
     /// Transmits in a guaranteed slot if frame, acknowledgement and spacing end within it.
     fn seize(&self, now: SimTime, slot_end: SimTime, attempt: Attempt, radio: &mut impl Radio) -> State {
-        let Transmission { mpdu_octets, ack_request, .. } = attempt.frame;
+        let OutgoingFrame { mpdu_octets, ack_request, .. } = attempt.frame;
         let end = now + self.phy.turnaround() + guaranteed_span(self.phy, mpdu_octets, ack_request);
         if end > slot_end {
             return State::Deferred(attempt, Resume::Access);
@@ -274,7 +274,7 @@ impl SlottedCsma {
     }
 
     /// The frame is over: keeps silent for the interframe spacing.
-    fn space(&self, frame: Transmission, radio: &mut impl Radio) -> State {
+    fn space(&self, frame: OutgoingFrame, radio: &mut impl Radio) -> State {
         radio.enter(self.resting_state());
         self.keep_silent(self.phy.interframe_spacing(frame.mpdu_octets), None, radio)
     }

@@ -80,4 +80,4 @@ pub use self_calibrated::{
 };
 pub use surface::Surface;
 pub use table_profile::TableProfile;
-pub use topology_map::{Estimate, Frame, TopologyMap};
+pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};

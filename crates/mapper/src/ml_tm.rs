@@ -9,7 +9,8 @@ use sextant_kernel::{NodeId, SettingError};
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
 use crate::{
-    Estimate, Frame, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig, Surface, TopologyMap,
+    CoordinateFrame, Estimate, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig, Surface,
+    TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -145,7 +146,7 @@ impl MlTm {
             estimates: vec![None; log.node_count()],
             grid_step_m: Some(self.grid_step_m),
             vertices_evaluated: 0,
-            frame: Frame::World,
+            frame: CoordinateFrame::World,
         };
         if log.receptions().is_empty() {
             return Ok(map);

@@ -17,12 +17,12 @@ pub struct TopologyMap {
     /// Grid vertices whose likelihood was computed, summed over the nodes; 0 without a grid.
     pub vertices_evaluated: u64,
     /// What the places are relative to.
-    pub frame: Frame,
+    pub frame: CoordinateFrame,
 }
 
 /// What the places of a map are relative to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Frame {
+pub enum CoordinateFrame {
     /// The world, as robot or anchors know it.
     #[default]
     World,
@@ -51,7 +51,7 @@ pub struct Estimate {
 impl TopologyMap {
     /// The map of an algorithm that gives places and nothing more.
     #[must_use]
-    pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: Frame) -> Self {
+    pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: CoordinateFrame) -> Self {
         let estimate =
             |position| Estimate { position, log_likelihood: None, ties: 1, covariance: None, infeasible: false };
         let estimates = places.into_iter().map(|place| place.map(estimate)).collect();
@@ -63,7 +63,7 @@ impl TopologyMap {
     /// no similarity, are on the map no longer. A map in the world stays as it is.
     #[must_use]
     pub fn aligned_to(mut self, known: &[(NodeId, Position)], least: usize) -> Self {
-        let Frame::Relative(part_of) = std::mem::take(&mut self.frame) else { return self };
+        let CoordinateFrame::Relative(part_of) = std::mem::take(&mut self.frame) else { return self };
         let parts = part_of.iter().max().map_or(0, |&last| last + 1);
         for part in 0..parts {
             let pairs: Vec<(Position, Position)> = known

@@ -5,8 +5,9 @@ use std::time::Duration;
 use sextant_channel::{Channel, Dbm, Milliwatts, Position};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 
+use crate::FrameOutcome;
 use crate::medium::{Medium, Signal};
-use crate::receiver::{Fate, Receiver, Reception};
+use crate::receiver::{Receiver, ReceptionRules};
 
 /// A transmission under way.
 #[derive(Clone, Copy, Debug)]
@@ -21,14 +22,14 @@ pub(crate) struct Transmission {
 pub(crate) struct Arrival {
     pub(crate) station: NodeId,
     pub(crate) power: Milliwatts,
-    pub(crate) fate: Fate,
+    pub(crate) outcome: FrameOutcome,
 }
 
 /// The air between the stations, and all radios that listen to it. Stations from `first_robot` on are robots.
 pub(crate) struct Air {
     medium: Medium,
     receivers: Vec<Receiver>,
-    rules: Reception,
+    rules: ReceptionRules,
     first_robot: u32,
     robots_listening: usize,
     power: Dbm,
@@ -43,7 +44,7 @@ pub(crate) struct AirSettings {
     pub(crate) power: Dbm,
     /// Signals below it may be neglected.
     pub(crate) floor: Dbm,
-    pub(crate) rules: Reception,
+    pub(crate) rules: ReceptionRules,
     /// Window of carrier sense.
     pub(crate) sensing: Duration,
     /// Number of the first packet: draws of one packet are not those of another.
@@ -141,20 +142,26 @@ impl Air {
 
     /// A frame is over: fills `arrivals` with what became of it at each radio that it reached, by station, and
     /// returns the best that became of it at any robot.
-    pub(crate) fn end(&mut self, now: SimTime, transmission: &Transmission, arrivals: &mut Vec<Arrival>) -> Fate {
+    pub(crate) fn end(
+        &mut self,
+        now: SimTime,
+        transmission: &Transmission,
+        arrivals: &mut Vec<Arrival>,
+    ) -> FrameOutcome {
         let Transmission { signal, beyond } = transmission;
-        let mut best = if *beyond { Fate::OutOfRange } else { Fate::NotListened };
+        let mut best = if *beyond { FrameOutcome::OutOfRange } else { FrameOutcome::NotListened };
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(signal, &mut near);
         arrivals.clear();
         for &(station, _) in &near {
             let seed = self.seed;
             let luck = || seed.uniform(Purpose::Reception, [signal.packet, station.0.into(), 0]);
-            if let Some((power, fate)) = self.receivers[station.index()].end(now, signal.packet, &self.rules, luck) {
+            if let Some((power, outcome)) = self.receivers[station.index()].end(now, signal.packet, &self.rules, luck)
+            {
                 if self.is_robot(station) {
-                    best = best.max(fate);
+                    best = best.max(outcome);
                 }
-                arrivals.push(Arrival { station, power, fate });
+                arrivals.push(Arrival { station, power, outcome });
             }
         }
         self.near = near;

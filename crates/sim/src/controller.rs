@@ -18,7 +18,7 @@ pub struct Heard {
 
 /// How the command before ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome<'a> {
+pub enum CommandOutcome<'a> {
     /// Nothing was commanded yet.
     Started,
     /// The robot is where it was sent.
@@ -36,7 +36,7 @@ pub struct Situation<'a> {
     /// Where the robot stands [m].
     pub position: Position,
     /// How the command before ended.
-    pub outcome: Outcome<'a>,
+    pub outcome: CommandOutcome<'a>,
     /// Number of nodes in the network: all that the robot knows of it beforehand (thesis, chapter 3).
     pub node_count: usize,
     pub(crate) obstacles: &'a ObstacleField,
@@ -49,7 +49,7 @@ impl<'a> Situation<'a> {
     pub fn new(
         time: SimTime,
         position: Position,
-        outcome: Outcome<'a>,
+        outcome: CommandOutcome<'a>,
         node_count: usize,
         obstacles: &'a ObstacleField,
         radius_m: f64,
@@ -67,10 +67,10 @@ impl<'a> Situation<'a> {
 
 /// What a robot is told to do next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command {
-    /// Drive straight to this place [m]; ends [`Outcome::Arrived`] or [`Outcome::Blocked`].
+pub enum RobotCommand {
+    /// Drive straight to this place [m]; ends [`CommandOutcome::Arrived`] or [`CommandOutcome::Blocked`].
     Drive(Position),
-    /// Listen for one slot: a stop of the reception log; ends [`Outcome::Listened`].
+    /// Listen for one slot: a stop of the reception log; ends [`CommandOutcome::Listened`].
     Listen,
     /// The survey is over.
     Finish(Ending),
@@ -90,5 +90,5 @@ pub enum Ending {
 /// Drives one robot: asked once at the start and after each command.
 pub trait Controller {
     /// The next command.
-    fn decide(&mut self, situation: &Situation<'_>) -> Command;
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand;
 }

@@ -11,10 +11,11 @@ use sextant_mac::csma::{self, Csma};
 use sextant_mac::frame::NodeFrame;
 use sextant_mac::{EnergySpent, RadioState, RadioStates};
 
+use crate::FrameOutcome;
 use crate::air::{Air, AirSettings, Arrival};
 use crate::event::Event;
 use crate::node::{Network, Node};
-use crate::receiver::{Fate, Reception};
+use crate::receiver::ReceptionRules;
 use crate::simulation::{NEGLECTED_BELOW_NOISE, PAN};
 use crate::{BeaconConfig, Setup, Traffic, TrafficConfig};
 
@@ -110,6 +111,10 @@ pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Resul
         match event {
             Event::FrameDue(node) => run.offer(node),
             Event::Mac(node, event) => run.handle_mac(node, event),
+            Event::CcaEnded(node) => {
+                let busy = run.network.senses_busy(node);
+                run.handle_mac(node, csma::Event::CcaEnded { busy });
+            }
             // No robot takes part, and nobody coordinates.
             Event::Robot(..) | Event::Tracking(..) => {}
         }
@@ -165,7 +170,7 @@ impl Run {
                 channel,
                 power: radio.tx_power(),
                 floor: radio.noise_floor() - NEGLECTED_BELOW_NOISE,
-                rules: Reception {
+                rules: ReceptionRules {
                     model: *reception,
                     sensitivity: radio.sensitivity().to_milliwatts(),
                     noise: radio.noise_floor().to_milliwatts(),
@@ -235,7 +240,7 @@ impl Run {
             self.unsent += 1;
         } else {
             state.sequence = state.sequence.wrapping_add(1);
-            let frame = csma::Transmission {
+            let frame = csma::OutgoingFrame {
                 mpdu_octets: self.traffic.mpdu_octets(),
                 ack_request: false,
                 sequence: state.sequence,
@@ -246,14 +251,9 @@ impl Run {
     }
 
     fn handle_mac(&mut self, node: NodeId, event: csma::Event) {
-        let event = match event {
-            csma::Event::CcaEnded { .. } => csma::Event::CcaEnded { busy: self.network.senses_busy(node) },
-            csma::Event::TransmissionEnded => {
-                self.end_packet(node);
-                event
-            }
-            _ => event,
-        };
+        if event == csma::Event::TransmissionEnded {
+            self.end_packet(node);
+        }
         let report = self.macs[node.index()].handle(event, &mut self.network.radio(node, false));
         self.unsent += u64::from(report.is_some_and(|report| report.transmissions == 0));
     }
@@ -264,7 +264,7 @@ impl Run {
         let transmission = transmission.expect("only a packet on air ends");
         self.network.air.end(self.network.now, &transmission, &mut self.arrivals);
         self.sent[sender.index()] += 1;
-        for arrival in self.arrivals.iter().filter(|arrival| arrival.fate == Fate::Received) {
+        for arrival in self.arrivals.iter().filter(|arrival| arrival.outcome == FrameOutcome::Received) {
             let (packets, sum_dbm) = self.heard[arrival.station.index()].entry(sender).or_default();
             *packets += 1;
             *sum_dbm += arrival.power.to_dbm().0;

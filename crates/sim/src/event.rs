@@ -10,6 +10,8 @@ pub(crate) enum Event {
     FrameDue(NodeId),
     /// Something happened to the MAC of a node.
     Mac(NodeId, csma::Event),
+    /// The CCA of a node is over.
+    CcaEnded(NodeId),
     /// Something happened to a node that follows beacons.
     Tracking(NodeId, device::Event),
     /// Something happened to a robot.
@@ -44,6 +46,7 @@ impl Event {
         match self {
             Self::FrameDue(node) => Class::Application.rank(node),
             Self::Mac(node, event) => event.class().rank(node),
+            Self::CcaEnded(node) => Class::EndOfCca.rank(node),
             Self::Tracking(node, event) => event.class().rank(node),
             Self::Robot(robot, event) => {
                 let class = match event {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{NodeId, SettingError, SimTime};
-use sextant_mac::csma::{self, Csma, CsmaConfig, CsmaSettings, Report, Transmission};
+use sextant_mac::csma::{self, Csma, CsmaConfig, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::device::{self, Device};
 use sextant_mac::frame::{Address, Beacon};
 use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig};
@@ -100,7 +100,7 @@ impl NodeMac {
         }
     }
 
-    pub(crate) fn start(&mut self, now: SimTime, frame: Transmission, radio: &mut impl device::Radio) {
+    pub(crate) fn start(&mut self, now: SimTime, frame: OutgoingFrame, radio: &mut impl device::Radio) {
         match self {
             Self::Unslotted(csma) => csma.start(frame, radio),
             Self::Device(device) => device.start(now, frame, radio),

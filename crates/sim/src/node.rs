@@ -6,9 +6,9 @@ use sextant_channel::{Milliwatts, Position};
 use sextant_kernel::{EventKey, EventQueue, NodeId, Purpose, Seed, SimTime};
 use sextant_mac::{EnergyMeter, Phy, RadioState, csma, device};
 
+use crate::FrameOutcome;
 use crate::air::{Air, Transmission};
 use crate::event::Event;
-use crate::receiver::Fate;
 
 /// A node, apart from its MAC.
 pub(crate) struct Node {
@@ -21,7 +21,7 @@ pub(crate) struct Node {
     /// What is on air.
     pub(crate) transmission: Option<Transmission>,
     /// The best that became of the frame under way.
-    pub(crate) fate: Fate,
+    pub(crate) outcome: FrameOutcome,
     timer: Option<EventKey>,
     /// The pending event of following beacons.
     tracking: Option<EventKey>,
@@ -36,7 +36,7 @@ impl Node {
             frames: 0,
             sequence,
             transmission: None,
-            fate: Fate::NotListened,
+            outcome: FrameOutcome::NotListened,
             timer: None,
             tracking: None,
             backoffs: 0,
@@ -131,10 +131,10 @@ impl csma::Radio for NodeRadio<'_> {
 
     fn start_cca(&mut self) {
         let cca = self.network.phy.cca();
-        self.network.after(cca, Event::Mac(self.node, csma::Event::CcaEnded { busy: false }));
+        self.network.after(cca, Event::CcaEnded(self.node));
     }
 
-    fn start_transmission(&mut self, frame: csma::Transmission) {
+    fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
         let (now, node) = (self.network.now, self.node);
         let airtime = self.network.phy.airtime(frame.mpdu_octets);
         let place = self.state().position;

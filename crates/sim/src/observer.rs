@@ -5,9 +5,11 @@ use std::time::Duration;
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
 
+use crate::FrameOutcome;
+
 /// A frame that was on air.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame<'a> {
+pub struct FrameOnAir<'a> {
     /// First symbol on air.
     pub start: SimTime,
     /// Time on air.
@@ -33,21 +35,6 @@ pub struct HeardFrame {
     pub power: Dbm,
 }
 
-/// The best that became of a frame at any robot, or, if a robot sent it, at any node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrameOutcome {
-    /// It was received.
-    Received,
-    /// Lost to another signal.
-    Collided,
-    /// Too weak.
-    Weak,
-    /// All that listened were out of range.
-    OutOfRange,
-    /// Nobody listened.
-    NotListened,
-}
-
 /// Watches a simulation while it runs: a recording, a progress bar. What it does not override is not told.
 pub trait Observer {
     /// A robot is at `position` at `time`: where a drive begins or ends.
@@ -60,7 +47,7 @@ pub trait Observer {
     fn stopped(&mut self, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
 
     /// A frame was on air; told at its end, and only if [`Observer::wants_frames`].
-    fn framed(&mut self, _frame: Frame<'_>) {}
+    fn framed(&mut self, _frame: FrameOnAir<'_>) {}
 
     /// Whether frames are to be told.
     fn wants_frames(&self) -> bool {

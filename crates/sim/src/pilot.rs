@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 use sextant_mac::responder::Responder;
 
 use crate::survey::RobotRecord;
-use crate::{Command, Ending, Heard, Outcome, Robot, Situation};
+use crate::{CommandOutcome, Ending, Heard, Robot, RobotCommand, Situation};
 
 /// How near to an obstacle a blocked robot halts, beyond the radius of its hull [m].
 const HALT_M: f64 = 1e-3;
@@ -119,9 +119,9 @@ impl Pilot {
         self.path_length_m += self.position.distance_m(to);
         self.position = to;
         let outcome = match blocked_at {
-            Some(place) => Outcome::Blocked(place),
-            None if first => Outcome::Started,
-            None => Outcome::Arrived,
+            Some(place) => CommandOutcome::Blocked(place),
+            None if first => CommandOutcome::Started,
+            None => CommandOutcome::Arrived,
         };
         self.decide(now, outcome, obstacles)
     }
@@ -149,18 +149,18 @@ impl Pilot {
             rssi_dbm: Some(heard.rssi_dbm),
         };
         let receptions = heard.iter().map(reception).collect();
-        let decision = self.decide(now, Outcome::Listened(&heard), obstacles);
+        let decision = self.decide(now, CommandOutcome::Listened(&heard), obstacles);
         (stop, receptions, decision)
     }
 
-    fn decide(&mut self, now: SimTime, outcome: Outcome<'_>, obstacles: &ObstacleField) -> Decision {
+    fn decide(&mut self, now: SimTime, outcome: CommandOutcome<'_>, obstacles: &ObstacleField) -> Decision {
         let mut outcome = outcome;
         let node_count = self.tally.slot.len();
         for _ in 0..IDLE_COMMANDS {
             let radius_m = self.robot.body.radius_m;
             let situation = Situation::new(now, self.position, outcome, node_count, obstacles, radius_m);
             match self.robot.controller.decide(&situation) {
-                Command::Drive(to) => {
+                RobotCommand::Drive(to) => {
                     let (to, contact) = self.way(to, obstacles);
                     let length_m = self.position.distance_m(to);
                     if length_m > 0.0 {
@@ -168,13 +168,13 @@ impl Pilot {
                         let span = Duration::from_secs_f64(length_m / self.robot.body.speed_m_per_s);
                         return Decision::Drive { span, contact };
                     }
-                    outcome = contact.map_or(Outcome::Arrived, Outcome::Blocked);
+                    outcome = contact.map_or(CommandOutcome::Arrived, CommandOutcome::Blocked);
                 }
-                Command::Listen => {
+                RobotCommand::Listen => {
                     self.activity = Activity::Listening { since: now };
                     return Decision::Listen { span: self.robot.body.listen };
                 }
-                Command::Finish(ending) => return self.finish(now, ending),
+                RobotCommand::Finish(ending) => return self.finish(now, ending),
             }
         }
         self.finish(now, Ending::Stuck)

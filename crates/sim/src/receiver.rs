@@ -11,29 +11,14 @@ use sextant_channel::{Db, Milliwatts};
 use sextant_kernel::SimTime;
 use sextant_mac::oqpsk;
 
-use crate::ReceptionModel;
+use crate::{FrameOutcome, ReceptionModel};
 
 /// Least ratio of signal to interference and noise at the end of the preamble.
 const LOCK_THRESHOLD: Db = Db(-5.0);
 
-/// What became of a frame at a receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Fate {
-    /// Nobody listened when it started, or not until its end.
-    NotListened,
-    /// The receiver was beyond the radius of communication.
-    OutOfRange,
-    /// Too weak, or drowned by noise alone.
-    Weak,
-    /// Lost to another signal.
-    Collided,
-    /// Received.
-    Received,
-}
-
 /// What every receiver of a simulation has in common.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reception {
+pub(crate) struct ReceptionRules {
     pub(crate) model: ReceptionModel,
     pub(crate) sensitivity: Milliwatts,
     pub(crate) noise: Milliwatts,
@@ -88,7 +73,14 @@ impl Receiver {
     }
 
     /// A signal of `power` is at the antenna from `now` on; `whole` if its start was not missed.
-    pub(crate) fn begin(&mut self, now: SimTime, packet: u64, power: Milliwatts, whole: bool, rules: &Reception) {
+    pub(crate) fn begin(
+        &mut self,
+        now: SimTime,
+        packet: u64,
+        power: Milliwatts,
+        whole: bool,
+        rules: &ReceptionRules,
+    ) {
         self.settle(now, rules);
         let audible = power >= rules.sensitivity;
         let counts = |other: Milliwatts| match rules.model {
@@ -119,9 +111,9 @@ impl Receiver {
         &mut self,
         now: SimTime,
         packet: u64,
-        rules: &Reception,
+        rules: &ReceptionRules,
         luck: impl FnOnce() -> f64,
-    ) -> Option<(Milliwatts, Fate)> {
+    ) -> Option<(Milliwatts, FrameOutcome)> {
         let place = self.signals.iter().position(|signal| signal.packet == packet)?;
         self.settle(now, rules);
         let signal = self.signals.remove(place);
@@ -129,27 +121,31 @@ impl Receiver {
         if locked {
             self.locked = None;
         }
-        let drowned = |least: f64| if signal.power.ratio(rules.noise) < least { Fate::Weak } else { Fate::Collided };
+        let drowned = |least: f64| {
+            if signal.power.ratio(rules.noise) < least { FrameOutcome::Weak } else { FrameOutcome::Collided }
+        };
         let fate = if !signal.whole {
-            Fate::NotListened
+            FrameOutcome::NotListened
         } else if signal.power < rules.sensitivity {
-            Fate::Weak
+            FrameOutcome::Weak
         } else {
             match rules.model {
-                ReceptionModel::Overlap if signal.disturbed => Fate::Collided,
-                ReceptionModel::Overlap => Fate::Received,
-                ReceptionModel::SinrThreshold { least } if locked && signal.least_sinr >= least => Fate::Received,
+                ReceptionModel::Overlap if signal.disturbed => FrameOutcome::Collided,
+                ReceptionModel::Overlap => FrameOutcome::Received,
+                ReceptionModel::SinrThreshold { least } if locked && signal.least_sinr >= least => {
+                    FrameOutcome::Received
+                }
                 ReceptionModel::SinrThreshold { least } => drowned(least),
-                ReceptionModel::Ber if locked && luck() < libm::exp(signal.log_intact) => Fate::Received,
-                ReceptionModel::Ber if signal.disturbed => Fate::Collided,
-                ReceptionModel::Ber => Fate::Weak,
+                ReceptionModel::Ber if locked && luck() < libm::exp(signal.log_intact) => FrameOutcome::Received,
+                ReceptionModel::Ber if signal.disturbed => FrameOutcome::Collided,
+                ReceptionModel::Ber => FrameOutcome::Weak,
             }
         };
         Some((signal.power, fate))
     }
 
     /// Brings the accounts of all tracked signals up to `now`, under the signals present until now.
-    fn settle(&mut self, now: SimTime, rules: &Reception) {
+    fn settle(&mut self, now: SimTime, rules: &ReceptionRules) {
         let since = std::mem::replace(&mut self.settled, now);
         if now == since || matches!(rules.model, ReceptionModel::Overlap) {
             return;
@@ -194,8 +190,8 @@ mod tests {
     use super::*;
     use sextant_channel::Dbm;
 
-    fn rules(model: ReceptionModel) -> Reception {
-        Reception {
+    fn rules(model: ReceptionModel) -> ReceptionRules {
+        ReceptionRules {
             model,
             sensitivity: Dbm(-90.0).to_milliwatts(),
             noise: Dbm(-90.403).to_milliwatts(),
@@ -209,7 +205,7 @@ mod tests {
     }
 
     /// What becomes of frames of 832 us, each (start in us, power in dBm), at one receiver that listens throughout.
-    fn fates(model: ReceptionModel, luck: f64, frames: &[(u64, f64)]) -> Vec<Fate> {
+    fn fates(model: ReceptionModel, luck: f64, frames: &[(u64, f64)]) -> Vec<FrameOutcome> {
         let rules = rules(model);
         let mut receiver = Receiver::default();
         receiver.start(at(0));
@@ -219,7 +215,7 @@ mod tests {
             changes.push((start + 832, false, packet));
         }
         changes.sort_unstable();
-        let mut fates = vec![Fate::NotListened; frames.len()];
+        let mut fates = vec![FrameOutcome::NotListened; frames.len()];
         for (us, begins, packet) in changes {
             let frame = frames[usize::try_from(packet).unwrap()];
             if begins {
@@ -237,32 +233,47 @@ mod tests {
     #[test]
     fn alone_a_frame_is_received_if_it_is_strong_enough() {
         for model in [ReceptionModel::Overlap, CAPTURE, ReceptionModel::Ber] {
-            assert_eq!(fates(model, 0.5, &[(0, -80.0)]), [Fate::Received], "{model:?}");
-            assert_eq!(fates(model, 0.5, &[(0, -90.1)]), [Fate::Weak], "{model:?}");
+            assert_eq!(fates(model, 0.5, &[(0, -80.0)]), [FrameOutcome::Received], "{model:?}");
+            assert_eq!(fates(model, 0.5, &[(0, -90.1)]), [FrameOutcome::Weak], "{model:?}");
         }
         // At the sensitivity the noise leaves 0.4 dB: less than the threshold of 3 dB.
-        assert_eq!(fates(CAPTURE, 0.5, &[(0, -89.0)]), [Fate::Weak]);
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -89.0)]), [FrameOutcome::Weak]);
     }
 
     #[test]
     fn overlap_destroys_both_whatever_their_powers_but_not_if_one_is_inaudible() {
-        let both = [Fate::Collided, Fate::Collided];
+        let both = [FrameOutcome::Collided, FrameOutcome::Collided];
         assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (831, -80.0)]), both);
-        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (832, -80.0)]), [Fate::Received; 2]);
-        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (400, -91.0)]), [Fate::Received, Fate::Weak]);
+        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (832, -80.0)]), [FrameOutcome::Received; 2]);
+        assert_eq!(
+            fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (400, -91.0)]),
+            [FrameOutcome::Received, FrameOutcome::Weak]
+        );
     }
 
     #[test]
     fn the_stronger_first_frame_is_captured() {
-        assert_eq!(fates(CAPTURE, 0.5, &[(0, -60.0), (400, -64.0)]), [Fate::Received, Fate::Collided]);
-        assert_eq!(fates(CAPTURE, 0.5, &[(0, -60.0), (400, -62.0)]), [Fate::Collided, Fate::Collided]);
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -60.0), (400, -64.0)]),
+            [FrameOutcome::Received, FrameOutcome::Collided]
+        );
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -60.0), (400, -62.0)]),
+            [FrameOutcome::Collided, FrameOutcome::Collided]
+        );
     }
 
     #[test]
     fn a_receiver_that_is_locked_does_not_change_over_to_a_stronger_frame() {
-        assert_eq!(fates(CAPTURE, 0.5, &[(0, -80.0), (129, -50.0)]), [Fate::Collided, Fate::Collided]);
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -80.0), (129, -50.0)]),
+            [FrameOutcome::Collided, FrameOutcome::Collided]
+        );
         // Within the preamble of a much weaker frame it still does: that frame never gets the lock.
-        assert_eq!(fates(CAPTURE, 0.5, &[(0, -80.0), (127, -50.0)]), [Fate::Collided, Fate::Received]);
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -80.0), (127, -50.0)]),
+            [FrameOutcome::Collided, FrameOutcome::Received]
+        );
     }
 
     #[test]
@@ -274,8 +285,8 @@ mod tests {
         let survival = (bits * (-oqpsk::bit_error_rate(power.ratio(power + noise))).ln_1p()).exp();
         assert!((survival - 0.972).abs() < 2e-3, "{survival}");
         let frames = [(0, -50.0), (132, -50.0)];
-        assert_eq!(fates(ReceptionModel::Ber, survival - 1e-6, &frames)[0], Fate::Received);
-        assert_eq!(fates(ReceptionModel::Ber, survival + 1e-6, &frames)[0], Fate::Collided);
+        assert_eq!(fates(ReceptionModel::Ber, survival - 1e-6, &frames)[0], FrameOutcome::Received);
+        assert_eq!(fates(ReceptionModel::Ber, survival + 1e-6, &frames)[0], FrameOutcome::Collided);
     }
 
     #[test]
@@ -285,8 +296,8 @@ mod tests {
         receiver.start(at(100));
         receiver.begin(at(100), 7, Dbm(-50.0).to_milliwatts(), false, &rules);
         receiver.begin(at(200), 8, Dbm(-50.0).to_milliwatts(), true, &rules);
-        assert_eq!(receiver.end(at(800), 7, &rules, || 0.5).map(|(_, fate)| fate), Some(Fate::NotListened));
-        assert_eq!(receiver.end(at(1032), 8, &rules, || 0.5).map(|(_, fate)| fate), Some(Fate::Collided));
+        assert_eq!(receiver.end(at(800), 7, &rules, || 0.5).map(|(_, fate)| fate), Some(FrameOutcome::NotListened));
+        assert_eq!(receiver.end(at(1032), 8, &rules, || 0.5).map(|(_, fate)| fate), Some(FrameOutcome::Collided));
         receiver.begin(at(2000), 9, Dbm(-50.0).to_milliwatts(), true, &rules);
         receiver.stop();
         assert_eq!(receiver.end(at(2832), 9, &rules, || 0.5), None);

@@ -44,7 +44,7 @@ fn default_listen_s() -> f64 {
 
 /// The body of a robot.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
+pub struct RobotBody {
     /// Name.
     pub name: String,
     /// Where it starts [m].
@@ -60,12 +60,12 @@ pub struct Body {
 /// A robot: a body and what drives it.
 pub struct Robot {
     /// The body.
-    pub body: Body,
+    pub body: RobotBody,
     /// What drives it.
     pub controller: Box<dyn Controller>,
 }
 
-impl<C> TryFrom<&RobotConfig<C>> for Body {
+impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
     type Error = SettingError;
 
     fn try_from(config: &RobotConfig<C>) -> Result<Self, SettingError> {

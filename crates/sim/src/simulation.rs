@@ -10,7 +10,7 @@ use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, ReceptionLo
 use sextant_kernel::{EventQueue, NodeId, Purpose, RobotId, Seed, SettingError, SimTime};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::csma::Outcome;
-use sextant_mac::frame::{Address, Body, Frame as MacFrame, NodeFrame};
+use sextant_mac::frame::{Address, Frame as MacFrame, FrameBody, NodeFrame};
 use sextant_mac::responder::{Responder, Verdict};
 use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
 
@@ -19,9 +19,9 @@ use crate::event::{Event, RobotEvent};
 use crate::mac::NodeMac;
 use crate::node::{Network, Node};
 use crate::pilot::Pilot;
-use crate::receiver::{Fate, Reception};
+use crate::receiver::ReceptionRules;
 use crate::survey::{Packets, RobotRecord, Survey};
-use crate::{HeardFrame, Mac, Observer, Radio, ReceptionModel, Robot, Traffic, World};
+use crate::{FrameOutcome, HeardFrame, Mac, Observer, Radio, ReceptionModel, Robot, Traffic, World};
 
 use robots::RobotRadio;
 
@@ -108,7 +108,7 @@ impl Simulation {
                 channel,
                 power: radio.tx_power(),
                 floor: radio.noise_floor() - NEGLECTED_BELOW_NOISE,
-                rules: Reception {
+                rules: ReceptionRules {
                     model: reception,
                     sensitivity: radio.sensitivity().to_milliwatts(),
                     noise: radio.noise_floor().to_milliwatts(),
@@ -184,6 +184,10 @@ impl Simulation {
             match event {
                 Event::FrameDue(node) => self.offer(node),
                 Event::Mac(node, event) => self.handle_mac(node, event, observer),
+                Event::CcaEnded(node) => {
+                    let busy = self.network.senses_busy(node);
+                    self.handle_mac(node, csma::Event::CcaEnded { busy }, observer);
+                }
                 Event::Tracking(node, event) => self.handle_tracking(node, event),
                 Event::Robot(robot, event) => interrupted = !self.handle_robot(robot as usize, event, observer),
             }
@@ -226,8 +230,8 @@ impl Simulation {
             self.packets.lost_queue += 1;
         } else {
             state.sequence = state.sequence.wrapping_add(1);
-            state.fate = Fate::NotListened;
-            let frame = csma::Transmission {
+            state.outcome = FrameOutcome::NotListened;
+            let frame = csma::OutgoingFrame {
                 mpdu_octets: self.traffic.mpdu_octets(),
                 ack_request: self.sink.is_some(),
                 sequence: state.sequence,
@@ -238,14 +242,9 @@ impl Simulation {
     }
 
     fn handle_mac(&mut self, node: NodeId, event: csma::Event, observer: &mut impl Observer) {
-        let event = match event {
-            csma::Event::CcaEnded { .. } => csma::Event::CcaEnded { busy: self.network.senses_busy(node) },
-            csma::Event::TransmissionEnded => {
-                self.end_frame(node, observer);
-                event
-            }
-            _ => event,
-        };
+        if event == csma::Event::TransmissionEnded {
+            self.end_frame(node, observer);
+        }
         let awaits_ack = event == csma::Event::ReceiveReady;
         let now = self.network.now;
         let report = self.macs[node.index()].handle(now, event, &mut self.network.radio(node, awaits_ack));
@@ -260,10 +259,10 @@ impl Simulation {
         let transmission = state.transmission.take().expect("only a frame on air ends");
         let best = self.network.air.end(self.network.now, &transmission, &mut self.arrivals);
         let state = &mut self.network.nodes[node.index()];
-        state.fate = state.fate.max(best);
+        state.outcome = state.outcome.max(best);
         let first_robot = self.macs.len();
         let is_received =
-            |arrival: &Arrival| arrival.fate == Fate::Received && arrival.station.index() >= first_robot;
+            |arrival: &Arrival| arrival.outcome == FrameOutcome::Received && arrival.station.index() >= first_robot;
         if !observer.wants_frames() && !self.arrivals.iter().any(is_received) {
             return;
         }
@@ -293,7 +292,7 @@ impl Simulation {
         let robot = arrival.station.index() - self.macs.len();
         let frame = MacFrame::parse(&self.mpdu).expect("stations write what they can read");
         let source = frame.source.and_then(|source| source.address.node());
-        let is_data = matches!(frame.body, Body::Data(_));
+        let is_data = matches!(frame.body, FrameBody::Data(_));
         let gap = self.ack_gap(robot);
         let pilot = &mut self.pilots[robot];
         let mut radio = RobotRadio { network: &mut self.network, robot, place: pilot.position() };
@@ -304,7 +303,7 @@ impl Simulation {
     }
 
     fn count(&mut self, node: NodeId, report: csma::Report) {
-        let fate = self.network.nodes[node.index()].fate;
+        let fate = self.network.nodes[node.index()].outcome;
         let packets = &mut self.packets;
         packets.sent += u64::from(report.transmissions > 0);
         packets.channel_access_failures += u64::from(report.outcome == Outcome::ChannelAccessFailure);
@@ -313,11 +312,11 @@ impl Simulation {
             packets.lost_channel_access += 1;
         } else {
             *match fate {
-                Fate::Received => &mut packets.received,
-                Fate::Collided => &mut packets.lost_collision,
-                Fate::Weak => &mut packets.lost_signal,
-                Fate::OutOfRange => &mut packets.out_of_range,
-                Fate::NotListened => &mut packets.not_listened,
+                FrameOutcome::Received => &mut packets.received,
+                FrameOutcome::Collided => &mut packets.lost_collision,
+                FrameOutcome::Weak => &mut packets.lost_signal,
+                FrameOutcome::OutOfRange => &mut packets.out_of_range,
+                FrameOutcome::NotListened => &mut packets.not_listened,
             } += 1;
         }
     }

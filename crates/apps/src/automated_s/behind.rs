@@ -1,7 +1,7 @@
 //! What lies behind an obstacle (`obstacleRegistry` and `coverObstacles` of the thesis).
 
 use sextant_channel::Position;
-use sextant_sim::{Command, Situation};
+use sextant_sim::{RobotCommand, Situation};
 
 use super::lane::Cut;
 use super::survey::{AutomatedS, COVERED, Move};
@@ -29,7 +29,13 @@ impl AutomatedS {
         Some(self.cuts.iter().find(is_behind)?.place.x_m)
     }
 
-    pub(super) fn go_behind(&mut self, here: Position, x_m: f64, from: Position, last_move: Move) -> Option<Command> {
+    pub(super) fn go_behind(
+        &mut self,
+        here: Position,
+        x_m: f64,
+        from: Position,
+        last_move: Move,
+    ) -> Option<RobotCommand> {
         let left_m = (here.x_m - x_m).abs();
         let is_there = left_m <= 0.01 * self.settings.step_m;
         let place = here + Position::new(-self.sweep * self.stride(left_m), 0.0, 0.0);
@@ -40,6 +46,6 @@ impl AutomatedS {
             self.begin_lane(here);
             return None;
         }
-        Some(Command::Drive(place))
+        Some(RobotCommand::Drive(place))
     }
 }

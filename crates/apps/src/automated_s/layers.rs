@@ -1,7 +1,7 @@
 //! Layers of lanes one above the other (thesis, section 3.6: the S path in space).
 
 use sextant_channel::Position;
-use sextant_sim::{Command, Ending, Situation};
+use sextant_sim::{Ending, RobotCommand, Situation};
 
 use super::lane::Lane;
 use super::settings::{AfterLanes, Layers};
@@ -79,14 +79,14 @@ impl AutomatedS {
     }
 
     /// Up or down to the layer at `to_z_m`, with stops on the way.
-    pub(super) fn climb(&mut self, situation: &Situation<'_>, to_z_m: f64, last_move: Move) -> Option<Command> {
+    pub(super) fn climb(&mut self, situation: &Situation<'_>, to_z_m: f64, last_move: Move) -> Option<RobotCommand> {
         let here = situation.position;
         let left_m = to_z_m - here.z_m;
         if last_move == Move::Blocked || left_m.abs() <= 0.01 * self.settings.step_m {
             self.enter_layer(situation);
             return None;
         }
-        Some(Command::Drive(Position { z_m: here.z_m + self.stride(left_m.abs()).copysign(left_m), ..here }))
+        Some(RobotCommand::Drive(Position { z_m: here.z_m + self.stride(left_m.abs()).copysign(left_m), ..here }))
     }
 
     /// Begins the layer here, unless nobody is heard, or there was no way: then there is none.

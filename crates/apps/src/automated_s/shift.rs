@@ -1,13 +1,18 @@
 //! From one lane to the next.
 
 use sextant_channel::Position;
-use sextant_sim::{Command, Situation};
+use sextant_sim::{RobotCommand, Situation};
 
 use super::survey::{AutomatedS, Move, Task};
 
 impl AutomatedS {
     /// Over to the next lane; where there is no way, back along this one in search of one.
-    pub(super) fn shift(&mut self, situation: &Situation<'_>, from: Position, last_move: Move) -> Option<Command> {
+    pub(super) fn shift(
+        &mut self,
+        situation: &Situation<'_>,
+        from: Position,
+        last_move: Move,
+    ) -> Option<RobotCommand> {
         let here = situation.position;
         let step_m = self.settings.step_m;
         let done_m = (here.x_m - from.x_m).abs();
@@ -49,7 +54,7 @@ impl AutomatedS {
     }
 
     /// Back along the lane to where there is a way over; at its end the sweep is at its end.
-    pub(super) fn retreat(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<Command> {
+    pub(super) fn retreat(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<RobotCommand> {
         let here = situation.position;
         let lane_m = self.settings.lane_spacing_m;
         let over = Position::new(self.sweep * lane_m, 0.0, 0.0);

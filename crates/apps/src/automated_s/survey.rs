@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
-use sextant_sim::{Command, Controller, Ending, Outcome, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
 
 use super::knowledge::Knowledge;
 use super::lane::{Cut, HEARING_STOPS, Lane};
@@ -122,26 +122,26 @@ impl AutomatedS {
 }
 
 impl Controller for AutomatedS {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         let here = situation.position;
         let Settings { step_m, lane_spacing_m, .. } = self.settings;
         let last_move = match situation.outcome {
-            Outcome::Started => {
+            CommandOutcome::Started => {
                 self.task = Task::Search { side: 0, from: here };
-                return Command::Listen;
+                return RobotCommand::Listen;
             }
-            Outcome::Arrived if self.passes_by(here) => Move::Free,
-            Outcome::Arrived => return Command::Listen,
-            Outcome::Blocked(contact) => {
+            CommandOutcome::Arrived if self.passes_by(here) => Move::Free,
+            CommandOutcome::Arrived => return RobotCommand::Listen,
+            CommandOutcome::Blocked(contact) => {
                 self.knowledge.note_contact(situation, contact, 2.0 * lane_spacing_m);
                 let is_new = !self.knowledge.was_near(here, 0.5 * step_m, 0..self.knowledge.stops());
                 if is_new && !matches!(self.task, Task::Travel(_)) {
                     self.is_blocked = true;
-                    return Command::Listen;
+                    return RobotCommand::Listen;
                 }
                 Move::Blocked
             }
-            Outcome::Listened(heard) => {
+            CommandOutcome::Listened(heard) => {
                 let Self { settings, area, knowledge, .. } = self;
                 let allowed = |place: Position| is_allowed(settings, area.as_ref(), place);
                 knowledge.note_stop(situation, heard, settings, allowed);
@@ -149,13 +149,13 @@ impl Controller for AutomatedS {
                     self.count_stop(here);
                 }
                 if self.is_complete() {
-                    return Command::Finish(Ending::Complete);
+                    return RobotCommand::Finish(Ending::Complete);
                 }
                 if std::mem::take(&mut self.is_blocked) { Move::Blocked } else { Move::Free }
             }
         };
         if self.steps >= self.settings.max_steps {
-            return Command::Finish(Ending::StepsExhausted);
+            return RobotCommand::Finish(Ending::StepsExhausted);
         }
         self.steps += 1;
         self.proceed(situation, last_move)
@@ -173,7 +173,7 @@ impl AutomatedS {
     }
 
     /// The next command: tasks follow one another until one gives it.
-    fn proceed(&mut self, situation: &Situation<'_>, last_move: Move) -> Command {
+    fn proceed(&mut self, situation: &Situation<'_>, last_move: Move) -> RobotCommand {
         let here = situation.position;
         let mut last_move = last_move;
         for _ in 0..MAX_CHANGES {
@@ -185,18 +185,18 @@ impl AutomatedS {
                 Task::Behind { x_m, from } => self.go_behind(here, x_m, from, last_move),
                 Task::Climb { to_z_m } => self.climb(situation, to_z_m, last_move),
                 Task::Travel(trip) => self.travel(situation, trip, last_move),
-                Task::Finish(ending) => Some(Command::Finish(ending)),
+                Task::Finish(ending) => Some(RobotCommand::Finish(ending)),
             };
             if let Some(command) = command {
                 return command;
             }
             last_move = Move::Free;
         }
-        Command::Finish(Ending::Stuck)
+        RobotCommand::Finish(Ending::Stuck)
     }
 
-    pub(super) fn drive(here: Position, east_m: f64, north_m: f64) -> Option<Command> {
-        Some(Command::Drive(here + Position::new(east_m, north_m, 0.0)))
+    pub(super) fn drive(here: Position, east_m: f64, north_m: f64) -> Option<RobotCommand> {
+        Some(RobotCommand::Drive(here + Position::new(east_m, north_m, 0.0)))
     }
 
     /// Whether the robot may stop at `place`.
@@ -210,7 +210,7 @@ impl AutomatedS {
     }
 
     /// Drives a square spiral, a lane's distance between its turns, until somebody is heard.
-    fn search(&mut self, here: Position, side: u32, from: Position, last_move: Move) -> Option<Command> {
+    fn search(&mut self, here: Position, side: u32, from: Position, last_move: Move) -> Option<RobotCommand> {
         if self.knowledge.hears_somebody() {
             self.start = here;
             self.layer = Layer::first(here.z_m);
@@ -225,7 +225,7 @@ impl AutomatedS {
             self.task = Task::Search { side: side + 1, from: here };
             return None;
         }
-        Some(Command::Drive(place))
+        Some(RobotCommand::Drive(place))
     }
 
     pub(super) fn begin_lane(&mut self, here: Position) {
@@ -243,7 +243,7 @@ impl AutomatedS {
         }
     }
 
-    fn drive_lane(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<Command> {
+    fn drive_lane(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<RobotCommand> {
         let here = situation.position;
         let heading = self.lane.heading;
         if last_move == Move::Blocked {
@@ -265,7 +265,7 @@ impl AutomatedS {
             self.end_lane(situation);
             return None;
         }
-        Some(Command::Drive(place))
+        Some(RobotCommand::Drive(place))
     }
 
     /// Whether all that is ahead on the lane was driven before on this sweep.

@@ -1,7 +1,7 @@
 //! Trips of the automated S path: to the other side, and to what the lanes passed by.
 
 use sextant_channel::Position;
-use sextant_sim::{Command, Situation};
+use sextant_sim::{RobotCommand, Situation};
 
 use super::settings::Settings;
 use super::survey::{AutomatedS, COVERED, Move, Task};
@@ -92,7 +92,12 @@ impl AutomatedS {
         Some(way)
     }
 
-    pub(super) fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> Option<Command> {
+    pub(super) fn travel(
+        &mut self,
+        situation: &Situation<'_>,
+        mut trip: Trip,
+        last_move: Move,
+    ) -> Option<RobotCommand> {
         if last_move == Move::Blocked {
             trip.replans += 1;
             let way = if trip.replans > MAX_REPLANS { None } else { self.way(situation, trip.goal) };
@@ -100,7 +105,7 @@ impl AutomatedS {
         }
         if let Some(place) = trip.way.pop() {
             self.task = Task::Travel(trip);
-            return Some(Command::Drive(place));
+            return Some(RobotCommand::Drive(place));
         }
         match trip.then {
             Goal::OtherSide if self.settings.layers.is_some() => self.begin_other_side_of_layer(situation.position),

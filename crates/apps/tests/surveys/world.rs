@@ -4,7 +4,7 @@ use sextant_apps::Surroundings;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 use sextant_sim::layout::NodesConfig;
-use sextant_sim::{Command, Controller, Ending, Heard, Outcome, Situation};
+use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
 /// How near to an obstacle a blocked robot halts [m].
 const HALT_M: f64 = 1e-3;
@@ -90,10 +90,10 @@ impl World {
         let mut listened = false;
         loop {
             let outcome = match (trace.commands, listened, contact) {
-                (0, ..) => Outcome::Started,
-                (_, true, _) => Outcome::Listened(&heard),
-                (_, false, Some(contact)) => Outcome::Blocked(contact),
-                (_, false, None) => Outcome::Arrived,
+                (0, ..) => CommandOutcome::Started,
+                (_, true, _) => CommandOutcome::Listened(&heard),
+                (_, false, Some(contact)) => CommandOutcome::Blocked(contact),
+                (_, false, None) => CommandOutcome::Arrived,
             };
             let time = SimTime::from_nanos(trace.commands as u64);
             let situation =
@@ -102,12 +102,12 @@ impl World {
             trace.commands += 1;
             assert!(trace.commands < MAX_COMMANDS, "the survey does not end");
             match command {
-                Command::Drive(to) => {
+                RobotCommand::Drive(to) => {
                     listened = false;
                     (position, contact) = self.drive(position, to);
                     trace.path.push(position);
                 }
-                Command::Listen => {
+                RobotCommand::Listen => {
                     listened = true;
                     heard = self.listen(position, trace.stops.len() as u64, Seed(seed));
                     for heard in &heard {
@@ -115,7 +115,7 @@ impl World {
                     }
                     trace.stops.push(position);
                 }
-                Command::Finish(ending) => {
+                RobotCommand::Finish(ending) => {
                     trace.ending = ending;
                     self.assert_clear(&trace.path);
                     return trace;

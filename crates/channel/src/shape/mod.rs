@@ -30,7 +30,7 @@ use cuboid::Cuboid;
 use cylinder::Cylinder;
 use mesh::Mesh;
 use polytope::Polytope;
-use sweep::Body;
+use sweep::ConvexSolid;
 pub(crate) use sweep::Sweep;
 
 /// The shape of an obstacle as written in a scenario.
@@ -54,7 +54,7 @@ pub enum ShapeConfig {
 pub struct Shape {
     form: Form,
     bounds: Bounds,
-    body: Option<Body>,
+    body: Option<ConvexSolid>,
 }
 
 #[derive(Clone, Debug)]
@@ -97,9 +97,9 @@ impl Shape {
             Form::Mesh(mesh) => mesh.surface().bounds(),
         };
         let body = match &form {
-            Form::Box(cuboid) => Some(Body::cuboid(cuboid)),
-            Form::Cylinder(cylinder) => Some(Body::cylinder(cylinder)),
-            Form::Polytope(polytope) => Body::convex(polytope.surface()),
+            Form::Box(cuboid) => Some(ConvexSolid::cuboid(cuboid)),
+            Form::Cylinder(cylinder) => Some(ConvexSolid::cylinder(cylinder)),
+            Form::Polytope(polytope) => ConvexSolid::convex(polytope.surface()),
             Form::Mesh(_) => None,
         };
         Ok(Self { form, bounds: bounds.expect("a solid has corners"), body })

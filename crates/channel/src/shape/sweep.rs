@@ -13,18 +13,18 @@ use crate::glam::vector;
 
 /// A convex solid as the geometry library casts against it.
 #[derive(Clone)]
-pub(crate) struct Body {
+pub(crate) struct ConvexSolid {
     shape: SharedShape,
     pose: Pose,
 }
 
-impl std::fmt::Debug for Body {
+impl std::fmt::Debug for ConvexSolid {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Body({:?})", self.shape.shape_type())
+        write!(f, "ConvexSolid({:?})", self.shape.shape_type())
     }
 }
 
-impl Body {
+impl ConvexSolid {
     pub(crate) fn cuboid(cuboid: &Cuboid) -> Self {
         let turn = Rotation::from_rotation_z(cuboid.yaw_rad);
         let half = cuboid.half;
@@ -154,7 +154,7 @@ mod tests {
         let wall = Cuboid::try_from(BoxConfig { center_m, size_m, yaw_deg: 0.0 }).unwrap();
         for (y_m, expected_m) in [(0.0, Some(3.8)), (2.1, Some(4.0 - 0.03_f64.sqrt())), (2.3, None)] {
             let touch = |cast| sweep(y_m).touch_m(cast, |p| wall.distance_m(p));
-            let library = Body::cuboid(&wall).cast(&sweep(y_m));
+            let library = ConvexSolid::cuboid(&wall).cast(&sweep(y_m));
             for cast in [library, None, Some(0.0), Some(3.0), Some(5.0), Some(6.2), Some(9.9), Some(f64::NAN)] {
                 match (touch(cast), expected_m) {
                     (Some(found_m), Some(expected_m)) => {

@@ -59,13 +59,14 @@ fn log(path: &Path, topic: &str, nodes: usize, links: Vec<Link>) -> Result<Optio
 }
 
 fn link(data: &[u8]) -> Result<Link, String> {
-    let messages::Link { listener, sender, received, sent, rssi_dbm } =
-        messages::Link::decode(data).map_err(|why| why.to_string())?;
+    let messages::LinkMessage { listener, sender, received, sent, rssi_dbm } =
+        messages::LinkMessage::decode(data).map_err(|why| why.to_string())?;
     Ok(Link { listener: NodeId(listener), sender: NodeId(sender), received, sent, rssi_dbm })
 }
 
 pub(super) fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
-    let messages::Anchor { node, x_m, y_m, z_m } = messages::Anchor::decode(data).map_err(|why| why.to_string())?;
+    let messages::AnchorMessage { node, x_m, y_m, z_m } =
+        messages::AnchorMessage::decode(data).map_err(|why| why.to_string())?;
     let position = Position::new(x_m, y_m, z_m);
     if node as usize >= nodes {
         return Err(format!("an anchor is node {node}, but there are {nodes} nodes"));

@@ -8,7 +8,7 @@ use super::descriptor::{self, Declaration};
 
 /// Names of nodes that the robot knows of, heard or not; no places.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Nodes {
+pub struct NodesMessage {
     /// Index of the first of `names`.
     #[prost(uint32, tag = "1")]
     pub first: u32,
@@ -19,7 +19,7 @@ pub struct Nodes {
 
 /// A place where a robot listened.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Stop {
+pub struct StopMessage {
     /// Index of the stop in the recording, from 0 without gaps.
     #[prost(uint32, tag = "1")]
     pub stop: u32,
@@ -45,7 +45,7 @@ pub struct Stop {
 
 /// What was heard of one node at one stop.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Reception {
+pub struct ReceptionMessage {
     /// Index of the node.
     #[prost(uint32, tag = "1")]
     pub node: u32,
@@ -68,7 +68,7 @@ pub struct Reception {
 
 /// A point of an obstacle that a robot's range sensor met.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Contact {
+pub struct ContactMessage {
     /// When [ns of simulated time].
     #[prost(uint64, tag = "1")]
     pub time_ns: u64,
@@ -85,7 +85,7 @@ pub struct Contact {
 
 /// What one node heard of another, or of an anchor.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Link {
+pub struct LinkMessage {
     /// Index of the node that heard.
     #[prost(uint32, tag = "1")]
     pub listener: u32,
@@ -105,7 +105,7 @@ pub struct Link {
 
 /// A node that knows its place.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Anchor {
+pub struct AnchorMessage {
     /// Index of the node.
     #[prost(uint32, tag = "1")]
     pub node: u32,
@@ -122,7 +122,7 @@ pub struct Anchor {
 
 /// A frame that was on air.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Frame {
+pub struct FrameMessage {
     /// First symbol on air [ns of simulated time].
     #[prost(uint64, tag = "1")]
     pub start_ns: u64,
@@ -146,7 +146,7 @@ pub struct Frame {
 
 /// One value of a time series.
 #[derive(Clone, PartialEq, prost::Message)]
-pub struct Metric {
+pub struct MetricMessage {
     /// When [ns of simulated time].
     #[prost(uint64, tag = "1")]
     pub time_ns: u64,
@@ -160,11 +160,11 @@ pub struct Metric {
 
 /// Gives a message type its stable name and its descriptor.
 macro_rules! recorded {
-    ($($message:ident: [$($field:literal = $number:literal $kind:ident),+ $(,)?];)+) => {
+    ($($message:ident = $name:literal: [$($field:literal = $number:literal $kind:ident),+ $(,)?];)+) => {
         /// What the recording says of each own message type: the same numbers as the structs above
         /// (a test holds them together, an independent reader decodes them).
         pub(super) const DECLARATIONS: &[Declaration] = &[$(Declaration {
-            name: stringify!($message),
+            name: $name,
             fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::Kind::$kind }),+],
         }),+];
 
@@ -173,7 +173,7 @@ macro_rules! recorded {
 
             fn get_schema() -> Option<Schema> {
                 Some(Schema::new(
-                    concat!("sextant.", stringify!($message)),
+                    concat!("sextant.", $name),
                     "protobuf",
                     descriptor::file_set(DECLARATIONS),
                 ))
@@ -195,24 +195,24 @@ macro_rules! recorded {
 }
 
 recorded! {
-    Nodes: ["first" = 1 Uint32, "names" = 2 Strings];
-    Stop: [
+    NodesMessage = "Nodes": ["first" = 1 Uint32, "names" = 2 Strings];
+    StopMessage = "Stop": [
         "stop" = 1 Uint32, "time_ns" = 2 Uint64, "x_m" = 3 Double, "y_m" = 4 Double, "z_m" = 5 Double,
         "robot" = 6 String, "receptions" = 7 Uint32,
     ];
-    Reception: [
+    ReceptionMessage = "Reception": [
         "node" = 1 Uint32, "stop" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,
         "sector" = 5 OptionalUint32, "rssi_dbm" = 6 OptionalDouble,
     ];
-    Contact: ["time_ns" = 1 Uint64, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
-    Frame: [
+    ContactMessage = "Contact": ["time_ns" = 1 Uint64, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
+    FrameMessage = "Frame": [
         "start_ns" = 1 Uint64, "airtime_ns" = 2 Uint64, "source" = 3 Uint32, "mpdu" = 4 Bytes, "outcome" = 5 String,
         "power_dbm" = 6 OptionalDouble,
     ];
-    Metric: ["time_ns" = 1 Uint64, "name" = 2 String, "value" = 3 Double];
-    Link: [
+    MetricMessage = "Metric": ["time_ns" = 1 Uint64, "name" = 2 String, "value" = 3 Double];
+    LinkMessage = "Link": [
         "listener" = 1 Uint32, "sender" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,
         "rssi_dbm" = 5 OptionalDouble,
     ];
-    Anchor: ["node" = 1 Uint32, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
+    AnchorMessage = "Anchor": ["node" = 1 Uint32, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
 }

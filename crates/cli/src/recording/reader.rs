@@ -183,7 +183,7 @@ impl LogDraft {
                 Ok(())
             }
             "sextant.Contact" => {
-                let messages::Contact { time_ns, x_m, y_m, z_m } = decode(data)?;
+                let messages::ContactMessage { time_ns, x_m, y_m, z_m } = decode(data)?;
                 let position = Position::new(x_m, y_m, z_m);
                 let name = topic.strip_prefix("/robot/").and_then(|rest| rest.strip_suffix("/contacts"));
                 let robot = self.robots.id(name.ok_or("allowed: /robot/NAME/contacts")?);
@@ -194,7 +194,7 @@ impl LogDraft {
         }
     }
 
-    fn add_nodes(&mut self, message: messages::Nodes) -> Result<(), String> {
+    fn add_nodes(&mut self, message: messages::NodesMessage) -> Result<(), String> {
         if message.first as usize != self.names.len() {
             return Err(format!(
                 "names begin at node {}; allowed: {}, the next one",
@@ -206,7 +206,7 @@ impl LogDraft {
         Ok(())
     }
 
-    fn add_stop(&mut self, message: &messages::Stop) -> Result<(), String> {
+    fn add_stop(&mut self, message: &messages::StopMessage) -> Result<(), String> {
         self.settled()?;
         if message.stop as usize != self.stops.len() {
             return Err(format!("stop {} where stop {} is due", message.stop, self.stops.len()));
@@ -218,7 +218,7 @@ impl LogDraft {
         Ok(())
     }
 
-    fn add_reception(&mut self, message: &messages::Reception) -> Result<(), String> {
+    fn add_reception(&mut self, message: &messages::ReceptionMessage) -> Result<(), String> {
         self.owed = self.owed.checked_sub(1).ok_or("more receptions than the stop before them announces")?;
         let sector = message.sector.map(|sector| {
             u8::try_from(sector).map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))

@@ -155,7 +155,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn nodes(&mut self, names: &[String]) -> Result<(), RecordingError> {
-        self.write(SimTime::ZERO, "/nodes", &messages::Nodes { first: 0, names: names.to_vec() })
+        self.write(SimTime::ZERO, "/nodes", &messages::NodesMessage { first: 0, names: names.to_vec() })
     }
 
     /// What nodes heard of each other's hello packets before the survey.
@@ -176,7 +176,7 @@ impl<W: Write> Recorder<W> {
 
     fn links(&mut self, topic: &str, log: &NeighbourLog) -> Result<(), RecordingError> {
         log.links().iter().try_for_each(|&Link { listener, sender, received, sent, rssi_dbm }| {
-            let message = messages::Link { listener: listener.0, sender: sender.0, received, sent, rssi_dbm };
+            let message = messages::LinkMessage { listener: listener.0, sender: sender.0, received, sent, rssi_dbm };
             self.write(SimTime::ZERO, topic, &message)
         })
     }
@@ -187,7 +187,7 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn anchors(&mut self, anchors: &[Anchor]) -> Result<(), RecordingError> {
         anchors.iter().try_for_each(|&Anchor { node, position: Position { x_m, y_m, z_m } }| {
-            let message = messages::Anchor { node: node.0, x_m, y_m, z_m };
+            let message = messages::AnchorMessage { node: node.0, x_m, y_m, z_m };
             self.write(SimTime::ZERO, super::ANCHORS_TOPIC, &message)
         })
     }
@@ -208,7 +208,7 @@ impl<W: Write> Recorder<W> {
         receptions: &[Reception],
     ) -> Result<(), RecordingError> {
         let Position { x_m, y_m, z_m } = stop.position;
-        let message = messages::Stop {
+        let message = messages::StopMessage {
             stop: index,
             time_ns: stop.time.as_nanos(),
             x_m,
@@ -219,7 +219,7 @@ impl<W: Write> Recorder<W> {
         };
         self.append(stop.time, "/stops", &message)?;
         for &Reception { node, stop: at, received, sent, sector, rssi_dbm } in receptions {
-            let message = messages::Reception {
+            let message = messages::ReceptionMessage {
                 node: node.0,
                 stop: at,
                 received,
@@ -243,7 +243,7 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn contact(&mut self, robot: &str, contact: &Contact) -> Result<(), RecordingError> {
         let Position { x_m, y_m, z_m } = contact.position;
-        let message = messages::Contact { time_ns: contact.time.as_nanos(), x_m, y_m, z_m };
+        let message = messages::ContactMessage { time_ns: contact.time.as_nanos(), x_m, y_m, z_m };
         self.write(contact.time, &format!("/robot/{robot}/contacts"), &message)
     }
 
@@ -332,7 +332,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// If any write failed, now or before.
-    pub fn frame(&mut self, frame: &messages::Frame) -> Result<(), RecordingError> {
+    pub fn frame(&mut self, frame: &messages::FrameMessage) -> Result<(), RecordingError> {
         self.write(SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)), "/mac/frames", frame)
     }
 
@@ -341,7 +341,11 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn metric(&mut self, time: SimTime, name: &str, value: f64) -> Result<(), RecordingError> {
-        self.write(time, "/metrics", &messages::Metric { time_ns: time.as_nanos(), name: name.to_owned(), value })
+        self.write(
+            time,
+            "/metrics",
+            &messages::MetricMessage { time_ns: time.as_nanos(), name: name.to_owned(), value },
+        )
     }
 
     /// A message for people, from the part of the program called `source`.

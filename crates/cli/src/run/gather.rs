@@ -2,7 +2,7 @@
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{Frame, FrameOutcome, Observer, Progress};
+use sextant_sim::{FrameOnAir, Observer, Progress};
 
 use crate::interrupt::Interrupt;
 use crate::recording::{CapturedFrame, FileCapture, FileRecorder, RecordingError, Signal, messages};
@@ -31,7 +31,7 @@ pub(super) struct Sniffer<'a> {
 
 impl Sniffer<'_> {
     /// Captures a frame, if it is to be captured.
-    fn sniff(&mut self, frame: &Frame<'_>) -> Result<(), RecordingError> {
+    fn sniff(&mut self, frame: &FrameOnAir<'_>) -> Result<(), RecordingError> {
         let signal = match self.robot {
             None => None,
             Some(robot) => match frame.heard.iter().find(|heard| heard.robot == robot) {
@@ -39,7 +39,7 @@ impl Sniffer<'_> {
                 Some(heard) => Some(Signal { power: heard.power, sensitivity: self.sensitivity }),
             },
         };
-        let Frame { start, airtime, bytes: mpdu, .. } = *frame;
+        let FrameOnAir { start, airtime, bytes: mpdu, .. } = *frame;
         self.capture.frame(&CapturedFrame { start, airtime, mpdu, signal })
     }
 }
@@ -102,7 +102,7 @@ impl Observer for Gathering<'_> {
         self.record(|recorder, robots| recorder.stop(&robots[stop.robot.index()].name, index, stop, receptions));
     }
 
-    fn framed(&mut self, frame: Frame<'_>) {
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
         if let Some(sniffer) = &mut self.sniffer
             && self.failure.is_none()
         {
@@ -112,12 +112,12 @@ impl Observer for Gathering<'_> {
             return;
         }
         let NodeId(source) = frame.source;
-        let message = messages::Frame {
+        let message = messages::FrameMessage {
             start_ns: frame.start.as_nanos(),
             airtime_ns: (SimTime::ZERO + frame.airtime).as_nanos(),
             source,
             mpdu: frame.bytes.to_vec(),
-            outcome: outcome(frame.outcome).to_owned(),
+            outcome: frame.outcome.name().to_owned(),
             power_dbm: frame.power.map(|power| power.0),
         };
         self.record(|recorder, _| recorder.frame(&message));
@@ -131,15 +131,5 @@ impl Observer for Gathering<'_> {
         let note = format!("nodes heard, {} stops, {:.0} s simulated", progress.stops, progress.time.as_secs_f64());
         self.progress.set(progress.nodes_heard as u64, note);
         self.failure.is_none() && !self.interrupt.is_requested()
-    }
-}
-
-fn outcome(outcome: FrameOutcome) -> &'static str {
-    match outcome {
-        FrameOutcome::Received => "received",
-        FrameOutcome::Collided => "collided",
-        FrameOutcome::Weak => "weak",
-        FrameOutcome::OutOfRange => "out_of_range",
-        FrameOutcome::NotListened => "not_listened",
     }
 }

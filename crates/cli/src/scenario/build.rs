@@ -8,7 +8,7 @@ use sextant_kernel::{Seed, SettingError};
 use sextant_mac::{Phy, RadioStates};
 use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
-    Body, Discovery, Mac, Radio, ReceptionModel, Robot, RobotConfig, Setup, Simulation, Traffic, World,
+    Discovery, Mac, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, Simulation, Traffic, World,
 };
 use sha2::{Digest, Sha256};
 
@@ -349,7 +349,7 @@ fn robot(
     obstacles: &ObstacleField,
     seed: Seed,
 ) -> Result<Robot, SettingError> {
-    let body = Body::try_from(config)?;
+    let body = RobotBody::try_from(config)?;
     if let Some(inside) = obstacles.containing(body.start) {
         let [x, y, z] = body.start.into();
         let name =

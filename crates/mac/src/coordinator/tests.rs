@@ -76,7 +76,7 @@ fn guaranteed_slots_are_given_from_the_end_of_the_active_part() {
     let coordinator = coordinator(6, 6, &[1, 3]).expect("good settings");
     let mut mpdu = Vec::new();
     coordinator.write_beacon(&mut mpdu);
-    let Body::Beacon(beacon) = Frame::parse(&mpdu).expect("good octets").body else { panic!("a beacon") };
+    let FrameBody::Beacon(beacon) = Frame::parse(&mpdu).expect("good octets").body else { panic!("a beacon") };
     let slot = |device, first_slot, slots| GuaranteedSlot { device, first_slot, slots, receive_only: false };
     assert_eq!(beacon.guaranteed, [slot(0x0100, 15, 1), slot(0x0101, 12, 3)]);
     assert_eq!(beacon.superframe.final_cap_slot, 11);

@@ -123,7 +123,7 @@ impl Radio for Script {
         self.air.push((self.now + self.phy.cca(), Event::CcaEnded { busy }));
     }
 
-    fn start_transmission(&mut self, frame: Transmission) {
+    fn start_transmission(&mut self, frame: OutgoingFrame) {
         assert_eq!(self.meter.state(), RadioState::Transmit);
         self.note(Step::Transmit);
         let end = self.now + self.phy.airtime(frame.mpdu_octets);
@@ -135,8 +135,8 @@ impl Radio for Script {
     }
 }
 
-const BROADCAST: Transmission = Transmission { mpdu_octets: 20, ack_request: false, sequence: 7 };
-const UNICAST: Transmission = Transmission { ack_request: true, ..BROADCAST };
+const BROADCAST: OutgoingFrame = OutgoingFrame { mpdu_octets: 20, ack_request: false, sequence: 7 };
+const UNICAST: OutgoingFrame = OutgoingFrame { ack_request: true, ..BROADCAST };
 const BUSY: [bool; 5] = [true; 5];
 
 fn machine() -> Csma {
@@ -303,7 +303,7 @@ fn the_next_frame_waits_for_the_end_of_the_interframe_spacing() {
     // Until the next draw, from the end of the frame or of its acknowledgement.
     for (mpdu_octets, spacing) in [(5, 192), (18, 192), (19, 640), (127, 640)] {
         for ack_request in [false, true] {
-            let frame = Transmission { mpdu_octets, ack_request, sequence: 7 };
+            let frame = OutgoingFrame { mpdu_octets, ack_request, sequence: 7 };
             let mut radio = Script::new(&[], &[], &[ack_request.then_some(7)]);
             let mut csma = machine();
             csma.start(frame, &mut radio);

@@ -52,7 +52,7 @@ impl csma::Radio for Script {
         self.after(PHY.cca(), csma::Event::CcaEnded { busy: false });
     }
 
-    fn start_transmission(&mut self, frame: Transmission) {
+    fn start_transmission(&mut self, frame: OutgoingFrame) {
         self.transmissions.push(symbols(self.now));
         self.after(PHY.airtime(frame.mpdu_octets), csma::Event::TransmissionEnded);
     }
@@ -132,7 +132,7 @@ fn beacon(settings: &BeaconEnabled) -> Beacon<'static> {
     }
 }
 
-const FRAME: Transmission = Transmission { mpdu_octets: 44, ack_request: false, sequence: 7 };
+const FRAME: OutgoingFrame = OutgoingFrame { mpdu_octets: 44, ack_request: false, sequence: 7 };
 
 #[test]
 fn a_device_without_coordinator_listens_and_sends_nothing() {
@@ -177,7 +177,7 @@ fn the_owner_of_a_guaranteed_slot_sends_at_its_start_and_never_contends() {
 
     let mut radio = Script::default();
     let mut device = Device::new(&settings, PHY, 7);
-    device.start(at(0), Transmission { mpdu_octets: 20, ..FRAME }, &mut radio);
+    device.start(at(0), OutgoingFrame { mpdu_octets: 20, ..FRAME }, &mut radio);
     radio.hear(&mut device, 1000, &beacon(&settings));
     radio.run(&mut device, 2900);
     assert_eq!(radio.transmissions, [1840]);
@@ -246,7 +246,7 @@ fn a_wait_for_an_acknowledgement_beyond_the_active_part_ends_in_sleep() {
     // 8 octets have 28 symbols: CCAs on 1840 and 1860, frame from 1880 to 1908, acknowledgement due on 1920, end of the
     // spacing 1954, in time; but the wait lasts until 1962.
     radio.now = at(1840);
-    device.start(radio.now, Transmission { mpdu_octets: 8, ack_request: true, sequence: 1 }, &mut radio);
+    device.start(radio.now, OutgoingFrame { mpdu_octets: 8, ack_request: true, sequence: 1 }, &mut radio);
     assert_eq!(radio.run(&mut device, 2900), None);
     assert_eq!(radio.transmissions, [1880]);
     assert_eq!(radio.states[radio.states.len() - 2..], [(1920, RadioState::Receive), (1962, RadioState::Sleep)]);

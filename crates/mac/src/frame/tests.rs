@@ -69,7 +69,7 @@ fn a_beacon_has_the_octets_that_an_analyser_decodes() {
 
 #[test]
 fn a_data_request_has_the_octets_that_an_analyser_decodes() {
-    let body = Body::Command { command: Command::DataRequest, payload: &[] };
+    let body = FrameBody::Command { command: MacCommand::DataRequest, payload: &[] };
     let frame = Frame { ack_request: true, body, ..Frame::data(6, short(0x1234, 7), short(0x1234, 0), &[]) };
     assert_octets(&frame, "63880634120000070004f016");
 }
@@ -83,7 +83,7 @@ fn beacon(sequence: u8, guaranteed: Vec<GuaranteedSlot>, payload: &[u8]) -> Fram
         pan_coordinator: true,
         association_permit: true,
     };
-    let body = Body::Beacon(Beacon {
+    let body = FrameBody::Beacon(Beacon {
         superframe,
         gts_permit: false,
         guaranteed,
@@ -105,7 +105,7 @@ fn guaranteed_slots_take_a_mask_of_directions_and_three_octets_each() {
 
 #[test]
 fn a_beacon_request_names_a_destination_and_no_source() {
-    let body = Body::Command { command: Command::BeaconRequest, payload: &[] };
+    let body = FrameBody::Command { command: MacCommand::BeaconRequest, payload: &[] };
     let everybody = short(BROADCAST_PAN, 0xFFFF);
     let frame = Frame { source: None, body, ..Frame::data(1, everybody, everybody, &[]) };
     assert_eq!(written(&frame)[..8], [0x03, 0x08, 1, 0xFF, 0xFF, 0xFF, 0xFF, 7]);
@@ -162,7 +162,7 @@ fn a_frame_of_a_node_has_the_size_asked_for() {
             let frame = Frame::parse(&mpdu).expect("a frame");
             assert_eq!(frame.source.and_then(|from| from.address.node()), Some(node));
             assert!(!frame.ack_request && frame.sequence == 3);
-            let Body::Data(payload) = frame.body else { panic!("{frame:?}") };
+            let FrameBody::Data(payload) = frame.body else { panic!("{frame:?}") };
             assert_eq!(payload.first().copied(), (size > least).then_some(0x3F));
         }
     }
@@ -221,7 +221,7 @@ prop_compose! {
     }
 }
 
-fn any_body(payload: &'static [u8]) -> impl Strategy<Value = Body<'static>> {
+fn any_body(payload: &'static [u8]) -> impl Strategy<Value = FrameBody<'static>> {
     let lists = (
         proptest::collection::vec(any_slot(), 0..=7),
         proptest::collection::vec(any::<u16>(), 0..=7),
@@ -229,15 +229,15 @@ fn any_body(payload: &'static [u8]) -> impl Strategy<Value = Body<'static>> {
     );
     let beacon = (any_superframe(), any::<bool>(), lists).prop_map(
         move |(superframe, gts_permit, (guaranteed, pending_short, pending_extended))| {
-            Body::Beacon(Beacon { superframe, gts_permit, guaranteed, pending_short, pending_extended, payload })
+            FrameBody::Beacon(Beacon { superframe, gts_permit, guaranteed, pending_short, pending_extended, payload })
         },
     );
-    let command = proptest::sample::select(&Command::ALL[..]);
+    let command = proptest::sample::select(&MacCommand::ALL[..]);
     prop_oneof![
         beacon,
-        Just(Body::Data(payload)),
-        Just(Body::Acknowledgement),
-        command.prop_map(move |command| Body::Command { command, payload }),
+        Just(FrameBody::Data(payload)),
+        Just(FrameBody::Acknowledgement),
+        command.prop_map(move |command| FrameBody::Command { command, payload }),
     ]
 }
 

@@ -81,7 +81,7 @@ impl Script {
         csma.open(self.now, window, self);
     }
 
-    fn start(&mut self, csma: &mut SlottedCsma, now: u64, frame: Transmission) {
+    fn start(&mut self, csma: &mut SlottedCsma, now: u64, frame: OutgoingFrame) {
         self.now = at(now);
         csma.start(self.now, frame, self);
     }
@@ -121,7 +121,7 @@ impl Radio for Script {
         self.air.push((self.now + PHY.cca(), Event::CcaEnded { busy }));
     }
 
-    fn start_transmission(&mut self, frame: Transmission) {
+    fn start_transmission(&mut self, frame: OutgoingFrame) {
         self.note(Step::Transmit);
         let end = self.now + PHY.airtime(frame.mpdu_octets);
         self.air.push((end, Event::TransmissionEnded));
@@ -134,8 +134,8 @@ impl Radio for Script {
 }
 
 /// 44 octets: 100 symbols, five backoff periods.
-const FRAME: Transmission = Transmission { mpdu_octets: 44, ack_request: false, sequence: 7 };
-const UNICAST: Transmission = Transmission { ack_request: true, ..FRAME };
+const FRAME: OutgoingFrame = OutgoingFrame { mpdu_octets: 44, ack_request: false, sequence: 7 };
+const UNICAST: OutgoingFrame = OutgoingFrame { ack_request: true, ..FRAME };
 const LIFS: u64 = 40;
 
 fn machine() -> SlottedCsma {

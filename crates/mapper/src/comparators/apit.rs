@@ -10,7 +10,7 @@ use super::graph::Graph;
 use super::heard_anchors::{HeardAnchor, HeardAnchors};
 use super::{check_link_share, default_link_share};
 use crate::lattice::whole;
-use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -86,7 +86,7 @@ impl Apit {
             })
         };
         let places = (0..anchors.node_count()).map(place).collect();
-        Ok(TopologyMap::of_places(Self::NAME, places, Frame::World))
+        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
     fn place(&self, heard: &[HeardAnchor], neighbours: &[u32], beacons: &NeighbourLog) -> Option<Position> {

@@ -7,7 +7,7 @@ use sextant_kernel::SettingError;
 
 use super::heard_anchors::HeardAnchors;
 use super::ranging::{Ranging, RangingConfig};
-use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The centroid as written in a scenario: it has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -95,7 +95,7 @@ fn map(knowledge: &Knowledge<'_>, name: &'static str, weight: impl Fn(f64) -> f6
             weighted_mean(&heard.iter().map(|anchor| (anchor.position, weight(anchor.rssi_dbm))).collect::<Vec<_>>())
         })
     };
-    Ok(TopologyMap::of_places(name, (0..anchors.node_count()).map(place).collect(), Frame::World))
+    Ok(TopologyMap::of_places(name, (0..anchors.node_count()).map(place).collect(), CoordinateFrame::World))
 }
 
 /// The mean of places with weights; `None` of none.

@@ -8,7 +8,7 @@ use sextant_kernel::SettingError;
 use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share};
 use crate::lateration::{Range, multilaterate};
-use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DV-Hop as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -84,7 +84,7 @@ impl DvHop {
             })
         };
         let places = known.into_iter().enumerate().map(place).collect();
-        Ok(TopologyMap::of_places(Self::NAME, places, Frame::World))
+        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
     /// Length of a hop as `anchor`, from which `hops` are counted, sees it [m]; `None` if it reaches no other.

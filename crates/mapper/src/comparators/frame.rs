@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{Frame, Knowledge, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, MapError, TopologyMap};
 
 /// What a map without a frame of its own is brought to, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -37,7 +37,7 @@ impl FrameConfig {
         knowledge: &Knowledge<'_>,
         dimensions: usize,
     ) -> Result<TopologyMap, MapError> {
-        let map = TopologyMap::of_places(algorithm, places, Frame::Relative(part_of));
+        let map = TopologyMap::of_places(algorithm, places, CoordinateFrame::Relative(part_of));
         if self == Self::Relative {
             return Ok(map);
         }
@@ -48,6 +48,6 @@ impl FrameConfig {
         for anchor in anchors {
             places[anchor.node.index()] = Some(anchor.position);
         }
-        Ok(TopologyMap::of_places(algorithm, places, Frame::AlignedToAnchors))
+        Ok(TopologyMap::of_places(algorithm, places, CoordinateFrame::AlignedToAnchors))
     }
 }

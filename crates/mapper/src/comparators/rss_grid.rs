@@ -9,7 +9,7 @@ use sextant_kernel::{NodeId, SettingError};
 use super::ranging::{Ranging, RangingConfig};
 use crate::lattice::whole;
 use crate::local_posterior::covariance;
-use crate::{Estimate, EstimateKind, Frame, Knowledge, KnowledgeKind, Lattice, MapError, TopologyMap};
+use crate::{CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, TopologyMap};
 
 /// The Bayesian grid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -139,7 +139,7 @@ impl RssGrid {
     /// [`MapError::GridTooLarge`].
     pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
         let log = knowledge.log;
-        let mut map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], Frame::World);
+        let mut map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
         map.grid_step_m = Some(self.grid_step_m);
         if log.stops().is_empty() {
             return Ok(map);

@@ -8,7 +8,7 @@ use sextant_kernel::SettingError;
 
 use super::centroid::weighted_mean;
 use super::ranging::{Ranging, RangingConfig};
-use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -104,7 +104,7 @@ impl RssMl {
         let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions };
         let places = fit.minimum(&start, self.steps);
         let places = start.iter().zip(places).map(|(start, place)| start.map(|_| place)).collect();
-        Ok(TopologyMap::of_places(Self::NAME, places, Frame::World))
+        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
     /// A first place for each node with a chain of links to an anchor.

@@ -10,7 +10,7 @@ use sextant_kernel::SettingError;
 use super::graph::{Graph, UNREACHED};
 use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
-use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The topology-preserving map as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -124,7 +124,7 @@ impl Tpm {
                 places[node] = Some(place);
             }
         }
-        Ok(TopologyMap::of_places(Self::NAME, places, Frame::Relative(part_of)))
+        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::Relative(part_of)))
     }
 
     /// The places of one connected part.

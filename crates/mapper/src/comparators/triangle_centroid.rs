@@ -10,7 +10,7 @@ use super::centroid::weighted_mean;
 use super::heard_anchors::HeardAnchors;
 use super::ranging::{Ranging, RangingConfig};
 use crate::lateration::{Range, multilaterate_linear};
-use crate::{Frame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The RSSI triangle centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -111,7 +111,7 @@ impl TriangleCentroid {
             })
         };
         let places = (0..anchors.node_count()).map(place).collect();
-        Ok(TopologyMap::of_places(Self::NAME, places, Frame::World))
+        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
     fn place(&self, circles: &[Circle], dimensions: usize) -> Option<Position> {

@@ -10,7 +10,7 @@ use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
 use crate::local_posterior::{Heights, are_level};
-use crate::{Estimate, Frame, KnowledgeKind, TopologyMap};
+use crate::{CoordinateFrame, Estimate, KnowledgeKind, TopologyMap};
 
 /// Grid steps over the range that the log shows, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
@@ -76,7 +76,7 @@ impl SelfCalibrated {
             estimates: vec![None; log.node_count()],
             grid_step_m: self.settings.grid_step_m,
             vertices_evaluated: 0,
-            frame: Frame::World,
+            frame: CoordinateFrame::World,
         };
         let (Some(start), Some(heights)) = (Start::of(log), Heights::of(log.stops(), self.settings.z_range_m)) else {
             return (map, None);

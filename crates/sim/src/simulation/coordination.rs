@@ -5,14 +5,14 @@ use std::time::Duration;
 use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::coordinator::{self, Coordinator};
 use sextant_mac::device;
-use sextant_mac::frame::{Address, Body, Endpoint, Frame};
+use sextant_mac::frame::{Address, Endpoint, Frame, FrameBody};
 use sextant_mac::superframe::BeaconEnabled;
 
 use super::robots::RobotRadio;
 use super::{PAN, Simulation};
+use crate::FrameOutcome;
 use crate::event::{Event, RobotEvent};
 use crate::mac::short_address;
-use crate::receiver::Fate;
 use crate::{Observer, Robot, Traffic, World};
 
 /// The robot that coordinates.
@@ -109,8 +109,8 @@ impl Simulation {
         let now = self.network.now;
         let octets = u8::try_from(self.mpdu.len()).expect("at most 127 octets");
         let frame = Frame::parse(&self.mpdu).expect("stations write what they can read");
-        let Body::Beacon(beacon) = frame.body else { unreachable!("a coordinator writes beacons") };
-        for arrival in self.arrivals.iter().filter(|arrival| arrival.fate == Fate::Received) {
+        let FrameBody::Beacon(beacon) = frame.body else { unreachable!("a coordinator writes beacons") };
+        for arrival in self.arrivals.iter().filter(|arrival| arrival.outcome == FrameOutcome::Received) {
             if let Some(mac) = self.macs.get_mut(arrival.station.index()) {
                 mac.receive_beacon(now, octets, &beacon, &mut self.network.radio(arrival.station, true));
             }

@@ -8,10 +8,10 @@ use sextant_mac::frame::Frame;
 use sextant_mac::{RadioState, coordinator, csma, responder};
 
 use super::Simulation;
+use crate::FrameOutcome;
 use crate::event::{Event, RobotEvent};
 use crate::node::Network;
 use crate::pilot::Decision;
-use crate::receiver::Fate;
 use crate::{Observer, Progress};
 
 impl Simulation {
@@ -48,7 +48,7 @@ impl Simulation {
             }
             let (nodes, now) = (self.macs.len(), self.network.now);
             for arrival in std::mem::take(&mut self.arrivals) {
-                if arrival.fate == Fate::Received && arrival.station.index() < nodes {
+                if arrival.outcome == FrameOutcome::Received && arrival.station.index() < nodes {
                     let event = csma::Event::AckReceived { sequence };
                     let mac = &mut self.macs[arrival.station.index()];
                     if let Some(report) = mac.handle(now, event, &mut self.network.radio(arrival.station, false)) {

@@ -10,18 +10,18 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Body, Command, Controller, Ending, Frame, FrameOutcome, Mac, Observer, Outcome, QueryConfig, Radio, RadioConfig,
-    ReceptionModel, Robot, Setup, Simulation, Situation, Traffic, TrafficConfig, World,
+    CommandOutcome, Controller, Ending, FrameOnAir, FrameOutcome, Mac, Observer, QueryConfig, Radio, RadioConfig,
+    ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Traffic, TrafficConfig, World,
 };
 
 /// Listens once.
 struct OneSlot;
 
 impl Controller for OneSlot {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         match situation.outcome {
-            Outcome::Listened(_) => Command::Finish(Ending::Complete),
-            _ => Command::Listen,
+            CommandOutcome::Listened(_) => RobotCommand::Finish(Ending::Complete),
+            _ => RobotCommand::Listen,
         }
     }
 }
@@ -38,7 +38,7 @@ impl Observer for Ends {
         true
     }
 
-    fn framed(&mut self, frame: Frame<'_>) {
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
         if frame.outcome == FrameOutcome::Received {
             self.received += 1.0;
             self.sum_ms += 1e3 * (frame.start + frame.airtime).as_secs_f64();
@@ -68,7 +68,7 @@ fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup 
         traffic: Traffic::try_from(TrafficConfig::Query(query)).expect("good settings"),
         radio_states: RadioStates::cc2420(),
         robots: vec![Robot {
-            body: Body {
+            body: RobotBody {
                 name: "sink".into(),
                 start: Position::ORIGIN,
                 speed_m_per_s: 1.0,
@@ -220,7 +220,7 @@ impl Observer for Starts {
         true
     }
 
-    fn framed(&mut self, frame: Frame<'_>) {
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
         self.0.push(frame.start);
     }
 }

@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use sextant_channel::{ChannelConfig, ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
-use sextant_mac::frame::{Body, Frame as MacFrame};
+use sextant_mac::frame::{Frame as MacFrame, FrameBody};
 use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig, GtsConfig};
 use sextant_mac::{CustomRadioConfig, EnergyConfig, Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BeaconConfig, Command, Controller, Ending, Frame, FrameOutcome, Mac, Observer, Outcome, QueryConfig, Radio,
-    RadioConfig, ReceptionModel, Robot, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig, World,
+    BeaconConfig, CommandOutcome, Controller, Ending, FrameOnAir, FrameOutcome, Mac, Observer, QueryConfig, Radio,
+    RadioConfig, ReceptionModel, Robot, RobotCommand, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig,
+    World,
 };
 
 /// Listens as often as told where it stands, or where it is sent in between.
@@ -21,17 +22,17 @@ struct Stops {
 }
 
 impl Controller for Stops {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         match situation.outcome {
-            Outcome::Started | Outcome::Listened(_) => {
+            CommandOutcome::Started | CommandOutcome::Listened(_) => {
                 self.next += 1;
                 match self.places.get(self.next - 1) {
-                    Some(&place) if place == situation.position => Command::Listen,
-                    Some(&place) => Command::Drive(place),
-                    None => Command::Finish(Ending::Complete),
+                    Some(&place) if place == situation.position => RobotCommand::Listen,
+                    Some(&place) => RobotCommand::Drive(place),
+                    None => RobotCommand::Finish(Ending::Complete),
                 }
             }
-            Outcome::Arrived | Outcome::Blocked(_) => Command::Listen,
+            CommandOutcome::Arrived | CommandOutcome::Blocked(_) => RobotCommand::Listen,
         }
     }
 }
@@ -55,14 +56,14 @@ impl Observer for Log {
         true
     }
 
-    fn framed(&mut self, frame: Frame<'_>) {
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
         let us = |at: SimTime| u64::try_from((at - SimTime::ZERO).as_micros()).expect("a short run");
         let parsed = MacFrame::parse(frame.bytes).expect("good octets");
         let kind = match parsed.body {
-            Body::Beacon(_) => 0,
-            Body::Data(_) => 1,
-            Body::Acknowledgement => 2,
-            Body::Command { .. } => 3,
+            FrameBody::Beacon(_) => 0,
+            FrameBody::Data(_) => 1,
+            FrameBody::Acknowledgement => 2,
+            FrameBody::Command { .. } => 3,
         };
         let (start, end) = (us(frame.start), us(frame.start + frame.airtime));
         self.0.push(Seen { source: frame.source.index(), start, end, kind, outcome: frame.outcome });
@@ -104,7 +105,7 @@ fn setup(nodes: usize, mac: BeaconEnabledConfig, traffic: TrafficConfig, seed: u
 }
 
 fn robot(places: Vec<Position>, listen: Duration) -> Robot {
-    let body = sextant_sim::Body {
+    let body = sextant_sim::RobotBody {
         name: "coordinator".into(),
         start: Position::ORIGIN,
         speed_m_per_s: 1.0,

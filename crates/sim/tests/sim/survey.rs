@@ -10,9 +10,9 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BeaconConfig, Body, Command, Controller, Ending, Mac, Observer, Outcome, Progress, QueryConfig, Radio,
-    RadioConfig, ReceptionModel, Robot, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig, Unobserved,
-    World,
+    BeaconConfig, CommandOutcome, Controller, Ending, Mac, Observer, Progress, QueryConfig, Radio, RadioConfig,
+    ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig,
+    Unobserved, World,
 };
 
 /// Drives to each place and listens there; notes where it was stopped.
@@ -22,22 +22,23 @@ struct Tour {
 }
 
 impl Controller for Tour {
-    fn decide(&mut self, situation: &Situation<'_>) -> Command {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         match situation.outcome {
-            Outcome::Started | Outcome::Listened(_) => {
+            CommandOutcome::Started | CommandOutcome::Listened(_) => {
                 self.next += 1;
                 match self.places.get(self.next - 1) {
-                    Some(&place) => Command::Drive(place),
-                    None => Command::Finish(Ending::Complete),
+                    Some(&place) => RobotCommand::Drive(place),
+                    None => RobotCommand::Finish(Ending::Complete),
                 }
             }
-            Outcome::Arrived | Outcome::Blocked(_) => Command::Listen,
+            CommandOutcome::Arrived | CommandOutcome::Blocked(_) => RobotCommand::Listen,
         }
     }
 }
 
 fn tour(places: Vec<Position>, listen: Duration) -> Robot {
-    let body = Body { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m: 0.25, listen };
+    let body =
+        RobotBody { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m: 0.25, listen };
     Robot { body, controller: Box::new(Tour { places, next: 0 }) }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use sextant::robot_log::{self, RobotLogError};
 use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_mapper::{Estimate, Frame, TopologyMap};
+use sextant_mapper::{CoordinateFrame, Estimate, TopologyMap};
 use tempfile::TempDir;
 
 use super::sample;
@@ -248,7 +248,7 @@ fn a_map_has_a_row_for_each_node_that_is_placed() {
         estimates: vec![estimate(0.1, 1, None), None, estimate(-3.0, 4, None)],
         grid_step_m: Some(0.1),
         vertices_evaluated: 7,
-        frame: Frame::World,
+        frame: CoordinateFrame::World,
     };
     robot_log::write_map(&path, &names, &map).unwrap();
     let plain = "node,x_m,y_m,z_m,ties,infeasible\na,0.1,2,0,1,0\nd,-3,2,0,4,1\n";

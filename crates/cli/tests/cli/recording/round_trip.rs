@@ -6,7 +6,7 @@ use sextant::recording::{
     FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_attachment, read_known,
     read_log, read_truth,
 };
-use sextant_channel::{Anchor, Position, ReceptionLog};
+use sextant_channel::{Anchor, Position};
 use sextant_kernel::NodeId;
 
 use super::sample;

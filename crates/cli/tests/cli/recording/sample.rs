@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sextant::recording::messages::Frame;
+use sextant::recording::messages::FrameMessage;
 use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
@@ -117,7 +117,7 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.path(at(6), "surveyor", &corners)?;
     recorder.metric(at(7), "path_length_m", 12.5)?;
     recorder.note(at(8), Level::Warning, "survey", "nobody heard")?;
-    recorder.frame(&Frame {
+    recorder.frame(&FrameMessage {
         start_ns: 9,
         airtime_ns: 1_000,
         source: 3,

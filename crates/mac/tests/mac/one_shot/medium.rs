@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, EventQueue, NodeId, Rank, SimTime};
-use sextant_mac::csma::{self, Csma, CsmaSettings, Report, Transmission};
+use sextant_mac::csma::{self, Csma, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::frame::{Address, Endpoint, Frame};
 use sextant_mac::responder::{self, Responder, Verdict};
-use sextant_mac::{Phy, RadioState};
+use sextant_mac::{Class, Phy, RadioState};
 
 const PHY: Phy = Phy::Oqpsk2450;
 
@@ -126,11 +126,10 @@ impl<D: FnMut(usize, u32) -> u32> csma::Radio for StationRadio<'_, D> {
             Range::RobotOnly => false,
         };
         self.air.sensing[self.station] = Some(is_heard);
-        let class = csma::Event::CcaEnded { busy: is_heard }.class() as u8;
-        self.air.push(PHY.cca(), class, self.station, Event::CcaEnded(self.station));
+        self.air.push(PHY.cca(), Class::EndOfCca as u8, self.station, Event::CcaEnded(self.station));
     }
 
-    fn start_transmission(&mut self, frame: Transmission) {
+    fn start_transmission(&mut self, frame: OutgoingFrame) {
         self.air.start(self.station, frame.sequence, !self.robot_is_deaf);
         let event = csma::Event::TransmissionEnded;
         let airtime = PHY.airtime(frame.mpdu_octets);
@@ -178,7 +177,7 @@ impl Medium {
         let mut reports = vec![None; stations];
 
         for (sequence, machine) in (0..self.stations).zip(&mut machines) {
-            let frame = Transmission { mpdu_octets: self.mpdu_octets, ack_request: self.ack_request, sequence };
+            let frame = OutgoingFrame { mpdu_octets: self.mpdu_octets, ack_request: self.ack_request, sequence };
             let station = usize::from(sequence);
             let mut radio = StationRadio { air: &mut air, draw: &mut draw, station, robot_is_deaf: false };
             machine.start(frame, &mut radio);

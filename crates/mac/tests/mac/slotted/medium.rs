@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use sextant_kernel::{EventKey, EventQueue, NodeId, Rank, SimTime};
-use sextant_mac::csma::{self, CsmaSettings, Report, Transmission};
+use sextant_mac::csma::{self, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::slotted::{SlottedCsma, Window};
 use sextant_mac::superframe::Contention;
-use sextant_mac::{Phy, RadioState};
+use sextant_mac::{Class, Phy, RadioState};
 
 const PHY: Phy = Phy::Oqpsk2450;
 /// Longer than any run.
@@ -46,10 +46,18 @@ struct Signal {
     is_clean: bool,
 }
 
+/// What is due at a station.
+#[derive(Clone, Copy)]
+enum Due {
+    Mac(csma::Event),
+    /// Its CCA is over; what it sensed stands in the air.
+    CcaEnded,
+}
+
 /// What the stations act on.
 struct Air<D> {
     now: SimTime,
-    queue: EventQueue<(usize, csma::Event)>,
+    queue: EventQueue<(usize, Due)>,
     signals: Vec<Signal>,
     timers: Vec<Option<EventKey>>,
     /// Stations in a CCA, and whether they heard something in it.
@@ -59,8 +67,22 @@ struct Air<D> {
 
 impl<D> Air<D> {
     fn push(&mut self, span: Duration, station: usize, event: csma::Event) -> EventKey {
-        let rank = Rank::new(event.class() as u8, NodeId::from_index(station));
-        self.queue.push(self.now + span, rank, (station, event))
+        self.push_due(span, event.class(), station, Due::Mac(event))
+    }
+
+    fn push_due(&mut self, span: Duration, class: Class, station: usize, due: Due) -> EventKey {
+        let rank = Rank::new(class as u8, NodeId::from_index(station));
+        self.queue.push(self.now + span, rank, (station, due))
+    }
+
+    /// The event that is due at a station.
+    fn event(&mut self, station: usize, due: Due) -> csma::Event {
+        match due {
+            Due::Mac(event) => event,
+            Due::CcaEnded => {
+                csma::Event::CcaEnded { busy: self.sensing[station].take().expect("a CCA is under way") }
+            }
+        }
     }
 
     /// The frame of a station is over: whether nothing disturbed it.
@@ -94,10 +116,10 @@ impl<D: FnMut(usize, u32) -> u32> csma::Radio for StationRadio<'_, D> {
 
     fn start_cca(&mut self) {
         self.air.sensing[self.station] = Some(!self.air.signals.is_empty());
-        self.air.push(PHY.cca(), self.station, csma::Event::CcaEnded { busy: false });
+        self.air.push_due(PHY.cca(), Class::EndOfCca, self.station, Due::CcaEnded);
     }
 
-    fn start_transmission(&mut self, frame: Transmission) {
+    fn start_transmission(&mut self, frame: OutgoingFrame) {
         for sensed in self.air.sensing.iter_mut().flatten() {
             *sensed = true;
         }
@@ -122,8 +144,8 @@ impl Medium {
         }
     }
 
-    fn frame(&self) -> Transmission {
-        Transmission { mpdu_octets: self.mpdu_octets, ack_request: false, sequence: 0 }
+    fn frame(&self) -> OutgoingFrame {
+        OutgoingFrame { mpdu_octets: self.mpdu_octets, ack_request: false, sequence: 0 }
     }
 
     /// A station that gets its frame now.
@@ -142,14 +164,9 @@ impl Medium {
         let mut air = self.air(draw);
         let mut machines: Vec<_> = (0..self.stations).map(|station| self.station(&mut air, station)).collect();
         let mut fates = vec![None; self.stations];
-        while let Some((now, (station, event))) = air.queue.pop() {
+        while let Some((now, (station, due))) = air.queue.pop() {
             air.now = now;
-            let event = match event {
-                csma::Event::CcaEnded { .. } => {
-                    csma::Event::CcaEnded { busy: air.sensing[station].take().expect("a CCA is under way") }
-                }
-                _ => event,
-            };
+            let event = air.event(station, due);
             let received = event == csma::Event::TransmissionEnded && air.end(station);
             let mut radio = StationRadio { air: &mut air, station };
             if let Some(report) = machines[station].handle(now, event, &mut radio) {
@@ -167,14 +184,14 @@ impl Medium {
         let mut accounts = vec![Accounts { slots: slots as f64, ..Accounts::default() }; batches + 1];
         let mut is_second = vec![false; self.stations];
         let batch_ns = slots * u64::try_from(PHY.backoff_period().as_nanos()).expect("short");
-        while let Some((now, (station, event))) = air.queue.pop() {
+        while let Some((now, (station, due))) = air.queue.pop() {
             let batch = usize::try_from(now.as_nanos() / batch_ns).expect("few batches");
             let Some(account) = accounts.get_mut(batch) else { break };
             air.now = now;
             let mut received = false;
-            let event = match event {
-                csma::Event::CcaEnded { .. } => {
-                    let busy = air.sensing[station].take().expect("a CCA is under way");
+            let event = air.event(station, due);
+            match event {
+                csma::Event::CcaEnded { busy } => {
                     let (ccas, busy_ccas) = if is_second[station] {
                         (&mut account.second_ccas, &mut account.second_busy)
                     } else {
@@ -183,14 +200,10 @@ impl Medium {
                     *ccas += 1.0;
                     *busy_ccas += f64::from(u8::from(busy));
                     is_second[station] = !busy && !is_second[station];
-                    csma::Event::CcaEnded { busy }
                 }
-                csma::Event::TransmissionEnded => {
-                    received = air.end(station);
-                    event
-                }
-                _ => event,
-            };
+                csma::Event::TransmissionEnded => received = air.end(station),
+                _ => {}
+            }
             let report = machines[station].handle(now, event, &mut StationRadio { air: &mut air, station });
             if let Some(report) = report {
                 *match (report.transmissions, received) {

@@ -3,8 +3,8 @@
 use sextant_channel::Position;
 use sextant_mapper::lateration::{Range, multilaterate};
 use sextant_mapper::{
-    AxesConfig, CountConfig, DvHop, DvHopConfig, ExtremeConfig, Frame, FrameConfig, HopLength, LandmarksConfig,
-    MapError, MdsMap, MdsMapConfig, Tpm, TpmConfig, topology_preservation_error,
+    AxesConfig, CoordinateFrame, CountConfig, DvHop, DvHopConfig, ExtremeConfig, FrameConfig, HopLength,
+    LandmarksConfig, MapError, MdsMap, MdsMapConfig, Tpm, TpmConfig, topology_preservation_error,
 };
 
 use super::network::{Network, lattice, mean_error_m};
@@ -62,7 +62,7 @@ fn each_part_of_a_network_that_falls_apart_has_its_own_map() {
     places.extend([Position::new(90.0, 0.0, 0.0), Position::new(91.0, 0.0, 0.0)]);
     let network = Network::new(places, 10, 1.6, 5.0, 0.0);
     let map = tpm(TpmConfig::default()).map(&network.knowledge()).unwrap();
-    let Frame::Relative(parts) = &map.frame else { panic!("a map of hops is relative") };
+    let CoordinateFrame::Relative(parts) = &map.frame else { panic!("a map of hops is relative") };
     assert_eq!((parts[0], parts[63], parts[64], parts[127], parts[128]), (0, 0, 1, 1, 2));
     assert_eq!((map.mapped(), map.unmapped()), (128, 2));
     let aligned = map.aligned_to(&network.truth(), 4);
@@ -147,10 +147,10 @@ fn hops_place_the_nodes_of_a_lattice_within_a_fraction_of_the_radius() {
         let error_m = mean_error_m(&network, map);
         assert!(error_m < 0.4 * 2.5, "{}: {error_m}", map.algorithm);
     }
-    assert_eq!((&dv_hop.frame, &mds_map.frame), (&Frame::World, &Frame::AlignedToAnchors));
+    assert_eq!((&dv_hop.frame, &mds_map.frame), (&CoordinateFrame::World, &CoordinateFrame::AlignedToAnchors));
     let relative = MdsMapConfig { frame: FrameConfig::Relative, ..MdsMapConfig::default() };
     let relative = MdsMap::try_from(relative).unwrap().map(&network.knowledge()).unwrap();
-    assert!(matches!(relative.frame, Frame::Relative(_)));
+    assert!(matches!(relative.frame, CoordinateFrame::Relative(_)));
     let aligned = relative.aligned_to(&network.truth(), 4);
     assert!(mean_error_m(&network, &aligned) < mean_error_m(&network, &mds_map) + 0.05);
 }
