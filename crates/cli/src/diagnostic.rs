@@ -7,10 +7,6 @@ use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, Report};
 
-use crate::recording::RecordingError;
-use crate::robot_log::RobotLogError;
-use crate::scenario::ScenarioErrors;
-
 /// Why a command did not do what it was asked.
 #[derive(Debug)]
 pub enum Failure {
@@ -67,24 +63,6 @@ impl Failure {
         };
         // Nobody is left to be told if standard error is gone.
         let _ = io::stderr().write_all(text.as_bytes());
-    }
-}
-
-impl From<ScenarioErrors> for Failure {
-    fn from(errors: ScenarioErrors) -> Self {
-        Self::BadInput(errors.errors().iter().cloned().map(Report::new).collect())
-    }
-}
-
-impl From<RecordingError> for Failure {
-    fn from(error: RecordingError) -> Self {
-        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
-    }
-}
-
-impl From<RobotLogError> for Failure {
-    fn from(error: RobotLogError) -> Self {
-        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
     }
 }
 

@@ -15,6 +15,7 @@ pub mod diagnostic;
 pub mod figure;
 pub mod interrupt;
 pub mod measure;
+mod output;
 pub mod recording;
 pub mod reproduce;
 pub mod robot_log;

@@ -13,7 +13,6 @@ pub mod schema;
 pub mod sweep;
 
 use std::ffi::OsString;
-use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -100,20 +99,4 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Completions(arguments) => completions::execute(arguments),
         Command::Man => man::execute(),
     }
-}
-
-/// Writes `text` to the file at `path`, whole or not at all: first beside it, then renamed. A device or a pipe is
-/// written to as it is.
-pub(crate) fn write_file(path: &Path, text: &[u8]) -> Result<(), Failure> {
-    if path.exists() && !path.is_file() && !path.is_dir() {
-        return std::fs::write(path, text).map_err(|error| Failure::unwritable(path, &error));
-    }
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
-    let part = Path::new(&part);
-    std::fs::write(part, text).and_then(|()| std::fs::rename(part, path)).map_err(|error| {
-        // Only the error that came first is worth telling.
-        let _ = std::fs::remove_file(part);
-        Failure::unwritable(path, &error)
-    })
 }

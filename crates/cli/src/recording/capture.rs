@@ -8,8 +8,8 @@ use std::time::Duration;
 use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
 
-use super::draft::Draft;
 use super::error::RecordingError;
+use crate::output::{Draft, DraftError};
 
 /// Magic number of a pcap file whose stamps count nanoseconds.
 const NANOSECOND_MAGIC: u32 = 0xA1B2_3C4D;
@@ -203,6 +203,9 @@ impl FileCapture {
     /// # Errors
     /// If a write failed, now or before. The file `PATH.part` then stays.
     pub fn finish(self) -> Result<(), RecordingError> {
-        self.draft.name(self.capture.into_output()?, unwritten)
+        self.draft.name(self.capture.into_output()?).map_err(|error| match error {
+            DraftError::Write { path, why } => unwritten(&path, why),
+            other => other.into(),
+        })
     }
 }

@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 
 use sextant_channel::LogError;
 
+use crate::diagnostic::Failure;
+use crate::output::DraftError;
+
 /// Why a recording could not be written or read. Clonable, because the first failure of a recorder is
 /// the answer to every later call.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -110,10 +113,6 @@ impl RecordingError {
         matches!(self, Self::Create { .. } | Self::Write { .. } | Self::WriteCapture { .. } | Self::Rename { .. })
     }
 
-    pub(super) fn create(path: &Path, why: impl fmt::Display) -> Self {
-        Self::Create { path: path.to_owned(), why: why.to_string() }
-    }
-
     pub(super) fn write(path: &Path, why: &mcap::McapError) -> Self {
         Self::Write { path: path.to_owned(), why: cause(why) }
     }
@@ -124,6 +123,22 @@ impl RecordingError {
 
     pub(super) fn message(path: &Path, topic: &str, problem: impl fmt::Display) -> Self {
         Self::Message { path: path.to_owned(), topic: topic.to_owned(), problem: problem.to_string() }
+    }
+}
+
+impl From<DraftError> for RecordingError {
+    fn from(error: DraftError) -> Self {
+        match error {
+            DraftError::Create { path, why } => Self::Create { path, why },
+            DraftError::Write { path, why } => Self::Write { path, why: why.to_string() },
+            DraftError::Rename { part, path, why } => Self::Rename { part, path, why: why.to_string() },
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
     }
 }
 

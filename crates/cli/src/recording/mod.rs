@@ -24,7 +24,6 @@
 
 mod capture;
 mod descriptor;
-mod draft;
 mod drawing;
 mod drawn;
 mod error;

@@ -12,11 +12,11 @@ use mcap::records::{MessageHeader, Metadata};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::SimTime;
 
-use super::draft::Draft;
 use super::drawing::{self, LikelihoodPlane, PlacedNode, Solid};
 use super::error::RecordingError;
 use super::messages;
 use super::sink::Sink;
+use crate::output::Draft;
 
 /// Name of the attachment with the scenario as it was read.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
@@ -62,7 +62,7 @@ impl FileRecorder {
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
     pub fn create(path: &Path) -> Result<Self, RecordingError> {
         let draft = Draft::new(path, ".part");
-        let sink = draft.create()?;
+        let sink = Sink::create(&draft)?;
         Ok(Self { recorder: Recorder::from_sink(sink), draft })
     }
 
@@ -71,7 +71,7 @@ impl FileRecorder {
     /// # Errors
     /// If any write failed, now or before. The file `PATH.part` then stays.
     pub fn finish(self) -> Result<(), RecordingError> {
-        self.draft.publish(self.recorder.sink)
+        self.recorder.sink.publish(&self.draft)
     }
 }
 

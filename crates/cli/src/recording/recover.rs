@@ -6,10 +6,11 @@ use std::path::Path;
 use mcap::records::Metadata;
 use serde::Serialize;
 
-use super::draft::Draft;
 use super::error::RecordingError;
 use super::inspect::Damage;
 use super::scan::{Piece, scan};
+use super::sink::Sink;
+use crate::output::Draft;
 
 /// What was saved.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -41,7 +42,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
         // Created at the first piece, so that a file of another format leaves nothing behind.
         let sink = match &mut sink {
             Some(sink) => sink,
-            none => none.insert(draft.create()?),
+            none => none.insert(Sink::create(&draft)?),
         };
         match piece {
             Piece::Header { .. } => Ok(()),
@@ -68,7 +69,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
     })?;
     let mut sink = match sink {
         Some(sink) => sink,
-        None => draft.create()?,
+        None => Sink::create(&draft)?,
     };
     if let Some(damage) = &recovery.damage {
         let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
@@ -77,6 +78,6 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
             metadata: BTreeMap::from(values.map(|(key, value)| (key.to_owned(), value))),
         })?;
     }
-    draft.publish(sink)?;
+    sink.publish(&draft)?;
     Ok(recovery)
 }

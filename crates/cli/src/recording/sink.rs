@@ -9,8 +9,8 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
 
-use super::draft::Draft;
 use super::error::RecordingError;
+use crate::output::Draft;
 
 /// Name of the writer in the header of a recording: fixed, so that equal runs give equal bytes.
 const LIBRARY: &str = concat!("sextant ", env!("CARGO_PKG_VERSION"));
@@ -123,14 +123,14 @@ impl<W: Write> Sink<W> {
     }
 }
 
-impl Draft {
-    /// Creates it and a container in it.
-    pub(super) fn create(&self) -> Result<Sink<BufWriter<File>>, RecordingError> {
-        Sink::new(self.open()?, &self.part)
+impl Sink<BufWriter<File>> {
+    /// A container in a new file, which has the name of `draft` until it is published.
+    pub(super) fn create(draft: &Draft) -> Result<Self, RecordingError> {
+        Self::new(draft.open()?, &draft.part)
     }
 
     /// Finishes the container and names the file.
-    pub(super) fn publish(&self, sink: Sink<BufWriter<File>>) -> Result<(), RecordingError> {
-        self.name(sink.finish()?, |path, why| RecordingError::write(path, &why.into()))
+    pub(super) fn publish(self, draft: &Draft) -> Result<(), RecordingError> {
+        Ok(draft.name(self.finish()?)?)
     }
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::commands::write_file;
 use crate::diagnostic::Failure;
+use crate::output::write_file;
 use crate::sweep::Mean;
 
 /// What was published beside what comes out here.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::commands::write_file;
 use crate::diagnostic::Failure;
+use crate::output::write_file;
 
 macro_rules! shipped {
     ($($name:literal),* $(,)?) => {

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use sextant_channel::LogError;
 
+use crate::diagnostic::Failure;
+
 /// Why a log of a robot cannot be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RobotLogError {
@@ -77,5 +79,11 @@ impl RobotLogError {
 
     pub(super) fn write(path: &Path, why: impl fmt::Display) -> Self {
         Self::Write { path: path.to_owned(), why: why.to_string() }
+    }
+}
+
+impl From<RobotLogError> for Failure {
+    fn from(error: RobotLogError) -> Self {
+        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
     }
 }

@@ -7,6 +7,7 @@ use sextant_kernel::SimTime;
 
 use super::error::RobotLogError;
 use super::instant;
+use crate::output::write_whole;
 
 /// Rows in memory, quoted where a cell needs it, lines ended by a line feed.
 pub(super) struct Output {
@@ -63,10 +64,6 @@ impl Output {
 
     /// Writes the file `path`, whole or not at all.
     pub(super) fn save(&self, path: &Path) -> Result<(), RobotLogError> {
-        let mut part = path.as_os_str().to_owned();
-        part.push(".part");
-        std::fs::write(&part, &self.content)
-            .and_then(|()| std::fs::rename(&part, path))
-            .map_err(|why| RobotLogError::write(path, why))
+        write_whole(path, &self.content).map_err(|why| RobotLogError::write(path, why))
     }
 }

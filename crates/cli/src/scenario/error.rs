@@ -5,11 +5,12 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 use sextant_kernel::SettingError;
 
 use super::document::{Document, Entry, Origin, Source, Value};
 use super::key_path::{KeyPath, Step};
+use crate::diagnostic::Failure;
 
 /// One thing that is wrong with a scenario: a message, the place in the text, and what to do.
 #[derive(Clone, Debug)]
@@ -63,6 +64,12 @@ impl fmt::Display for ScenarioErrors {
 }
 
 impl std::error::Error for ScenarioErrors {}
+
+impl From<ScenarioErrors> for Failure {
+    fn from(errors: ScenarioErrors) -> Self {
+        Self::BadInput(errors.0.into_iter().map(Report::new).collect())
+    }
+}
 
 impl ScenarioError {
     pub(crate) fn new(message: impl Into<String>) -> Self {

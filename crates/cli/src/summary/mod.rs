@@ -18,8 +18,8 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::commands::write_file;
 use crate::diagnostic::Failure;
+use crate::output::write_file;
 
 /// All results of a run or of a mapping.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -5,8 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::row::Row;
-use crate::commands::write_file;
 use crate::diagnostic::Failure;
+use crate::output::write_file;
 
 /// The folder of the finished units: one CSV file a unit, written whole or not at all.
 #[derive(Debug)]

@@ -13,8 +13,8 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::column::{Column, Kind};
-use crate::commands::write_file;
 use crate::diagnostic::Failure;
+use crate::output::write_file;
 
 /// The form of a table on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
