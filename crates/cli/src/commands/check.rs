@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::options::Overrides;
 use crate::diagnostic::Failure;
 use crate::scenario::Scenario;
 use crate::sweep::Plan;
-use crate::table::counted;
+use crate::text::counted;
 
 /// What `sextant check` is told.
 #[derive(Clone, Debug, Args)]
@@ -16,19 +17,20 @@ pub struct Arguments {
     /// The scenario files
     #[arg(value_name = "SCENARIO.toml", required = true)]
     pub scenarios: Vec<PathBuf>,
-    /// Override a setting: path.to.key=value, the value in TOML, quotes optional; may be repeated
-    #[arg(long, value_name = "K=V", value_parser = crate::scenario::flag)]
-    pub set: Vec<String>,
+    /// Settings that override those of the scenarios.
+    #[command(flatten)]
+    pub overrides: Overrides,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+    let set = &arguments.overrides.set;
     let mut reports = Vec::new();
     for path in &arguments.scenarios {
-        match Scenario::load(path, &arguments.set, None) {
+        match Scenario::load(path, set, None) {
             Ok(scenario) if scenario.config().sweep.is_none() => {
                 writeln!(io::stdout(), "ok {}: {}", scenario.name(), scenario.outline())?;
             }
-            Ok(scenario) => match Plan::read(path, &arguments.set, None, None) {
+            Ok(scenario) => match Plan::read(path, set, None, None) {
                 Ok(plan) => {
                     let cells = counted(plan.cells().len(), "cell");
                     writeln!(io::stdout(), "ok {}: {}, a sweep of {cells}", scenario.name(), scenario.outline())?;

@@ -2,10 +2,9 @@
 
 use std::io::{self, Write};
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 
-use super::Cli;
 use crate::diagnostic::Failure;
 
 /// What `sextant completions` is told.
@@ -16,9 +15,10 @@ pub struct Arguments {
     pub shell: Shell,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+/// Prints completions for `words`, the words of the program.
+pub(crate) fn execute(arguments: &Arguments, mut words: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Cli::command(), "sextant", &mut script);
+    clap_complete::generate(arguments.shell, &mut words, "sextant", &mut script);
     io::stdout().write_all(&script)?;
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! `sextant inspect`: what is inside a recording?
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Format;
+use super::options::Printing;
 use crate::diagnostic::Failure;
 use crate::recording;
 
@@ -15,20 +15,12 @@ pub struct Arguments {
     /// The recording
     #[arg(value_name = "RUN.mcap")]
     pub recording: PathBuf,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    /// How results are printed.
+    #[command(flatten)]
+    pub printing: Printing,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let inspection = recording::inspect(&arguments.recording)?;
-    let mut stdout = io::stdout().lock();
-    match arguments.format {
-        Format::Text => write!(stdout, "{inspection}")?,
-        Format::Json => {
-            serde_json::to_writer_pretty(&mut stdout, &inspection).map_err(io::Error::from)?;
-            writeln!(stdout)?;
-        }
-    }
-    Ok(())
+    Ok(arguments.printing.print(&inspection, |stdout| write!(stdout, "{inspection}"))?)
 }

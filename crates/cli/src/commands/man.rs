@@ -2,20 +2,20 @@
 
 use std::io::{self, Write};
 
-use clap::{Command, CommandFactory};
+use clap::Command;
 use clap_mangen::Man;
 
-use super::Cli;
 use crate::diagnostic::Failure;
 
-pub(crate) fn execute() -> Result<(), Failure> {
-    io::stdout().write_all(&page()?)?;
+/// Prints the manual page of `words`, the words of the program.
+pub(crate) fn execute(words: Command) -> Result<(), Failure> {
+    io::stdout().write_all(&page(words)?)?;
     Ok(())
 }
 
 /// One page for the program and all of its commands.
-fn page() -> io::Result<Vec<u8>> {
-    let mut command = Cli::command().disable_help_subcommand(true);
+fn page(words: Command) -> io::Result<Vec<u8>> {
+    let mut command = words.disable_help_subcommand(true);
     command.build();
     let mut page = Vec::new();
     let main = Man::new(command.clone());

@@ -6,6 +6,7 @@ pub mod figure;
 pub mod inspect;
 pub mod man;
 pub mod map;
+pub mod options;
 pub mod recover;
 pub mod reproduce;
 pub mod run;
@@ -15,7 +16,7 @@ pub mod sweep;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::diagnostic::Failure;
 
@@ -56,16 +57,6 @@ pub enum Command {
     Man,
 }
 
-/// How results are printed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// A table for people
-    #[default]
-    Text,
-    /// One JSON object for programs
-    Json,
-}
-
 /// Runs the command that `words` (the program's name first) ask for.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(words) {
@@ -96,7 +87,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments),
         Command::Schema => schema::execute(),
-        Command::Completions(arguments) => completions::execute(arguments),
-        Command::Man => man::execute(),
+        Command::Completions(arguments) => completions::execute(arguments, Cli::command()),
+        Command::Man => man::execute(Cli::command()),
     }
 }

@@ -1,21 +1,20 @@
 //! `sextant reproduce`: the thesis' tables and figures, published beside ours.
 
 use std::io::{self, Write};
-use std::num::{NonZeroU32, NonZeroUsize};
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::Format;
-use super::run::set_threads;
+use super::options::{Format, Printing, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::reproduce::{
     CHAPTER_3, Experiment, Line, Runs, find, write_csv, write_figures, write_pictures, write_scenarios,
 };
 use crate::sweep::write_table;
-use crate::table::{Align, columns};
+use crate::text::{Align, columns};
 
 /// What `sextant reproduce` is told.
 #[derive(Clone, Debug, Args)]
@@ -35,15 +34,12 @@ pub struct Arguments {
     /// The folder for tables, figures and the scenarios that were run; it is made if it is not there
     #[arg(long, value_name = "DIR", default_value = "reproduction")]
     pub out: PathBuf,
-    /// Threads to compute with; one a core if absent. The results do not depend on it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// How results are printed
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-    /// No progress bar and no notes
-    #[arg(long)]
-    pub quiet: bool,
+    /// How results are printed.
+    #[command(flatten)]
+    pub printing: Printing,
+    /// How the work is done.
+    #[command(flatten)]
+    pub work: Work,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -52,12 +48,12 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(list(&mut stdout)?);
     }
     let experiments = chosen(arguments)?;
-    set_threads(arguments.threads)?;
+    arguments.work.start_threads()?;
     let interrupt = Interrupt::install()?;
     let out = &arguments.out;
     let scenarios = out.join("scenarios");
     write_scenarios(&scenarios)?;
-    let runs = Runs::make(&experiments, &scenarios, arguments.runs, &interrupt, arguments.quiet)?;
+    let runs = Runs::make(&experiments, &scenarios, arguments.runs, &interrupt, arguments.work.quiet)?;
     for (scenario, plan, rows) in runs.scenarios() {
         let name = scenario.trim_end_matches(".toml").replace('/', "-");
         write_table(&out.join(format!("runs-{name}.csv")), plan, rows)?;
@@ -71,7 +67,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         write_figures(experiment, &runs, out)?;
         printed.push((*experiment, lines));
     }
-    match arguments.format {
+    match arguments.printing.format {
         Format::Text => {
             for (experiment, lines) in &printed {
                 print(experiment, lines, arguments.runs, &mut stdout)?;

@@ -1,26 +1,25 @@
 //! `sextant sweep`: one scenario under many settings and seeds.
 
 use std::io::{self, Write};
-use std::num::{NonZeroU32, NonZeroUsize};
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Map, Value, json};
 
-use super::Format;
-use super::run::set_threads;
+use super::options::{Format, Printing, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::summary::{Measure, measures};
 use crate::sweep::{Column, Mean, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
-use crate::table::{Align, columns, counted};
+use crate::text::{Align, columns, counted};
 
 /// What `sextant sweep` is told.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// The scenario file; its `[sweep]` says which settings vary
-    #[arg(value_name = "SCENARIO.toml")]
-    pub scenario: PathBuf,
+    /// The scenario; its `[sweep]` says which settings vary.
+    #[command(flatten)]
+    pub source: ScenarioSource,
     /// Where the table goes, one row a cell and run: TABLE.csv or TABLE.parquet; SCENARIO.csv in the working folder if
     /// absent
     #[arg(long, value_name = "TABLE")]
@@ -37,21 +36,12 @@ pub struct Arguments {
     /// Print what would be run, and run nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Seed of the first run of each cell, in place of the scenario's
-    #[arg(long, value_name = "N")]
-    pub seed: Option<u64>,
-    /// Threads to compute with; one a core if absent. The table does not depend on it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
-    /// Override a setting in all cells: path.to.key=value, the value in TOML, quotes optional; may be repeated
-    #[arg(long, value_name = "K=V", value_parser = crate::scenario::flag)]
-    pub set: Vec<String>,
-    /// How results are printed
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-    /// No progress bar and no notes
-    #[arg(long)]
-    pub quiet: bool,
+    /// How results are printed.
+    #[command(flatten)]
+    pub printing: Printing,
+    /// How the work is done.
+    #[command(flatten)]
+    pub work: Work,
 }
 
 impl Arguments {
@@ -59,7 +49,7 @@ impl Arguments {
     #[must_use]
     pub fn table(&self) -> PathBuf {
         let default = || {
-            let mut name = self.scenario.file_stem().unwrap_or_default().to_owned();
+            let mut name = self.source.scenario.file_stem().unwrap_or_default().to_owned();
             name.push(self.shard.suffix());
             name.push(".csv");
             PathBuf::from(name)
@@ -69,21 +59,18 @@ impl Arguments {
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    set_threads(arguments.threads)?;
-    let out = arguments.table();
+    arguments.work.start_threads()?;
+    let (source, out) = (&arguments.source, arguments.table());
     TableFormat::of(&out)?;
-    let plan = Plan::read(&arguments.scenario, &arguments.set, arguments.seed, arguments.runs)?;
+    let plan = Plan::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
     let mut stdout = io::stdout().lock();
     if arguments.dry_run {
         return Ok(print_plan(&plan, &out, &mut stdout)?);
     }
     let interrupt = Interrupt::install()?;
-    let rows = match run(&plan, arguments.shard, &out, arguments.resume, &interrupt, arguments.quiet) {
+    let rows = match run(&plan, arguments.shard, &out, arguments.resume, &interrupt, arguments.work.quiet) {
         Err(Failure::Interrupted) => {
-            if !arguments.quiet {
-                // Nobody is left to be told if standard error is gone.
-                let _ = writeln!(io::stderr(), "note: what is finished is kept; go on with --resume");
-            }
+            arguments.work.note("what is finished is kept; go on with --resume");
             return Err(Failure::Interrupted);
         }
         other => other?,
@@ -91,7 +78,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     write_table(&out, &plan, &rows)?;
     clear_parts(&out)?;
     let results = Results { plan: &plan, rows: &rows };
-    match arguments.format {
+    match arguments.printing.format {
         Format::Text => results.print(&out, &mut stdout)?,
         Format::Json => writeln!(stdout, "{:#}", results.json())?,
     }

@@ -7,7 +7,8 @@ use super::palette::{ACCENT, CURVES, INK, Ramp};
 use super::picture::{Picture, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
 use super::silhouette::draw_solids;
-use super::source::{Source, counted};
+use super::source::Source;
+use crate::text::counted;
 
 const NODE: RGBColor = INK;
 const CONTACT: Stroke = Stroke::new(ACCENT, 1.6);

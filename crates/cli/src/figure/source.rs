@@ -71,8 +71,3 @@ impl Source<'_> {
         self.log.names().iter().position(|other| other == name).map(NodeId::from_index)
     }
 }
-
-/// `count` things, with the plural that most nouns have.
-pub(super) fn counted(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
-}

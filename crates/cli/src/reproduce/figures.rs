@@ -10,7 +10,7 @@ use crate::diagnostic::Failure;
 use crate::figure::{self, Curves, Figure, FileFormat, Series, Source};
 use crate::interrupt::Interrupt;
 use crate::recording::{read_drawn, read_log};
-use crate::run::{self, Files};
+use crate::run::{self, Request};
 use crate::scenario::Scenario;
 use crate::summary::{Measure, NODE_ERRORS, measures::node_errors};
 
@@ -25,7 +25,7 @@ pub fn write_pictures(names: &[&str], scenarios: &Path, out: &Path, interrupt: &
         let folder = out.join(scenario.name());
         std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
         let recording = folder.join("run.mcap");
-        run::record(&scenario, Files { recording: &recording, pcap: None }, interrupt, true)?;
+        run::record(&scenario, Request { recording: &recording, pcap: None, quiet: true }, interrupt)?;
         if interrupt.is_requested() {
             return Err(Failure::Interrupted);
         }

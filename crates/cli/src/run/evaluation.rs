@@ -4,8 +4,9 @@ use sextant_channel::Position;
 use sextant_mapper::{KnowledgeKind, Learned, TopologyMap};
 use sextant_sim::Survey;
 
+use super::bound;
+use super::discovery::Discoveries;
 use super::message_energy::message_energy_j;
-use super::{Discoveries, bound};
 use crate::diagnostic::Failure;
 use crate::measure::{Truth, in_world, measure};
 use crate::scenario::{NamedMap, Scenario};

@@ -4,7 +4,7 @@ use sextant_mac::MessageEnergy;
 use sextant_mapper::{Comparator, KnowledgeKind, Mapper};
 use sextant_sim::{Discovered, Survey};
 
-use super::Discoveries;
+use super::discovery::Discoveries;
 use crate::scenario::Scenario;
 
 /// Energy by messages that `mapper` takes of the nodes (thesis, eq. 3.17 to 3.19) [J]; `None` for algorithms that the thesis

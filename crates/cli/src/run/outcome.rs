@@ -2,10 +2,13 @@
 
 use sextant_kernel::SimTime;
 use sextant_sim::{Ending, Survey};
+use sha2::{Digest, Sha256};
 
-use super::Discoveries;
+use super::discovery::Discoveries;
 use crate::scenario::Scenario;
-use crate::summary::{EnergySummary, GatheringSummary, MapSummary, RobotSummary, SimulationSummary, Summary};
+use crate::summary::{
+    EnergySummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SimulationSummary, Summary,
+};
 
 /// The results of a survey, what went before it and its maps, without timing.
 #[must_use]
@@ -24,7 +27,7 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
         unreached: unreached(survey, config.controller.packets_per_node()),
     });
     Summary {
-        scenario: Some(scenario.summary()),
+        scenario: Some(identity(scenario)),
         simulation: Some(SimulationSummary {
             sim_time_s: survey.end.as_secs_f64(),
             events: survey.events,
@@ -56,6 +59,17 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
         discovery: discoveries.summary(scenario),
         maps,
         ..Summary::default()
+    }
+}
+
+/// What was run.
+fn identity(scenario: &Scenario) -> ScenarioSummary {
+    ScenarioSummary {
+        name: scenario.name().to_owned(),
+        file: scenario.file_name(),
+        sha256: Sha256::digest(scenario.text()).iter().map(|byte| format!("{byte:02x}")).collect(),
+        seed: scenario.seed().0,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
     }
 }
 

@@ -10,7 +10,6 @@ use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
     Discovery, Mac, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, Simulation, Traffic, World,
 };
-use sha2::{Digest, Sha256};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
@@ -19,8 +18,7 @@ use super::error::{ScenarioError, ScenarioErrors};
 use super::known_channel::KnownChannel;
 use super::layers;
 use super::survey_identity::SurveyIdentity;
-use crate::summary::ScenarioSummary;
-use crate::table::counted;
+use crate::text::counted;
 
 /// A scenario that was read and checked.
 #[derive(Debug)]
@@ -167,18 +165,6 @@ impl Scenario {
     #[must_use]
     pub fn survey_identity(&self) -> SurveyIdentity {
         SurveyIdentity::of(&self.config)
-    }
-
-    /// What the results say of the scenario.
-    #[must_use]
-    pub fn summary(&self) -> ScenarioSummary {
-        ScenarioSummary {
-            name: self.config.name.clone(),
-            file: self.file_name(),
-            sha256: Sha256::digest(&self.text).iter().map(|byte| format!("{byte:02x}")).collect(),
-            seed: self.config.seed,
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-        }
     }
 
     /// What it has, in a few words: `496 nodes, 3 obstacles, 1 robot, 1 map`.

@@ -23,13 +23,5 @@ pub use sweep::{Setting, Sweep, SweepConfig};
 
 use deserialize::Refusal;
 
-/// The form of a `--set` flag, checked before anything is read.
-pub(crate) fn flag(text: &str) -> Result<String, &'static str> {
-    match text.split_once('=') {
-        Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
-        _ => Err("expected path.to.key=value, for example robots.0.speed_m_per_s=2"),
-    }
-}
-
 #[cfg(test)]
 mod tests;

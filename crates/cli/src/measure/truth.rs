@@ -3,16 +3,13 @@
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, ConnectivityError, CoordinateFrame, Fit, KnowledgeKind, Learned,
-    NeighbourhoodRule, ObstacleKnowledge, PositionError, Reflection, Region, Similarity, TopologyMap,
-    connectivity_error, topology_preservation_error,
+    ConnectivityError, CoordinateFrame, KnowledgeKind, Learned, NeighbourhoodRule, PositionError, Reflection, Region,
+    Similarity, TopologyMap, connectivity_error, topology_preservation_error,
 };
 
+use super::outline::outline;
 use crate::scenario::{MetricsConfig, NamedMap};
-use crate::summary::{
-    AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary,
-    NODE_ERRORS,
-};
+use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS};
 
 /// What is really where.
 #[derive(Clone, Copy, Debug)]
@@ -40,33 +37,6 @@ pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, A
 
 /// Nodes of a part of a map, at least, that are aligned to the truth: fewer fit anything.
 const LEAST_TO_ALIGN: usize = 4;
-
-/// What a map says of itself, without a look at the truth.
-#[must_use]
-pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>) -> MapSummary {
-    let (fitted_profile, calibration) = match learned {
-        Some(Learned::Profile(fit)) => (Some(fit.into()), None),
-        Some(Learned::Calibration(calibration)) => (None, Some(calibration.into())),
-        _ => (None, None),
-    };
-    let name = &named.name;
-    let coincident = map.coincident();
-    MapSummary {
-        name: (name != map.algorithm).then(|| name.to_owned()),
-        algorithm: map.algorithm.to_owned(),
-        knowledge: named.mapper.uses().to_vec(),
-        fitted_profile,
-        calibration,
-        coincident: (coincident > 0).then_some(coincident),
-        mapped: map.mapped(),
-        unmapped: map.unmapped(),
-        ambiguous: Some(map.estimates.iter().flatten().filter(|estimate| estimate.ties > 1).count()),
-        infeasible: Some(map.infeasible()),
-        grid_step_m: map.grid_step_m,
-        vertices_evaluated: (map.vertices_evaluated > 0).then_some(map.vertices_evaluated),
-        ..MapSummary::default()
-    }
-}
 
 /// What a map says of itself and, if the true place of each node is known, how far it is from the truth.
 /// Connectivity is measured at each radius of `metrics`; a measure that the nodes do not allow (all in one place, say)
@@ -118,45 +88,6 @@ fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
     (!inside.is_empty()).then(|| count as f64 / inside.len() as f64)
 }
 
-impl From<&Fit> for FittedProfileSummary {
-    fn from(fit: &Fit) -> Self {
-        let range_m = fit.curve.range_m();
-        Self {
-            rounds: fit.rounds,
-            converged: fit.converged,
-            range_m,
-            probability: (0..8).map(|i| fit.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
-            dead_stops: fit.dead_stops.clone(),
-            outliers: fit.outliers.len(),
-        }
-    }
-}
-
-impl From<&Calibration> for CalibrationSummary {
-    fn from(calibration: &Calibration) -> Self {
-        let range_m = calibration.curve.as_ref().map(CalibratedCurve::range_m);
-        let along = |curve: &CalibratedCurve| {
-            (0..8).map(|i| curve.probability(curve.range_m() * f64::from(i) / 8.0)).collect::<Vec<_>>()
-        };
-        let mut efficiency = calibration.efficiency.clone();
-        efficiency.sort_by(f64::total_cmp);
-        let quarter = |i: usize| efficiency[i * (efficiency.len() - 1) / 4];
-        Self {
-            rounds: calibration.rounds,
-            converged: calibration.converged,
-            range_m,
-            probability: calibration.curve.as_ref().map(along).unwrap_or_default(),
-            efficiency: if efficiency.is_empty() { Vec::new() } else { (0..=4).map(quarter).collect() },
-            obstacle_knowledge: match calibration.knowledge {
-                ObstacleKnowledge::None => "none",
-                ObstacleKnowledge::FromReceptions => "from_receptions",
-                ObstacleKnowledge::FromLog => "from_log",
-            },
-            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
-        }
-    }
-}
-
 /// The errors that are left after the similarity that brings the map closest to the truth.
 fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflection) -> Option<PositionError> {
     let pairs: Vec<_> =
@@ -178,11 +109,5 @@ fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) 
         nodes_within_0_2: affine.as_ref().map(|error| error.share_of_nodes_within(0.2)),
         symmetric_loss: affine.as_ref().map(ConnectivityError::symmetric_loss),
         node_error_cdf: affine.map(|error| NODE_ERRORS.map(|limit| [limit, error.share_of_nodes_within(limit)])),
-    }
-}
-
-impl From<PositionError> for ErrorSummary {
-    fn from(PositionError { mean, median, p90, p95, max, .. }: PositionError) -> Self {
-        Self { mean, median, p90, p95, max }
     }
 }

@@ -2,9 +2,11 @@
 
 use std::io::{self, Write};
 
-use crate::summary::{
-    AlignmentSummary, DiscoverySummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary, Summary, Timing,
-};
+use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
+use super::map::{AlignmentSummary, ErrorSummary, MapSummary};
+use super::summary::Summary;
+use super::timing::Timing;
+use crate::text::{Align, columns, counted};
 
 /// Writes `summary` as a table.
 ///
@@ -41,11 +43,6 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{}", timing_line(timing))?;
     }
     Ok(())
-}
-
-/// `1 node`, `2 nodes`.
-pub(crate) fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
@@ -223,36 +220,10 @@ fn timing_line(timing: &Timing) -> String {
     format!("time {:.2} s{parts}", timing.wall_s)
 }
 
-/// Which edge the texts of a column share.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Align {
-    Left,
-    Right,
-}
-
-/// Writes `rows` in columns as wide as their longest text, two spaces between them.
-pub(crate) fn columns(rows: &[Vec<String>], align: &[Align], out: &mut impl Write) -> io::Result<()> {
-    let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max().unwrap_or(0)
-    };
-    let widths: Vec<_> = (0..align.len()).map(width).collect();
-    for row in rows {
-        let mut line = String::new();
-        for ((text, width), align) in row.iter().zip(&widths).zip(align) {
-            match align {
-                Align::Left => line += &format!("{text:<width$}  "),
-                Align::Right => line += &format!("{text:>width$}  "),
-            }
-        }
-        writeln!(out, "{}", line.trim_end())?;
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::summary::{ScenarioSummary, SimulationSummary};
     use super::*;
-    use crate::summary::{ScenarioSummary, SimulationSummary};
 
     #[test]
     fn a_person_can_read_the_table() {

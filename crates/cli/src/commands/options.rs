@@ -1,0 +1,139 @@
+//! Flags that several commands share.
+
+use std::io::{self, Write};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use crate::diagnostic::Failure;
+use crate::scenario::{Scenario, ScenarioErrors};
+use crate::summary::{self, Summary};
+
+/// How results are printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A table for people
+    #[default]
+    Text,
+    /// One JSON object for programs
+    Json,
+}
+
+/// How results are printed.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Printing {
+    /// How results are printed
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+impl Printing {
+    /// Prints `answer`, which people read as `text` writes it.
+    pub(super) fn print<T: Serialize>(
+        self,
+        answer: &T,
+        text: impl FnOnce(&mut io::StdoutLock<'static>) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut stdout = io::stdout().lock();
+        match self.format {
+            Format::Text => text(&mut stdout),
+            Format::Json => {
+                serde_json::to_writer_pretty(&mut stdout, answer).map_err(io::Error::from)?;
+                writeln!(stdout)
+            }
+        }
+    }
+}
+
+/// Where the results of `run` and `map` go beside their files.
+#[derive(Clone, Debug, Args)]
+pub struct Results {
+    /// Also write the results to this file, as one JSON object
+    #[arg(long, value_name = "FILE.json")]
+    pub summary: Option<PathBuf>,
+    /// How they are printed.
+    #[command(flatten)]
+    pub printing: Printing,
+}
+
+impl Results {
+    /// Writes and prints `summary`.
+    pub(super) fn tell(&self, summary: &Summary) -> Result<(), Failure> {
+        if let Some(path) = &self.summary {
+            summary.write(path)?;
+        }
+        Ok(self.printing.print(summary, |stdout| summary::write(summary, stdout))?)
+    }
+}
+
+/// How long work is done.
+#[derive(Clone, Copy, Debug, Args)]
+pub struct Work {
+    /// Threads to compute with; one a core if absent. The results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// No progress bar and no notes
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Work {
+    /// Starts the threads that compute; once a process.
+    pub(super) fn start_threads(self) -> Result<(), Failure> {
+        let Some(threads) = self.threads else {
+            return Ok(());
+        };
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build_global()
+            .map_err(|error| Failure::failed(format!("{threads} threads cannot be started: {error}")))
+    }
+
+    /// Tells people something on standard error, unless they asked for quiet.
+    pub(super) fn note(self, note: &str) {
+        if !self.quiet {
+            // Nobody is left to be told if standard error is gone.
+            let _ = writeln!(io::stderr(), "note: {note}");
+        }
+    }
+}
+
+/// Settings that override those of a scenario.
+#[derive(Clone, Debug, Args)]
+pub struct Overrides {
+    /// Override a setting: path.to.key=value, for example maps.0.algorithm.ml_tm.grid_step_m=0.5; the value in TOML,
+    /// quotes optional; may be repeated
+    #[arg(long, value_name = "K=V", value_parser = setting)]
+    pub set: Vec<String>,
+}
+
+/// The form of a `--set` flag, checked before anything is read.
+fn setting(text: &str) -> Result<String, &'static str> {
+    match text.split_once('=') {
+        Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("expected path.to.key=value, for example robots.0.speed_m_per_s=2"),
+    }
+}
+
+/// The scenario to run, and what overrides it.
+#[derive(Clone, Debug, Args)]
+pub struct ScenarioSource {
+    /// The scenario file
+    #[arg(value_name = "SCENARIO.toml")]
+    pub scenario: PathBuf,
+    /// Seed of all randomness, in place of the scenario's; of a sweep, the seed of the first run of each cell
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Settings that override those of the scenario.
+    #[command(flatten)]
+    pub overrides: Overrides,
+}
+
+impl ScenarioSource {
+    /// Reads and checks the scenario.
+    pub(super) fn load(&self) -> Result<Scenario, ScenarioErrors> {
+        Scenario::load(&self.scenario, &self.overrides.set, self.seed)
+    }
+}

@@ -1,0 +1,83 @@
+//! A log to map, and what came with it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::Seed;
+
+use crate::diagnostic::Failure;
+use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
+use crate::robot_log;
+
+/// A log to map, and what came with it.
+#[derive(Debug)]
+pub struct Input {
+    /// What was heard.
+    pub log: ReceptionLog,
+    /// The paths of robots, by name, where they are known.
+    pub paths: Vec<(String, Vec<Position>)>,
+    /// The scenario that made it, if it is a recording.
+    pub scenario: Option<String>,
+    /// The true places of nodes, by name.
+    pub truth: Option<BTreeMap<String, Position>>,
+    /// What else a map may know.
+    pub known: Known,
+    /// Seed of the algorithms that draw.
+    pub seed: Seed,
+    /// What people should know of the log.
+    pub notes: Vec<String>,
+}
+
+impl Input {
+    /// Reads a recording of `run`, or a folder of CSV files.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        if path.is_dir() {
+            let log = robot_log::read(path)?;
+            let known = Known::default();
+            return Ok(Self {
+                log,
+                paths: Vec::new(),
+                scenario: None,
+                truth: None,
+                known,
+                seed: Seed(1),
+                notes: Vec::new(),
+            });
+        }
+        let run = recording::read_log(path)?;
+        let scenario = run.attachments.iter().rfind(|attachment| attachment.name == SCENARIO_ATTACHMENT);
+        let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
+        let mut notes = Vec::new();
+        if run.cut_stops > 0 {
+            notes.push(
+                "the recording was cut short: its last stop is left out, because it may lack receptions".to_owned(),
+            );
+        }
+        if !run.metadata.contains_key(ORIGIN_METADATA) {
+            notes.push("the recording does not say what made it".to_owned());
+        }
+        let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
+        let known = recording::read_known(path, run.log.node_count())?;
+        let truth = recording::read_truth(path)?;
+        Ok(Self { log: run.log, paths: run.paths, scenario, truth, known, seed: Seed(seed.unwrap_or(1)), notes })
+    }
+
+    /// The true place of each node of the log. A node whose place is unknown cannot be measured: then nothing is.
+    pub(super) fn true_places(&mut self) -> Option<Vec<Position>> {
+        let (log, truth) = (&self.log, self.truth.as_ref()?);
+        let unknown: Vec<_> = log.names().iter().filter(|name| !truth.contains_key(*name)).collect();
+        if let Some(first) = unknown.first() {
+            self.notes.push(format!(
+                "the true places of {} of {} nodes are unknown (`{first}`): the maps are not measured",
+                unknown.len(),
+                log.node_count()
+            ));
+            return None;
+        }
+        Some(log.names().iter().map(|name| truth[name]).collect())
+    }
+}

@@ -1,0 +1,81 @@
+//! The maps of a log: compute, measure, write, sum up.
+
+use std::path::{Path, PathBuf};
+
+use sextant_mapper::Knowledge;
+
+use super::input::Input;
+use crate::diagnostic::Failure;
+use crate::measure::{Truth, in_world, measure};
+use crate::robot_log;
+use crate::scenario::MapSettings;
+use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
+
+/// Computes the maps that `settings` ask for of the log of `input`, measures them where the true places are known, writes
+/// them to the file `out` and files beside it, and returns the results. `start` is when the work began.
+///
+/// # Errors
+/// If a map cannot be computed or a file cannot be written.
+pub fn map(
+    input: &mut Input,
+    settings: &MapSettings,
+    out: Option<&Path>,
+    start: Stopwatch,
+) -> Result<Summary, Failure> {
+    let truth = input.true_places();
+    let map_start = Stopwatch::start();
+    let mut summaries: Vec<MapSummary> = Vec::new();
+    let knowledge = Knowledge {
+        neighbours: input.known.neighbours.as_ref(),
+        beacons: input.known.beacons.as_ref(),
+        anchors: &input.known.anchors,
+        obstacles: settings.obstacles.as_ref(),
+        seed: input.seed,
+        ..Knowledge::from(&input.log)
+    };
+    for named in &settings.maps {
+        let (map, learned) =
+            named.mapper.map_and_learn(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
+        let (map, alignment) = in_world(map, truth.as_deref());
+        let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
+        let summary = measure(named, &map, learned.as_ref(), truth, &settings.metrics);
+        summaries.push(MapSummary { alignment: Some(alignment), ..summary });
+        if let Some(out) = out {
+            let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
+            robot_log::write_map(&path, input.log.names(), &map)?;
+        }
+    }
+    Ok(Summary {
+        gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
+        maps: summaries,
+        timing: Some(Timing {
+            wall_s: start.elapsed_s(),
+            map_s: Some(map_start.elapsed_s()),
+            peak_rss_bytes: peak_rss_bytes(),
+            ..Timing::default()
+        }),
+        ..Summary::default()
+    })
+}
+
+/// `DIR/MAP.NAME.csv` for `DIR/MAP.csv`.
+fn beside(out: &Path, name: &str) -> PathBuf {
+    let mut file = out.file_stem().unwrap_or_default().to_owned();
+    file.push(format!(".{name}"));
+    if let Some(extension) = out.extension() {
+        file.push(".");
+        file.push(extension);
+    }
+    out.with_file_name(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn further_maps_are_named_beside_the_first() {
+        assert_eq!(beside(Path::new("a/map.csv"), "coarse"), Path::new("a/map.coarse.csv"));
+        assert_eq!(beside(Path::new("map"), "coarse"), Path::new("map.coarse"));
+    }
+}

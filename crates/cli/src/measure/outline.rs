@@ -1,0 +1,80 @@
+//! What a map says of itself, as a part of the summary.
+
+use sextant_mapper::{
+    AbsorptionMap, CalibratedCurve, Calibration, Fit, Learned, ObstacleKnowledge, PositionError, TopologyMap,
+};
+
+use crate::scenario::NamedMap;
+use crate::summary::{CalibrationSummary, ErrorSummary, FittedProfileSummary, MapSummary};
+
+/// What a map says of itself, without a look at the truth.
+#[must_use]
+pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>) -> MapSummary {
+    let (fitted_profile, calibration) = match learned {
+        Some(Learned::Profile(fit)) => (Some(fit.into()), None),
+        Some(Learned::Calibration(calibration)) => (None, Some(calibration.into())),
+        _ => (None, None),
+    };
+    let name = &named.name;
+    let coincident = map.coincident();
+    MapSummary {
+        name: (name != map.algorithm).then(|| name.to_owned()),
+        algorithm: map.algorithm.to_owned(),
+        knowledge: named.mapper.uses().to_vec(),
+        fitted_profile,
+        calibration,
+        coincident: (coincident > 0).then_some(coincident),
+        mapped: map.mapped(),
+        unmapped: map.unmapped(),
+        ambiguous: Some(map.estimates.iter().flatten().filter(|estimate| estimate.ties > 1).count()),
+        infeasible: Some(map.infeasible()),
+        grid_step_m: map.grid_step_m,
+        vertices_evaluated: (map.vertices_evaluated > 0).then_some(map.vertices_evaluated),
+        ..MapSummary::default()
+    }
+}
+
+impl From<&Fit> for FittedProfileSummary {
+    fn from(fit: &Fit) -> Self {
+        let range_m = fit.curve.range_m();
+        Self {
+            rounds: fit.rounds,
+            converged: fit.converged,
+            range_m,
+            probability: (0..8).map(|i| fit.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
+            dead_stops: fit.dead_stops.clone(),
+            outliers: fit.outliers.len(),
+        }
+    }
+}
+
+impl From<&Calibration> for CalibrationSummary {
+    fn from(calibration: &Calibration) -> Self {
+        let range_m = calibration.curve.as_ref().map(CalibratedCurve::range_m);
+        let along = |curve: &CalibratedCurve| {
+            (0..8).map(|i| curve.probability(curve.range_m() * f64::from(i) / 8.0)).collect::<Vec<_>>()
+        };
+        let mut efficiency = calibration.efficiency.clone();
+        efficiency.sort_by(f64::total_cmp);
+        let quarter = |i: usize| efficiency[i * (efficiency.len() - 1) / 4];
+        Self {
+            rounds: calibration.rounds,
+            converged: calibration.converged,
+            range_m,
+            probability: calibration.curve.as_ref().map(along).unwrap_or_default(),
+            efficiency: if efficiency.is_empty() { Vec::new() } else { (0..=4).map(quarter).collect() },
+            obstacle_knowledge: match calibration.knowledge {
+                ObstacleKnowledge::None => "none",
+                ObstacleKnowledge::FromReceptions => "from_receptions",
+                ObstacleKnowledge::FromLog => "from_log",
+            },
+            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
+        }
+    }
+}
+
+impl From<PositionError> for ErrorSummary {
+    fn from(PositionError { mean, median, p90, p95, max, .. }: PositionError) -> Self {
+        Self { mean, median, p90, p95, max }
+    }
+}

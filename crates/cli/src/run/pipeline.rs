@@ -1,0 +1,195 @@
+//! The stages of a run, one after the other.
+
+use std::borrow::Cow;
+
+use sextant_channel::{Dbm, Position};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
+use sextant_sim::{Simulation, Survey};
+
+use super::discovery::Discoveries;
+use super::evaluation::{self, Evaluation};
+use super::gather::{Gathering, Sniffer, Track};
+use super::outcome::sum_up;
+use super::request::Request;
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::recording::{FileCapture, FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
+use crate::scenario::{NamedMap, Scenario};
+use crate::summary::{MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
+use crate::terminal;
+
+/// Simulates `scenario`, records it, computes and measures its maps, and returns the results. An interrupted survey is
+/// recorded as far as it went, without maps.
+///
+/// # Errors
+/// If the simulation or a file fails.
+pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) -> Result<Summary, Failure> {
+    let start = Stopwatch::start();
+    let discoveries = Discoveries::of(scenario)?;
+    let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let mut recorder = FileRecorder::create(request.recording)?;
+    let channel = scenario.recording().pcap.channel;
+    let mut capture = request.pcap.map(|path| FileCapture::create(path, channel)).transpose()?;
+    open(&mut recorder, scenario)?;
+    discoveries.record(scenario, &mut recorder)?;
+    let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
+    let (survey, tracks) = gather(simulation, outputs, scenario, interrupt, request.quiet)?;
+    if let Some(capture) = capture {
+        capture.finish()?;
+    }
+    let gather_s = start.elapsed_s();
+    for track in &tracks {
+        recorder.path(survey.end, &track.name, &track.places)?;
+    }
+    let map_start = Stopwatch::start();
+    let maps = if survey.interrupted { Vec::new() } else { map(scenario, &survey, &discoveries, &mut recorder)? };
+    let map_s = map_start.elapsed_s();
+    let mut summary = sum_up(scenario, &survey, &discoveries, maps);
+    recorder.summary(&summary.to_json()?)?;
+    recorder.finish()?;
+    #[expect(clippy::cast_precision_loss, reason = "a rate for people")]
+    let events_per_s = survey.events as f64 / gather_s;
+    summary.timing = Some(Timing {
+        wall_s: start.elapsed_s(),
+        gather_s: Some(gather_s),
+        map_s: Some(map_s),
+        events_per_s: Some(events_per_s),
+        peak_rss_bytes: peak_rss_bytes(),
+    });
+    Ok(summary)
+}
+
+/// What a recording holds before the first event.
+fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure> {
+    let world = scenario.world();
+    recorder.origin(Origin {
+        scenario: scenario.name(),
+        seed: scenario.seed().0,
+        version: env!("CARGO_PKG_VERSION"),
+    })?;
+    recorder.scenario(scenario.text())?;
+    let names: Vec<_> = world.nodes.iter().map(|node| node.name.clone()).collect();
+    recorder.nodes(&names)?;
+    let solids: Vec<_> =
+        world.obstacles.obstacles().iter().enumerate().map(|(i, obstacle)| Solid::of(obstacle, i)).collect();
+    if !solids.is_empty() {
+        recorder.obstacles(SimTime::ZERO, &solids)?;
+    }
+    let place = |(i, position)| PlacedNode { node: NodeId::from_index(i), position, error_m: None };
+    let nodes: Vec<_> = world.nodes.iter().map(|node| node.position).enumerate().map(place).collect();
+    recorder.world_nodes(SimTime::ZERO, &nodes)?;
+    Ok(())
+}
+
+/// The files that a simulation fills.
+struct Outputs<'a> {
+    recorder: &'a mut FileRecorder,
+    capture: Option<&'a mut FileCapture>,
+}
+
+fn gather(
+    simulation: Simulation,
+    outputs: Outputs<'_>,
+    scenario: &Scenario,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<(Survey, Vec<Track>), Failure> {
+    let progress = terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet);
+    let names = scenario.config().robots.iter().map(|robot| robot.name.clone());
+    let sniffer = outputs.capture.map(|capture| Sniffer {
+        capture,
+        robot: scenario.captured_robot(),
+        sensitivity: Dbm(scenario.config().radio.sensitivity_dbm),
+    });
+    let frames = scenario.recording().frames;
+    let mut gathering = Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names);
+    let survey = simulation.run(&mut gathering);
+    let tracks = gathering.finish()?;
+    Ok((survey, tracks))
+}
+
+/// Computes, records and measures the maps of the scenario.
+fn map(
+    scenario: &Scenario,
+    survey: &Survey,
+    discoveries: &Discoveries,
+    recorder: &mut FileRecorder,
+) -> Result<Vec<MapSummary>, Failure> {
+    let truth = evaluation::truth(scenario);
+    let bound_m = evaluation::bound_m(scenario, survey);
+    let mut summaries = Vec::new();
+    for named in scenario.maps() {
+        let Evaluation { map, learned, summary } =
+            evaluation::evaluate(scenario, named, (survey, discoveries), bound_m)?;
+        recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
+        for (what, value) in [
+            ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
+            ("connectivity_error", summary.connectivity_error),
+        ] {
+            if let Some(value) = value {
+                recorder.metric(survey.end, &format!("{}/{what}", named.name), value)?;
+            }
+        }
+        if map.unmapped() > 0 {
+            let note = format!("{} of {} nodes were never heard and are not mapped", map.unmapped(), truth.len());
+            recorder.note(survey.end, Level::Warning, &named.name, &note)?;
+        }
+        record_likelihoods(scenario, named, learned.as_ref(), survey, recorder)?;
+        summaries.push(summary);
+    }
+    Ok(summaries)
+}
+
+fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
+    let place = |(i, (mapped, truth)): (usize, (Option<Position>, &Position))| {
+        let position = mapped?;
+        Some(PlacedNode { node: NodeId::from_index(i), position, error_m: Some(position.distance_m(*truth)) })
+    };
+    map.positions().into_iter().zip(truth).enumerate().filter_map(place).collect()
+}
+
+/// Records the likelihood surfaces of the chosen nodes: of each the plane through its maximum.
+fn record_likelihoods(
+    scenario: &Scenario,
+    named: &NamedMap,
+    learned: Option<&Learned>,
+    survey: &Survey,
+    recorder: &mut FileRecorder,
+) -> Result<(), Failure> {
+    let (ml_tm, log) = match (&named.mapper, learned) {
+        (Mapper::MlTm(ml_tm), _) => (ml_tm.clone(), Cow::Borrowed(&survey.log)),
+        (Mapper::FittedMlTm(fitted), Some(Learned::Profile(fit))) => {
+            (fitted.with_fit(fit), Cow::Owned(fit.evidence(&survey.log)))
+        }
+        _ => return Ok(()),
+    };
+    for name in &scenario.recording().likelihood {
+        let at = survey.log.names().iter().position(|other| other == name).expect("the scenario was checked");
+        if survey.log.of(NodeId::from_index(at)).is_empty() {
+            let note = format!("node {name} was never heard: it has no likelihood");
+            recorder.note(survey.end, Level::Warning, &named.name, &note)?;
+            continue;
+        }
+        let surface =
+            ml_tm.surface(&log, NodeId::from_index(at)).map_err(|error| Failure::bad_input(error.to_string()))?;
+        recorder.likelihood(survey.end, &named.name, name, &plane(&surface))?;
+    }
+    Ok(())
+}
+
+/// The plane of a surface through its maximum.
+fn plane(surface: &Surface) -> LikelihoodPlane {
+    let lattice = &surface.lattice;
+    let [columns, rows, _] = lattice.counts();
+    let (maximum, _) = surface.maximum();
+    let height = |layer: usize| (lattice.position([0, 0, layer]).z_m - maximum.z_m).abs();
+    let layer = (0..lattice.counts()[2]).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
+    let size = columns * rows;
+    LikelihoodPlane {
+        first: lattice.position([0, 0, layer]),
+        step_m: lattice.step_m(),
+        columns: u32::try_from(columns).expect("a window of less than 2^32 columns"),
+        log_likelihood: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
+    }
+}

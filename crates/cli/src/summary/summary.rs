@@ -1,0 +1,123 @@
+//! The whole of the results.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::gathering::{DiscoverySummary, GatheringSummary};
+use super::map::MapSummary;
+use super::timing::Timing;
+use crate::diagnostic::Failure;
+use crate::output::write_file;
+
+/// All results of a run or of a mapping.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// What was run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<ScenarioSummary>,
+    /// The simulation as a whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub simulation: Option<SimulationSummary>,
+    /// What the robots gathered, and at what price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gathering: Option<GatheringSummary>,
+    /// What the nodes found out of each other before the survey, if a map needed it, and at what price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub discovery: Option<DiscoverySummary>,
+    /// The maps, in the order of the scenario.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<MapSummary>,
+    /// What was done with the maps.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub applications: Vec<ApplicationSummary>,
+    /// What it cost on this machine: the only part that differs from run to run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub timing: Option<Timing>,
+}
+
+/// What was run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ScenarioSummary {
+    /// Name of the scenario.
+    pub name: String,
+    /// Name of its file, without the folder.
+    pub file: String,
+    /// SHA-256 of all texts it was read from, `extends` first, `--set` last, in hexadecimal digits.
+    pub sha256: String,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Version of this program.
+    pub version: String,
+}
+
+/// The simulation as a whole.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SimulationSummary {
+    /// Simulated time [s].
+    pub sim_time_s: f64,
+    /// Events that happened.
+    pub events: u64,
+    /// Nodes in the network.
+    pub nodes: usize,
+    /// Obstacles in the world.
+    pub obstacles: usize,
+}
+
+/// What was done with a map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ApplicationSummary {
+    /// The algorithm.
+    pub algorithm: String,
+    /// Whether the target was captured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub captured: Option<bool>,
+    /// How long it took [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
+}
+
+impl Summary {
+    /// The object as indented JSON with a line break at the end.
+    ///
+    /// # Errors
+    /// Never for a summary that this program makes.
+    pub fn to_json(&self) -> Result<String, Failure> {
+        let json = serde_json::to_string_pretty(self);
+        json.map(|text| text + "\n").map_err(|error| Failure::failed(format!("the summary is not JSON: {error}")))
+    }
+
+    /// Writes the object to the file at `path`.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Failure> {
+        write_file(path, self.to_json()?.as_bytes())
+    }
+
+    /// The same without what differs from run to run: the form that a recording carries.
+    #[must_use]
+    pub fn without_timing(&self) -> Self {
+        Self { timing: None, ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_apply_is_absent() {
+        assert_eq!(Summary::default().to_json().unwrap(), "{}\n");
+        let map = MapSummary { algorithm: "ml-tm".into(), mapped: 3, ..MapSummary::default() };
+        let json = Summary { maps: vec![map], ..Summary::default() }.to_json().unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json, serde_json::json!({"maps": [{"algorithm": "ml-tm", "mapped": 3, "unmapped": 0}]}));
+    }
+
+    #[test]
+    fn timing_can_be_left_out() {
+        let summary = Summary { timing: Some(Timing { wall_s: 1.0, ..Timing::default() }), ..Summary::default() };
+        assert_eq!(summary.without_timing(), Summary::default());
+    }
+}

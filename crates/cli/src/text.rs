@@ -1,0 +1,52 @@
+//! Texts for people: numbers with their nouns, and columns.
+
+use std::io::{self, Write};
+
+/// `1 node`, `2 nodes`.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Which edge the texts of a column share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Align {
+    Left,
+    Right,
+}
+
+/// Writes `rows` in columns as wide as their longest text, two spaces between them.
+pub(crate) fn columns(rows: &[Vec<String>], align: &[Align], out: &mut impl Write) -> io::Result<()> {
+    let width = |column: usize| {
+        rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<_> = (0..align.len()).map(width).collect();
+    for row in rows {
+        let mut line = String::new();
+        for ((text, width), align) in row.iter().zip(&widths).zip(align) {
+            match align {
+                Align::Left => line += &format!("{text:<width$}  "),
+                Align::Right => line += &format!("{text:>width$}  "),
+            }
+        }
+        writeln!(out, "{}", line.trim_end())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_is_as_wide_as_its_longest_text() {
+        let rows = [["node", "error"], ["a", "0.5"], ["beacon", "12"]].map(|row| row.map(str::to_owned).to_vec());
+        let mut out = Vec::new();
+        columns(&rows, &[Align::Left, Align::Right], &mut out).unwrap();
+        assert_eq!(String::from_utf8(out).unwrap(), "node    error\na         0.5\nbeacon     12\n");
+    }
+
+    #[test]
+    fn one_thing_is_singular() {
+        assert_eq!([counted(0, "node"), counted(1, "node"), counted(2, "node")], ["0 nodes", "1 node", "2 nodes"]);
+    }
+}
