@@ -43,7 +43,7 @@ struct Load {
 impl Load {
     fn new(gaps: Gaps, pending: u32, cancelled: bool) -> Self {
         const DRAWS: usize = 1 << 18;
-        let mut draw = Seed(1).stream(Purpose::Traffic, 0);
+        let mut draw = Seed(1).stream(Purpose::new(2), 0);
         let starts = (0..pending)
             .map(|_| match gaps {
                 Gaps::Exponential => draw.random_range(0..1_000_000_000),

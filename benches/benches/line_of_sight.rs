@@ -16,7 +16,7 @@ const LENGTH_M: f64 = 60.0;
 const SPACING_M: f64 = 5.0;
 
 fn uniform(index: u64, axis: u64, low: f64, high: f64) -> f64 {
-    low + (high - low) * SEED.uniform(Purpose::Layout, [index, axis, 0])
+    low + (high - low) * SEED.uniform(Purpose::new(1), [index, axis, 0])
 }
 
 /// Side of the square town that `count` obstacles make [m].

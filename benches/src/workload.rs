@@ -49,7 +49,7 @@ pub fn plane() -> Workload {
         .collect();
     let nodes: Vec<Position> = (0..500)
         .map(|node| {
-            let draw = |axis| SIDE_M * seed.uniform(Purpose::Layout, [node, axis, 0]);
+            let draw = |axis| SIDE_M * seed.uniform(Purpose::new(1), [node, axis, 0]);
             Position::new(draw(0), draw(1), 0.0)
         })
         .collect();
@@ -63,7 +63,7 @@ pub fn ball() -> Workload {
     let radius_m = (3.0 * 1400.0 / (4.0 * std::f64::consts::PI)).cbrt();
     let inside = |place: &Position| place.length_m() <= radius_m;
     let anywhere = (0..).map(|node| {
-        let draw = |axis| radius_m * (2.0 * seed.uniform(Purpose::Layout, [node, axis, 0]) - 1.0);
+        let draw = |axis| radius_m * (2.0 * seed.uniform(Purpose::new(1), [node, axis, 0]) - 1.0);
         Position::new(draw(0), draw(1), draw(2))
     });
     let nodes: Vec<Position> = anywhere.filter(inside).take(1736).collect();
@@ -87,7 +87,7 @@ pub fn field(nodes: u32) -> Workload {
         .collect();
     let nodes: Vec<Position> = (0..u64::from(nodes))
         .map(|node| {
-            let draw = |axis| side * seed.uniform(Purpose::Layout, [node, axis, 0]);
+            let draw = |axis| side * seed.uniform(Purpose::new(1), [node, axis, 0]);
             Position::new(draw(0), draw(1), 0.0)
         })
         .collect();
@@ -106,7 +106,7 @@ pub fn room() -> Workload {
         .collect();
     let nodes: Vec<Position> = (0..881)
         .map(|node| {
-            let draw = |axis| seed.uniform(Purpose::Layout, [node, axis, 0]);
+            let draw = |axis| seed.uniform(Purpose::new(1), [node, axis, 0]);
             Position::new(40.0 * draw(0), 20.0 * draw(1), 4.0 * draw(2))
         })
         .collect();
@@ -142,7 +142,7 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
             if distance_m >= range_m {
                 continue;
             }
-            let shadowing_db = sigma_db * seed.normal(Purpose::Shadowing, [node, u64::from(stop), 0]);
+            let shadowing_db = sigma_db * seed.normal(Purpose::new(4), [node, u64::from(stop), 0]);
             if margin_db + shadowing_db >= 10.0 * exponent * distance_m.max(0.1).log10() {
                 let node = NodeId(u32::try_from(node).expect("a node"));
                 receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });

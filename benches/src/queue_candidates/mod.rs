@@ -135,7 +135,7 @@ mod tests {
 
     /// Instants and nodes in the order in which they leave; one node in four is cancelled and pushed anew.
     fn history<Q: Queue<NodeId>>() -> Vec<(SimTime, NodeId)> {
-        let draw = |place| Seed(3).bits(Purpose::Traffic, [place, 0, 0]);
+        let draw = |place| Seed(3).bits(Purpose::new(2), [place, 0, 0]);
         let gap = |place| Duration::from_micros(64 * (draw(place) % 40).pow(3));
         let mut queue = Q::default();
         let mut keys: Vec<_> =

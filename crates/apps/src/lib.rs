@@ -28,6 +28,7 @@ mod automated_s;
 mod controller;
 mod hilbert;
 mod itinerary;
+mod purpose;
 mod random_walk;
 mod route;
 mod s_path;

@@ -5,12 +5,13 @@ use std::f64::consts::TAU;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::{Purpose, Seed, SettingError};
+use sextant_kernel::{Seed, SettingError};
 use sextant_sim::layout::RegionConfig;
 use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
 use crate::Surroundings;
 use crate::area::Area;
+use crate::purpose;
 
 /// Directions drawn for one step, at most.
 const DRAWS: u64 = 64;
@@ -149,7 +150,7 @@ impl RandomWalk {
     fn draw(&self, draw: u64) -> Position {
         let uniform = |axis: u64| {
             let address = [self.robot, u64::from(self.steps), draw << 1 | axis];
-            self.seed.uniform(Purpose::Robot, address)
+            self.seed.uniform(purpose::ROBOT, address)
         };
         let azimuth_rad = TAU * uniform(0);
         let is_solid = self.area.as_ref().is_some_and(|area| !area.is_planar());

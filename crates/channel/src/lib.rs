@@ -47,6 +47,7 @@ mod obstacle;
 mod path_loss;
 mod position;
 mod power;
+mod purpose;
 mod reception;
 mod sector;
 mod shadowing;

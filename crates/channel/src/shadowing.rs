@@ -5,8 +5,9 @@ use std::f64::consts::{SQRT_2, TAU};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{NodeId, Purpose, Seed, SettingError};
+use sextant_kernel::{NodeId, Seed, SettingError};
 
+use crate::purpose;
 use crate::{Db, Position};
 
 /// Shadowing as written in a scenario.
@@ -104,11 +105,11 @@ impl Shadowing {
         let unit = match &self.correlation {
             Correlation::PerPacket => {
                 let pair = (u64::from(a.0.min(b.0)) << 32) | u64::from(a.0.max(b.0));
-                self.seed.normal(Purpose::Shadowing, [PER_PACKET, pair, packet])
+                self.seed.normal(purpose::SHADOWING, [PER_PACKET, pair, packet])
             }
             Correlation::PerLink => {
                 let (first, second) = (self.station(a, pa), self.station(b, pb));
-                self.seed.normal(Purpose::Shadowing, [PER_LINK, first.min(second), first.max(second)])
+                self.seed.normal(purpose::SHADOWING, [PER_LINK, first.min(second), first.max(second)])
             }
             Correlation::Spatial(field) => field.value(pa, pb),
         };
@@ -123,8 +124,8 @@ impl Shadowing {
             reason = "an address, saturating far away"
         )]
         let cell = |x_m: f64| (x_m * 1000.0).round() as i64 as u64;
-        let planar = self.seed.bits(Purpose::Shadowing, [STATION, cell(place.x_m), cell(place.y_m)]);
-        self.seed.bits(Purpose::Shadowing, [planar, cell(place.z_m), u64::from(node.0)])
+        let planar = self.seed.bits(purpose::SHADOWING, [STATION, cell(place.x_m), cell(place.y_m)]);
+        self.seed.bits(purpose::SHADOWING, [planar, cell(place.z_m), u64::from(node.0)])
     }
 }
 
@@ -163,7 +164,7 @@ const WAVE_COUNT: usize = 64;
 
 impl PairField {
     fn new(seed: Seed, distance_m: f64) -> Self {
-        let mut stream = seed.stream(Purpose::Shadowing, WAVES);
+        let mut stream = seed.stream(purpose::SHADOWING, WAVES);
         let mut cauchy = || {
             let mut normal = || -> f64 { StandardNormal.sample(&mut stream) };
             let scale = 1.0 / (normal().abs().max(1e-9) * distance_m);

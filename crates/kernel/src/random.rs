@@ -7,31 +7,18 @@ use rand_chacha::ChaCha8Rng;
 /// A stream of random numbers (ChaCha with 8 rounds, Bernstein 2008): portable, seekable.
 pub type Stream = ChaCha8Rng;
 
-/// What randomness is drawn for. Each purpose has streams and draws of its own, so that a new
-/// purpose changes nobody else's numbers. Never renumber.
+/// What randomness is drawn for: a number that no other purpose of the program has. Each purpose has streams and draws
+/// of its own, so that a new purpose changes nobody else's numbers. Those who draw declare their purposes, because the
+/// kernel knows neither radios nor robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u64)]
-pub enum Purpose {
-    /// Places of nodes.
-    Layout = 1,
-    /// Phase and jitter of the nodes' traffic.
-    Traffic = 2,
-    /// Backoff of CSMA-CA.
-    Backoff = 3,
-    /// Shadowing of a link.
-    Shadowing = 4,
-    /// Loss by bit errors.
-    Reception = 5,
-    /// First sequence number of a node.
-    Sequence = 6,
-    /// Decisions of robots.
-    Robot = 7,
-    /// Choices of mappers (anchors, starts).
-    Mapper = 8,
-    /// Which nodes know their place.
-    Anchors = 9,
-    /// Phases, backoffs and losses of neighbour discovery.
-    Discovery = 10,
+pub struct Purpose(u64);
+
+impl Purpose {
+    /// The purpose of this number.
+    #[must_use]
+    pub const fn new(number: u64) -> Self {
+        Self(number)
+    }
 }
 
 /// The seed of a run: the root of all randomness in it.
@@ -57,7 +44,7 @@ impl Seed {
     /// (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
     #[must_use]
     pub fn bits(self, purpose: Purpose, place: [u64; 3]) -> u64 {
-        let mut state = mix(self.0 ^ mix(purpose as u64));
+        let mut state = mix(self.0 ^ mix(purpose.0));
         for word in place {
             state = mix(state ^ word);
         }
@@ -101,17 +88,17 @@ mod tests {
     #[test]
     fn a_stream_depends_on_its_address_alone() {
         let draw = |seed: u64, purpose, index| Seed(seed).stream(purpose, index).next_u64();
-        assert_eq!(draw(1, Purpose::Backoff, 3), draw(1, Purpose::Backoff, 3));
-        assert_ne!(draw(1, Purpose::Backoff, 3), draw(1, Purpose::Backoff, 4));
-        assert_ne!(draw(1, Purpose::Backoff, 3), draw(1, Purpose::Traffic, 3));
-        assert_ne!(draw(1, Purpose::Backoff, 3), draw(2, Purpose::Backoff, 3));
+        assert_eq!(draw(1, Purpose::new(3), 3), draw(1, Purpose::new(3), 3));
+        assert_ne!(draw(1, Purpose::new(3), 3), draw(1, Purpose::new(3), 4));
+        assert_ne!(draw(1, Purpose::new(3), 3), draw(1, Purpose::new(2), 3));
+        assert_ne!(draw(1, Purpose::new(3), 3), draw(2, Purpose::new(3), 3));
     }
 
     #[test]
     fn neighbouring_addresses_give_standard_normal_numbers_without_correlation() {
         const COUNT: u64 = 200_000;
         let seed = Seed(7);
-        let draw = |i| seed.normal(Purpose::Shadowing, [i, i / 3, 5]);
+        let draw = |i| seed.normal(Purpose::new(4), [i, i / 3, 5]);
         let (mut sum, mut square, mut lagged, mut tail) = (0.0, 0.0, 0.0, 0);
         for i in 0..COUNT {
             let x = draw(i);

@@ -134,7 +134,7 @@ mod tests {
     use sextant_kernel::{Purpose, Seed};
 
     fn places(seed: u64, count: u64, height_m: f64) -> Vec<Position> {
-        let draw = |i, axis| 30.0 * Seed(seed).uniform(Purpose::Mapper, [i, axis, 0]);
+        let draw = |i, axis| 30.0 * Seed(seed).uniform(Purpose::new(8), [i, axis, 0]);
         (0..count).map(|i| Position::new(draw(i, 0), draw(i, 1), height_m * draw(i, 2))).collect()
     }
 
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn any_similarity_and_reflection_is_recovered() {
         for seed in 0..50 {
-            let draw = |what| Seed(seed).uniform(Purpose::Mapper, [9, 9, what]);
+            let draw = |what| Seed(seed).uniform(Purpose::new(8), [9, 9, what]);
             for (height_m, about_x) in [(0.0, 0.0), (0.4, 6.0 * draw(0))] {
                 let (about_z, scale) = (6.0 * draw(1), 0.1 + 5.0 * draw(2));
                 for mirror in [1.0, -1.0] {
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn noise_is_fitted_better_than_by_any_similarity_nearby() {
         let noisy = |i: u64, p: Position| {
-            let draw = |axis| Seed(4).normal(Purpose::Mapper, [i, axis, 7]);
+            let draw = |axis| Seed(4).normal(Purpose::new(8), [i, axis, 7]);
             turn(p, 0.4, 1.1, 1.0) * 2.0 + Position::new(draw(0), draw(1), draw(2))
         };
         let pairs: Vec<_> = (0..).zip(places(8, 20, 1.0)).map(|(i, p)| (p, noisy(i, p))).collect();

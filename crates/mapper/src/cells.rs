@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_points_within_a_radius_are_those_of_a_full_scan() {
-        let draw = |i: u64, axis| 20.0 * Seed(3).uniform(Purpose::Mapper, [i, axis, 0]) - 10.0;
+        let draw = |i: u64, axis| 20.0 * Seed(3).uniform(Purpose::new(8), [i, axis, 0]) - 10.0;
         let points: Vec<Position> = (0..300).map(|i| Position::new(draw(i, 0), draw(i, 1), draw(i, 2))).collect();
         for cell_m in [0.01, 1.0, 3.0, 100.0] {
             let index = CellIndex::new(&points, cell_m);

@@ -41,6 +41,7 @@ mod node_evidence;
 mod obstacle_ml_tm;
 mod posterior_bound;
 mod profile;
+mod purpose;
 mod region;
 mod sectors;
 mod self_calibrated;

@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use sextant_channel::{Channel, Dbm, Milliwatts, Position};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{NodeId, Seed, SimTime};
 
 use crate::FrameOutcome;
 use crate::medium::{Medium, Signal};
+use crate::purpose;
 use crate::receiver::{Receiver, ReceptionRules};
 
 /// A transmission under way.
@@ -155,7 +156,7 @@ impl Air {
         arrivals.clear();
         for &(station, _) in &near {
             let seed = self.seed;
-            let luck = || seed.uniform(Purpose::Reception, [signal.packet, station.0.into(), 0]);
+            let luck = || seed.uniform(purpose::RECEPTION, [signal.packet, station.0.into(), 0]);
             if let Some((power, outcome)) = self.receivers[station.index()].end(now, signal.packet, &self.rules, luck)
             {
                 if self.is_robot(station) {

@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Anchor;
-use sextant_kernel::{NodeId, Purpose, Seed, SettingError};
+use sextant_kernel::{NodeId, Seed, SettingError};
 
 use crate::layout::PlacedNode;
+use crate::purpose;
 
 /// The nodes that know their place, as written in a scenario. Only maps that say so use them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -74,7 +75,7 @@ impl AnchorsConfig {
 
 /// The nodes in random order.
 fn drawn(nodes: usize, seed: Seed) -> impl Iterator<Item = usize> {
-    let mut order: Vec<_> = (0..nodes).map(|node| (seed.bits(Purpose::Anchors, [node as u64, 0, 0]), node)).collect();
+    let mut order: Vec<_> = (0..nodes).map(|node| (seed.bits(purpose::ANCHORS, [node as u64, 0, 0]), node)).collect();
     order.sort_unstable();
     order.into_iter().map(|(_, node)| node)
 }

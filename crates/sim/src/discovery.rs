@@ -6,7 +6,7 @@ use std::time::Duration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Channel, Link, NeighbourLog};
-use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SettingError, SimTime};
+use sextant_kernel::{EventQueue, NodeId, Seed, SettingError, SimTime};
 use sextant_mac::csma::{self, Csma};
 use sextant_mac::frame::NodeFrame;
 use sextant_mac::{EnergySpent, RadioState, RadioStates};
@@ -15,6 +15,7 @@ use crate::FrameOutcome;
 use crate::air::{Air, AirSettings, Arrival};
 use crate::event::Event;
 use crate::node::{Network, Node};
+use crate::purpose;
 use crate::receiver::ReceptionRules;
 use crate::simulation::{NEGLECTED_BELOW_NOISE, PAN};
 use crate::{BeaconConfig, Setup, Traffic, TrafficConfig};
@@ -162,7 +163,7 @@ impl Run {
         };
         let channel =
             Channel::new(config, world.obstacles.clone(), *seed).map_err(|error| error.within("channel"))?;
-        let seed = Seed(seed.bits(Purpose::Discovery, [number, 0, 0]));
+        let seed = Seed(seed.bits(purpose::DISCOVERY, [number, 0, 0]));
         let csma = mac.csma().with_receiver_on();
         let places = || world.nodes.iter().map(|node| node.position);
         let air = Air::new(

@@ -20,6 +20,7 @@ mod medium;
 mod node;
 mod observer;
 mod pilot;
+mod purpose;
 mod radio;
 mod receiver;
 mod reception_model;

@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use sextant_channel::{Milliwatts, Position};
-use sextant_kernel::{EventKey, EventQueue, NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{EventKey, EventQueue, NodeId, Seed, SimTime};
 use sextant_mac::{EnergyMeter, Phy, RadioState, csma, device};
 
 use crate::FrameOutcome;
 use crate::air::{Air, Transmission};
 use crate::event::Event;
+use crate::purpose;
 
 /// A node, apart from its MAC.
 pub(crate) struct Node {
@@ -99,7 +100,7 @@ impl csma::Radio for NodeRadio<'_> {
         let (seed, node) = (self.network.seed, self.node);
         let drawn = &mut self.state().backoffs;
         *drawn += 1;
-        let bits = seed.bits(Purpose::Backoff, [node.0.into(), *drawn, 0]);
+        let bits = seed.bits(purpose::BACKOFF, [node.0.into(), *drawn, 0]);
         // The upper 32 bits scaled to the range: exact for 2^BE equally likely numbers.
         u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
     }

@@ -7,7 +7,7 @@ mod robots;
 use std::time::Duration;
 
 use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, ReceptionLogBuilder, Stop};
-use sextant_kernel::{EventQueue, NodeId, Purpose, RobotId, Seed, SettingError, SimTime};
+use sextant_kernel::{EventQueue, NodeId, RobotId, Seed, SettingError, SimTime};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::csma::Outcome;
 use sextant_mac::frame::{Address, Frame as MacFrame, FrameBody, NodeFrame};
@@ -19,6 +19,7 @@ use crate::event::{Event, RobotEvent};
 use crate::mac::NodeMac;
 use crate::node::{Network, Node};
 use crate::pilot::Pilot;
+use crate::purpose;
 use crate::receiver::ReceptionRules;
 use crate::survey::{Packets, RobotRecord, Survey};
 use crate::{FrameOutcome, HeardFrame, Mac, Observer, Radio, ReceptionModel, Robot, Traffic, World};
@@ -124,7 +125,7 @@ impl Simulation {
             robots.len(),
         );
         let initial_state = mac.initial_state();
-        let first_number = |station: usize| (seed.bits(Purpose::Sequence, [station as u64, 0, 0]) >> 56) as u8;
+        let first_number = |station: usize| (seed.bits(purpose::SEQUENCE, [station as u64, 0, 0]) >> 56) as u8;
         let coordinator = match &mac {
             Mac::CsmaUnslotted(_) => None,
             Mac::BeaconEnabled(settings) => {

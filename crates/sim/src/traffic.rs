@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{NodeId, Purpose, Seed, SettingError, SimTime};
+use sextant_kernel::{NodeId, Seed, SettingError, SimTime};
+
+use crate::purpose;
 
 /// The nodes' traffic, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -138,8 +140,8 @@ impl Traffic {
         match self.schedule {
             Schedule::Once { at } => (count == 0).then_some(at),
             Schedule::Periodic { interval, jitter } => {
-                let phase = seed.uniform(Purpose::Traffic, [node.0.into(), 0, 0]);
-                let shift = 2.0 * seed.uniform(Purpose::Traffic, [node.0.into(), 1, count]) - 1.0;
+                let phase = seed.uniform(purpose::TRAFFIC, [node.0.into(), 0, 0]);
+                let shift = 2.0 * seed.uniform(purpose::TRAFFIC, [node.0.into(), 1, count]) - 1.0;
                 // The first interval is skipped by as much as the jitter may come early.
                 let periods = interval * u32::try_from(count).ok()?;
                 let offset = interval.mul_f64(phase + jitter * (1.0 + shift));

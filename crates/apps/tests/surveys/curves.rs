@@ -46,7 +46,7 @@ fn greatest_gap_m(region: &RegionConfig, trace: &Trace) -> f64 {
     let region = Region::try_from(region).expect("a region");
     let (min, size) = (region.bounds().min, region.bounds().max - region.bounds().min);
     let place = |i| {
-        let [u, v] = [0, 1].map(|axis| Seed(9).uniform(Purpose::Layout, [i, axis, 0]));
+        let [u, v] = [0, 1].map(|axis| Seed(9).uniform(Purpose::new(1), [i, axis, 0]));
         min + Position::new(u * size.x_m, v * size.y_m, 0.0)
     };
     let gaps =

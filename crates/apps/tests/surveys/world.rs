@@ -142,7 +142,7 @@ impl World {
         let (exponent, sigma_db) = self.fading.unwrap_or((2.0, 0.0));
         let hear = |(i, node): (usize, &Position)| {
             let distance_m = node.distance_m(place);
-            let shadowing_db = sigma_db * seed.normal(Purpose::Shadowing, [i as u64, stop, 0]);
+            let shadowing_db = sigma_db * seed.normal(Purpose::new(4), [i as u64, stop, 0]);
             let loss_db = 10.0 * exponent * distance_m.max(0.1).log10() + self.field.loss(*node, place).0;
             let rssi_dbm = -50.0 - loss_db + shadowing_db;
             let is_heard = distance_m <= self.reach_m && (self.fading.is_none() || rssi_dbm >= -90.0);

@@ -224,7 +224,7 @@ mod tests {
 
     /// Every pair of some nodes and stops with entries of all kinds.
     fn entries() -> Vec<Reception> {
-        let draw = |address| Seed(7).uniform(Purpose::Mapper, address);
+        let draw = |address| Seed(7).uniform(Purpose::new(8), address);
         let mut all = Vec::new();
         for node in (0..30).filter(|node| node % 7 != 3) {
             for stop in (0..40).filter(|&stop| draw([u64::from(node), stop, 0]) < 0.5) {
@@ -263,7 +263,7 @@ mod tests {
         };
         let mix = |r: &Reception| {
             let address = [u64::from(r.node.0), u64::from(r.stop), 9];
-            Seed(1).uniform(Purpose::Mapper, address).to_bits() >> 32
+            Seed(1).uniform(Purpose::new(8), address).to_bits() >> 32
         };
         let by_stop = by(&|r| u64::from(r.stop));
         let backwards = by(&|r| u64::from(u32::MAX - r.stop));

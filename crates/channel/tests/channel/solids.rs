@@ -133,7 +133,7 @@ fn angle_mesh() -> ShapeConfig {
 
 /// The `index`-th of many random places in the cube of half edge `half_m`.
 pub(crate) fn random_place(index: u64, half_m: f64) -> Position {
-    let draw = |axis| (2.0 * Seed(5).uniform(Purpose::Layout, [index, axis, 0]) - 1.0) * half_m;
+    let draw = |axis| (2.0 * Seed(5).uniform(Purpose::new(1), [index, axis, 0]) - 1.0) * half_m;
     at(draw(0), draw(1), draw(2))
 }
 

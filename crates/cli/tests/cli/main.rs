@@ -6,6 +6,7 @@ mod comparators;
 mod figure;
 mod map;
 mod pcap;
+mod purposes;
 mod recording;
 mod reproduce;
 mod run;

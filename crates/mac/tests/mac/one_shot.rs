@@ -61,7 +61,7 @@ struct Estimate {
 
 /// The fates in each of `rounds` rounds with random draws.
 fn simulate(medium: Medium, rounds: usize) -> Vec<Vec<Fate>> {
-    let mut draws = Seed(20_260).stream(Purpose::Backoff, 0);
+    let mut draws = Seed(20_260).stream(Purpose::new(3), 0);
     (0..rounds).map(|_| medium.run(|_, max| draws.random_range(0..=max))).collect()
 }
 

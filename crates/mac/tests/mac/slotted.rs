@@ -101,7 +101,7 @@ fn one_frame_each_fares_as_in_a_slot_simulation() {
         (20, [0.3286, 0.4947, 0.1768, 17.060]),
         (50, [0.1130, 0.5720, 0.3151, 21.533]),
     ];
-    let mut draws = Seed(20_261).stream(Purpose::Backoff, 0);
+    let mut draws = Seed(20_261).stream(Purpose::new(3), 0);
     for (stations, expected) in table {
         let medium = Medium { stations, mpdu_octets: octets(5) };
         let rounds = 120_000 / stations;
@@ -136,7 +136,7 @@ fn one_frame_each_fares_as_in_a_slot_simulation() {
 /// Batches of a saturated run; their means are as good as independent.
 fn saturated(stations: usize, periods: u8) -> Vec<Accounts> {
     const BATCHES: usize = 40;
-    let mut draws = Seed(stations as u64).stream(Purpose::Backoff, periods.into());
+    let mut draws = Seed(stations as u64).stream(Purpose::new(3), periods.into());
     let medium = Medium { stations, mpdu_octets: octets(periods) };
     let slots = 2_500_000 / (4 + stations as u64) / BATCHES as u64 * 4;
     medium.saturated(BATCHES, slots, |_, max| draws.random_range(0..=max))

@@ -109,7 +109,7 @@ pub(crate) mod tests {
 
     #[test]
     fn hops_are_those_of_all_pairs_shortest_paths() {
-        let draw = |i, axis| 20.0 * Seed(8).uniform(Purpose::Mapper, [i, axis, 2]);
+        let draw = |i, axis| 20.0 * Seed(8).uniform(Purpose::new(8), [i, axis, 2]);
         let places: Vec<Position> = (0..70).map(|i| Position::new(draw(i, 0), draw(i, 1), 0.0)).collect();
         let graph = Graph::of(&heard_within(&places, 3.0), 0.5);
         // Floyd and Warshall.

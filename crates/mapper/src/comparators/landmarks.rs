@@ -2,7 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{Purpose, Seed, SettingError};
+use sextant_kernel::{Seed, SettingError};
+
+use crate::purpose;
 
 use super::graph::{Graph, UNREACHED};
 
@@ -102,7 +104,7 @@ impl LandmarksConfig {
 /// The nodes of `part` in random order; whether one comes before another depends on the two alone.
 fn shuffled(part: &[usize], seed: Seed) -> Vec<usize> {
     let mut order: Vec<_> =
-        part.iter().map(|&node| (seed.bits(Purpose::Mapper, [LANDMARKS, node as u64, 0]), node)).collect();
+        part.iter().map(|&node| (seed.bits(purpose::MAPPER, [LANDMARKS, node as u64, 0]), node)).collect();
     order.sort_unstable();
     order.into_iter().map(|(_, node)| node).collect()
 }

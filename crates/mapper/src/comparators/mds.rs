@@ -2,7 +2,9 @@
 
 use nalgebra::DMatrix;
 use sextant_channel::Position;
-use sextant_kernel::{Purpose, Seed};
+use sextant_kernel::Seed;
+
+use crate::purpose;
 
 /// Up to this size the whole spectrum is computed.
 const SMALL: usize = 64;
@@ -71,7 +73,7 @@ fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
 /// these.
 fn iterated(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
     let (size, width) = (matrix.nrows(), count + SPARE);
-    let start = |row: usize, column: usize| Seed(0).normal(Purpose::Mapper, [2, row as u64, column as u64]);
+    let start = |row: usize, column: usize| Seed(0).normal(purpose::MAPPER, [2, row as u64, column as u64]);
     let mut basis = centred(DMatrix::from_fn(size, width, start)).qr().q();
     let mut result = (vec![0.0; count], basis.columns(0, count).into_owned());
     for _ in 0..ROUNDS {
@@ -98,9 +100,10 @@ fn iterated(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sextant_kernel::Purpose;
 
     fn places(count: u64, height: f64) -> Vec<Position> {
-        let draw = |i, axis| 30.0 * Seed(12).uniform(Purpose::Mapper, [i, axis, 6]);
+        let draw = |i, axis| 30.0 * Seed(12).uniform(Purpose::new(8), [i, axis, 6]);
         (0..count).map(|i| Position::new(draw(i, 0), draw(i, 1), height * draw(i, 2))).collect()
     }
 

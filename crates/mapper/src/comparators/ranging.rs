@@ -113,7 +113,7 @@ mod tests {
         // exp((5 ln 10 / 27)²/2) = 1.095; the relative spread of a distance is 0.45: with 40 000 draws five standard
         // errors are 0.0112 (a false alarm in 1.7 million seeds).
         let law = law(5.0);
-        let draws = (0..40_000).map(|i| law.distance_m(-70.0 + 5.0 * Seed(1).normal(Purpose::Mapper, [i, 0, 3])));
+        let draws = (0..40_000).map(|i| law.distance_m(-70.0 + 5.0 * Seed(1).normal(Purpose::new(8), [i, 0, 3])));
         let mean = draws.sum::<f64>() / 40_000.0 / law.distance_m(-70.0);
         assert!((mean - law.bias()).abs() < 0.0125, "{mean}, {}", law.bias());
     }

@@ -231,7 +231,7 @@ mod tests {
     use sextant_kernel::{Purpose, Seed};
 
     fn random(rows: usize, seed: u64) -> DMatrix<f64> {
-        DMatrix::from_fn(rows, 2, |i, j| 10.0 * Seed(seed).uniform(Purpose::Mapper, [i as u64, j as u64, 11]))
+        DMatrix::from_fn(rows, 2, |i, j| 10.0 * Seed(seed).uniform(Purpose::new(8), [i as u64, j as u64, 11]))
     }
 
     fn pairs(places: &DMatrix<f64>, noise: f64) -> Vec<Dissimilarity> {
@@ -239,7 +239,7 @@ mod tests {
         for a in 0..places.nrows() {
             for b in a + 1..places.nrows() {
                 let distance = (places.row(a) - places.row(b)).norm();
-                let factor = 1.0 + noise * Seed(4).normal(Purpose::Mapper, [a as u64, b as u64, 12]);
+                let factor = 1.0 + noise * Seed(4).normal(Purpose::new(8), [a as u64, b as u64, 12]);
                 if distance < 5.0 {
                     pairs.push(Dissimilarity { a, b, distance_m: distance * factor.abs() });
                 }

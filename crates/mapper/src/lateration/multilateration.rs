@@ -145,7 +145,7 @@ mod tests {
     use sextant_kernel::{Purpose, Seed};
 
     fn place(seed: u64, i: u64, height: f64) -> Position {
-        let draw = |axis| 20.0 * Seed(seed).uniform(Purpose::Mapper, [i, axis, 0]) - 10.0;
+        let draw = |axis| 20.0 * Seed(seed).uniform(Purpose::new(8), [i, axis, 0]) - 10.0;
         Position::new(draw(0), draw(1), height * draw(2))
     }
 
@@ -178,7 +178,7 @@ mod tests {
         let node = place(3, 0, 1.0);
         let mut ranges = ranges(3, 8, 1.0, node);
         for (i, range) in (0..).zip(&mut ranges) {
-            range.distance_m *= 1.0 + 0.1 * Seed(3).normal(Purpose::Mapper, [i, 9, 0]);
+            range.distance_m *= 1.0 + 0.1 * Seed(3).normal(Purpose::new(8), [i, 9, 0]);
             range.weight = 1.0 / range.distance_m.powi(2);
         }
         let cost = |place: Position| -> f64 {

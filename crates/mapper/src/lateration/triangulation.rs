@@ -60,7 +60,7 @@ mod tests {
     fn exact_angles_give_the_exact_place_inside_the_triangle_and_outside() {
         let mut worst_m: f64 = 0.0;
         for seed in 0..200 {
-            let draw = |i, axis| 20.0 * Seed(seed).uniform(Purpose::Mapper, [i, axis, 1]) - 10.0;
+            let draw = |i, axis| 20.0 * Seed(seed).uniform(Purpose::new(8), [i, axis, 1]) - 10.0;
             let place = |i| Position::new(draw(i, 0), draw(i, 1), 0.0);
             let (node, anchors) = (place(0), [place(1), place(2), place(3)]);
             let found = triangulate(anchors, bearings(node, anchors, draw(4, 0))).unwrap();

@@ -265,7 +265,7 @@ mod tests {
 
     #[test]
     fn counts_agree_with_a_scan_of_all_pairs() {
-        let draw = |i, axis, what| Seed(6).normal(Purpose::Mapper, [i, axis, what]);
+        let draw = |i, axis, what| Seed(6).normal(Purpose::new(8), [i, axis, what]);
         let truth: Vec<Position> =
             (0..150).map(|i| Position::new(10.0 * draw(i, 0, 0), 6.0 * draw(i, 1, 0), 2.0 * draw(i, 2, 0))).collect();
         let map: Vec<Option<Position>> = (0..)

@@ -107,7 +107,7 @@ mod tests {
     use sextant_kernel::{Purpose, Seed};
 
     fn lattice(counts: [u32; 3], jitter_m: f64) -> Vec<Position> {
-        let draw = |i, axis| jitter_m * (2.0 * Seed(5).uniform(Purpose::Mapper, [i, axis, 4]) - 1.0);
+        let draw = |i, axis| jitter_m * (2.0 * Seed(5).uniform(Purpose::new(8), [i, axis, 4]) - 1.0);
         let [nx, ny, nz] = counts;
         let sites = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z].map(f64::from))));
         (0..).zip(sites).map(|(i, [x, y, z])| Position::new(x + draw(i, 0), y + draw(i, 1), z)).collect()
@@ -145,7 +145,7 @@ mod tests {
     fn descents_are_those_of_a_scan_of_all_pairs() {
         for count in 0..40 {
             let mut values: Vec<f64> =
-                (0..count).map(|i| (6.0 * Seed(2).uniform(Purpose::Mapper, [i, count, 8])).floor()).collect();
+                (0..count).map(|i| (6.0 * Seed(2).uniform(Purpose::new(8), [i, count, 8])).floor()).collect();
             let mut expected = 0;
             for (i, a) in values.iter().enumerate() {
                 expected += values[i + 1..].iter().filter(|b| a >= b).count() as u64;

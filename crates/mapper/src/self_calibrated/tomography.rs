@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
-use sextant_kernel::{Purpose, Seed};
+use sextant_kernel::Seed;
+
+use crate::purpose;
 
 use super::absorption::AbsorptionMap;
 use super::counts::{Counts, Record};
@@ -117,7 +119,7 @@ impl Tomography {
                 counts.read(belief.node, &mut record);
                 counts.within(&record, belief.mean, to_m, |link| {
                     let distance_m = link.place.distance_m(belief.mean);
-                    let lot = Seed(0).uniform(Purpose::Mapper, [u64::from(belief.node.0), u64::from(link.stop), 0]);
+                    let lot = Seed(0).uniform(purpose::MAPPER, [u64::from(belief.node.0), u64::from(link.stop), 0]);
                     let is_silent = link.received == 0 && link.missed == 0;
                     if is_silent || distance_m < SHORTEST * end_m || lot > share {
                         return;

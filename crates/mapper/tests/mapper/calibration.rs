@@ -24,7 +24,7 @@ fn channel(cell_average: bool) -> ProfileConfig {
 /// A survey of 10 m by 10 m with nodes up to `tall_m` high, every reception drawn from the exact channel.
 fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
     let exact = ReceptionProfile::for_grid(channel(false), 0.0).expect("good settings");
-    let draw = |address| Seed(seed).uniform(Purpose::Mapper, address);
+    let draw = |address| Seed(seed).uniform(Purpose::new(8), address);
     let mut stops = Vec::new();
     for lane in 0..6_u32 {
         for step in 0..15_u32 {

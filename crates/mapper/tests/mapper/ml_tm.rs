@@ -383,7 +383,7 @@ proptest! {
 #[test]
 fn many_stops_with_outliers_have_the_argmax_of_the_sum_of_logarithms() {
     // Large enough for several batches of vertices and stops; products would underflow.
-    let draw = |i: u64, what| Seed(5).uniform(Purpose::Mapper, [i, what, 0]);
+    let draw = |i: u64, what| Seed(5).uniform(Purpose::new(8), [i, what, 0]);
     let stops: Vec<Position> = (0..300)
         .map(|i| Position::new(25.0 * draw(i, 0), 25.0 * draw(i, 1), 0.0))
         .chain([Position::new(60.0, 45.0, 0.0)])
@@ -490,7 +490,7 @@ fn without_noise_the_likelihood_is_highest_at_the_truth() {
     // Shares of received packets equal to the profile make every factor highest at the true distance.
     const SENT: u32 = 1_000_000;
     for seed in 0..20 {
-        let draw = |i: u64, axis| Seed(seed).uniform(Purpose::Mapper, [i, axis, 1]);
+        let draw = |i: u64, axis| Seed(seed).uniform(Purpose::new(8), [i, axis, 1]);
         let height_m = if seed % 2 == 0 { 0.0 } else { 4.0 };
         let stops: Vec<Position> =
             (0..40).map(|i| Position::new(12.0 * draw(i, 0), 12.0 * draw(i, 1), height_m * draw(i, 2))).collect();
@@ -609,7 +609,7 @@ fn a_plateau_is_represented_by_its_mean_and_mirror_images_by_one_of_them() {
 
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
-    let draw = |i: u64, what| Seed(11).uniform(Purpose::Mapper, [i, what, 2]);
+    let draw = |i: u64, what| Seed(11).uniform(Purpose::new(8), [i, what, 2]);
     let stops: Vec<Position> =
         (0..200).map(|i| Position::new(20.0 * draw(i, 0), 20.0 * draw(i, 1), 3.0 * draw(i, 2))).collect();
     let mut receptions = Vec::new();

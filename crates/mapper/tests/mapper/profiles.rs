@@ -112,7 +112,7 @@ struct Survey {
 }
 
 fn uniform(seed: u64, address: [u64; 3]) -> f64 {
-    Seed(seed).uniform(Purpose::Mapper, address)
+    Seed(seed).uniform(Purpose::new(8), address)
 }
 
 /// Lanes 2.5 m apart with a stop each metre over a square of 16 m, at the heights `heights_m` in turn, and `nodes` nodes

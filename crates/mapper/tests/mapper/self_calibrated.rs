@@ -76,7 +76,7 @@ fn is_in_obstacle(place: Position, margin_m: f64) -> bool {
 impl World {
     /// Eight lanes over 20 m by 20 m; nodes within 16 m by 16 m.
     fn survey(&self) -> (ReceptionLog, Vec<Position>) {
-        let draw = |address| Seed(self.seed).uniform(Purpose::Mapper, address);
+        let draw = |address| Seed(self.seed).uniform(Purpose::new(8), address);
         let stop =
             |x_m, y_m, z_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, z_m) };
         let mut stops = Vec::new();

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, ObstacleField, Position};
-use sextant_kernel::{Purpose, Seed, SettingError};
+use sextant_kernel::{Seed, SettingError};
+
+use crate::purpose;
 
 use super::{Region, RegionConfig};
 
@@ -103,7 +105,7 @@ impl LatticeConfig {
                     // The address is the site's place in the lattice, whatever the region and its other sites.
                     let address = [i.cast_unsigned(), j.cast_unsigned(), k.cast_unsigned() << 2];
                     let shift = |axis: u64| {
-                        let uniform = seed.uniform(Purpose::Layout, [address[0], address[1], address[2] | axis]);
+                        let uniform = seed.uniform(purpose::LAYOUT, [address[0], address[1], address[2] | axis]);
                         self.jitter_m * (2.0 * uniform - 1.0)
                     };
                     let site = |origin: f64, index: i64| spacing_m.mul_add(index_as_f64(index), origin);
@@ -113,7 +115,7 @@ impl LatticeConfig {
                         || (obstacles.containing(position).is_none()
                             && obstacles.distance_m(position) >= self.clearance_m);
                     if region.contains(position) && clear {
-                        let lot = seed.bits(Purpose::Layout, [address[0], address[1], address[2] | 3]);
+                        let lot = seed.bits(purpose::LAYOUT, [address[0], address[1], address[2] | 3]);
                         sites.push(Site { lot, position });
                     }
                 }

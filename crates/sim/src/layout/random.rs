@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, ObstacleField, Position};
-use sextant_kernel::{Purpose, Seed, SettingError};
+use sextant_kernel::{Seed, SettingError};
+
+use crate::purpose;
 
 use super::{Region, RegionConfig};
 
@@ -47,7 +49,7 @@ impl RandomConfig {
             Placed { min_distance_m: self.min_distance_m, positions: Vec::new(), cells: BTreeMap::new() };
         for node in 0..self.count as u64 {
             let places = (0..DRAWS).map(|draw| {
-                let [u, v, w] = [0, 1, 2].map(|axis| seed.uniform(Purpose::Layout, [node, draw, axis]));
+                let [u, v, w] = [0, 1, 2].map(|axis| seed.uniform(purpose::LAYOUT, [node, draw, axis]));
                 min + Position::new(u * size.x_m, v * size.y_m, w * size.z_m)
             });
             let fits = |p: &Position| {

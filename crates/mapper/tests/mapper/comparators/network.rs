@@ -66,7 +66,7 @@ fn heard(
         for (j, b) in places.iter().enumerate().filter(|&(j, _)| j != i && sends(j)) {
             let distance_m = a.distance_m(*b);
             if distance_m <= range_m {
-                let shadow_db = sigma_db * Seed(77).normal(Purpose::Mapper, [i as u64, j as u64, round]);
+                let shadow_db = sigma_db * Seed(77).normal(Purpose::new(8), [i as u64, j as u64, round]);
                 links.push(Link {
                     listener: NodeId::from_index(i),
                     sender: NodeId::from_index(j),
@@ -82,7 +82,7 @@ fn heard(
 
 /// A lattice of unit spacing, each node moved by up to `jitter_m`.
 pub(crate) fn lattice([nx, ny, nz]: [u32; 3], jitter_m: f64) -> Vec<Position> {
-    let draw = |i, axis| jitter_m * (2.0 * Seed(31).uniform(Purpose::Mapper, [i, axis, 9]) - 1.0);
+    let draw = |i, axis| jitter_m * (2.0 * Seed(31).uniform(Purpose::new(8), [i, axis, 9]) - 1.0);
     let sites = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z].map(f64::from))));
     let is_planar = nz == 1;
     (0..)

@@ -118,7 +118,7 @@ fn the_cooperative_estimate_is_efficient_and_no_better_than_the_bound() {
         let packets = |round: u32| f64::from(round + 1);
         let heard = small.heard(|i, j, round| {
             let address = [i as u64, j as u64, round.into()];
-            0.4 / packets(round).sqrt() * Seed(seed).normal(Purpose::Mapper, address)
+            0.4 / packets(round).sqrt() * Seed(seed).normal(Purpose::new(8), address)
         });
         for (place, (truth, bound)) in small.solve(&heard).iter().zip(small.places.iter().zip(&bound)).skip(4) {
             squares += place.distance_m(*truth).powi(2);
@@ -164,7 +164,7 @@ fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
     for (i, node) in nodes.iter().enumerate() {
         for (stop, place) in (0..).zip(&stops) {
             let distance_m = node.distance_m(place.position);
-            let noise_db = sigma_db * Seed(5).normal(Purpose::Mapper, [i as u64, u64::from(stop), 21]);
+            let noise_db = sigma_db * Seed(5).normal(Purpose::new(8), [i as u64, u64::from(stop), 21]);
             let rssi_dbm = -50.0 - 27.0 * distance_m.max(0.1).log10() + noise_db;
             if distance_m <= range_m && rssi_dbm >= -72.0 {
                 receptions.push(Reception {
@@ -184,7 +184,7 @@ fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
 
 #[test]
 fn the_bayesian_grid_finds_nodes_and_covers_them() {
-    let draw = |i: u64, axis| 9.0 * Seed(6).uniform(Purpose::Mapper, [i, axis, 22]);
+    let draw = |i: u64, axis| 9.0 * Seed(6).uniform(Purpose::new(8), [i, axis, 22]);
     let nodes: Vec<Position> = (0..200).map(|i| Position::new(draw(i, 0), draw(i, 1), 0.0)).collect();
     let config = RssGridConfig {
         grid_step_m: 0.2,

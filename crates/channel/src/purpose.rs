@@ -1,0 +1,6 @@
+//! What the channel draws random numbers for. Never renumber: each number belongs to one purpose of the whole program.
+
+use sextant_kernel::Purpose;
+
+/// Shadowing of a link.
+pub(crate) const SHADOWING: Purpose = Purpose::new(4);

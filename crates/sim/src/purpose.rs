@@ -1,0 +1,18 @@
+//! What a simulation draws random numbers for. Never renumber: each number belongs to one purpose of the whole program.
+
+use sextant_kernel::Purpose;
+
+/// Places of nodes.
+pub(crate) const LAYOUT: Purpose = Purpose::new(1);
+/// Phase and jitter of the nodes' traffic.
+pub(crate) const TRAFFIC: Purpose = Purpose::new(2);
+/// Backoff of CSMA-CA.
+pub(crate) const BACKOFF: Purpose = Purpose::new(3);
+/// Loss by bit errors.
+pub(crate) const RECEPTION: Purpose = Purpose::new(5);
+/// First sequence number of a node.
+pub(crate) const SEQUENCE: Purpose = Purpose::new(6);
+/// Which nodes know their place.
+pub(crate) const ANCHORS: Purpose = Purpose::new(9);
+/// Phases, backoffs and losses of neighbour discovery.
+pub(crate) const DISCOVERY: Purpose = Purpose::new(10);
