@@ -196,6 +196,16 @@ impl ReceptionLog {
         }
     }
 
+    /// The same log with each slot counted as one packet: received if at least one packet was received there.
+    #[must_use]
+    pub fn at_least_one(&self) -> Cow<'_, Self> {
+        if self.columns.has_counts() {
+            Cow::Owned(Self { columns: self.columns.at_least_one(), ..self.clone() })
+        } else {
+            Cow::Borrowed(self)
+        }
+    }
+
     /// Names of the robots; the index is the [`RobotId`]. Empty if they were not given.
     #[must_use]
     pub fn robots(&self) -> &[String] {
@@ -336,6 +346,18 @@ mod tests {
         let named = log.clone().with_robots(vec!["a".into(), "b".into(), "c".into()]).unwrap();
         assert_eq!((named.robot_count(), named.robots()[1].as_str()), (3, "b"));
         assert_eq!(log.with_robots(vec!["a".into()]), Err(LogError::UnknownRobot { robot: 1, robots: 1 }));
+    }
+
+    #[test]
+    fn a_slot_counts_as_one_packet_received_if_any_was() {
+        let counted = |node, stop, received, sent| Reception { received, sent, ..heard(node, stop) };
+        let counts = vec![counted(0, 0, 3, 5), counted(0, 1, 0, 4), counted(1, 0, 0, 0), counted(1, 2, 2, 2)];
+        let slots = vec![counted(0, 0, 1, 1), counted(0, 1, 0, 1), counted(1, 0, 0, 0), counted(1, 2, 1, 1)];
+        let (counts, slots) = (log(counts).unwrap(), log(slots).unwrap());
+        assert_eq!(*counts.at_least_one(), slots);
+        assert!(matches!(slots.at_least_one(), Cow::Borrowed(_)));
+        let plain = log(vec![heard(0, 0), heard(1, 2)]).unwrap();
+        assert_eq!(*log(vec![counted(0, 0, 2, 2), counted(1, 2, 1, 3)]).unwrap().at_least_one(), plain);
     }
 
     #[test]

@@ -31,7 +31,7 @@ impl FittedMlTm {
     /// The profile of `log`; `None` if no node was heard.
     #[must_use]
     pub fn fit(&self, log: &ReceptionLog) -> Option<Fit> {
-        self.fitted.fit(log, self.z_range_m)
+        self.fitted.fit(&self.ml_tm.counted(log), self.z_range_m)
     }
 
     /// The algorithm under a fitted profile, for the part of the log that is [evidence](Fit::evidence).

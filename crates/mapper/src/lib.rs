@@ -68,7 +68,7 @@ pub use metrics::{
     ConnectivityError, MetricError, NeighbourhoodRule, PositionError, RssLinks, connectivity_error, rss_crlb_m,
     topology_preservation_error,
 };
-pub use ml_tm::{EstimateKind, MlTm, MlTmConfig, TieRule};
+pub use ml_tm::{CountRule, EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{

@@ -1,5 +1,7 @@
 //! ML-TM: maximum-likelihood topology maps on a grid (Gunathillake 2018, chapter 3).
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,6 +23,10 @@ pub struct MlTmConfig {
     pub grid_step_m: f64,
     /// How likely a packet is received over a distance.
     pub profile: ProfileConfig,
+    /// What a reception of several packets counts for. If absent, `packets`; `at_least_one` under a `channel` profile with
+    /// `packets_per_stop`, whose curve is that of a slot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counts: Option<CountRule>,
     /// Which place is taken from the likelihood.
     #[serde(default)]
     pub estimate: EstimateKind,
@@ -41,6 +47,16 @@ pub struct MlTmConfig {
 
 /// Memory allowed for the window of one node [MB].
 const DEFAULT_MEMORY_MB: u32 = 512;
+
+/// What a reception of several packets counts for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CountRule {
+    /// Each packet received or missed counts by itself.
+    Packets,
+    /// The listening slot counts as one packet, received if at least one packet was (thesis, chapter 3).
+    AtLeastOne,
+}
 
 /// Which place is taken from the likelihood of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -72,6 +88,7 @@ impl MlTmConfig {
         Self {
             grid_step_m,
             profile,
+            counts: None,
             estimate: EstimateKind::default(),
             ties: TieRule::default(),
             z_range_m: None,
@@ -97,6 +114,7 @@ impl MlTmConfig {
 pub struct MlTm {
     grid_step_m: f64,
     profile: ReceptionProfile,
+    counts: CountRule,
     estimate: EstimateKind,
     ties: TieRule,
     z_range_m: Option<[f64; 2]>,
@@ -151,6 +169,7 @@ impl MlTm {
         if log.receptions().is_empty() {
             return Ok(map);
         }
+        let log = &*self.counted(log);
         let lattice = self.lattice(log)?;
         let solver = self.solver(&lattice, log)?;
         let solved: Vec<(Option<Estimate>, u64)> = (0..log.node_count())
@@ -176,12 +195,21 @@ impl MlTm {
     pub fn surface(&self, log: &ReceptionLog, node: NodeId) -> Result<Surface, MapError> {
         let name =
             log.names().get(node.index()).ok_or(MapError::UnknownNode { node: node.0, nodes: log.node_count() })?;
+        let log = &*self.counted(log);
         let lattice = self.lattice(log)?;
         let solver = self.solver(&lattice, log)?;
         let mut vertices = Vec::new();
         let search = solver.search(&mut solver.scratch(), log.of(node), f64::INFINITY, &mut vertices);
         Surface::of_vertices(&lattice, &vertices, search.infeasible)
             .ok_or_else(|| MapError::NotHeard { name: name.clone() })
+    }
+
+    /// The log as its receptions count.
+    pub(crate) fn counted<'a>(&self, log: &'a ReceptionLog) -> Cow<'a, ReceptionLog> {
+        match self.counts {
+            CountRule::Packets => Cow::Borrowed(log),
+            CountRule::AtLeastOne => log.at_least_one(),
+        }
     }
 
     fn solver<'a>(&'a self, lattice: &'a Lattice, log: &'a ReceptionLog) -> Result<Solver<'a>, MapError> {
@@ -251,8 +279,10 @@ impl TryFrom<MlTmConfig> for MlTm {
     type Error = SettingError;
 
     fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
-        let MlTmConfig { grid_step_m, profile, estimate, ties, z_range_m, sectors, max_memory_mb } = config;
+        let MlTmConfig { grid_step_m, profile, counts, estimate, ties, z_range_m, sectors, max_memory_mb } = config;
         SettingError::positive("grid_step_m", grid_step_m)?;
+        let is_of_a_slot = matches!(&profile, ProfileConfig::Channel(channel) if channel.packets_per_stop.is_some());
+        let counts = counts.unwrap_or(if is_of_a_slot { CountRule::AtLeastOne } else { CountRule::Packets });
         let profile = ReceptionProfile::for_grid(profile, grid_step_m).map_err(|error| error.within("profile"))?;
         if grid_step_m > profile.range_m() {
             let allowed = format!("above 0, at most the range of the profile ({} m)", profile.range_m());
@@ -274,6 +304,6 @@ impl TryFrom<MlTmConfig> for MlTm {
             return Err(SettingError::new("max_memory_mb", 0, "1 or more"));
         }
         let allowed_bytes = u64::from(memory_mb) * 1_000_000;
-        Ok(Self { grid_step_m, profile, estimate, ties, z_range_m, sectors, allowed_bytes })
+        Ok(Self { grid_step_m, profile, counts, estimate, ties, z_range_m, sectors, allowed_bytes })
     }
 }

@@ -50,6 +50,7 @@ impl ObstacleMlTm {
     /// # Errors
     /// [`MapError::GridTooLarge`].
     pub fn map(&self, log: &ReceptionLog, obstacles: &ObstacleField) -> Result<TopologyMap, MapError> {
+        let log = &*self.start.counted(log);
         let start = self.start.map(log)?;
         let Some(heights) = Heights::of(log.stops(), self.z_range_m) else { return Ok(start) };
         let estimates = (start.estimates.par_iter().enumerate())

@@ -15,6 +15,20 @@ pub(super) struct Columns {
 }
 
 impl Columns {
+    /// Whether a reception is of more or fewer packets than the slot of its stop counts as one.
+    pub(super) fn has_counts(&self) -> bool {
+        self.packets.0.iter().any(|&packets| packets != packets.at_least_one())
+    }
+
+    /// The same with each slot as one packet.
+    pub(super) fn at_least_one(&self) -> Self {
+        let mut packets = Column(self.packets.0.iter().map(|packets| packets.at_least_one()).collect());
+        if packets.0.iter().all(|&slot| slot == Packets::default()) {
+            packets = Column::default();
+        }
+        Self { stops: self.stops.clone(), packets, sectors: self.sectors.clone(), strengths: self.strengths.clone() }
+    }
+
     pub(super) fn len(&self) -> usize {
         self.stops.len()
     }
@@ -107,6 +121,13 @@ impl<T: Copy + Default + PartialEq> Column<T> {
 pub(super) struct Packets {
     pub(super) received: u32,
     pub(super) sent: u32,
+}
+
+impl Packets {
+    /// One packet, received if any was; none if none was sent.
+    fn at_least_one(self) -> Self {
+        Self { received: self.received.min(1), sent: self.sent.min(1) }
+    }
 }
 
 impl Default for Packets {

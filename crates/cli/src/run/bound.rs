@@ -6,7 +6,7 @@ use sextant_sim::{MacConfig, Survey};
 
 use crate::scenario::Scenario;
 
-/// The posterior bound under the channel and the obstacles of the scenario, with collisions as losses that do not depend
+/// The posterior bound of which slots heard a node, under the channel and the obstacles of the scenario, with collisions as losses that do not depend
 /// on the distance [m]. `None` if receptions at different stops are not independent, robots listen for spans of their own,
 /// a node must hear a beacon before it is heard, or nothing was heard.
 pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[Position]) -> Option<f64> {
@@ -40,5 +40,6 @@ pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[P
     let high = truth.iter().map(|place| place.z_m).fold(f64::NEG_INFINITY, f64::max);
     let model =
         TrueModel { probability, near: truth, reach_m: channel.reach_m(tx, sensitivity), z_range_m: [low, high] };
-    sextant_mapper::posterior_bound_m(&survey.log, &model)
+    // The probability is that of a slot.
+    sextant_mapper::posterior_bound_m(&survey.log.at_least_one(), &model)
 }

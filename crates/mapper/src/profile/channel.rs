@@ -41,8 +41,8 @@ pub struct ChannelProfileConfig {
     /// Share of the packets that are strong enough and also survive collisions, above 0, at most 1.
     #[serde(default = "default_delivery")]
     pub delivery: f64,
-    /// Packets that a node sends, on average, while the robot listens at a stop, if the log counts a stop at which
-    /// any of them was heard as one of one; 1 if absent.
+    /// Packets that a node sends, on average, while the robot listens at a stop: the curve is then that of hearing at
+    /// least one of them, and a stop counts as one packet. Absent: the curve is that of each packet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub packets_per_stop: Option<f64>,
     /// Whether the probability at a vertex is the mean over its grid cell. Without it a hard radius rules out the

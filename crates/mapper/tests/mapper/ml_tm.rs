@@ -6,8 +6,8 @@ use sextant_channel::{
 };
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
-    EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, SectorLayoutConfig,
-    SectorTolerance, SectorsConfig, TableProfile, TieRule, TrapezoidConfig,
+    CountRule, EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile,
+    SectorLayoutConfig, SectorTolerance, SectorsConfig, TableProfile, TieRule, TrapezoidConfig,
 };
 
 const LITERAL_FLOOR: f64 = 1e-6;
@@ -511,6 +511,24 @@ fn without_noise_the_likelihood_is_highest_at_the_truth() {
         assert!(estimate.position.distance_m(truth) < 1e-9, "seed {seed}: {estimate:?}, truth {truth:?}");
         assert!(!estimate.infeasible && estimate.ties == 1);
     }
+}
+
+#[test]
+fn slots_with_at_least_one_packet_are_mapped_as_one_of_one() {
+    let places: Vec<Position> = (0..25_i32).map(|i| Position::new((i % 5).into(), (i / 5).into(), 0.0)).collect();
+    let counted =
+        vec![entry(0, 6, 2, 3), entry(0, 7, 1, 4), entry(0, 11, 5, 5), entry(0, 12, 0, 9), entry(0, 18, 0, 0)];
+    let slots =
+        vec![entry(0, 6, 1, 1), entry(0, 7, 1, 1), entry(0, 11, 1, 1), entry(0, 12, 0, 1), entry(0, 18, 0, 0)];
+    let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 0.5, 4.0));
+    let map = |counts, receptions| {
+        let config =
+            MlTmConfig { counts, estimate: EstimateKind::PosteriorMean, ..MlTmConfig::new(0.25, profile.clone()) };
+        ml_tm(config).map(&log(1, &places, receptions)).unwrap().estimates
+    };
+    let as_slots = map(Some(CountRule::Packets), slots);
+    assert_eq!(map(Some(CountRule::AtLeastOne), counted.clone()), as_slots);
+    assert_ne!(map(None, counted), as_slots);
 }
 
 #[test]
