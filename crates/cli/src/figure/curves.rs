@@ -1,10 +1,10 @@
 //! Curves of numbers over numbers.
 
 use super::axes::{Axes, Axis, Shown};
-use super::palette::CURVES;
+use super::figure::Figure;
+use super::palette::{CURVES, PATTERNS};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
-use super::{Figure, PATTERNS};
 
 /// Size of the plot [px].
 const SIZE: (f64, f64) = (560.0, 360.0);

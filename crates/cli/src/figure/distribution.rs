@@ -5,9 +5,8 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 use sextant_mapper::{NeighbourhoodRule, PositionError, connectivity_error};
 
-use super::PATTERNS;
 use super::axes::{Axes, Axis, Shown};
-use super::palette::{CURVES, FAINT_INK};
+use super::palette::{CURVES, FAINT_INK, PATTERNS};
 use super::picture::{Picture, Point, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
 use super::source::Source;

@@ -10,6 +10,7 @@ use sextant_kernel::NodeId;
 
 use super::drawing::{self, LikelihoodPlane, Solid, place};
 use super::error::RecordingError;
+use super::names::{ANCHORS_TOPIC, WORLD_NODES_TOPIC};
 use super::reader::sound;
 use super::scan::Piece;
 
@@ -66,13 +67,13 @@ impl Drawn {
     /// Takes a message in, if it is a drawing; says what is wrong with it.
     fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
-            "foxglove.PointCloud" if topic == super::WORLD_NODES_TOPIC => self.nodes = places(data)?,
+            "foxglove.PointCloud" if topic == WORLD_NODES_TOPIC => self.nodes = places(data)?,
             "foxglove.PointCloud" => {
                 if let Some(name) = topic.strip_prefix("/map/") {
                     replace(&mut self.maps, name, places(data)?);
                 }
             }
-            _ if topic == super::ANCHORS_TOPIC => {
+            _ if topic == ANCHORS_TOPIC => {
                 self.anchors.insert(super::known::anchor(data, usize::MAX)?.node);
             }
             "foxglove.SceneUpdate" if topic == "/world/obstacles" => self.obstacles = solids(data)?,

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::error::RecordingError;
-use super::scan::{Piece, scan};
+use super::scan::{Damage, Piece, scan};
 
 /// Contents of a recording, found by reading all of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,17 +33,6 @@ pub struct Inspection {
     pub attachments: Vec<AttachmentInfo>,
     /// Metadata records by name.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
-}
-
-/// Where and why the reading of a file ended before its end.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Damage {
-    /// How far the file was read [octets].
-    pub at_byte: u64,
-    /// Messages before the damage.
-    pub messages: u64,
-    /// What is wrong there.
-    pub why: String,
 }
 
 /// A topic of a recording.

@@ -8,6 +8,7 @@ use sextant_kernel::NodeId;
 
 use super::error::RecordingError;
 use super::messages;
+use super::names::{ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC};
 use super::reader::sound;
 use super::scan::Piece;
 
@@ -33,19 +34,19 @@ pub fn read_known(path: &Path, nodes: usize) -> Result<Known, RecordingError> {
         let Piece::Message { channel, data, .. } = piece else { return Ok(()) };
         let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
         match channel.topic.as_str() {
-            super::NEIGHBOURS_TOPIC => neighbours.push(link(data).map_err(wrong)?),
-            super::BEACONS_TOPIC => beacons.push(link(data).map_err(wrong)?),
-            super::ANCHORS_TOPIC => known.anchors.push(anchor(data, nodes).map_err(wrong)?),
+            NEIGHBOURS_TOPIC => neighbours.push(link(data).map_err(wrong)?),
+            BEACONS_TOPIC => beacons.push(link(data).map_err(wrong)?),
+            ANCHORS_TOPIC => known.anchors.push(anchor(data, nodes).map_err(wrong)?),
             _ => {}
         }
         Ok(())
     })?;
-    known.neighbours = log(path, super::NEIGHBOURS_TOPIC, nodes, neighbours)?;
-    known.beacons = log(path, super::BEACONS_TOPIC, nodes, beacons)?;
+    known.neighbours = log(path, NEIGHBOURS_TOPIC, nodes, neighbours)?;
+    known.beacons = log(path, BEACONS_TOPIC, nodes, beacons)?;
     known.anchors.sort_by_key(|anchor| anchor.node);
     if let Some(pair) = known.anchors.windows(2).find(|pair| pair[0].node == pair[1].node) {
         let problem = format!("node {} is an anchor twice", pair[0].node.0);
-        return Err(RecordingError::message(path, super::ANCHORS_TOPIC, problem));
+        return Err(RecordingError::message(path, ANCHORS_TOPIC, problem));
     }
     Ok(known)
 }

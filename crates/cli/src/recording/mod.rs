@@ -30,6 +30,7 @@ mod error;
 mod inspect;
 mod known;
 pub mod messages;
+mod names;
 mod reader;
 mod recorder;
 mod recover;
@@ -41,19 +42,10 @@ pub use drawing::{LikelihoodPlane, PlacedNode, Solid};
 pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use error::RecordingError;
 pub use foxglove::messages::log::Level;
-pub use inspect::{AttachmentInfo, Damage, Inspection, Topic, inspect};
+pub use inspect::{AttachmentInfo, Inspection, Topic, inspect};
 pub use known::{Known, read_known};
+pub use names::{ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
 pub use reader::{Attachment, RecordedRun, read_attachment, read_log, read_truth};
-pub use recorder::{FileRecorder, ORIGIN_METADATA, Origin, Recorder, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
+pub use recorder::{FileRecorder, Origin, Recorder};
 pub use recover::{Recovery, recover};
-
-/// Topic of what nodes heard of each other.
-const NEIGHBOURS_TOPIC: &str = "/neighbours";
-/// Topic of what nodes heard of the anchors.
-const BEACONS_TOPIC: &str = "/beacons";
-/// Topic of the nodes that know their place.
-const ANCHORS_TOPIC: &str = "/anchors";
-/// Topic of the true nodes.
-const WORLD_NODES_TOPIC: &str = "/world/nodes";
-/// Name of the metadata record that a recovered recording has.
-const RECOVERED_METADATA: &str = "recovered";
+pub use scan::Damage;

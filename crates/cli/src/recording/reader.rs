@@ -12,6 +12,7 @@ use sextant_kernel::{NodeId, SimTime};
 use super::drawing;
 use super::error::RecordingError;
 use super::messages;
+use super::names::WORLD_NODES_TOPIC;
 use super::scan::{Piece, scan};
 
 /// The reception log of a recording, and what the recording says of itself.
@@ -101,7 +102,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
         let wrong = |problem: String| RecordingError::message(path, &channel.topic, problem);
         match (channel.topic.as_str(), channel.schema.as_ref().map(|schema| schema.name.as_str())) {
             (_, Some("sextant.Nodes")) => names.add(&channel.topic, "sextant.Nodes", data).map_err(wrong),
-            (super::WORLD_NODES_TOPIC, Some("foxglove.PointCloud")) => {
+            (WORLD_NODES_TOPIC, Some("foxglove.PointCloud")) => {
                 let cloud = PointCloud::decode(data).map_err(|why| wrong(why.to_string()))?;
                 places = Some(drawing::nodes_of(&cloud).map_err(wrong)?);
                 Ok(())
@@ -115,7 +116,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
     let named = places.into_iter().map(|(node, position)| {
         let name = names.names.get(node.index()).ok_or_else(|| {
             let problem = format!("node {} has no name; there are {} names", node.0, names.names.len());
-            RecordingError::message(path, super::WORLD_NODES_TOPIC, problem)
+            RecordingError::message(path, WORLD_NODES_TOPIC, problem)
         })?;
         Ok((name.clone(), position))
     });

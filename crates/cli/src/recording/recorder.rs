@@ -15,15 +15,12 @@ use sextant_kernel::SimTime;
 use super::drawing::{self, LikelihoodPlane, PlacedNode, Solid};
 use super::error::RecordingError;
 use super::messages;
+use super::names::{
+    ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
+    WORLD_NODES_TOPIC,
+};
 use super::sink::Sink;
 use crate::output::Draft;
-
-/// Name of the attachment with the scenario as it was read.
-pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
-/// Name of the attachment with the summary.
-pub const SUMMARY_ATTACHMENT: &str = "summary.json";
-/// Name of the metadata record with `seed`, `version` and `scenario`.
-pub const ORIGIN_METADATA: &str = "sextant";
 
 /// Stops after which a chunk is closed, however few messages they have.
 const STOPS_PER_CHUNK: u32 = 32;
@@ -163,7 +160,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn neighbours(&mut self, log: &NeighbourLog) -> Result<(), RecordingError> {
-        self.links(super::NEIGHBOURS_TOPIC, log)
+        self.links(NEIGHBOURS_TOPIC, log)
     }
 
     /// What nodes heard of the anchors' packets before the survey.
@@ -171,7 +168,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn beacons(&mut self, log: &NeighbourLog) -> Result<(), RecordingError> {
-        self.links(super::BEACONS_TOPIC, log)
+        self.links(BEACONS_TOPIC, log)
     }
 
     fn links(&mut self, topic: &str, log: &NeighbourLog) -> Result<(), RecordingError> {
@@ -188,7 +185,7 @@ impl<W: Write> Recorder<W> {
     pub fn anchors(&mut self, anchors: &[Anchor]) -> Result<(), RecordingError> {
         anchors.iter().try_for_each(|&Anchor { node, position: Position { x_m, y_m, z_m } }| {
             let message = messages::AnchorMessage { node: node.0, x_m, y_m, z_m };
-            self.write(SimTime::ZERO, super::ANCHORS_TOPIC, &message)
+            self.write(SimTime::ZERO, ANCHORS_TOPIC, &message)
         })
     }
 
@@ -303,7 +300,7 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// If any write failed, now or before.
     pub fn world_nodes(&mut self, time: SimTime, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
-        self.write(time, super::WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
+        self.write(time, WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
     }
 
     /// Where `algorithm` places the nodes; those that it does not place are absent.

@@ -7,8 +7,8 @@ use mcap::records::Metadata;
 use serde::Serialize;
 
 use super::error::RecordingError;
-use super::inspect::Damage;
-use super::scan::{Piece, scan};
+use super::names::RECOVERED_METADATA;
+use super::scan::{Damage, Piece, scan};
 use super::sink::Sink;
 use crate::output::Draft;
 
@@ -74,7 +74,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
     if let Some(damage) = &recovery.damage {
         let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
         sink.metadata(&Metadata {
-            name: super::RECOVERED_METADATA.to_owned(),
+            name: RECOVERED_METADATA.to_owned(),
             metadata: BTreeMap::from(values.map(|(key, value)| (key.to_owned(), value))),
         })?;
     }

@@ -9,12 +9,23 @@ use std::sync::Arc;
 use mcap::records::{MessageHeader, Metadata, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{Channel, McapError, Schema, parse_record};
+use serde::Serialize;
 
 use super::error::{RecordingError, cause};
-use super::inspect::Damage;
 
 /// No record or chunk of a recording is longer [octets]; a damaged length is refused before memory is asked for.
 const LONGEST_RECORD: usize = 1 << 29;
+
+/// Where and why the reading of a file ended before its end.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Damage {
+    /// How far the file was read [octets].
+    pub at_byte: u64,
+    /// Messages before the damage.
+    pub messages: u64,
+    /// What is wrong there.
+    pub why: String,
+}
 
 /// What a container holds, in the order of the file.
 pub(super) enum Piece<'a> {

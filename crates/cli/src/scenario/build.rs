@@ -192,7 +192,7 @@ pub(super) struct Errors<'a> {
 
 impl Errors<'_> {
     fn refuse(&mut self, error: &SettingError) {
-        self.found.push(ScenarioError::setting(self.document, error));
+        self.found.push(self.document.outside(error));
     }
 
     /// The value, or none and a refusal within `table`.

@@ -13,26 +13,7 @@ use serde_path_to_error::Segment;
 use super::document::{Document, Entry, Table, Value};
 use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
-
-/// Why serde refuses a setting.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Refusal {
-    UnknownField { field: String, expected: &'static [&'static str] },
-    UnknownVariant { variant: String, expected: &'static [&'static str] },
-    MissingField(&'static str),
-    Unfit { found: String, expected: String },
-    Other(String),
-}
-
-impl Refusal {
-    /// The key or choice that is unknown; empty for other refusals.
-    pub(crate) fn name(&self) -> &str {
-        match self {
-            Self::UnknownField { field: name, .. } | Self::UnknownVariant { variant: name, .. } => name,
-            _ => "",
-        }
-    }
-}
+use super::refusal::Refusal;
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -123,7 +104,7 @@ pub(crate) fn deserialize<T: DeserializeOwned>(document: &Document) -> Result<T,
             Segment::Enum { variant } => Some(Step::Key(variant.clone())),
             Segment::Unknown => None,
         });
-        ScenarioError::refusal(document, &KeyPath(steps.collect()), error.inner())
+        document.refused(&KeyPath(steps.collect()), error.inner())
     })
 }
 

@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::document::{Document, Entry, Source, Value};
+use super::document::{Document, Entry, Value};
 use super::key_path::{KeyPath, Step};
+use super::source::Source;
 
 /// Where a scenario names files, `*` for every index of an array.
 const FILES: [&[&str]; 2] =

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::document::{self, Document, Entry, Origin, Source, Table, Value};
+use super::document::{self, Document, Entry, Table, Value};
 use super::effective;
 use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
+use super::source::{Origin, Source};
 
 /// Reads `path`, all that it extends, and lays `overrides` (each `path.to.key=value`) on top.
 ///

@@ -12,10 +12,11 @@ use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 use super::build::{Errors, NamedMap, check_maps};
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
-use super::document::{self, Document, Source, Value};
+use super::document::{self, Document, Value};
 use super::error::{ScenarioError, ScenarioErrors};
 use super::known_channel::KnownChannel;
 use super::layers;
+use super::source::Source;
 
 /// What `sextant map` computes if nothing says otherwise.
 const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \

@@ -10,6 +10,8 @@ mod key_path;
 mod known_channel;
 mod layers;
 mod map_settings;
+mod refusal;
+mod source;
 mod survey_identity;
 mod sweep;
 
@@ -20,8 +22,6 @@ pub use known_channel::KnownChannel;
 pub use map_settings::{AlgorithmName, MapSettings};
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, Sweep, SweepConfig};
-
-use deserialize::Refusal;
 
 #[cfg(test)]
 mod tests;

@@ -7,12 +7,12 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Refusal;
 use super::document::{Document, Entry, Value};
 use super::effective;
 use super::error::{ScenarioError, ScenarioErrors};
 use super::key_path::{KeyPath, Step};
 use super::layers;
+use super::refusal::Refusal;
 
 /// Most cells that a sweep may have: beyond, it is surely a slip of the pen.
 const MOST_CELLS: usize = 1_000_000;
@@ -90,7 +90,7 @@ impl Sweep {
                     _ => {
                         let expected = &["runs", "product", "zip", "list"];
                         let refusal = Refusal::UnknownField { field: key.clone(), expected };
-                        return Err(ScenarioError::refusal(document, &path, &refusal));
+                        return Err(document.refused(&path, &refusal));
                     }
                 }
             }
@@ -101,7 +101,7 @@ impl Sweep {
                 found: "a sweep of more cells than anybody runs".to_owned(),
                 expected: format!("at most {MOST_CELLS} cells"),
             };
-            return Err(ScenarioError::refusal(document, &path, &refusal));
+            return Err(document.refused(&path, &refusal));
         }
         let cells = groups.into_iter().fold(vec![Vec::new()], |cells, group| combined(&cells, &group));
         let this = Self { runs, cells };
@@ -113,7 +113,7 @@ impl Sweep {
     fn check_keys(&self, document: &Document, path: &KeyPath) -> Result<(), ScenarioError> {
         let refuse = |found: String, expected: &str| {
             let refusal = Refusal::Unfit { found, expected: expected.to_owned() };
-            Err(ScenarioError::refusal(document, path, &refusal))
+            Err(document.refused(path, &refusal))
         };
         for cell in &self.cells {
             for (i, Setting { key, .. }) in cell.iter().enumerate() {
@@ -156,7 +156,7 @@ struct Reader<'a> {
 impl<'a> Reader<'a> {
     fn unfit(&self, path: &KeyPath, found: impl Into<String>, expected: impl Into<String>) -> ScenarioError {
         let refusal = Refusal::Unfit { found: found.into(), expected: expected.into() };
-        ScenarioError::refusal(self.document, path, &refusal)
+        self.document.refused(path, &refusal)
     }
 
     /// The entries of a table in the order in which they are written.
@@ -254,7 +254,8 @@ mod tests {
     use std::path::PathBuf;
     use std::sync::Arc;
 
-    use super::super::document::{self, Source};
+    use super::super::document;
+    use super::super::source::Source;
     use super::*;
 
     fn sweep(text: &str) -> Result<Sweep, ScenarioError> {

@@ -215,7 +215,7 @@ fn wrong_flags_are_named() {
 fn a_value_outside_its_domain_is_found_by_its_path() {
     let text = "[shape.disc]\nradius_m = -1\n[[robots]]\nname = \"a\"\n[[robots]]\nname = \"b\"\nspeed_m_per_s = nan";
     let document = document(&[("a.toml", text)], &[]).unwrap();
-    let place = |key: &str| ScenarioError::setting(&document, &SettingError::new(key, -1, "more")).place().unwrap();
+    let place = |key: &str| document.outside(&SettingError::new(key, -1, "more")).place().unwrap();
     assert_eq!(place("shape.disc.radius_m"), "a.toml:2:12");
     assert_eq!(place("robots[1].speed_m_per_s"), "a.toml:7:17");
     assert_eq!(place("robots[0].speed_m_per_s"), "a.toml:3:1", "absent: the table that would hold it");

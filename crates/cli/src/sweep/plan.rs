@@ -8,7 +8,6 @@ use sha2::{Digest, Sha256};
 use super::column::{Column, Kind};
 use super::row::{Row, written};
 use super::statistics::Mean;
-use super::unit::Unit;
 use crate::scenario::{Scenario, ScenarioErrors, Setting, SurveyIdentity, Sweep};
 use crate::summary::{Measure, measures};
 
@@ -33,6 +32,14 @@ pub struct Cell {
     pub settings: Vec<Setting>,
     /// Cells of the same number have the same surveys, because they differ only in what is made of them.
     pub survey: usize,
+}
+
+/// The smallest piece of work of a sweep: one survey and the cells that share it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Unit {
+    pub(super) index: usize,
+    pub(super) replicate: u32,
+    pub(super) cells: Vec<usize>,
 }
 
 impl Plan {

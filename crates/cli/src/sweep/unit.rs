@@ -1,21 +1,13 @@
-//! The smallest piece of work of a sweep: one survey, and all that cells make of it.
+//! How a unit of a sweep is run.
 
 use sextant_sim::{Observer, Progress, Simulation, Survey};
 
-use super::plan::Plan;
+use super::plan::{Plan, Unit};
 use super::row::Row;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::run;
 use crate::scenario::{Scenario, ScenarioErrors};
-
-/// One survey and the cells that share it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Unit {
-    pub(super) index: usize,
-    pub(super) replicate: u32,
-    pub(super) cells: Vec<usize>,
-}
 
 /// The rows of `unit`; none if the user interrupts.
 pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec<Row>> {

@@ -1,6 +1,6 @@
 //! The numbers of one map.
 
-use super::{Number, Unit, count, numbers};
+use super::number::{Number, Unit, count, numbers};
 use crate::summary::{ConnectivitySummary, ErrorSummary, MapSummary};
 
 fn nodes(count_of_nodes: Option<usize>) -> Option<f64> {

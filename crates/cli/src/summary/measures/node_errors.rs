@@ -1,7 +1,7 @@
 //! The distribution of the connectivity errors of the nodes of one map: which share of them loses at most each of
 //! [`NODE_ERRORS`](crate::summary::NODE_ERRORS) of its neighbours.
 
-use super::{Number, Unit, numbers};
+use super::number::{Number, Unit, numbers};
 use crate::summary::MapSummary;
 
 fn within<const I: usize>(map: &MapSummary) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! The numbers of a run as a whole.
 
-use super::{Number, Unit, count, numbers};
+use super::number::{Number, Unit, count, numbers};
 use crate::summary::{EnergySummary, GatheringSummary, RoundSummary, SimulationSummary, Summary};
 
 fn simulation(run: &Summary, read: fn(&SimulationSummary) -> u64) -> Option<f64> {

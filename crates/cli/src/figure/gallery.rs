@@ -1,0 +1,55 @@
+//! The figures that a recording gives.
+
+use std::collections::BTreeSet;
+
+use super::distribution::{self, NodeError};
+use super::figure::Figure;
+use super::source::Source;
+use super::{likelihood, map, network};
+
+/// All figures of a recording: `network`, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
+/// places are known,
+/// `likelihood-NAME-NODE` for each surface.
+#[must_use]
+pub fn all(source: &Source<'_>) -> Vec<Figure> {
+    let mut figures = vec![("network".to_owned(), network::draw(source))];
+    for (name, places) in &source.drawn.maps {
+        figures.push((format!("map-{name}"), map::draw(source, name, places)));
+    }
+    for (name, what) in [("error-cdf", NodeError::Position), ("connectivity-cdf", NodeError::Connectivity)] {
+        figures.extend(distribution::draw(source, what).map(|picture| (name.to_owned(), picture)));
+    }
+    for surface in &source.drawn.likelihoods {
+        let name = format!("likelihood-{}-{}", surface.map, surface.node);
+        figures.push((name, likelihood::draw(source, surface)));
+    }
+    let mut taken = BTreeSet::new();
+    figures.into_iter().map(|(name, picture)| Figure { name: file_name(&name, &mut taken), picture }).collect()
+}
+
+/// `name` with what file systems do not like replaced, and a number if it is taken; systems that do not tell
+/// capitals from small letters are thought of.
+fn file_name(name: &str, taken: &mut BTreeSet<String>) -> String {
+    const LONGEST: usize = 80;
+    let plain = |letter: char| if letter.is_alphanumeric() || "-_.+".contains(letter) { letter } else { '_' };
+    let name: String = name.chars().take(LONGEST).map(plain).collect();
+    let numbered = |number: u32| if number == 1 { name.clone() } else { format!("{name}-{number}") };
+    let free = (1..).map(numbered).find(|name| taken.insert(name.to_lowercase()));
+    free.expect("one of all numbers is free")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_names_are_plain_and_unique() {
+        let mut taken = BTreeSet::new();
+        let mut name = |name| file_name(name, &mut taken);
+        assert_eq!(name("likelihood-ml-tm-a/b"), "likelihood-ml-tm-a_b");
+        assert_eq!(name("likelihood-ml-tm-a b"), "likelihood-ml-tm-a_b-2");
+        assert_eq!(name("likelihood-ml-tm-A:b"), "likelihood-ml-tm-A_b-3");
+        assert_eq!(name("map-é"), "map-é");
+        assert!(name(&"x".repeat(1000)).len() < 100);
+    }
+}

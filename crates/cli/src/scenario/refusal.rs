@@ -1,0 +1,125 @@
+//! What is wrong with a setting of a document, told at its place.
+
+use sextant_kernel::SettingError;
+
+use super::document::{Document, Entry, Value};
+use super::error::ScenarioError;
+use super::key_path::{KeyPath, Step};
+use super::source::Origin;
+
+/// Why a setting is refused.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    UnknownField { field: String, expected: &'static [&'static str] },
+    UnknownVariant { variant: String, expected: &'static [&'static str] },
+    MissingField(&'static str),
+    Unfit { found: String, expected: String },
+    Other(String),
+}
+
+impl Refusal {
+    /// The key or choice that is unknown; empty for other refusals.
+    fn name(&self) -> &str {
+        match self {
+            Self::UnknownField { field: name, .. } | Self::UnknownVariant { variant: name, .. } => name,
+            _ => "",
+        }
+    }
+}
+
+impl Document {
+    /// A value outside its domain, found at `error.key` from the top.
+    pub(super) fn outside(&self, error: &SettingError) -> ScenarioError {
+        let this = ScenarioError::new(error.to_string());
+        match KeyPath::parse(&error.key) {
+            Ok(path) => {
+                let (entry, exact) = self.nearest(&path);
+                let label = if exact { value_label(&error.allowed) } else { "in this table".to_owned() };
+                self.pointing(this, entry, exact, label)
+            }
+            Err(_) => this,
+        }
+    }
+
+    /// A setting at `path` that is refused.
+    pub(super) fn refused(&self, path: &KeyPath, refusal: &Refusal) -> ScenarioError {
+        let (entry, exact) = self.nearest(path);
+        // The path to an unknown key may end at the key or at its table.
+        let step = Step::Key(refusal.name().to_owned());
+        let (table, entry_of) = match (path.0.split_last(), entry.child(&step)) {
+            (_, Some(child)) => (path.clone(), child),
+            (Some((last, above)), None) if *last == step => (KeyPath(above.to_vec()), entry),
+            _ => (path.clone(), entry),
+        };
+        let place = if table.0.is_empty() { "the scenario".to_owned() } else { format!("`{table}`") };
+        match refusal {
+            Refusal::UnknownField { field, expected } => {
+                let this = ScenarioError::new(format!("unknown key `{field}` in {place}"));
+                let label = suggestion(field, expected, "no such key");
+                self.pointing_at_key(this, &entry_of.origin, label).help(allowed("keys allowed here", expected))
+            }
+            Refusal::UnknownVariant { variant, expected } => {
+                let is_key = matches!(entry.value, Value::Table(_)) || !exact;
+                let label = suggestion(variant, expected, "no such choice");
+                let this = ScenarioError::new(format!("unknown choice `{variant}` for {place}"));
+                let this = if is_key {
+                    self.pointing_at_key(this, &entry_of.origin, label)
+                } else {
+                    self.pointing(this, entry, true, label)
+                };
+                this.help(allowed("choices", expected))
+            }
+            Refusal::MissingField(field) => {
+                let this = ScenarioError::new(format!("`{field}` is missing in {place}"));
+                let help = format!("write `{} = ..`", path.child(Step::Key((*field).to_owned())));
+                self.pointing_at_key(this, &entry.origin, "this table needs it").help(help)
+            }
+            Refusal::Unfit { found, expected } => {
+                let this = ScenarioError::new(format!("`{path}` is {found}; allowed: {expected}"));
+                self.pointing(this, entry, exact, value_label(expected))
+            }
+            Refusal::Other(message) => {
+                let message = if path.0.is_empty() { message.clone() } else { format!("`{path}`: {message}") };
+                self.pointing(ScenarioError::new(message), entry, exact, "here")
+            }
+        }
+    }
+
+    /// Lets `error` point at the value of `entry`, or at its key where the value is a table or not the very one meant.
+    fn pointing(&self, error: ScenarioError, entry: &Entry, exact: bool, label: impl Into<String>) -> ScenarioError {
+        let origin = &entry.origin;
+        let whole = matches!(entry.value, Value::Table(_)) || !exact;
+        let span = if whole { origin.head() } else { origin.value.clone() };
+        error.at(&self.sources[origin.source], span, label)
+    }
+
+    fn pointing_at_key(&self, error: ScenarioError, origin: &Origin, label: impl Into<String>) -> ScenarioError {
+        error.at(&self.sources[origin.source], origin.head(), label)
+    }
+}
+
+/// What stands below a value outside its domain; what is allowed again only if it is short.
+fn value_label(allowed: &str) -> String {
+    if allowed.chars().count() <= 50 { format!("allowed: {allowed}") } else { "this value".to_owned() }
+}
+
+/// "did you mean ..?" if one of `expected` is close to `found`, else `otherwise`.
+fn suggestion(found: &str, expected: &[&str], otherwise: &str) -> String {
+    let closest = expected
+        .iter()
+        .map(|name| (strsim::jaro_winkler(found, name), name))
+        .max_by(|(a, _), (b, _)| a.total_cmp(b))
+        .filter(|(likeness, _)| *likeness > 0.8);
+    match closest {
+        Some((_, name)) => format!("did you mean `{name}`?"),
+        None => otherwise.to_owned(),
+    }
+}
+
+fn allowed(what: &str, expected: &[&str]) -> String {
+    if expected.is_empty() {
+        return format!("{what}: none");
+    }
+    let names: Vec<_> = expected.iter().map(|name| format!("`{name}`")).collect();
+    format!("{what}: {}", names.join(", "))
+}

@@ -1,0 +1,107 @@
+//! A number of a run: of all of it, or of one of its maps.
+
+use super::number::{Number, Unit};
+use super::{map, node_errors, run};
+use crate::summary::{MapSummary, Summary};
+
+/// A number of a run.
+#[derive(Clone, Copy, Debug)]
+pub enum Measure<'a> {
+    /// A number of the run as a whole.
+    OfRun(&'static Number<Summary>),
+    /// A number of the map of this name.
+    OfMap(&'a str, &'static Number<MapSummary>),
+}
+
+impl Measure<'_> {
+    /// Name of its column: that of the map stands before the number.
+    #[must_use]
+    pub fn column(&self) -> String {
+        match self {
+            Self::OfRun(number) => number.column.to_owned(),
+            Self::OfMap(map, number) => format!("{map}.{}", number.column),
+        }
+    }
+
+    /// Its unit in the column.
+    #[must_use]
+    pub fn unit(&self) -> Unit {
+        match self {
+            Self::OfRun(number) => number.unit,
+            Self::OfMap(_, number) => number.unit,
+        }
+    }
+
+    /// Its value in `summary`; `None` if it does not apply.
+    #[must_use]
+    pub fn of(&self, summary: &Summary) -> Option<f64> {
+        let value = match self {
+            Self::OfRun(number) => (number.read)(summary),
+            Self::OfMap(name, number) => {
+                let is_named = |map: &&MapSummary| map.name.as_ref().unwrap_or(&map.algorithm) == name;
+                summary.maps.iter().find(is_named).and_then(number.read)
+            }
+        };
+        value.filter(|value| value.is_finite())
+    }
+}
+
+/// The same column, so the same measure.
+impl PartialEq for Measure<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::OfRun(a), Self::OfRun(b)) => a.column == b.column,
+            (Self::OfMap(map_a, a), Self::OfMap(map_b, b)) => (map_a, a.column) == (map_b, b.column),
+            _ => false,
+        }
+    }
+}
+
+/// All measures of a run whose maps are called `maps`, in the order of their columns.
+pub fn all(maps: &[String]) -> Vec<Measure<'_>> {
+    let of_run = run::ALL.iter().map(|number| Measure::OfRun(number));
+    let of_map = |map| map::ALL.iter().chain(node_errors::ALL).map(move |number| Measure::OfMap(map, number));
+    of_run.chain(maps.iter().flat_map(|map| of_map(map.as_str()))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::{EnergySummary, ErrorSummary, GatheringSummary};
+
+    #[test]
+    fn a_measure_is_read_from_the_run_or_from_the_map_of_its_name() {
+        let energy = EnergySummary { tx: 0.5, rx: 1.25, idle: 0.1 };
+        let map = MapSummary {
+            name: Some("fine".into()),
+            algorithm: "ml-tm".into(),
+            mapped: 7,
+            position_error_m: Some(ErrorSummary { mean: 0.3, max: f64::NAN, ..ErrorSummary::default() }),
+            ..MapSummary::default()
+        };
+        let gathering = GatheringSummary { stops: 12, energy_j: Some(energy), ..GatheringSummary::default() };
+        let summary = Summary { gathering: Some(gathering), maps: vec![map], ..Summary::default() };
+        for (measure, column, value) in [
+            (Measure::OfRun(&run::STOPS), "stops", Some(12.0)),
+            (Measure::OfRun(&run::ENERGY_RX_J), "energy_j.rx", Some(1.25)),
+            (Measure::OfRun(&run::NODES), "nodes", None),
+            (Measure::OfMap("fine", &map::MAPPED), "fine.mapped", Some(7.0)),
+            (Measure::OfMap("fine", &map::POSITION_ERROR_MEAN_M), "fine.position_error_m.mean", Some(0.3)),
+            (Measure::OfMap("fine", &map::POSITION_ERROR_MAX_M), "fine.position_error_m.max", None),
+            (Measure::OfMap("fine", &map::CONNECTIVITY_ERROR), "fine.connectivity_error", None),
+            (Measure::OfMap("ml-tm", &map::MAPPED), "ml-tm.mapped", None),
+        ] {
+            assert_eq!((measure.column(), measure.of(&summary)), (column.to_owned(), value));
+        }
+    }
+
+    #[test]
+    fn no_two_measures_share_a_column() {
+        let maps = ["ml-tm".to_owned(), "tpm".to_owned()];
+        let mut columns: Vec<_> = all(&maps).iter().map(Measure::column).collect();
+        let count = columns.len();
+        columns.sort();
+        columns.dedup();
+        assert_eq!(columns.len(), count);
+    }
+}

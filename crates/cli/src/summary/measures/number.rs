@@ -1,0 +1,59 @@
+//! A number with its name and unit.
+
+/// The unit of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A number of things.
+    Count,
+    /// A share or a rate, 0 to 1.
+    Share,
+    /// Metres.
+    Metre,
+    /// Seconds.
+    Second,
+    /// Joules.
+    Joule,
+}
+
+impl Unit {
+    /// The unit in which people read it, and its factor to that unit.
+    #[must_use]
+    pub fn for_people(self) -> (f64, &'static str) {
+        match self {
+            Self::Count => (1.0, ""),
+            Self::Share => (100.0, "%"),
+            Self::Metre => (1.0, "m"),
+            Self::Second => (1.0, "s"),
+            Self::Joule => (1000.0, "mJ"),
+        }
+    }
+}
+
+/// A number that every `T` has, or has not because it does not apply.
+#[derive(Debug)]
+pub struct Number<T> {
+    /// Name of its column.
+    pub column: &'static str,
+    /// Its unit in the column.
+    pub unit: Unit,
+    pub(super) read: fn(&T) -> Option<f64>,
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
+pub(super) fn count(count: u64) -> f64 {
+    count as f64
+}
+
+/// Names numbers of a `T`, and lists them in `ALL`: the column, the unit, how it is read.
+macro_rules! numbers {
+    ($of:ty { $($name:ident $column:literal $unit:ident $read:expr;)* }) => {
+        $(
+            #[doc = concat!("Column `", $column, "`.")]
+            pub static $name: Number<$of> = Number { column: $column, unit: Unit::$unit, read: $read };
+        )*
+
+        /// All of them, in the order of the columns.
+        pub static ALL: &[&Number<$of>] = &[$(&$name),*];
+    };
+}
+pub(super) use numbers;
