@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -11,10 +11,10 @@ use super::options::{Format, Printing, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::reproduce::{
-    CHAPTER_3, Experiment, Line, Runs, find, write_csv, write_figures, write_pictures, write_scenarios,
+    Experiment, Line, Runs, chapter_3, write_csv, write_figures, write_pictures, write_scenarios,
 };
 use crate::sweep::write_table;
-use crate::text::{Align, columns};
+use crate::text::{Align, columns, counted};
 
 /// What `sextant reproduce` is told.
 #[derive(Clone, Debug, Args)]
@@ -53,43 +53,65 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let out = &arguments.out;
     let scenarios = out.join("scenarios");
     write_scenarios(&scenarios)?;
-    let runs = Runs::make(&experiments, &scenarios, arguments.runs, &interrupt, arguments.work.quiet)?;
-    for (scenario, plan, rows) in runs.scenarios() {
-        let name = scenario.trim_end_matches(".toml").replace('/', "-");
-        write_table(&out.join(format!("runs-{name}.csv")), plan, rows)?;
-    }
-    let names: Vec<_> = runs.scenarios().map(|(scenario, ..)| scenario).collect();
-    write_pictures(&names, &scenarios, &out.join("figures"), &interrupt)?;
-    let mut printed = Vec::new();
+    let mut runs = Runs::new(scenarios.clone(), arguments.runs);
+    let mut finished = Vec::new();
+    let mut outcome = Ok(());
     for experiment in &experiments {
-        let lines = experiment.lines(&runs);
-        write_csv(&out.join(format!("{}.csv", experiment.id)), &lines)?;
+        let new = runs.make(&experiment.scenarios(), &interrupt, arguments.work.quiet);
+        write_runs(&runs, &experiment.scenarios(), out)?;
+        let new = match new {
+            Ok(new) => new,
+            Err(failure) => {
+                outcome = Err(failure);
+                break;
+            }
+        };
+        let results = Results::of(experiment, &runs);
+        write_csv(&out.join(format!("{}.csv", experiment.id)), results.lines.iter().chain(&results.conclusions))?;
         write_figures(experiment, &runs, out)?;
-        printed.push((*experiment, lines));
+        if arguments.printing.format == Format::Text {
+            results.print(arguments.runs, &mut stdout)?;
+        }
+        finished.push(results);
+        outcome = write_pictures(&new, &scenarios, &out.join("figures"), &interrupt);
+        if outcome.is_err() {
+            break;
+        }
     }
     match arguments.printing.format {
-        Format::Text => {
-            for (experiment, lines) in &printed {
-                print(experiment, lines, arguments.runs, &mut stdout)?;
-            }
-            writeln!(stdout, "tables, figures and scenarios: {}", out.display())?;
-        }
-        Format::Json => writeln!(stdout, "{:#}", json(&printed, arguments.runs))?,
+        Format::Text => writeln!(stdout, "tables, figures and scenarios: {}", out.display())?,
+        Format::Json => writeln!(stdout, "{:#}", json(&finished, arguments.runs))?,
     }
+    if matches!(outcome, Err(Failure::Interrupted)) {
+        let (done, all) = (finished.len(), counted(experiments.len(), "experiment"));
+        arguments
+            .work
+            .note(&format!("{done} of {all} are done; finished runs of the next are in `{}`", out.display()));
+    }
+    outcome?;
     let failures = runs.failures();
     match failures.first() {
         None => Ok(()),
-        Some(first) => Err(Failure::failed(format!("{} runs failed; the first: {first}", failures.len()))),
+        Some(first) => Err(Failure::failed(format!("{} failed; the first: {first}", counted(failures.len(), "run")))),
     }
 }
 
-fn chosen(arguments: &Arguments) -> Result<Vec<&'static Experiment>, Failure> {
+/// Writes the table of the runs of each of `scenarios`, as far as they were made.
+fn write_runs(runs: &Runs, scenarios: &[&str], out: &Path) -> Result<(), Failure> {
+    for (scenario, plan, rows) in runs.scenarios().filter(|(scenario, ..)| scenarios.contains(scenario)) {
+        let name = scenario.trim_end_matches(".toml").replace('/', "-");
+        write_table(&out.join(format!("runs-{name}.csv")), plan, rows)?;
+    }
+    Ok(())
+}
+
+fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {
     if arguments.all {
-        return Ok(CHAPTER_3.iter().collect());
+        return Ok(chapter_3());
     }
     let experiment = |id: &String| {
-        find(id).ok_or_else(|| {
-            let ids: Vec<_> = CHAPTER_3.iter().map(|experiment| experiment.id).collect();
+        chapter_3().into_iter().find(|experiment| experiment.id == id).ok_or_else(|| {
+            let ids: Vec<_> = chapter_3().iter().map(|experiment| experiment.id).collect();
             Failure::bad_input_with_help(
                 format!("there is no table or figure `{id}`"),
                 format!("allowed: {}, or --all", ids.join(", ")),
@@ -101,7 +123,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<&'static Experiment>, Failure> {
 
 fn list(stdout: &mut impl Write) -> io::Result<()> {
     let mut rows = vec![["id", "what", "scenarios"].map(str::to_owned).to_vec()];
-    for experiment in CHAPTER_3 {
+    for experiment in chapter_3() {
         let scenarios = experiment.scenarios().join(", ");
         let scenarios = if scenarios.is_empty() { "none".to_owned() } else { scenarios };
         rows.push(vec![experiment.id.to_owned(), experiment.title.to_owned(), scenarios]);
@@ -109,27 +131,56 @@ fn list(stdout: &mut impl Write) -> io::Result<()> {
     columns(&rows, &[Align::Left; 3], stdout)
 }
 
-fn print(experiment: &Experiment, lines: &[Line], runs: NonZeroU32, stdout: &mut impl Write) -> io::Result<()> {
-    writeln!(stdout, "{} {}\n", experiment.id, experiment.title)?;
-    let ours = format!("ours (mean, 95 % interval, {runs} runs)");
-    let mut rows = vec![vec![String::new(), "published".to_owned(), ours]];
-    rows.extend(lines.iter().map(|line| line.cells().to_vec()));
-    columns(&rows, &[Align::Left, Align::Right, Align::Right], stdout)?;
-    writeln!(stdout)?;
-    for note in experiment.notes {
-        writeln!(stdout, "  {note}")?;
-    }
-    writeln!(stdout)
+/// What an experiment brought.
+struct Results<'a> {
+    experiment: &'a Experiment,
+    lines: Vec<Line>,
+    conclusions: Vec<Line>,
 }
 
-fn json(printed: &[(&Experiment, Vec<Line>)], runs: NonZeroU32) -> Value {
-    let experiments = printed.iter().map(|(experiment, lines)| {
+impl<'a> Results<'a> {
+    fn of(experiment: &'a Experiment, runs: &Runs) -> Self {
+        Self { experiment, lines: experiment.lines(runs), conclusions: experiment.conclusions(runs) }
+    }
+
+    fn print(&self, runs: NonZeroU32, stdout: &mut impl Write) -> io::Result<()> {
+        writeln!(stdout, "{} {}\n", self.experiment.id, self.experiment.title)?;
+        let align = [Align::Left, Align::Right, Align::Left, Align::Right];
+        let mut table = |header: [&str; 4], lines: &[Line]| {
+            let mut rows = vec![header.map(str::to_owned).to_vec()];
+            rows.extend(lines.iter().map(|line| line.cells().to_vec()));
+            columns(&rows, &align, stdout)?;
+            writeln!(stdout)
+        };
+        table(
+            ["", "published", "in", &format!("ours (mean, 95 % interval, {})", counted(runs.get() as usize, "run"))],
+            &self.lines,
+        )?;
+        if !self.conclusions.is_empty() {
+            table(["conclusion", "published", "in", "ours"], &self.conclusions)?;
+            writeln!(stdout, "  {MARGIN}")?;
+        }
+        for note in self.experiment.notes {
+            writeln!(stdout, "  {note}")?;
+        }
+        writeln!(stdout)
+    }
+
+    fn json(&self) -> Value {
         json!({
-            "id": experiment.id,
-            "title": experiment.title,
-            "lines": lines.iter().map(Line::json).collect::<Vec<_>>(),
-            "notes": experiment.notes,
+            "id": self.experiment.id,
+            "title": self.experiment.title,
+            "lines": self.lines.iter().chain(&self.conclusions).map(Line::json).collect::<Vec<_>>(),
+            "notes": self.experiment.notes,
         })
-    });
-    json!({"reproduction": {"runs": runs, "experiments": experiments.collect::<Vec<_>>()}})
+    }
+}
+
+const MARGIN: &str = "A margin is the mean difference in the comparison that decides, between runs of the same seed, with its \
+                      95 % interval: above 0 it is on the side of the conclusion; if the interval has 0 in it, the runs \
+                      cannot tell.";
+
+fn json(finished: &[Results<'_>], runs: NonZeroU32) -> Value {
+    let experiments: Vec<_> = finished.iter().map(Results::json).collect();
+    json!({"reproduction": {"runs": runs, "experiments": experiments}})
 }

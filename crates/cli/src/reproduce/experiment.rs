@@ -1,9 +1,12 @@
 //! What an experiment consists of.
 
+use super::Runs;
+use super::claim::Claim;
 use super::line::{Line, Ours};
-use super::{Runs, sensitivity, worked_example};
+use super::published::Published;
+use super::runs::Term;
+use crate::figure::Figure;
 use crate::summary::Measure;
-use crate::sweep::Mean;
 
 /// A table or figure of the thesis.
 #[derive(Debug)]
@@ -14,10 +17,10 @@ pub struct Experiment {
     pub title: &'static str,
     /// What is computed.
     pub content: Content,
-    /// Scenarios of which the distribution of the nodes' connectivity errors is drawn.
-    pub distributions: &'static [&'static str],
-    /// What the thesis concludes, as far as it can be checked.
-    pub claims: &'static [Claim],
+    /// Scenarios, and maps of them, of which the distribution of the nodes' connectivity errors is drawn.
+    pub distributions: &'static [(&'static str, &'static str)],
+    /// What follows, in the thesis or here, and is checked.
+    pub claims: Vec<Claim>,
     /// Where definitions differ, and what the thesis leaves open.
     pub notes: &'static [&'static str],
 }
@@ -26,156 +29,89 @@ pub struct Experiment {
 #[derive(Debug)]
 pub enum Content {
     /// Means over the runs of scenarios.
-    Quantities(&'static [Quantity]),
-    /// The best settings of a sweep over p0 and R in three environments.
-    Sensitivity,
-    /// Likelihoods at the vertices of a small example.
-    WorkedExample,
+    Quantities(Vec<Quantity>),
+    /// Lines and figures of its own.
+    Computed {
+        /// The scenarios that it needs.
+        scenarios: &'static [&'static str],
+        /// Its lines.
+        lines: fn(&Runs) -> Vec<Line>,
+        /// Its figures.
+        figures: fn(&Runs) -> Vec<Figure>,
+    },
 }
 
 /// A mean over the runs of a scenario, and what was published for it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Quantity {
     /// What it is.
-    pub what: &'static str,
-    /// The scenario that ships with the program.
-    pub scenario: &'static str,
+    pub what: String,
     /// What is measured.
-    pub measure: Measure<'static>,
-    /// What turns the column into the unit.
-    pub factor: f64,
-    /// The unit.
-    pub unit: &'static str,
-    /// What the thesis says, in this unit.
-    pub published: Option<&'static str>,
+    pub term: Term,
+    /// The unit for people, if it is not that of the measure.
+    pub unit: Option<&'static str>,
+    /// What the thesis says, in the unit for people.
+    pub published: Option<Published>,
 }
 
-/// Something that the thesis concludes.
-#[derive(Debug)]
-pub struct Claim {
-    /// The conclusion.
-    pub text: &'static str,
-    /// What it says of means.
-    pub check: Check,
-}
+impl Quantity {
+    /// A measure of a scenario that the thesis does not state.
+    pub fn new(what: impl Into<String>, scenario: &'static str, measure: Measure<'static>) -> Self {
+        Self { what: what.into(), term: Term::new(scenario, measure), unit: None, published: None }
+    }
 
-/// What is measured of a scenario.
-pub type Term = (&'static str, Measure<'static>);
+    /// The same, of which the thesis says `value` in `source`.
+    #[must_use]
+    pub fn published(self, value: impl Into<String>, source: &'static str) -> Self {
+        Self { published: Some(Published::new(value, source)), ..self }
+    }
 
-/// What a conclusion says of means.
-#[derive(Debug)]
-pub enum Check {
-    /// Each is above the one before.
-    Rising(&'static [Term]),
-    /// Two differ by at most this much.
-    Within(Term, Term, f64),
-    /// The first is the second times a factor in this range.
-    Ratio(Term, Term, std::ops::RangeInclusive<f64>),
+    /// The same in another unit of the same size.
+    #[must_use]
+    pub fn in_unit(self, unit: &'static str) -> Self {
+        Self { unit: Some(unit), ..self }
+    }
+
+    fn line(&self, runs: &Runs) -> Line {
+        let (factor, unit) = self.term.measure.unit().for_people();
+        Line {
+            what: self.what.clone(),
+            published: self.published.clone(),
+            unit: self.unit.unwrap_or(unit),
+            ours: runs.mean(&self.term).map_or(Ours::Missing, |mean| Ours::Mean(mean.times(factor))),
+        }
+    }
 }
 
 impl Experiment {
     /// The scenarios that it needs, each once.
+    #[must_use]
     pub fn scenarios(&self) -> Vec<&'static str> {
         let mut scenarios: Vec<&'static str> = Vec::new();
-        let quantities = match self.content {
+        let quantities = match &self.content {
             Content::Quantities(quantities) => quantities,
-            Content::Sensitivity => return vec![sensitivity::SCENARIO],
-            Content::WorkedExample => return Vec::new(),
+            Content::Computed { scenarios, .. } => return scenarios.to_vec(),
         };
-        for quantity in quantities {
-            if !scenarios.contains(&quantity.scenario) {
-                scenarios.push(quantity.scenario);
+        for Quantity { term, .. } in quantities {
+            if !scenarios.contains(&term.scenario) {
+                scenarios.push(term.scenario);
             }
         }
         scenarios
     }
 
-    /// Its lines: published and ours, then the conclusions.
+    /// Published and ours.
     #[must_use]
     pub fn lines(&self, runs: &Runs) -> Vec<Line> {
-        let mut lines = match self.content {
+        match &self.content {
             Content::Quantities(quantities) => quantities.iter().map(|quantity| quantity.line(runs)).collect(),
-            Content::Sensitivity => sensitivity::lines(runs),
-            Content::WorkedExample => worked_example::lines(),
-        };
-        lines.extend(self.claims.iter().map(|claim| claim.line(runs)));
-        lines
-    }
-}
-
-impl Quantity {
-    fn line(&self, runs: &Runs) -> Line {
-        let scaled = |mean: Mean| Mean {
-            mean: self.factor * mean.mean,
-            half_width_95: mean.half_width_95.map(|half_width| self.factor * half_width),
-            ..mean
-        };
-        Line {
-            what: self.what.to_owned(),
-            published: self.published.unwrap_or_default().to_owned(),
-            unit: self.unit,
-            ours: runs.mean(self.scenario, 0, self.measure).map_or(Ours::Missing, |mean| Ours::Mean(scaled(mean))),
+            Content::Computed { lines, .. } => lines(runs),
         }
     }
-}
 
-impl Check {
-    /// The means that it needs.
+    /// What follows, published and found here.
     #[must_use]
-    pub fn terms(&self) -> Vec<Term> {
-        match self {
-            Self::Rising(terms) => terms.to_vec(),
-            Self::Within(a, b, _) | Self::Ratio(a, b, _) => vec![*a, *b],
-        }
-    }
-
-    /// Whether it holds for these means.
-    fn holds(&self, means: &[f64]) -> bool {
-        match self {
-            Self::Rising(_) => means.windows(2).all(|pair| pair[0] < pair[1]),
-            Self::Within(_, _, most) => (means[0] - means[1]).abs() <= *most,
-            Self::Ratio(_, _, range) => range.contains(&(means[0] / means[1])),
-        }
-    }
-}
-
-impl Claim {
-    /// Whether it holds for the means of `runs`; `None` if one is missing.
-    #[must_use]
-    pub fn holds(&self, runs: &Runs) -> Option<bool> {
-        let mean = |(scenario, measure)| runs.mean(scenario, 0, measure).map(|mean| mean.mean);
-        let means: Option<Vec<f64>> = self.check.terms().into_iter().map(mean).collect();
-        means.map(|means| self.check.holds(&means))
-    }
-
-    fn line(&self, runs: &Runs) -> Line {
-        let ours = match self.holds(runs) {
-            Some(true) => Ours::Text("holds".to_owned()),
-            Some(false) => Ours::Text("does not hold".to_owned()),
-            None => Ours::Missing,
-        };
-        Line { what: self.text.to_owned(), published: "yes".to_owned(), unit: "", ours }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::summary::measures;
-
-    #[test]
-    fn a_conclusion_is_checked_as_it_reads() {
-        const A: Term = ("a", Measure::OfRun(&measures::run::STOPS));
-        const B: Term = ("b", Measure::OfRun(&measures::run::STOPS));
-        for (check, means, holds) in [
-            (Check::Rising(&[A, B]), [1.0, 2.0], true),
-            (Check::Rising(&[A, B]), [2.0, 2.0], false),
-            (Check::Within(A, B, 0.5), [2.0, 2.5], true),
-            (Check::Within(A, B, 0.5), [2.0, 1.4], false),
-            (Check::Ratio(A, B, 1.5..=2.5), [4.0, 2.0], true),
-            (Check::Ratio(A, B, 1.5..=2.5), [2.0, 4.0], false),
-        ] {
-            assert_eq!(check.holds(&means), holds, "{check:?} for {means:?}");
-        }
+    pub fn conclusions(&self, runs: &Runs) -> Vec<Line> {
+        self.claims.iter().map(|claim| claim.line(runs)).collect()
     }
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::Runs;
 use super::experiment::{Content, Experiment};
-use super::{Runs, sensitivity};
+use super::runs::Term;
 use crate::diagnostic::Failure;
 use crate::figure::{self, Curves, Figure, FileFormat, Series, Source};
 use crate::interrupt::Interrupt;
@@ -42,9 +43,9 @@ pub fn write_pictures(names: &[&str], scenarios: &Path, out: &Path, interrupt: &
 /// # Errors
 /// If a file cannot be written.
 pub fn write_figures(experiment: &Experiment, runs: &Runs, out: &Path) -> Result<(), Failure> {
-    let mut figures = match experiment.content {
-        Content::Sensitivity => sensitivity::figures(runs),
-        Content::Quantities(_) | Content::WorkedExample => Vec::new(),
+    let mut figures = match &experiment.content {
+        Content::Computed { figures, .. } => figures(runs),
+        Content::Quantities(_) => Vec::new(),
     };
     figures.extend(distribution(experiment, runs));
     for figure in figures {
@@ -56,13 +57,12 @@ pub fn write_figures(experiment: &Experiment, runs: &Runs, out: &Path) -> Result
 /// Which share of the nodes loses at most how many of its neighbours, a curve for each scenario and map.
 fn distribution(experiment: &Experiment, runs: &Runs) -> Option<Figure> {
     let mut series = Vec::new();
-    for &scenario in experiment.distributions {
-        for map in runs.plan(scenario)?.maps() {
-            let point = |(error, &share)| Some((error, runs.mean(scenario, 0, Measure::OfMap(map, share))?.mean));
-            let points: Vec<_> = NODE_ERRORS.into_iter().zip(node_errors::ALL).filter_map(point).collect();
-            let name = format!("{map}, {}", scenario.trim_start_matches("ml-tm/").trim_end_matches(".toml"));
-            series.push(Series { name, points });
-        }
+    for &(scenario, map) in experiment.distributions {
+        let share = |share| runs.mean(&Term::new(scenario, Measure::OfMap(map, share)));
+        let point = |(error, number)| Some((error, share(number)?.mean));
+        let points = NODE_ERRORS.into_iter().zip(node_errors::ALL.iter().copied()).filter_map(point).collect();
+        let name = format!("{map}, {}", scenario.trim_start_matches("ml-tm/").trim_end_matches(".toml"));
+        series.push(Series { name, points });
     }
     let curves = Curves {
         title: "Connectivity error of the nodes".to_owned(),

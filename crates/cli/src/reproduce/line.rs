@@ -5,6 +5,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::claim::Finding;
+use super::published::Published;
 use crate::diagnostic::Failure;
 use crate::output::write_file;
 use crate::sweep::Mean;
@@ -14,9 +16,9 @@ use crate::sweep::Mean;
 pub struct Line {
     /// What it is.
     pub what: String,
-    /// The thesis' value; empty if it gives none.
-    pub published: String,
-    /// The unit of both.
+    /// What the thesis says; `None` if it states nothing.
+    pub published: Option<Published>,
+    /// The unit of ours, and of what was published if that is a number.
     pub unit: &'static str,
     /// Our value.
     pub ours: Ours,
@@ -31,69 +33,96 @@ pub enum Ours {
     Exact(f64),
     /// Words.
     Text(String),
+    /// Whether a conclusion holds.
+    Finding(Finding),
     /// All runs failed.
     Missing,
 }
 
+/// What is printed where the thesis gives no value.
+const NOT_STATED: &str = "not stated";
+
 impl Line {
-    /// What, published, ours: as they stand in a table for people.
-    pub(crate) fn cells(&self) -> [String; 3] {
+    /// What, published, where, ours: as they stand in a table for people.
+    pub(crate) fn cells(&self) -> [String; 4] {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        let published = if self.published.is_empty() { "-".to_owned() } else { format!("{}{unit}", self.published) };
+        let mean = |mean: &Mean| match mean.half_width_95 {
+            Some(half_width) => format!("{:.2} ± {half_width:.2}{unit}", mean.mean),
+            None => format!("{:.2}{unit}", mean.mean),
+        };
         let ours = match &self.ours {
-            Ours::Mean(Mean { mean, half_width_95: Some(half_width), .. }) => {
-                format!("{mean:.2} ± {half_width:.2}{unit}")
-            }
-            Ours::Mean(Mean { mean, half_width_95: None, .. }) => format!("{mean:.2}{unit}"),
+            Ours::Mean(value) => mean(value),
             Ours::Exact(value) => format!("{value:.4}{unit}"),
             Ours::Text(text) => text.clone(),
+            Ours::Finding(finding) => format!("{}, margin {}", finding.verdict.words(), mean(&finding.margin)),
             Ours::Missing => "no run succeeded".to_owned(),
         };
-        [self.what.clone(), published, ours]
+        let (published, source) = match &self.published {
+            None => (NOT_STATED.to_owned(), ""),
+            Some(Published { value, source }) if matches!(self.ours, Ours::Finding(_)) => (value.clone(), *source),
+            Some(Published { value, source }) => (format!("{value}{unit}"), *source),
+        };
+        [self.what.clone(), published, source.to_owned(), ours]
     }
 
     /// The line as a JSON object.
     pub(crate) fn json(&self) -> Value {
         let mut json = json!({"what": self.what, "unit": self.unit});
-        if !self.published.is_empty() {
-            json["published"] = json!(self.published);
+        if let Some(Published { value, source }) = &self.published {
+            (json["published"], json["source"]) = (json!(value), json!(source));
         }
         match &self.ours {
-            Ours::Mean(Mean { mean, half_width_95, runs }) => {
-                (json["mean"], json["runs"]) = (json!(mean), json!(runs));
-                if let Some(half_width_95) = half_width_95 {
-                    json["half_width_95"] = json!(half_width_95);
-                }
-            }
+            Ours::Mean(mean) => add(&mut json, mean),
             Ours::Exact(value) => json["mean"] = json!(value),
             Ours::Text(text) => json["result"] = json!(text),
+            Ours::Finding(finding) => {
+                json["result"] = json!(finding.verdict.words());
+                json["margin"] = json!({});
+                add(&mut json["margin"], &finding.margin);
+            }
             Ours::Missing => json["runs"] = json!(0),
         }
         json
     }
 
-    fn record(&self) -> [String; 7] {
-        let number = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
-        let [mean, half_width, runs, result] = match &self.ours {
-            Ours::Mean(Mean { mean, half_width_95, runs }) => {
-                [mean.to_string(), number(*half_width_95), runs.to_string(), String::new()]
-            }
-            Ours::Exact(value) => [value.to_string(), String::new(), String::new(), String::new()],
-            Ours::Text(text) => [String::new(), String::new(), String::new(), text.clone()],
-            Ours::Missing => [String::new(), String::new(), "0".to_owned(), String::new()],
+    fn record(&self) -> [String; 8] {
+        let numbers = |Mean { mean, half_width_95, runs }: &Mean| {
+            let half_width = half_width_95.map_or_else(String::new, |half_width| half_width.to_string());
+            [mean.to_string(), half_width, runs.to_string()]
         };
-        [self.what.clone(), self.published.clone(), self.unit.to_owned(), mean, half_width, runs, result]
+        let none = || [const { String::new() }; 3];
+        let (numbers, result) = match &self.ours {
+            Ours::Mean(mean) => (numbers(mean), String::new()),
+            Ours::Exact(value) => ([value.to_string(), String::new(), String::new()], String::new()),
+            Ours::Text(text) => (none(), text.clone()),
+            Ours::Finding(finding) => (numbers(&finding.margin), finding.verdict.words().to_owned()),
+            Ours::Missing => ([String::new(), String::new(), "0".to_owned()], String::new()),
+        };
+        let (published, source) = match &self.published {
+            Some(Published { value, source }) => (value.clone(), *source),
+            None => (String::new(), ""),
+        };
+        let [mean, half_width, runs] = numbers;
+        [self.what.clone(), published, self.unit.to_owned(), mean, half_width, runs, result, source.to_owned()]
     }
 }
 
-/// Writes lines as CSV, with columns what, published, unit, mean, `half_width_95`, runs, result.
+fn add(json: &mut Value, Mean { mean, half_width_95, runs }: &Mean) {
+    (json["mean"], json["runs"]) = (json!(mean), json!(runs));
+    if let Some(half_width_95) = half_width_95 {
+        json["half_width_95"] = json!(half_width_95);
+    }
+}
+
+/// Writes lines as CSV, with columns what, published, unit, mean, `half_width_95`, runs, result, source. Of a conclusion,
+/// the result is the verdict and the mean its margin. What the thesis does not state is empty.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_csv(path: &Path, lines: &[Line]) -> Result<(), Failure> {
+pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> Result<(), Failure> {
     let text = || -> io::Result<Vec<u8>> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(["what", "published", "unit", "mean", "half_width_95", "runs", "result"])?;
+        writer.write_record(["what", "published", "unit", "mean", "half_width_95", "runs", "result", "source"])?;
         for line in lines {
             writer.write_record(line.record())?;
         }
@@ -104,16 +133,33 @@ pub fn write_csv(path: &Path, lines: &[Line]) -> Result<(), Failure> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::claim::Verdict;
     use super::*;
 
     #[test]
     fn a_line_shows_published_and_ours_in_one_unit() {
         let mean = Mean { mean: 6.013, half_width_95: Some(0.284), runs: 5 };
-        let line = Line { what: "ML-TM".into(), published: "5".into(), unit: "%", ours: Ours::Mean(mean) };
-        assert_eq!(line.cells(), ["ML-TM", "5 %", "6.01 ± 0.28 %"]);
-        assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", ""]);
-        let none = Line { published: String::new(), ours: Ours::Missing, ..line };
-        assert_eq!(none.cells(), ["ML-TM", "-", "no run succeeded"]);
+        let published = Some(Published::new("5", "table 3.6"));
+        let line = Line { what: "ML-TM".into(), published, unit: "%", ours: Ours::Mean(mean) };
+        assert_eq!(line.cells(), ["ML-TM", "5 %", "table 3.6", "6.01 ± 0.28 %"]);
+        assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", "", "table 3.6"]);
+        let none = Line { published: None, ours: Ours::Missing, ..line };
+        assert_eq!(none.cells(), ["ML-TM", "not stated", "", "no run succeeded"]);
         assert_eq!(none.json(), json!({"what": "ML-TM", "unit": "%", "runs": 0}));
+    }
+
+    #[test]
+    fn a_conclusion_shows_its_verdict_and_its_margin() {
+        let margin = Mean { mean: -1.5, half_width_95: Some(0.25), runs: 3 };
+        let finding = Finding { verdict: Verdict::DoesNotHold, margin, unit: "points" };
+        let published = Some(Published::new("6 < 19 < 50 %", "table 3.6"));
+        let line = Line { what: "a < b".into(), published, unit: "points", ours: Ours::Finding(finding) };
+        let shown = "does not hold, margin -1.50 ± 0.25 points";
+        assert_eq!(line.cells(), ["a < b", "6 < 19 < 50 %", "table 3.6", shown]);
+        assert_eq!(
+            line.record(),
+            ["a < b", "6 < 19 < 50 %", "points", "-1.5", "0.25", "3", "does not hold", "table 3.6"]
+        );
+        assert_eq!(line.json()["margin"], json!({"mean": -1.5, "runs": 3, "half_width_95": 0.25}));
     }
 }

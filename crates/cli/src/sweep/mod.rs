@@ -21,6 +21,7 @@ pub use statistics::Mean;
 pub use table_file::TableFormat;
 
 use std::path::Path;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -46,56 +47,65 @@ pub fn run(
     let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
     let measures = plan.measures().len();
     let units = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
-    let rows = all(units, "sweeping", interrupt, quiet, |unit| {
+    let (rows, outcome) = each(units, "sweeping", interrupt, quiet, |unit| {
         if let Some(rows) = parts.read(unit.index, measures)? {
             return Ok(rows);
         }
         let rows = unit::run(plan, unit, interrupt).ok_or(Failure::Interrupted)?;
         parts.write(unit.index, &rows)?;
         Ok(rows)
-    })?;
+    });
+    outcome?;
     Ok(sorted(rows.into_iter().flatten().collect()))
 }
 
-/// Runs all units of several plans, all cores at once, and returns the rows of each plan by cell, then replicate.
+/// Runs all units of several plans, all cores at once, and returns the rows of each plan by cell, then replicate: all
+/// that were finished, also when the user interrupts. A run that fails is a row with its error.
 ///
 /// # Errors
-/// If the user interrupts. A run that fails is a row with its error instead.
-pub fn rows(plans: &[Plan], interrupt: &Interrupt, quiet: bool) -> Result<Vec<Vec<Row>>, Failure> {
+/// Beside the rows, if the user interrupts.
+pub fn rows(plans: &[Plan], interrupt: &Interrupt, quiet: bool) -> (Vec<Vec<Row>>, Result<(), Failure>) {
     let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |unit| (i, unit)));
-    let made = all(units.collect(), "running", interrupt, quiet, |(i, unit)| {
+    let (made, outcome) = each(units.collect(), "running", interrupt, quiet, |(i, unit)| {
         let rows = unit::run(&plans[*i], unit, interrupt).ok_or(Failure::Interrupted)?;
         Ok((*i, rows))
-    })?;
+    });
     let mut rows = vec![Vec::new(); plans.len()];
     for (i, made) in made {
         rows[i].extend(made);
     }
-    Ok(rows.into_iter().map(sorted).collect())
+    (rows.into_iter().map(sorted).collect(), outcome)
 }
 
-/// Does `work` on all `units`, all cores at once, under a bar that says `what`; the results in the order of the units. The
-/// first failure keeps further units from being begun.
-fn all<U: Sync, T: Send>(
+/// Does `work` on all `units`, all cores at once, under a bar that says `what`. The results of the units that were finished,
+/// in their order, and the first failure, after which no further unit is begun.
+fn each<U: Sync, T: Send>(
     units: Vec<U>,
     what: &'static str,
     interrupt: &Interrupt,
     quiet: bool,
     work: impl Fn(&U) -> Result<T, Failure> + Sync,
-) -> Result<Vec<T>, Failure> {
+) -> (Vec<T>, Result<(), Failure>) {
     let progress = Progress::new(what, units.len() as u64, quiet);
     let done = AtomicU64::new(0);
-    let results: Result<Vec<T>, Failure> = units
-        .par_iter()
-        .map(|unit| {
-            let result = if interrupt.is_requested() { Err(Failure::Interrupted) } else { work(unit) };
-            progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
-            result
-        })
-        .collect();
+    let failure = OnceLock::new();
+    let results = units.par_iter().map(|unit| {
+        if failure.get().is_some() {
+            return None;
+        }
+        let result = if interrupt.is_requested() { Err(Failure::Interrupted) } else { work(unit) };
+        progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
+        // Of several failures at once, one is told.
+        result.map_err(|error| failure.set(error)).ok()
+    });
+    let results: Vec<Option<T>> = results.collect();
     progress.clear();
-    let results = results?;
-    if interrupt.is_requested() { Err(Failure::Interrupted) } else { Ok(results) }
+    let outcome = match failure.into_inner() {
+        None if interrupt.is_requested() => Err(Failure::Interrupted),
+        None => Ok(()),
+        Some(failure) => Err(failure),
+    };
+    (results.into_iter().flatten().collect(), outcome)
 }
 
 /// By cell, then replicate.

@@ -29,6 +29,13 @@ impl Mean {
         let half_width_95 = student.map(|t| t.inverse_cdf(0.975) * (variance / n).sqrt());
         Some(Self { mean, half_width_95, runs })
     }
+
+    /// The mean of the same values in another unit, `factor` of which are one of this.
+    #[must_use]
+    pub fn times(self, factor: f64) -> Self {
+        let half_width_95 = self.half_width_95.map(|half_width| factor * half_width);
+        Self { mean: factor * self.mean, half_width_95, ..self }
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,10 @@
 
 use sextant_mapper::{Trapezoid, TrapezoidConfig};
 
-use super::line::{Line, Ours};
+use super::super::Runs;
+use super::super::experiment::{Content, Experiment};
+use super::super::line::{Line, Ours};
+use super::super::published::Published;
 
 /// The stop at which node p was heard, of six.
 const HEARD: usize = 2;
@@ -16,8 +19,19 @@ const PRINTED: [(&str, [f64; 6], &str); 4] = [
     ("(4, 2)", [4.4, 3.2, 2.72, 1.97, 1.21, 2.06], "0"),
 ];
 
+pub(super) fn experiment() -> Experiment {
+    Experiment {
+        id: "3.2",
+        title: "Worked example: the likelihood of a node at four vertices",
+        content: Content::Computed { scenarios: &[], lines, figures: |_| Vec::new() },
+        distributions: &[],
+        claims: Vec::new(),
+        notes: &["The printed factors follow from r = 0.1 m; the text says r = 0.2 m."],
+    }
+}
+
 /// The likelihoods under p0 = 1, R = 2 m and r = 0.1 m, with which the printed factors agree; the text says r = 0.2 m.
-pub(super) fn lines() -> Vec<Line> {
+fn lines(_: &Runs) -> Vec<Line> {
     let profile = Trapezoid::try_from(TrapezoidConfig::new(1.0, 0.1, 2.0).literal());
     let likelihood = |distances_m: &[f64; 6]| {
         let profile = profile.as_ref().ok()?;
@@ -31,7 +45,7 @@ pub(super) fn lines() -> Vec<Line> {
         .iter()
         .map(|(vertex, distances_m, published)| Line {
             what: format!("P of node p at {vertex}"),
-            published: (*published).to_owned(),
+            published: Some(Published::new(*published, "table 3.2")),
             unit: "",
             ours: likelihood(distances_m).map_or(Ours::Missing, Ours::Exact),
         })

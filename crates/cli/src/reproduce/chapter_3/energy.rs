@@ -1,0 +1,55 @@
+//! What the maps of the comparison cost the nodes (section 3.6.1).
+
+use super::super::claim::{Check, Claim};
+use super::super::experiment::{Content, Experiment, Quantity};
+use super::super::published::Published;
+use super::super::runs::Term;
+use super::comparison::{METHODS, ML_TM, NETWORKS, Network, RSSI, TPM};
+use crate::summary::measures::{map, run};
+use crate::summary::{Measure, Number, Summary};
+
+/// What the simulated radios took, and when.
+const RADIOS: [(&str, &Number<Summary>); 5] = [
+    ("sending during the survey", &run::ENERGY_TX_J),
+    ("neighbour discovery, sending", &run::NEIGHBOURS_TX_J),
+    ("neighbour discovery, receiving", &run::NEIGHBOURS_RX_J),
+    ("anchors' packets, sending", &run::ANCHORS_TX_J),
+    ("anchors' packets, receiving", &run::ANCHORS_RX_J),
+];
+
+pub(super) fn experiment() -> Experiment {
+    Experiment {
+        id: "energy",
+        title: "Energy of the nodes by the count of messages, and by simulated radios",
+        content: Content::Quantities(NETWORKS.into_iter().flat_map(quantities).collect()),
+        distributions: &[],
+        claims: NETWORKS.into_iter().map(claim).collect(),
+        notes: &[
+            "The thesis gives formulas and no numbers. Packets, powers and currents are those of the simulation (CC2420); \
+             time samples are the stops, anchors and neighbours heard are means over the nodes, p = 1 packet sent.",
+            "The simulated radios listen all the time in discovery, also when nothing comes: that is not in the count.",
+        ],
+    }
+}
+
+fn quantities(network: &'static Network) -> impl Iterator<Item = Quantity> {
+    let Network { name, scenario, .. } = network;
+    let counted = METHODS.map(|method| {
+        let what = format!("{name}: {} ({})", method.name, method.equation);
+        Quantity::new(what, scenario, method.measure(&map::MESSAGE_ENERGY_J))
+    });
+    let simulated = RADIOS.map(|(when, number)| {
+        Quantity::new(format!("{name}: simulated radios, {when}"), scenario, Measure::OfRun(number))
+    });
+    counted.into_iter().chain(simulated)
+}
+
+fn claim(network: &Network) -> Claim {
+    let term =
+        |method: &super::comparison::Method| Term::new(network.scenario, method.measure(&map::MESSAGE_ENERGY_J));
+    Claim {
+        text: format!("{}: the RSSI method takes less than ML-TM and the SVD hop map", network.name),
+        published: Some(Published::new("\"the most energy-efficient\"", "section 3.6.1")),
+        check: Check::Least([&RSSI, &ML_TM, &TPM].map(term).to_vec()),
+    }
+}

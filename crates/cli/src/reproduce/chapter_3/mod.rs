@@ -1,0 +1,30 @@
+//! The experiments of chapter 3. Numbers of sections, tables, figures and equations are those of the thesis.
+
+mod comparison;
+mod energy;
+mod sensitivity;
+mod space;
+mod trajectories;
+mod worked_example;
+
+use super::experiment::Experiment;
+use crate::summary::{MapSummary, Measure, Number};
+
+/// All of them, in the order of the thesis.
+#[must_use]
+pub fn chapter_3() -> Vec<Experiment> {
+    vec![
+        worked_example::experiment(),
+        trajectories::experiment(),
+        sensitivity::experiment(),
+        comparison::experiment(),
+        space::ball(),
+        space::cylinder(),
+        energy::experiment(),
+    ]
+}
+
+/// A number of the map of ML-TM.
+const fn ml_tm(number: &'static Number<MapSummary>) -> Measure<'static> {
+    Measure::OfMap("ml-tm", number)
+}

@@ -1,0 +1,249 @@
+//! What the thesis concludes, and whether it is so here.
+
+use std::ops::Range;
+
+use super::line::{Line, Ours};
+use super::published::Published;
+use super::runs::{Runs, Term};
+use crate::sweep::Mean;
+
+/// A conclusion.
+#[derive(Clone, Debug)]
+pub struct Claim {
+    /// The conclusion.
+    pub text: String,
+    /// What the thesis says of it; `None` if it is not in the thesis.
+    pub published: Option<Published>,
+    /// What must be so.
+    pub check: Check,
+}
+
+/// What a conclusion says of means over runs.
+#[derive(Clone, Debug)]
+pub enum Check {
+    /// Each is above the one before.
+    Rising(Vec<Term>),
+    /// The first is below each of the others.
+    Least(Vec<Term>),
+    /// The first is above each of the others.
+    Greatest(Vec<Term>),
+    /// No two differ by this much.
+    Within(Vec<Term>, f64),
+    /// The first is the second times a factor in this range.
+    Ratio([Term; 2], Range<f64>),
+    /// It is below this limit.
+    Below(Term, f64),
+    /// It is above this limit.
+    Above(Term, f64),
+}
+
+/// Whether something is so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is so: the whole 95 % interval of each comparison says so.
+    Holds,
+    /// It is not so: the whole 95 % interval of a comparison says so.
+    DoesNotHold,
+    /// The runs do not tell: a comparison is within its interval.
+    CannotBeTold,
+}
+
+/// What the runs say of a conclusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding {
+    /// Whether it holds.
+    pub verdict: Verdict,
+    /// By how much, in the comparison that decides: above 0 on the side of the conclusion.
+    pub margin: Mean,
+    /// Unit of the margin.
+    pub unit: &'static str,
+}
+
+impl Claim {
+    /// What `runs` say of it; `None` if a term has no value in any run.
+    #[must_use]
+    pub fn finding(&self, runs: &Runs) -> Option<Finding> {
+        self.check.finding(runs)
+    }
+
+    pub(super) fn line(&self, runs: &Runs) -> Line {
+        Line {
+            what: self.text.clone(),
+            published: self.published.clone(),
+            unit: self.check.unit().1,
+            ours: self.finding(runs).map_or(Ours::Missing, Ours::Finding),
+        }
+    }
+}
+
+impl Check {
+    /// What `runs` say of it; `None` if a term has no value in any run.
+    #[must_use]
+    pub fn finding(&self, runs: &Runs) -> Option<Finding> {
+        let margins = self.margins(&|term| runs.values(term))?;
+        let (factor, unit) = self.unit();
+        Finding::of(&margins, factor, unit)
+    }
+
+    /// What it compares.
+    #[must_use]
+    pub fn terms(&self) -> Vec<&Term> {
+        match self {
+            Self::Rising(terms) | Self::Least(terms) | Self::Greatest(terms) | Self::Within(terms, _) => {
+                terms.iter().collect()
+            }
+            Self::Ratio(terms, _) => terms.iter().collect(),
+            Self::Below(term, _) | Self::Above(term, _) => vec![term],
+        }
+    }
+
+    /// Unit of its margins for people, and the factor to it.
+    fn unit(&self) -> (f64, &'static str) {
+        match self {
+            Self::Ratio(..) => (1.0, ""),
+            _ => match self.terms()[0].measure.unit().for_people() {
+                (factor, "%") => (factor, "points"),
+                other => other,
+            },
+        }
+    }
+
+    /// By how much each comparison is on the side of the conclusion; `None` if a term has no values. Terms are compared
+    /// run by run: runs of the same number have the same seed.
+    fn margins(&self, values: &impl Fn(&Term) -> Vec<(u32, f64)>) -> Option<Vec<Mean>> {
+        let margin = |a: &Term, b: &Term, of: &dyn Fn(f64, f64) -> f64| paired(&values(a), &values(b), of);
+        let below = |a: &Term, b: &Term| margin(a, b, &|a, b| b - a);
+        match self {
+            Self::Rising(terms) => terms.windows(2).map(|pair| below(&pair[0], &pair[1])).collect(),
+            Self::Least(terms) => terms[1..].iter().map(|other| below(&terms[0], other)).collect(),
+            Self::Greatest(terms) => terms[1..].iter().map(|other| below(other, &terms[0])).collect(),
+            Self::Within(terms, most) => {
+                let ordered = terms.iter().enumerate().flat_map(|(i, a)| {
+                    terms.iter().enumerate().filter(move |&(j, _)| j != i).map(move |(_, b)| (a, b))
+                });
+                ordered.map(|(a, b)| margin(a, b, &|a, b| most - (a - b))).collect()
+            }
+            Self::Ratio([a, b], range) => {
+                [margin(a, b, &|a, b| a / b - range.start), margin(a, b, &|a, b| range.end - a / b)]
+                    .into_iter()
+                    .collect()
+            }
+            Self::Below(term, limit) => [margin(term, term, &|value, _| limit - value)].into_iter().collect(),
+            Self::Above(term, limit) => [margin(term, term, &|value, _| value - limit)].into_iter().collect(),
+        }
+    }
+}
+
+/// The mean of `of` over the runs that both have.
+fn paired(a: &[(u32, f64)], b: &[(u32, f64)], of: &dyn Fn(f64, f64) -> f64) -> Option<Mean> {
+    let pair = |&(run, a): &(u32, f64)| b.iter().find(|(other, _)| *other == run).map(|&(_, b)| of(a, b));
+    Mean::of(&a.iter().filter_map(pair).collect::<Vec<_>>())
+}
+
+/// The ends of the 95 % interval; of a single run all numbers.
+fn interval(mean: &Mean) -> (f64, f64) {
+    let half_width = mean.half_width_95.unwrap_or(f64::INFINITY);
+    (mean.mean - half_width, mean.mean + half_width)
+}
+
+impl Finding {
+    /// The finding of several comparisons, all of which must be on the side of the conclusion; `None` of none.
+    fn of(margins: &[Mean], factor: f64, unit: &'static str) -> Option<Self> {
+        let least = |end: fn(&Mean) -> f64| margins.iter().min_by(|a, b| end(a).total_cmp(&end(b)));
+        let (lowest, highest) = (least(|margin| interval(margin).0)?, least(|margin| interval(margin).1)?);
+        let (verdict, margin) = if interval(highest).1 <= 0.0 {
+            (Verdict::DoesNotHold, highest)
+        } else if interval(lowest).0 > 0.0 {
+            (Verdict::Holds, lowest)
+        } else {
+            (Verdict::CannotBeTold, lowest)
+        };
+        Some(Self { verdict, margin: margin.times(factor), unit })
+    }
+}
+
+impl Verdict {
+    /// The verdict in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::DoesNotHold => "does not hold",
+            Self::CannotBeTold => "cannot be told",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::summary::{Measure, measures};
+
+    fn term(scenario: &'static str) -> Term {
+        Term::new(scenario, Measure::OfRun(&measures::run::STOPS))
+    }
+
+    fn finding(check: &Check, of: &[(&str, &[f64])]) -> Option<Finding> {
+        let values = |term: &Term| {
+            let (_, values) = of.iter().find(|(name, _)| *name == term.scenario).expect("each term has values");
+            (0..).zip(values.iter().copied()).collect()
+        };
+        Finding::of(&check.margins(&values)?, 1.0, "")
+    }
+
+    #[test]
+    fn a_conclusion_holds_fails_or_cannot_be_told() {
+        use Verdict::{CannotBeTold, DoesNotHold, Holds};
+        let abc = || vec![term("a"), term("b"), term("c")];
+        let ab = || [term("a"), term("b")];
+        // Three runs each: t(0.975; 2) = 4.30, so a scatter of 0.1 makes an interval of some 0.25 about each difference.
+        let near = |mean: f64| [mean - 0.1, mean, mean + 0.1];
+        let apart = |mean: f64| [mean + 0.1, mean - 0.1, mean];
+        for (check, a, b, c, verdict) in [
+            (Check::Rising(abc()), 1.0, 2.0, 3.0, Holds),
+            (Check::Rising(abc()), 1.0, 3.0, 2.0, DoesNotHold),
+            (Check::Rising(abc()), 1.0, 1.1, 2.0, CannotBeTold),
+            (Check::Rising(abc()), 1.0, 1.1, 0.0, DoesNotHold),
+            (Check::Least(abc()), 1.0, 3.0, 2.0, Holds),
+            (Check::Least(abc()), 1.0, 3.0, 0.0, DoesNotHold),
+            (Check::Least(abc()), 1.0, 3.0, 1.1, CannotBeTold),
+            (Check::Greatest(abc()), 3.0, 1.0, 2.0, Holds),
+            (Check::Greatest(abc()), 3.0, 1.0, 4.0, DoesNotHold),
+            (Check::Greatest(abc()), 3.0, 1.0, 2.9, CannotBeTold),
+            (Check::Within(abc(), 2.0), 1.0, 2.0, 1.5, Holds),
+            (Check::Within(abc(), 2.0), 1.0, 2.0, 5.0, DoesNotHold),
+            (Check::Within(abc(), 2.0), 1.0, 2.9, 2.0, CannotBeTold),
+            (Check::Ratio(ab(), 1.5..2.5), 4.0, 2.0, 0.0, Holds),
+            (Check::Ratio(ab(), 1.5..2.5), 2.0, 4.0, 0.0, DoesNotHold),
+            (Check::Ratio(ab(), 1.5..2.5), 3.1, 2.0, 0.0, CannotBeTold),
+            (Check::Below(term("a"), 2.0), 1.0, 0.0, 0.0, Holds),
+            (Check::Below(term("a"), 2.0), 3.0, 0.0, 0.0, DoesNotHold),
+            (Check::Below(term("a"), 2.0), 1.9, 0.0, 0.0, CannotBeTold),
+            (Check::Above(term("a"), 2.0), 3.0, 0.0, 0.0, Holds),
+            (Check::Above(term("a"), 2.0), 1.0, 0.0, 0.0, DoesNotHold),
+            (Check::Above(term("a"), 2.0), 2.1, 0.0, 0.0, CannotBeTold),
+        ] {
+            let found = finding(&check, &[("a", &near(a)), ("b", &apart(b)), ("c", &near(c))]).unwrap();
+            assert_eq!(found.verdict, verdict, "{a}, {b}, {c}: {found:?} for {check:?}");
+        }
+    }
+
+    #[test]
+    fn runs_of_the_same_seed_are_compared_with_each_other() {
+        let check = Check::Least(vec![term("a"), term("b")]);
+        // Worlds differ much, the two in one world little: as independent samples nothing could be told.
+        let found = finding(&check, &[("a", &[1.0, 5.0, 9.0]), ("b", &[1.2, 5.3, 9.1])]).unwrap();
+        assert_eq!(found.verdict, Verdict::Holds);
+        assert!((found.margin.mean - 0.2).abs() < 1e-9, "{found:?}");
+        // t(0.975; 2) = 4.302653 times the standard deviation 0.1 over the root of 3.
+        assert!((found.margin.half_width_95.unwrap() - 4.302_653 * 0.1 / 3.0_f64.sqrt()).abs() < 1e-5, "{found:?}");
+    }
+
+    #[test]
+    fn one_run_tells_nothing_and_no_run_is_no_finding() {
+        let check = Check::Least(vec![term("a"), term("b")]);
+        let found = finding(&check, &[("a", &[1.0]), ("b", &[2.0])]).unwrap();
+        assert_eq!((found.verdict, found.margin.mean), (Verdict::CannotBeTold, 1.0));
+        assert_eq!(finding(&check, &[("a", &[1.0]), ("b", &[])]), None);
+    }
+}

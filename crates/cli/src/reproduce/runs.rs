@@ -1,0 +1,122 @@
+//! The runs that experiments read.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
+use crate::summary::Measure;
+use crate::sweep::{self, Mean, Plan, Row};
+
+/// What is measured in a cell of a scenario.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// The scenario that ships with the program.
+    pub scenario: &'static str,
+    /// Settings that tell the cell from the others of the sweep, and their values in tables; of a scenario without a sweep
+    /// none.
+    pub settings: Vec<(&'static str, String)>,
+    /// What is measured.
+    pub measure: Measure<'static>,
+}
+
+impl Term {
+    /// A measure of a scenario that sweeps over nothing.
+    #[must_use]
+    pub fn new(scenario: &'static str, measure: Measure<'static>) -> Self {
+        Self { scenario, settings: Vec::new(), measure }
+    }
+}
+
+/// All runs of scenarios that were made so far.
+#[derive(Debug)]
+pub struct Runs {
+    folder: PathBuf,
+    count: NonZeroU32,
+    of: BTreeMap<&'static str, (Plan, Vec<Row>)>,
+}
+
+impl Runs {
+    /// No runs yet; each scenario, whose file lies in `folder`, will be run `count` times.
+    #[must_use]
+    pub fn new(folder: PathBuf, count: NonZeroU32) -> Self {
+        Self { folder, count, of: BTreeMap::new() }
+    }
+
+    /// Runs those of `scenarios` that were not run yet, and returns their names. What was finished when the user interrupts
+    /// is kept.
+    ///
+    /// # Errors
+    /// If a scenario is wrong, or the user interrupts.
+    pub fn make(
+        &mut self,
+        scenarios: &[&'static str],
+        interrupt: &Interrupt,
+        quiet: bool,
+    ) -> Result<Vec<&'static str>, Failure> {
+        let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(name)).collect();
+        let plan = |scenario: &&'static str| Plan::read(&self.folder.join(scenario), &[], None, Some(self.count));
+        let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        let (rows, outcome) = sweep::rows(&plans, interrupt, quiet);
+        for (scenario, made) in new.iter().zip(plans.into_iter().zip(rows)) {
+            self.insert(scenario, made);
+        }
+        outcome.map(|()| new)
+    }
+
+    /// Takes the `rows` of a scenario as they are.
+    pub fn insert(&mut self, scenario: &'static str, (plan, rows): (Plan, Vec<Row>)) {
+        self.of.insert(scenario, (plan, rows));
+    }
+
+    /// The values of a term in the runs that did not fail, with the number of the run.
+    #[must_use]
+    pub fn values(&self, term: &Term) -> Vec<(u32, f64)> {
+        let Some((plan, rows)) = self.of.get(term.scenario) else { return Vec::new() };
+        let Some(cell) = cell(plan, &term.settings) else { return Vec::new() };
+        plan.values_of(rows, cell, term.measure)
+    }
+
+    /// The mean of a term over the runs that did not fail; `None` if there are none.
+    #[must_use]
+    pub fn mean(&self, term: &Term) -> Option<Mean> {
+        let values: Vec<f64> = self.values(term).into_iter().map(|(_, value)| value).collect();
+        Mean::of(&values)
+    }
+
+    /// The plan of a scenario that was run.
+    #[must_use]
+    pub fn plan(&self, scenario: &str) -> Option<&Plan> {
+        self.of.get(scenario).map(|(plan, _)| plan)
+    }
+
+    /// The scenarios with their plans and rows.
+    pub fn scenarios(&self) -> impl Iterator<Item = (&'static str, &Plan, &[Row])> {
+        self.of.iter().map(|(&scenario, (plan, rows))| (scenario, plan, rows.as_slice()))
+    }
+
+    /// What went wrong in runs that failed: scenario, seed and error.
+    #[must_use]
+    pub fn failures(&self) -> Vec<String> {
+        let mut failures = Vec::new();
+        for (scenario, plan, rows) in self.scenarios() {
+            failures.extend(rows.iter().filter_map(|row| {
+                let error = row.outcome.as_ref().err()?;
+                Some(format!("{scenario}, seed {}: {error}", plan.seed_of(row.replicate)))
+            }));
+        }
+        failures
+    }
+}
+
+/// The first cell that has these settings.
+fn cell(plan: &Plan, settings: &[(&str, String)]) -> Option<usize> {
+    let has = |cell: usize| {
+        let values = plan.values(cell);
+        settings.iter().all(|(key, wanted)| {
+            plan.keys().iter().zip(&values).any(|(column, value)| column.name == *key && value == wanted)
+        })
+    };
+    (0..plan.cells().len()).find(|&cell| has(cell))
+}
