@@ -196,9 +196,12 @@ mod tests {
         use Verdict::{CannotBeTold, DoesNotHold, Holds};
         let abc = || vec![term("a"), term("b"), term("c")];
         let ab = || [term("a"), term("b")];
-        // Three runs each: t(0.975; 2) = 4.30, so a scatter of 0.1 makes an interval of some 0.25 about each difference.
-        let near = |mean: f64| [mean - 0.1, mean, mean + 0.1];
-        let apart = |mean: f64| [mean + 0.1, mean - 0.1, mean];
+        // Three runs each, whose scatters differ: t(0.975; 2) = 4.30, so a difference has an interval of some 0.4 about it.
+        let scatter = |mean: f64, turn: usize| {
+            let mut runs = [mean - 0.1, mean, mean + 0.1];
+            runs.rotate_left(turn);
+            runs
+        };
         for (check, a, b, c, verdict) in [
             (Check::Rising(abc()), 1.0, 2.0, 3.0, Holds),
             (Check::Rising(abc()), 1.0, 3.0, 2.0, DoesNotHold),
@@ -213,8 +216,8 @@ mod tests {
             (Check::Within(abc(), 2.0), 1.0, 2.0, 1.5, Holds),
             (Check::Within(abc(), 2.0), 1.0, 2.0, 5.0, DoesNotHold),
             (Check::Within(abc(), 2.0), 1.0, 2.9, 2.0, CannotBeTold),
-            (Check::Ratio(ab(), 1.5..2.5), 4.0, 2.0, 0.0, Holds),
-            (Check::Ratio(ab(), 1.5..2.5), 2.0, 4.0, 0.0, DoesNotHold),
+            (Check::Ratio(ab(), 1.5..2.5), 40.0, 20.0, 0.0, Holds),
+            (Check::Ratio(ab(), 1.5..2.5), 20.0, 40.0, 0.0, DoesNotHold),
             (Check::Ratio(ab(), 1.5..2.5), 3.1, 2.0, 0.0, CannotBeTold),
             (Check::Below(term("a"), 2.0), 1.0, 0.0, 0.0, Holds),
             (Check::Below(term("a"), 2.0), 3.0, 0.0, 0.0, DoesNotHold),
@@ -223,7 +226,8 @@ mod tests {
             (Check::Above(term("a"), 2.0), 1.0, 0.0, 0.0, DoesNotHold),
             (Check::Above(term("a"), 2.0), 2.1, 0.0, 0.0, CannotBeTold),
         ] {
-            let found = finding(&check, &[("a", &near(a)), ("b", &apart(b)), ("c", &near(c))]).unwrap();
+            let found =
+                finding(&check, &[("a", &scatter(a, 0)), ("b", &scatter(b, 1)), ("c", &scatter(c, 2))]).unwrap();
             assert_eq!(found.verdict, verdict, "{a}, {b}, {c}: {found:?} for {check:?}");
         }
     }
@@ -232,11 +236,11 @@ mod tests {
     fn runs_of_the_same_seed_are_compared_with_each_other() {
         let check = Check::Least(vec![term("a"), term("b")]);
         // Worlds differ much, the two in one world little: as independent samples nothing could be told.
-        let found = finding(&check, &[("a", &[1.0, 5.0, 9.0]), ("b", &[1.2, 5.3, 9.1])]).unwrap();
+        let found = finding(&check, &[("a", &[1.0, 5.0, 9.0]), ("b", &[1.2, 5.25, 9.15])]).unwrap();
         assert_eq!(found.verdict, Verdict::Holds);
         assert!((found.margin.mean - 0.2).abs() < 1e-9, "{found:?}");
-        // t(0.975; 2) = 4.302653 times the standard deviation 0.1 over the root of 3.
-        assert!((found.margin.half_width_95.unwrap() - 4.302_653 * 0.1 / 3.0_f64.sqrt()).abs() < 1e-5, "{found:?}");
+        // t(0.975; 2) = 4.302653 times the standard deviation 0.05 over the root of 3.
+        assert!((found.margin.half_width_95.unwrap() - 4.302_653 * 0.05 / 3.0_f64.sqrt()).abs() < 1e-5, "{found:?}");
     }
 
     #[test]

@@ -21,3 +21,6 @@ pub use line::{Line, Ours, write_csv};
 pub use published::Published;
 pub use runs::{Runs, Term};
 pub use shipped::{SHIPPED, write_scenarios};
+
+#[cfg(test)]
+mod tests;

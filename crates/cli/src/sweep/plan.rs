@@ -12,7 +12,7 @@ use crate::scenario::{Scenario, ScenarioErrors, Setting, SurveyIdentity, Sweep};
 use crate::summary::{Measure, measures};
 
 /// The cells and runs of a sweep.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Plan {
     path: PathBuf,
     set: Vec<String>,

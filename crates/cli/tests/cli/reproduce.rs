@@ -1,6 +1,6 @@
 //! `sextant reproduce` from end to end.
 
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
@@ -16,7 +16,7 @@ fn the_list_names_each_experiment_and_what_it_runs() {
     let output = reproduce(&["--list"], &folder);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    for experiment in sextant::reproduce::CHAPTER_3 {
+    for experiment in sextant::reproduce::chapter_3() {
         let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id));
         let line = line.unwrap_or_else(|| panic!("{} is missing in:\n{text}", experiment.id));
         assert!(line.contains(experiment.title), "{line}");
@@ -31,9 +31,10 @@ fn an_experiment_leaves_its_table_and_the_scenarios_that_it_ran() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let lines = &json["reproduction"]["experiments"][0]["lines"];
     assert_eq!(lines.as_array().unwrap().len(), 4);
+    assert_eq!((&lines[2]["published"], &lines[2]["source"]), (&"0.3708".into(), &"table 3.2".into()));
     let out = folder.path().join("here");
     let table = std::fs::read_to_string(out.join("3.2.csv")).unwrap();
-    assert!(table.starts_with("what,published,unit,mean,half_width_95,runs,result\n"), "{table}");
+    assert!(table.starts_with("what,published,unit,mean,half_width_95,runs,result,source\n"), "{table}");
     for (name, text) in sextant::reproduce::SHIPPED {
         assert_eq!(std::fs::read_to_string(out.join("scenarios").join(name)).unwrap(), *text);
     }
@@ -48,4 +49,36 @@ fn what_there_is_not_is_refused_with_what_there_is() {
     assert!(text.contains("`9.9`") && text.contains("3.6"), "{text}");
     assert_eq!(reproduce(&[], &folder).status.code(), Some(2), "without an id there is nothing to do");
     assert_eq!(reproduce(&["3.2", "--runs", "0"], &folder).status.code(), Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_reproduction_keeps_the_experiments_that_were_finished() {
+    let folder = TempDir::new().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
+    command.env("NO_COLOR", "1").current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    // Nobody waits for a thousand runs of the second experiment.
+    let mut child =
+        command.args(["reproduce", "3.2", "3.3", "--runs", "1000", "--out", "here"]).spawn().expect("it starts");
+    let out = folder.path().join("here");
+    while !out.join("3.2.csv").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before its first experiment");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    // The runs of the second experiment begin as soon as the first is printed.
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill starts").success());
+    let output = child.wait_with_output().unwrap();
+    let (printed, notes) =
+        (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned());
+    assert_eq!(output.status.code(), Some(130), "{notes}");
+    assert!(printed.contains("P of node p at (1, 3)"), "{printed}");
+    assert!(notes.contains("1 of 2 experiments are done"), "{notes}");
+    assert!(!out.join("3.3.csv").exists());
+    let runs = std::fs::read_to_string(out.join("runs-ml-tm-trajectory-s.csv")).unwrap();
+    let columns = runs.lines().next().expect("a header").split(',').count();
+    assert!(runs.lines().all(|row| row.split(',').count() == columns), "{runs}");
+    let rows = runs.lines().count() - 1;
+    assert!(rows < 1000, "{rows} runs");
 }

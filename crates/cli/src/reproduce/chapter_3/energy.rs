@@ -4,7 +4,7 @@ use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
-use super::comparison::{METHODS, ML_TM, NETWORKS, Network, RSSI, TPM};
+use super::comparison::{METHODS, ML_TM, Method, NETWORKS, Network, RSSI, TPM};
 use crate::summary::measures::{map, run};
 use crate::summary::{Measure, Number, Summary};
 
@@ -45,8 +45,7 @@ fn quantities(network: &'static Network) -> impl Iterator<Item = Quantity> {
 }
 
 fn claim(network: &Network) -> Claim {
-    let term =
-        |method: &super::comparison::Method| Term::new(network.scenario, method.measure(&map::MESSAGE_ENERGY_J));
+    let term = |method: &Method| Term::new(network.scenario, method.measure(&map::MESSAGE_ENERGY_J));
     Claim {
         text: format!("{}: the RSSI method takes less than ML-TM and the SVD hop map", network.name),
         published: Some(Published::new("\"the most energy-efficient\"", "section 3.6.1")),

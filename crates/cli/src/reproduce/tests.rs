@@ -1,0 +1,208 @@
+//! The experiments against their scenarios: nothing that one reads is missing, and each conclusion can come out either way.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+
+use tempfile::TempDir;
+
+use super::*;
+use crate::interrupt::Interrupt;
+use crate::scenario::Scenario;
+use crate::summary::Measure;
+use crate::sweep::{self, Plan, Row};
+
+const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
+
+/// What makes a scenario so small that it runs in a moment.
+fn tiny(scenario: &str) -> Vec<String> {
+    let nodes = match scenario {
+        _ if scenario.contains("trajectory") => "world.nodes.random.count=30",
+        "ml-tm/sphere.toml" | "ml-tm/cylinder.toml" => "world.nodes.lattice.count=100",
+        _ => "world.nodes.lattice.count=50",
+    };
+    let mut set = vec![nodes, "maps.0.algorithm.ml_tm.grid_step_m=1.0"];
+    if scenario.contains("comparison") {
+        // So few nodes would fall apart into islands for hops of 3 m.
+        set.push("discovery.range_m=8.0");
+    }
+    set.into_iter().map(str::to_owned).collect()
+}
+
+/// The plans of all scenarios of the chapter, as they ship or tiny. Their files lie in `folder`.
+fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
+    write_scenarios(folder.path()).unwrap();
+    let mut plans = BTreeMap::new();
+    for scenario in chapter_3().iter().flat_map(Experiment::scenarios) {
+        let set = if is_tiny { tiny(scenario) } else { Vec::new() };
+        let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(RUNS)).unwrap();
+        plans.entry(scenario).or_insert_with(plan);
+    }
+    plans
+}
+
+/// Everything that an experiment reads, and what it is called there.
+fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
+    let quantities = match &experiment.content {
+        Content::Quantities(quantities) => quantities.as_slice(),
+        Content::Computed { .. } => &[],
+    };
+    let of_claims = experiment
+        .claims
+        .iter()
+        .flat_map(|claim| claim.check.terms().into_iter().map(|term| (claim.text.as_str(), term)));
+    quantities.iter().map(|quantity| (quantity.what.as_str(), &quantity.term)).chain(of_claims).collect()
+}
+
+/// Runs in which `value` tells each value of each cell, the same in each replicate up to a little scatter.
+fn made_up(plans: &BTreeMap<&'static str, Plan>, value: impl Fn(&str, usize, Measure<'_>) -> Option<f64>) -> Runs {
+    let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
+    for (&scenario, plan) in plans {
+        let row = |cell: usize, replicate: u32| {
+            let scatter = 1.0 + 1e-6 * f64::from(replicate);
+            let values = plan.measures().into_iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
+            Row { cell, replicate, outcome: Ok(values.collect()) }
+        };
+        let rows = (0..plan.cells().len()).flat_map(|cell| (0..RUNS.get()).map(move |replicate| (cell, replicate)));
+        runs.insert(scenario, (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()));
+    }
+    runs
+}
+
+#[test]
+fn every_experiment_has_an_id_of_its_own_and_reads_scenarios_that_ship() {
+    let experiments = chapter_3();
+    for (i, experiment) in experiments.iter().enumerate() {
+        assert!(experiments[..i].iter().all(|other| other.id != experiment.id), "{}", experiment.id);
+        let scenarios = experiment.scenarios();
+        for scenario in &scenarios {
+            assert!(SHIPPED.iter().any(|(name, _)| name == scenario), "{scenario}");
+        }
+        for (what, term) in terms(experiment) {
+            assert!(scenarios.contains(&term.scenario), "`{what}` reads {}", term.scenario);
+        }
+    }
+}
+
+#[test]
+fn everything_that_an_experiment_reads_is_a_column_of_a_cell_of_its_scenario() {
+    let plans = plans(&TempDir::new().unwrap(), false);
+    let runs = made_up(&plans, |_, _, _| Some(1.0));
+    for experiment in chapter_3() {
+        for (what, term) in terms(&experiment) {
+            let column = term.measure.column();
+            let columns = plans[term.scenario].columns();
+            assert!(columns.iter().any(|other| other.name == column), "`{what}` reads {column}");
+            assert_eq!(runs.values(term).len(), RUNS.get() as usize, "`{what}` reads {column} in {term:?}");
+        }
+        for line in experiment.lines(&runs) {
+            assert_ne!(line.ours, Ours::Missing, "{}", line.what);
+        }
+    }
+}
+
+#[test]
+fn the_neighbourhood_in_a_name_is_that_of_the_scenario() {
+    let folder = TempDir::new().unwrap();
+    write_scenarios(folder.path()).unwrap();
+    let mut count = 0;
+    for experiment in chapter_3() {
+        for (what, term) in terms(&experiment) {
+            let at = ["neighbourhood of ", "within "].iter().find_map(|mark| what.split_once(mark));
+            let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
+                continue;
+            };
+            let scenario = Scenario::load(&folder.path().join(term.scenario), &[], None).unwrap();
+            let column = term.measure.column();
+            let index = match column.split_once("connectivity_errors.") {
+                Some((_, rest)) => rest[..1].parse().unwrap(),
+                None => 0,
+            };
+            let found_m = scenario.metrics().neighbourhood_m[index];
+            assert!((found_m - radius_m).abs() < 1e-9, "`{what}` reads {column} within {found_m} m");
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count} names with a neighbourhood");
+}
+
+#[test]
+fn the_published_connectivity_error_stands_at_the_radius_of_communication_alone() {
+    let folder = TempDir::new().unwrap();
+    write_scenarios(folder.path()).unwrap();
+    for experiment in chapter_3() {
+        let Content::Quantities(quantities) = &experiment.content else { continue };
+        for Quantity { what, term, published, .. } in
+            quantities.iter().filter(|quantity| quantity.published.is_some())
+        {
+            let Some((_, rest)) = what.split_once("neighbourhood of ") else { continue };
+            let scenario = Scenario::load(&folder.path().join(term.scenario), &[], None).unwrap();
+            let radius_m = scenario.config().channel.max_range_m.unwrap();
+            assert_eq!(rest, format!("{radius_m} m"), "{what}: {published:?}");
+        }
+    }
+}
+
+#[test]
+fn every_conclusion_can_hold_and_can_fail() {
+    let plans = plans(&TempDir::new().unwrap(), false);
+    for experiment in chapter_3() {
+        for claim in &experiment.claims {
+            let terms = claim.check.terms();
+            let mut verdicts = Vec::new();
+            // The values of the terms rise, fall or are alike, about several sizes.
+            for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5] {
+                for size in [0.01, 0.05, 0.95, 100.0] {
+                    let runs = made_up(&plans, |scenario, cell, measure| {
+                        let is_it = |term: &&Term| {
+                            let values = plans[scenario].values(cell);
+                            let keys = plans[scenario].keys().iter();
+                            term.scenario == scenario
+                                && term.measure == measure
+                                && keys.zip(&values).all(|(key, value)| {
+                                    term.settings.iter().any(|(name, wanted)| *name == key.name && wanted == value)
+                                })
+                        };
+                        let at = terms.iter().position(is_it)?;
+                        Some(size * f64::powi(step, i32::try_from(at).unwrap()))
+                    });
+                    verdicts.push(claim.finding(&runs).expect("each term has a value").verdict);
+                }
+            }
+            for verdict in [Verdict::Holds, Verdict::DoesNotHold] {
+                assert!(verdicts.contains(&verdict), "`{}` never {}", claim.text, verdict.words());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_published_value_names_its_source() {
+    let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));
+    for experiment in chapter_3() {
+        for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
+            let Some(Published { value, source }) = line.published else { continue };
+            let (kind, number) = source.split_once(' ').expect("`table 3.6`");
+            assert!(["table", "figure", "section"].contains(&kind) && number.starts_with("3."), "{source}");
+            assert!(!value.is_empty(), "{}", line.what);
+        }
+    }
+}
+
+#[test]
+fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
+    let folder = TempDir::new().unwrap();
+    let plans = plans(&folder, true);
+    let (names, plans): (Vec<_>, Vec<_>) = plans.into_iter().unzip();
+    let (rows, outcome) = sweep::rows(&plans, &Interrupt::default(), true);
+    outcome.unwrap();
+    let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
+    for (name, made) in names.into_iter().zip(plans.into_iter().zip(rows)) {
+        runs.insert(name, made);
+    }
+    assert_eq!(runs.failures(), [""; 0]);
+    for experiment in chapter_3() {
+        for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
+            assert_ne!(line.ours, Ours::Missing, "{} {}", experiment.id, line.what);
+        }
+    }
+}
