@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use sextant_channel::{Position, Stop};
 
-use crate::MapError;
+use crate::{MapError, SoughtHeights};
 
 /// Octets of a window per vertex: its log-likelihood.
 const OCTETS_PER_VERTEX: f64 = 8.0;
@@ -38,9 +38,9 @@ impl Lattice {
     /// The lattice that holds every place within `range_m` of a stop. Its vertices are a fixed set of places in
     /// the world (at odd fractions of a step), whatever the stops, so that a longer survey keeps them.
     ///
-    /// `z_range_m` bounds the heights. Without it the lattice is planar at the height of the stops if they
-    /// share one, and reaches `range_m` below and above them otherwise. A height range below one step has one
-    /// layer of vertices, in its middle.
+    /// `z_range_m` bounds the heights. Without it the lattice is planar at the height of the stops if they are level to
+    /// a twentieth of `range_m`, and reaches `range_m` below and above them otherwise. A height range below one step has
+    /// one layer of vertices, in its middle.
     ///
     /// # Errors
     /// [`MapError::GridTooLarge`] if the window of one node, at most `2 range_m` wide, needs more than
@@ -61,15 +61,12 @@ impl Lattice {
                 high[axis] = high[axis].max(value);
             }
         }
-        for axis in 0..3 {
-            if axis < 2 || high[2] > low[2] {
-                low[axis] -= range_m;
-                high[axis] += range_m;
-            }
+        for axis in 0..2 {
+            low[axis] -= range_m;
+            high[axis] += range_m;
         }
-        if let Some(range) = z_range_m {
-            [low[2], high[2]] = range;
-        }
+        let heights = SoughtHeights::of(stops, z_range_m, range_m).ok_or(MapError::NoStops)?;
+        (low[2], high[2]) = (heights.low_m, heights.high_m);
         let size =
             |step: f64| Size::of([0, 1, 2].map(|axis| extent(low[axis], high[axis], step, axis).1), range_m, step);
         let needed = size(step_m);

@@ -1,43 +1,8 @@
 //! The posterior of one node round a place near which it is known to be.
 
-use sextant_channel::{Position, Stop};
+use sextant_channel::Position;
 
-/// Where nodes may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Heights {
-    /// All at one height [m].
-    Level(f64),
-    /// Anywhere between two heights [m], which may be infinite.
-    Between(f64, f64),
-}
-
-impl Heights {
-    /// Between the heights of `z_range_m`, if given; otherwise at the height of the stops, if they share one, and anywhere
-    /// if they do not. `None` without stops.
-    pub(crate) fn of(stops: &[Stop], z_range_m: Option<[f64; 2]>) -> Option<Self> {
-        let first = stops.first()?.position.z_m;
-        Some(match z_range_m {
-            Some([low, high]) if high > low => Self::Between(low, high),
-            Some([z_m, _]) => Self::Level(z_m),
-            None if are_level(stops) => Self::Level(first),
-            None => Self::Between(f64::NEG_INFINITY, f64::INFINITY),
-        })
-    }
-
-    /// The height that is allowed and nearest to `z_m` [m].
-    pub(crate) fn clamp(self, z_m: f64) -> f64 {
-        match self {
-            Self::Level(level_m) => level_m,
-            Self::Between(low, high) => z_m.clamp(low, high),
-        }
-    }
-}
-
-/// Whether all stops have one height.
-#[expect(clippy::float_cmp, reason = "stops of a planar survey have the very same height")]
-pub(crate) fn are_level(stops: &[Stop]) -> bool {
-    stops.windows(2).all(|pair| pair[0].position.z_m == pair[1].position.z_m)
-}
+use crate::heights::Heights;
 
 /// Places with their posterior probabilities, and how far they spread.
 #[derive(Clone, Debug)]

@@ -11,8 +11,8 @@ use sextant_kernel::{NodeId, SettingError};
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
 use crate::{
-    CoordinateFrame, Estimate, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig, Surface,
-    TopologyMap,
+    CoordinateFrame, Estimate, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights,
+    Surface, TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -33,8 +33,9 @@ pub struct MlTmConfig {
     /// Which place `argmax` takes if several vertices have the highest likelihood.
     #[serde(default)]
     pub ties: TieRule,
-    /// Lowest and highest height of a node [m]. Without it a log with all stops at one height is mapped in the
-    /// plane of the stops, any other from `range_m` below to `range_m` above them.
+    /// Lowest and highest height of a node [m]. Without it a log whose stops share one height, or differ by no more than
+    /// a twentieth of `range_m`, is mapped in the plane of the stops, any other from `range_m` below to `range_m` above
+    /// them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
     /// What is made of the antenna sectors in which nodes were heard. If absent, those that the log tells of are evidence.
@@ -164,6 +165,7 @@ impl MlTm {
             estimates: vec![None; log.node_count()],
             grid_step_m: Some(self.grid_step_m),
             vertices_evaluated: 0,
+            heights: SoughtHeights::of(log.stops(), self.z_range_m, self.profile.range_m()),
             frame: CoordinateFrame::World,
         };
         if log.receptions().is_empty() {

@@ -4,10 +4,11 @@ use rayon::prelude::*;
 use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError};
 
-use crate::local_posterior::{Heights, LocalPosterior, covariance, local_posterior};
+use crate::heights::Heights;
+use crate::local_posterior::{LocalPosterior, covariance, local_posterior};
 use crate::node_evidence::NodeEvidence;
 use crate::profile::KnownLink;
-use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, TopologyMap};
+use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, SoughtHeights, TopologyMap};
 
 /// ML-TM under a channel whose obstacles are known: the likelihood of a place counts for each stop what the obstacles on the
 /// straight line to it absorb.
@@ -52,7 +53,7 @@ impl ObstacleMlTm {
     pub fn map(&self, log: &ReceptionLog, obstacles: &ObstacleField) -> Result<TopologyMap, MapError> {
         let log = &*self.start.counted(log);
         let start = self.start.map(log)?;
-        let Some(heights) = Heights::of(log.stops(), self.z_range_m) else { return Ok(start) };
+        let Some(heights) = start.heights.map(SoughtHeights::heights) else { return Ok(start) };
         let estimates = (start.estimates.par_iter().enumerate())
             .map(|(node, start)| {
                 let start = start.as_ref()?;

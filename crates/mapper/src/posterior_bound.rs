@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::local_posterior::{Heights, local_posterior};
+use crate::heights::Heights;
+use crate::local_posterior::local_posterior;
 use crate::node_evidence::NodeEvidence;
 
 /// What is true of a simulated survey: what the bound is computed from.

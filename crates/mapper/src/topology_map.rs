@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{Reflection, Similarity};
+use crate::{Reflection, Similarity, SoughtHeights};
 
 /// Where the nodes are, as far as an algorithm can tell from a reception log.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub struct TopologyMap {
     pub grid_step_m: Option<f64>,
     /// Grid vertices whose likelihood was computed, summed over the nodes; 0 without a grid.
     pub vertices_evaluated: u64,
+    /// At which heights nodes were sought; `None` for an algorithm that searches no heights.
+    pub heights: Option<SoughtHeights>,
     /// What the places are relative to.
     pub frame: CoordinateFrame,
 }
@@ -55,7 +57,7 @@ impl TopologyMap {
         let estimate =
             |position| Estimate { position, log_likelihood: None, ties: 1, covariance: None, infeasible: false };
         let estimates = places.into_iter().map(|place| place.map(estimate)).collect();
-        Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, frame }
+        Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, heights: None, frame }
     }
 
     /// A relative map brought into the world, part by part, by the similarity that fits the `known` places of nodes

@@ -38,7 +38,7 @@ pub fn map(
             named.mapper.map_and_learn(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
         let (map, alignment) = in_world(map, truth.as_deref());
         let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
-        let summary = measure(named, &map, learned.as_ref(), truth, &settings.metrics);
+        let summary = measure(named, &map, learned.as_ref(), input.log.names(), truth, &settings.metrics);
         summaries.push(MapSummary { alignment: Some(alignment), ..summary });
         if let Some(out) = out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };

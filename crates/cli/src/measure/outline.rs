@@ -1,18 +1,25 @@
 //! What a map says of itself, as a part of the summary.
 
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Fit, Learned, ObstacleKnowledge, PositionError, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, ObstacleKnowledge, PositionError,
+    SoughtHeights, TopologyMap,
 };
 
 use crate::scenario::NamedMap;
-use crate::summary::{CalibrationSummary, ErrorSummary, FittedProfileSummary, MapSummary};
+use crate::summary::{
+    CalibrationSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary, MapSummary,
+};
 
-/// What a map says of itself, without a look at the truth.
+/// What a map of nodes with these `names` says of itself, without a look at the truth.
 #[must_use]
-pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>) -> MapSummary {
+pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
+    let mut at_bound = Vec::new();
     let (fitted_profile, calibration) = match learned {
         Some(Learned::Profile(fit)) => (Some(fit.into()), None),
-        Some(Learned::Calibration(calibration)) => (None, Some(calibration.into())),
+        Some(Learned::Calibration(calibration)) => {
+            at_bound.extend(calibration.at_bound.iter().map(|node| names[node.index()].clone()));
+            (None, Some(calibration.into()))
+        }
         _ => (None, None),
     };
     let name = &named.name;
@@ -23,6 +30,8 @@ pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>) -
         knowledge: named.mapper.uses().to_vec(),
         fitted_profile,
         calibration,
+        at_bound,
+        heights: map.heights.map(HeightsSummary::from),
         coincident: (coincident > 0).then_some(coincident),
         mapped: map.mapped(),
         unmapped: map.unmapped(),
@@ -61,6 +70,7 @@ impl From<&Calibration> for CalibrationSummary {
             rounds: calibration.rounds,
             converged: calibration.converged,
             range_m,
+            curve_at_bound: calibration.curve_at_bound,
             probability: calibration.curve.as_ref().map(along).unwrap_or_default(),
             efficiency: if efficiency.is_empty() { Vec::new() } else { (0..=4).map(quarter).collect() },
             obstacle_knowledge: match calibration.knowledge {
@@ -70,6 +80,18 @@ impl From<&Calibration> for CalibrationSummary {
             },
             absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
         }
+    }
+}
+
+impl From<SoughtHeights> for HeightsSummary {
+    fn from(SoughtHeights { low_m, high_m, reason }: SoughtHeights) -> Self {
+        let (from, uneven_m) = match reason {
+            HeightReason::Settings => (HeightsSource::Settings, None),
+            HeightReason::LevelStops => (HeightsSource::Stops, None),
+            HeightReason::UnevenStops(span_m) => (HeightsSource::Stops, Some(span_m)),
+            HeightReason::Reach => (HeightsSource::Reach, None),
+        };
+        Self { low_m, high_m, from, uneven_m }
     }
 }
 

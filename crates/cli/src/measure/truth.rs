@@ -38,7 +38,7 @@ pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, A
 /// Nodes of a part of a map, at least, that are aligned to the truth: fewer fit anything.
 const LEAST_TO_ALIGN: usize = 4;
 
-/// What a map says of itself and, if the true place of each node is known, how far it is from the truth.
+/// What a map of nodes with these `names` says of itself and, if the true place of each node is known, how far it is from the truth.
 /// Connectivity is measured at each radius of `metrics`; a measure that the nodes do not allow (all in one place, say)
 /// is absent.
 ///
@@ -48,11 +48,12 @@ pub fn measure(
     named: &NamedMap,
     map: &TopologyMap,
     learned: Option<&Learned>,
+    names: &[String],
     truth: Option<Truth<'_>>,
     metrics: &MetricsConfig,
 ) -> MapSummary {
     let Some(Truth { places: truth, anchors }) = truth else {
-        return outline(named, map, learned);
+        return outline(named, map, learned, names);
     };
     let mapped = map.positions();
     let mut found = mapped.clone();
@@ -73,7 +74,7 @@ pub fn measure(
         false_neighbour_rate: first.false_neighbour_rate,
         topology_preservation_error: topology_preservation_error(truth, &mapped),
         connectivity_errors,
-        ..outline(named, map, learned)
+        ..outline(named, map, learned, names)
     }
 }
 

@@ -44,7 +44,7 @@ pub fn evaluate(
         alignment: Some(alignment),
         message_energy_j: message_energy_j(scenario, &named.mapper, survey, discoveries),
         posterior_bound_m: bound_m.filter(|_| named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)),
-        ..measure(named, &map, learned.as_ref(), Some(truth), scenario.metrics())
+        ..measure(named, &map, learned.as_ref(), survey.log.names(), Some(truth), scenario.metrics())
     };
     Ok(Evaluation { map, learned, summary })
 }

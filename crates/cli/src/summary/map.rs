@@ -48,6 +48,12 @@ pub struct MapSummary {
     /// What was estimated beside the map, if it is self-calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationSummary>,
+    /// Nodes that might as well be farther away than they were sought, so that their places say little.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub at_bound: Vec<String>,
+    /// At which heights nodes were sought, by an algorithm that has to search them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heights: Option<HeightsSummary>,
     /// The same after the best rotation, reflection, scale and shift [m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_m: Option<ErrorSummary>,
@@ -98,16 +104,46 @@ pub struct FittedProfileSummary {
     pub outliers: usize,
 }
 
+/// At which heights nodes were sought, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeightsSummary {
+    /// The lowest height [m].
+    pub low_m: f64,
+    /// The highest height [m]; the lowest one again for a map in a plane.
+    pub high_m: f64,
+    /// What says so.
+    pub from: HeightsSource,
+    /// How much the heights of the stops differ, if that is too little to tell heights of nodes [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uneven_m: Option<f64>,
+}
+
+/// What says at which heights nodes are sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeightsSource {
+    /// The settings of the map.
+    Settings,
+    /// The stops, which are in one plane, or nearly.
+    Stops,
+    /// The stops, which have several heights, and how far packets reach.
+    Reach,
+}
+
 /// What was estimated beside a self-calibrated map, and from which knowledge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CalibrationSummary {
     /// Rounds of the estimation.
     pub rounds: u32,
-    /// Whether it converged.
+    /// Whether it converged; it did not if a node or the curve is at its bound.
     pub converged: bool,
     /// Distance beyond which less than one packet in a hundred arrives [m]; absent if the log is too poor to tell a curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_m: Option<f64>,
+    /// Whether packets arrive even over the longest distance that the curve has, so that its range says little; absent if
+    /// not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub curve_at_bound: bool,
     /// Probability of a reception over a clear link at a stop of average efficiency at 0, 1/8, 2/8, .. of the range.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probability: Vec<f64>,

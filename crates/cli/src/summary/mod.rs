@@ -12,8 +12,8 @@ mod timing;
 
 pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSummary, RoundSummary};
 pub use map::{
-    AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, MapSummary,
-    NODE_ERRORS,
+    AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, HeightsSource,
+    HeightsSummary, MapSummary, NODE_ERRORS,
 };
 pub use measures::{Measure, Number, Unit};
 pub use summary::{ApplicationSummary, ScenarioSummary, SimulationSummary, Summary};

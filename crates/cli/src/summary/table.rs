@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
-use super::map::{AlignmentSummary, ErrorSummary, MapSummary};
+use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
 use super::summary::Summary;
 use super::timing::Timing;
 use crate::text::{Align, columns, counted};
@@ -32,6 +32,8 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         maps(&summary.maps, out)?;
         fitted_profiles(&summary.maps, out)?;
         calibrations(&summary.maps, out)?;
+        bounds(&summary.maps, out)?;
+        heights(&summary.maps, out)?;
         writeln!(out)?;
     }
     for application in &summary.applications {
@@ -200,6 +202,56 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
         match calibration.absorbing_m2 {
             Some(area_m2) => writeln!(out, "; {area_m2:.0} m² absorb by {knowledge}")?,
             None => writeln!(out, "; no obstacles by {knowledge}")?,
+        }
+    }
+    Ok(())
+}
+
+/// Nodes that are named where some are at their bound.
+const NAMED: usize = 10;
+
+/// What is at the bound of where it was sought.
+fn bounds(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        if let [_, ..] = map.at_bound[..] {
+            let count = map.at_bound.len();
+            let (nodes, is) = (counted(count, "node"), if count == 1 { "is" } else { "are" });
+            let named = map.at_bound[..count.min(NAMED)].join(", ");
+            let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
+            writeln!(
+                out,
+                "{name}: warning: {nodes} {is} at the bound of the search, their places say little: {named}{more}"
+            )?;
+        }
+        if let Some(calibration) = map.calibration.as_ref().filter(|calibration| calibration.curve_at_bound) {
+            let range_m = calibration.range_m.unwrap_or_default();
+            writeln!(
+                out,
+                "{name}: warning: packets arrive over all distances that the log tells of: the curve has no end at {range_m:.2} m"
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// At which heights nodes were sought, where the stops do not all share one height and no setting says so.
+fn heights(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(HeightsSummary { low_m, high_m, from, uneven_m }) = map.heights else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        match (from, uneven_m) {
+            (HeightsSource::Reach, _) => writeln!(
+                out,
+                "{name}: heights sought from {low_m:.2} to {high_m:.2} m, as far from the stops as packets reach \
+                 (z_range_m sets others)"
+            )?,
+            (_, Some(uneven_m)) => writeln!(
+                out,
+                "{name}: nodes sought in the plane at {low_m:.2} m, because the heights of the stops differ by only \
+                 {uneven_m:.2} m (z_range_m sets other heights)"
+            )?,
+            _ => {}
         }
     }
     Ok(())

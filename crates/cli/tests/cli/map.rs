@@ -199,3 +199,67 @@ fn a_stop_that_is_nowhere_is_refused_with_its_line() {
     assert_eq!(code, 2);
     assert!(stderr.contains("stops.csv") && stderr.contains("1e308"), "{stderr}");
 }
+
+/// Replaces the stops and the receptions of a survey: `heights_m` of twelve stops on a circle of 4 m, each of which received
+/// `received` of ten packets of each of three nodes.
+fn round_survey(folder: &Path, heights_m: impl Fn(u32) -> f64, received: u32) {
+    let (mut stops, mut receptions) = ("stop,t_s,x_m,y_m,z_m\n".to_owned(), "node,stop,received,sent\n".to_owned());
+    for stop in 0..12 {
+        let angle = f64::from(stop) * std::f64::consts::TAU / 12.0;
+        let (x_m, y_m) = (4.0 * angle.cos(), 4.0 * angle.sin());
+        writeln!(stops, "{stop},{stop},{x_m},{y_m},{}", heights_m(stop)).expect("a string grows");
+        for node in ["a", "b", "c"] {
+            writeln!(receptions, "{node},{stop},{received},10").expect("a string grows");
+        }
+    }
+    for (name, text) in [("log/stops.csv", stops), ("log/receptions.csv", receptions)] {
+        std::fs::write(folder.join(name), text).expect("there is room");
+    }
+}
+
+#[test]
+fn a_map_says_at_which_heights_it_sought_nodes() {
+    let folder = survey();
+    for algorithm in ["ml-tm", "self-calibrated"] {
+        let summary = |heights_m: fn(u32) -> f64| {
+            round_survey(folder.path(), heights_m, 9);
+            let (code, stdout, stderr) = map(folder.path(), &["--algorithm", algorithm, "--format", "json"]);
+            assert_eq!(code, 0, "{stderr}");
+            let summary: Value = serde_json::from_str(&stdout).expect("JSON");
+            (summary["maps"][0]["heights"].clone(), map(folder.path(), &["--algorithm", algorithm]).1)
+        };
+        let (heights, text) = summary(|_| 1.0);
+        assert_eq!(heights, serde_json::json!({"low_m": 1.0, "high_m": 1.0, "from": "stops"}));
+        assert!(!text.contains("z_range_m"), "{text}");
+        let (heights, text) = summary(|stop| f64::from(stop % 2) * 0.0625);
+        assert_eq!(
+            heights,
+            serde_json::json!({"low_m": 0.03125, "high_m": 0.03125, "from": "stops", "uneven_m": 0.0625})
+        );
+        assert!(text.contains("plane at 0.03 m, because the heights of the stops differ by only 0.06 m"), "{text}");
+        let (heights, text) = summary(|stop| f64::from(stop % 2) * 2.0);
+        assert_eq!(heights["from"], "reach");
+        assert!(heights["low_m"].as_f64() < Some(0.0) && heights["high_m"].as_f64() > Some(2.0), "{heights}");
+        assert!(text.contains(&format!("{algorithm}: heights sought from -")), "{text}");
+    }
+}
+
+#[test]
+fn a_curve_without_an_end_and_nodes_at_their_bound_are_told() {
+    let folder = survey();
+    round_survey(folder.path(), |_| 0.0, 5);
+    let words = ["--algorithm", "self-calibrated"];
+    let (_, stdout, _) = map(folder.path(), &[&words[..], &["--format", "json"]].concat());
+    let summary: Value = serde_json::from_str(&stdout).expect("JSON");
+    let mapped = &summary["maps"][0];
+    let calibration = &mapped["calibration"];
+    assert_eq!((&calibration["converged"], &calibration["curve_at_bound"]), (&false.into(), &true.into()));
+    // Nothing in the log tells one place from another, those at the bound of the search included.
+    assert_eq!(mapped["at_bound"], serde_json::json!(["a", "b", "c"]), "{mapped:#}");
+    let (_, text, _) = map(folder.path(), &words);
+    assert!(
+        text.contains("warning: 3 nodes are at the bound of the search, their places say little: a, b, c"),
+        "{text}"
+    );
+    assert!(text.contains("did not converge") && text.contains("the curve has no end"), "{text}");
+}

@@ -9,7 +9,9 @@ use sextant_kernel::{NodeId, SettingError};
 use super::ranging::{Ranging, RangingConfig};
 use crate::lattice::whole;
 use crate::local_posterior::covariance;
-use crate::{CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights, TopologyMap,
+};
 
 /// The Bayesian grid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -145,6 +147,7 @@ impl RssGrid {
             return Ok(map);
         }
         let range_m = self.range_m();
+        map.heights = SoughtHeights::of(log.stops(), self.z_range_m, range_m);
         let lattice = Lattice::covering(log.stops(), range_m, self.grid_step_m, self.z_range_m, ALLOWED_BYTES)?;
         let bytes = lattice.len().saturating_mul(8);
         if bytes > ALLOWED_BYTES {

@@ -5,8 +5,9 @@ use sextant_kernel::NodeId;
 
 use super::curve::{Counts, FittedCurve};
 use super::receivers;
+use crate::heights::Heights;
 use crate::lattice::whole;
-use crate::local_posterior::{Heights, LocalPosterior, local_posterior};
+use crate::local_posterior::{LocalPosterior, local_posterior};
 
 /// Smallest step of a grid, in bins of the curve.
 const LEAST_STEP: f64 = 0.5;
@@ -37,10 +38,7 @@ impl Belief {
         // A survey may be a straight line: nodes lie beside it.
         let widest = spread_m.iter().fold(0.0_f64, |widest, &spread| widest.max(spread));
         let spread_m = spread_m.map(|spread| spread.max(0.5 * widest));
-        match heights {
-            Heights::Level(z_m) => mean[2] = z_m,
-            Heights::Between(low, high) => mean[2] = mean[2].clamp(low, high),
-        }
+        mean[2] = heights.clamp(mean[2]);
         Self { mean: mean.into(), spread_m }
     }
 }

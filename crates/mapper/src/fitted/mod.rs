@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, SettingError};
 
-use crate::local_posterior::Heights;
+use crate::heights::{Heights, SoughtHeights};
 use crate::profile::averaged_over_cell;
+use crate::reach::{heard_nodes, reach_m};
 use crate::{ReceptionProfile, TableProfile};
 use curve::{Counts, FittedCurve};
 use expectation::{Belief, Round};
@@ -82,13 +83,14 @@ const ROUNDS_BEFORE_TESTS: u32 = 6;
 
 impl Fitted {
     /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes [m]; if
-    /// absent they are at the height of the stops if these share one, and anywhere otherwise.
+    /// absent they are at the height of the stops if these are level, and otherwise as far below and above them as
+    /// packets reach.
     /// The same bits for any number of threads.
     #[must_use]
     pub fn fit(&self, log: &ReceptionLog, z_range_m: Option<[f64; 2]>) -> Option<Fit> {
-        let heights = Heights::of(log.stops(), z_range_m)?;
-        let heard: Vec<NodeId> =
-            (0..log.node_count()).map(NodeId::from_index).filter(|&node| is_heard(log, node)).collect();
+        let heard_nodes = heard_nodes(log);
+        let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m(log, &heard_nodes))?.heights();
+        let heard: Vec<NodeId> = heard_nodes.iter().map(|heard| heard.node).collect();
         let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];
         let sample: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
         let mut beliefs: Vec<Belief> = sample.iter().map(|&node| Belief::first(log, node, heights)).collect();
@@ -182,10 +184,6 @@ impl Fit {
         }
         .expect("a part of a log is a log")
     }
-}
-
-fn is_heard(log: &ReceptionLog, node: NodeId) -> bool {
-    log.of(node).iter().any(|reception| reception.received > 0)
 }
 
 /// Where stops at which a node was heard lie, with the packets heard.

@@ -1,16 +1,18 @@
 //! The self-calibrated map.
 
 use sextant_channel::ReceptionLog;
-use sextant_kernel::SettingError;
+use sextant_kernel::{NodeId, SettingError};
 
 use super::absorption::AbsorptionMap;
+use super::bounds::Limits;
 use super::counts::Counts;
 use super::draft::Draft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
-use crate::local_posterior::{Heights, are_level};
-use crate::{CoordinateFrame, Estimate, KnowledgeKind, TopologyMap};
+use crate::heights::are_level;
+use crate::reach::reach_m;
+use crate::{CoordinateFrame, Estimate, KnowledgeKind, SoughtHeights, TopologyMap};
 
 /// Grid steps over the range that the log shows, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
@@ -49,8 +51,14 @@ pub struct Calibration {
     pub obstacles: Option<AbsorptionMap>,
     /// Rounds of positions, curve and obstacles.
     pub rounds: u32,
-    /// Whether the last round moved the nodes by less than a twentieth of the grid step on average.
+    /// Whether the last round moved the nodes by less than a twentieth of the grid step on average, and neither a node
+    /// nor the curve is at its bound.
     pub converged: bool,
+    /// Nodes that might as well be farther away than they were sought: a node is sought within reach of the stops that
+    /// heard it, and its place says little if it is at the end of that.
+    pub at_bound: Vec<NodeId>,
+    /// Whether the curve goes on farther than the log tells: over the longest distance that there is, packets still arrive.
+    pub curve_at_bound: bool,
 }
 
 impl SelfCalibrated {
@@ -76,19 +84,23 @@ impl SelfCalibrated {
             estimates: vec![None; log.node_count()],
             grid_step_m: self.settings.grid_step_m,
             vertices_evaluated: 0,
+            heights: None,
             frame: CoordinateFrame::World,
         };
-        let (Some(start), Some(heights)) = (Start::of(log), Heights::of(log.stops(), self.settings.z_range_m)) else {
+        let Some(start) = Start::of(log) else { return (map, None) };
+        let reach_m = reach_m(log, &start.nodes);
+        let Some(heights) = SoughtHeights::of(log.stops(), self.settings.z_range_m, reach_m) else {
             return (map, None);
         };
-        let is_spatial = matches!(heights, Heights::Between(..));
+        map.heights = Some(heights);
+        let is_spatial = heights.high_m > heights.low_m;
         let step_m = self.settings.grid_step_m.unwrap_or(start.range_m / STEPS_PER_RANGE[usize::from(is_spatial)]);
         // Over stops at several heights a robot passes above and below what is in its way elsewhere.
-        let applies = start.is_rich && are_level(log.stops());
+        let applies = start.is_rich && are_level(log.stops(), reach_m);
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
         let counts = Counts::new(log, start.range_m);
-        let mut draft = Draft::new(&counts, &start, heights);
-        let converged = self.run(&mut draft, start.range_m, step_m, knowledge);
+        let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights));
+        let settled = self.run(&mut draft, start.range_m, step_m, knowledge);
         for belief in &draft.beliefs.nodes {
             map.estimates[belief.node.index()] = Some(Estimate {
                 position: belief.mean,
@@ -100,12 +112,17 @@ impl SelfCalibrated {
         }
         map.grid_step_m = Some(step_m);
         map.vertices_evaluated = draft.vertices;
+        let at_bound: Vec<NodeId> =
+            draft.beliefs.nodes.iter().filter(|belief| belief.at_bound).map(|belief| belief.node).collect();
+        let curve_at_bound = start.is_rich && draft.model.is_at_bound();
         let calibration = Calibration {
             curve: start.is_rich.then(|| draft.model.curve()),
             efficiency: draft.model.efficiencies().to_vec(),
             knowledge,
             rounds: draft.rounds,
-            converged,
+            converged: settled && at_bound.is_empty() && !curve_at_bound,
+            at_bound,
+            curve_at_bound,
             obstacles: draft.into_obstacles(),
         };
         (map, Some(calibration))

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::bounds::Bounds;
 use super::model::Sums;
 use super::posterior::{Belief, Scratch, Surroundings, Tally};
 
@@ -12,6 +13,8 @@ const BLOCK: usize = 512;
 #[derive(Debug)]
 pub(super) struct Beliefs {
     pub(super) nodes: Vec<Belief>,
+    /// Where each of them may be.
+    bounds: Vec<Bounds>,
     tallies: Vec<Tally>,
     next: Vec<Belief>,
 }
@@ -25,9 +28,9 @@ pub(super) struct Progress {
 }
 
 impl Beliefs {
-    pub(super) fn new(nodes: Vec<Belief>, bins: usize) -> Self {
+    pub(super) fn new(nodes: Vec<Belief>, bounds: Vec<Bounds>, bins: usize) -> Self {
         let tallies = vec![Tally::new(bins); nodes.len().min(BLOCK)];
-        Self { next: nodes.clone(), nodes, tallies }
+        Self { next: nodes.clone(), nodes, bounds, tallies }
     }
 
     /// Computes the posterior of each node again, and adds their counts to `sums`, in the order of the nodes whatever
@@ -35,12 +38,13 @@ impl Beliefs {
     pub(super) fn refine(&mut self, surroundings: &Surroundings<'_>, sums: &mut Sums) -> Progress {
         sums.clear();
         let (mut shift_m, mut vertices) = (0.0, 0);
-        for (before, after) in self.nodes.chunks(BLOCK).zip(self.next.chunks_mut(BLOCK)) {
+        let blocks = self.nodes.chunks(BLOCK).zip(self.bounds.chunks(BLOCK)).zip(self.next.chunks_mut(BLOCK));
+        for ((before, bounds), after) in blocks {
             let tallies = &mut self.tallies[..before.len()];
-            let work = before.par_iter().zip(after.par_iter_mut()).zip(tallies.par_iter_mut());
-            work.with_min_len(8).for_each_init(Scratch::default, |scratch, ((before, after), tally)| {
+            let work = before.par_iter().zip(bounds).zip(after.par_iter_mut()).zip(tallies.par_iter_mut());
+            work.with_min_len(8).for_each_init(Scratch::default, |scratch, (((before, bounds), after), tally)| {
                 tally.vertices = 0;
-                *after = surroundings.refine(scratch, before, tally);
+                *after = surroundings.refine(scratch, bounds, before, tally);
             });
             for ((before, after), tally) in before.iter().zip(after.iter()).zip(tallies.iter()) {
                 shift_m += before.mean.distance_m(after.mean);

@@ -1,6 +1,7 @@
 //! A self-calibrated map in the making.
 
 use super::beliefs::Beliefs;
+use super::bounds::Limits;
 use super::counts::Counts;
 use super::model::{Model, Sums};
 use super::posterior::{Belief, Obstacles, Surroundings};
@@ -8,7 +9,6 @@ use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::Tomography;
-use crate::local_posterior::Heights;
 
 /// Rounds with stops of one efficiency: the first curves are too rough to tell stops apart.
 const EQUAL_ROUNDS: u32 = 2;
@@ -23,7 +23,6 @@ pub(super) struct Draft<'a> {
     pub(super) beliefs: Beliefs,
     pub(super) model: Model,
     sums: Sums,
-    heights: Heights,
     tomography: Option<Tomography>,
     shadows: Shadows,
     /// Whether the absorption found is used.
@@ -35,18 +34,22 @@ pub(super) struct Draft<'a> {
 }
 
 impl<'a> Draft<'a> {
-    pub(super) fn new(counts: &'a Counts<'a>, start: &Start, heights: Heights) -> Self {
+    pub(super) fn new(counts: &'a Counts<'a>, start: &Start, limits: &Limits) -> Self {
         let model = Model::new(start.range_m, counts.log.stops().len());
-        let nodes = start.nodes.iter().map(|&(node, mut mean)| {
-            mean.z_m = heights.clamp(mean.z_m);
-            Belief { node, mean, highest: f64::NEG_INFINITY, covariance: [[0.0; 3]; 3] }
+        let bounds: Vec<_> = start.nodes.iter().map(|heard| limits.bounds(heard)).collect();
+        let nodes = start.nodes.iter().zip(&bounds).map(|(heard, bounds)| Belief {
+            node: heard.node,
+            mean: bounds.nearest(heard.middle),
+            highest: f64::NEG_INFINITY,
+            covariance: [[0.0; 3]; 3],
+            at_bound: false,
         });
+        let nodes = nodes.collect();
         Self {
             counts,
-            beliefs: Beliefs::new(nodes.collect(), model.bins()),
+            beliefs: Beliefs::new(nodes, bounds, model.bins()),
             sums: model.sums(),
             model,
-            heights,
             tomography: None,
             shadows: Shadows::default(),
             is_obstructed: false,
@@ -100,7 +103,6 @@ impl<'a> Draft<'a> {
             counts: self.counts,
             model: &self.model,
             obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
-            heights: self.heights,
             step_m,
         };
         let progress = self.beliefs.refine(&surroundings, &mut self.sums);

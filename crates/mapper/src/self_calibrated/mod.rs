@@ -17,6 +17,7 @@
 mod absorption;
 mod algorithm;
 mod beliefs;
+mod bounds;
 mod counts;
 mod draft;
 mod lines;

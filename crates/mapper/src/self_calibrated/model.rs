@@ -211,6 +211,11 @@ impl Model {
         self.range_m = range_m;
     }
 
+    /// Whether the curve is still above nothing in the last bin.
+    pub(super) fn is_at_bound(&self) -> bool {
+        self.clear.last().is_some_and(|&clear| clear > RARE)
+    }
+
     /// The curve for everybody.
     pub(super) fn curve(&self) -> CalibratedCurve {
         #[expect(clippy::cast_precision_loss, reason = "a number of stops")]

@@ -4,10 +4,11 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
 use super::absorption::AbsorptionMap;
+use super::bounds::Bounds;
 use super::counts::{Counts, Link, Record};
 use super::model::Model;
 use super::shadows::Shadows;
-use crate::local_posterior::{Heights, covariance};
+use crate::local_posterior::covariance;
 
 /// Steps from the middle of a window to its edge, at least.
 const REACH: usize = 4;
@@ -21,6 +22,9 @@ const COARSENESS: f64 = 0.8;
 const NEGLIGIBLE: f64 = 1e-4;
 /// Packets whose probabilities are multiplied before a logarithm is taken: 10⁻⁶ to this power is a normal number.
 const CHUNK: u32 = 40;
+/// A place whose log-likelihood is this much below the highest is in the 95 % region: half the quantile of the chi-squared
+/// law with two degrees of freedom.
+const LIKELY: f64 = 3.0;
 /// Where vertices lie relative to round coordinates, in steps (powers of the golden ratio): an estimation lattice that
 /// matches the places of the nodes would flatter the estimate.
 const PHASE: [f64; 3] = [0.381_966, 0.236_068, 0.145_898];
@@ -35,6 +39,8 @@ pub(super) struct Belief {
     pub(super) highest: f64,
     /// Posterior covariance [m²].
     pub(super) covariance: [[f64; 3]; 3],
+    /// Whether places at the bounds of the node are about as likely as the likeliest.
+    pub(super) at_bound: bool,
 }
 
 impl Belief {
@@ -72,7 +78,6 @@ pub(super) struct Surroundings<'a> {
     pub(super) counts: &'a Counts<'a>,
     pub(super) model: &'a Model,
     pub(super) obstacles: Option<Obstacles<'a>>,
-    pub(super) heights: Heights,
     pub(super) step_m: f64,
 }
 
@@ -100,16 +105,24 @@ pub(super) struct Scratch {
     record: Record,
     links: Vec<Link>,
     axes: [Vec<f64>; 3],
+    /// Whether the bounds of the node cut the window off, at the low and the high end of each axis.
+    is_cut: [[bool; 2]; 3],
     log_likelihood: Vec<f64>,
     product: Vec<f64>,
     likely: Vec<(Position, f64)>,
 }
 
 impl Surroundings<'_> {
-    /// The posterior of a node round the last belief, and its counts.
-    pub(super) fn refine(&self, scratch: &mut Scratch, before: &Belief, tally: &mut Tally) -> Belief {
+    /// The posterior of a node round the last belief and within its bounds, and its counts.
+    pub(super) fn refine(
+        &self,
+        scratch: &mut Scratch,
+        bounds: &Bounds,
+        before: &Belief,
+        tally: &mut Tally,
+    ) -> Belief {
         tally.clear();
-        let radius_m = self.lay_window(scratch, before);
+        let radius_m = self.lay_window(scratch, bounds, before);
         let near_m = self.model.range_m() + radius_m;
         let far_m = self.model.last_bin_m().max(near_m);
         let Scratch { record, links, .. } = scratch;
@@ -148,33 +161,41 @@ impl Surroundings<'_> {
     }
 
     /// Sets the axes of the window; returns the distance from the last mean to its farthest vertex, at most [m].
-    fn lay_window(&self, scratch: &mut Scratch, before: &Belief) -> f64 {
-        let most = MOST[usize::from(matches!(self.heights, Heights::Between(..)))];
+    fn lay_window(&self, scratch: &mut Scratch, bounds: &Bounds, before: &Belief) -> f64 {
         let mean: [f64; 3] = before.mean.into();
-        let mut reach_m = [0.0; 3];
+        let most = MOST[usize::from(!bounds.is_level())];
+        let mut square = 0.0;
         for axis in 0..3 {
             let coordinates = &mut scratch.axes[axis];
             coordinates.clear();
-            let coarser = libm::log2(COARSENESS * before.spread_m(axis) / self.step_m).floor().clamp(0.0, 20.0);
-            let step = self.step_m * libm::exp2(coarser);
-            let half = crate::lattice::whole((SPREADS * before.spread_m(axis) / step).ceil()).clamp(REACH, most);
-            let half = u32::try_from(half).unwrap_or(u32::MAX);
-            let middle = (mean[axis] / step - PHASE[axis]).round() + PHASE[axis];
-            let all = (0..=2 * half).map(|i| (middle + f64::from(i) - f64::from(half)) * step);
-            match self.heights {
-                Heights::Level(z_m) if axis == 2 => coordinates.push(z_m),
-                Heights::Between(low, high) if axis == 2 => {
-                    coordinates.extend(all.filter(|&z_m| z_m >= low && z_m <= high));
-                    if coordinates.is_empty() {
-                        coordinates.push(mean[2].clamp(low, high));
+            let (low, high) = (bounds.low[axis], bounds.high[axis]);
+            let mut is_cut = [false; 2];
+            if low < high {
+                let spread_m = before.spread_m(axis);
+                let coarser = libm::log2(COARSENESS * spread_m / self.step_m).floor().clamp(0.0, 20.0);
+                let step = self.step_m * libm::exp2(coarser);
+                let half = crate::lattice::whole((SPREADS * spread_m / step).ceil()).clamp(REACH, most);
+                let half = u32::try_from(half).unwrap_or(u32::MAX);
+                let middle = (mean[axis] / step - PHASE[axis]).round() + PHASE[axis];
+                for along in (0..=2 * half).map(|i| (middle + f64::from(i) - f64::from(half)) * step) {
+                    if along < low {
+                        is_cut[0] = bounds.is_guessed[axis];
+                    } else if along > high {
+                        is_cut[1] = bounds.is_guessed[axis];
+                    } else {
+                        coordinates.push(along);
                     }
                 }
-                _ => coordinates.extend(all),
             }
+            if coordinates.is_empty() {
+                coordinates.push(mean[axis].clamp(low, high));
+            }
+            scratch.is_cut[axis] = is_cut;
             let ends = coordinates.first().into_iter().chain(coordinates.last());
-            reach_m[axis] = ends.map(|end| (end - mean[axis]).abs()).fold(0.0, f64::max);
+            let reach_m = ends.map(|end| (end - mean[axis]).abs()).fold(0.0, f64::max);
+            square += reach_m * reach_m;
         }
-        reach_m.iter().map(|reach_m| reach_m * reach_m).sum::<f64>().sqrt()
+        square.sqrt()
     }
 
     /// Computes the log-likelihood of each vertex.
@@ -292,7 +313,22 @@ impl Scratch {
         }
         let mean = mode + offset;
         let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
-        Belief { node, mean, highest: best.1, covariance }
+        Belief { node, mean, highest: best.1, covariance, at_bound: self.is_likely_at_cut(best.1) }
+    }
+
+    /// Whether a place where the window is cut off is about as likely as the likeliest, whose log-likelihood is `highest`.
+    fn is_likely_at_cut(&self, highest: f64) -> bool {
+        let Self { axes, is_cut, log_likelihood, .. } = self;
+        if is_cut.iter().all(|ends| *ends == [false; 2]) {
+            return false;
+        }
+        let is_at_cut =
+            |axis: usize, i: usize| is_cut[axis][0] && i == 0 || is_cut[axis][1] && i + 1 == axes[axis].len();
+        let [columns, rows, _] = [0, 1, 2].map(|axis| axes[axis].len());
+        log_likelihood.iter().enumerate().filter(|&(_, &value)| value >= highest - LIKELY).any(|(vertex, _)| {
+            let indices = [vertex % columns, vertex / columns % rows, vertex / (columns * rows)];
+            (0..3).any(|axis| is_at_cut(axis, indices[axis]))
+        })
     }
 }
 

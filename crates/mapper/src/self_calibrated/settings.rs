@@ -13,14 +13,15 @@ pub struct SelfCalibratedConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
     /// Which knowledge of obstacles is used. Obstacles are thought of as upright, and are sought only if all stops share
-    /// one height; else none is used.
+    /// one height, or nearly; else none is used.
     #[serde(default)]
     pub obstacles: ObstacleKnowledge,
     /// Rounds of positions, curve and obstacles, at most, but for one of each stage; 1 or more.
     #[serde(default = "default_max_rounds")]
     pub max_rounds: u32,
-    /// Lowest and highest height of a node [m]. Without it a log with all stops at one height is mapped in the
-    /// plane of the stops, any other as far below and above them as packets reach.
+    /// Lowest and highest height of a node [m]. Without it a log whose stops share one height, or differ by no more than a
+    /// twentieth of how far packets reach, is mapped in the plane of the stops, any other as far below and above them as
+    /// packets reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
 }

@@ -4,15 +4,14 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::Seed;
 
-use crate::purpose;
-
 use super::absorption::AbsorptionMap;
 use super::counts::{Counts, Record};
 use super::lines::{Half, Line, Lines};
 use super::model::Model;
 use super::posterior::Belief;
 use super::settings::ObstacleKnowledge;
-use super::start::gap_m;
+use crate::purpose;
+use crate::reach::gap_m;
 
 /// Parts that the lines are dealt to, whatever the threads, so that sums have one order.
 const PARTS: usize = 8;

@@ -248,6 +248,7 @@ fn a_map_has_a_row_for_each_node_that_is_placed() {
         estimates: vec![estimate(0.1, 1, None), None, estimate(-3.0, 4, None)],
         grid_step_m: Some(0.1),
         vertices_evaluated: 7,
+        heights: None,
         frame: CoordinateFrame::World,
     };
     robot_log::write_map(&path, &names, &map).unwrap();

@@ -1,0 +1,89 @@
+//! At which heights nodes are sought.
+
+use sextant_channel::Stop;
+
+/// Stops whose heights differ by at most this share of the reach of the radios tell nothing of the heights of nodes: a
+/// node above them and its mirror image below are then about equally far from each stop. The floor is uneven.
+const UNEVEN: f64 = 0.05;
+
+/// The heights at which the nodes of a map were sought, and why these.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoughtHeights {
+    /// The lowest height [m].
+    pub low_m: f64,
+    /// The highest height [m]; the lowest one again for a map in a plane.
+    pub high_m: f64,
+    /// Why.
+    pub reason: HeightReason,
+}
+
+/// Why nodes were sought at these heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HeightReason {
+    /// The settings say so.
+    Settings,
+    /// All stops have this height.
+    LevelStops,
+    /// The heights of the stops differ by so little [m] that they tell nothing of the heights of nodes: the map is in the
+    /// plane half way between the lowest stop and the highest.
+    UnevenStops(f64),
+    /// Nodes are heard as far below the lowest stop and as far above the highest.
+    Reach,
+}
+
+impl SoughtHeights {
+    /// The heights of `z_range_m`, if given. Otherwise the height of the stops if they are level, and from `reach_m` below
+    /// the lowest of them to `reach_m` above the highest if they are not. `None` without stops.
+    pub(crate) fn of(stops: &[Stop], z_range_m: Option<[f64; 2]>, reach_m: f64) -> Option<Self> {
+        let [lowest, highest] = extremes(stops)?;
+        if let Some([low_m, high_m]) = z_range_m {
+            return Some(Self { low_m, high_m, reason: HeightReason::Settings });
+        }
+        let middle = 0.5 * (lowest + highest);
+        let span_m = highest - lowest;
+        Some(if span_m <= 0.0 {
+            Self { low_m: lowest, high_m: lowest, reason: HeightReason::LevelStops }
+        } else if are_level(stops, reach_m) {
+            Self { low_m: middle, high_m: middle, reason: HeightReason::UnevenStops(span_m) }
+        } else {
+            Self { low_m: lowest - reach_m, high_m: highest + reach_m, reason: HeightReason::Reach }
+        })
+    }
+
+    /// The same for a search.
+    pub(crate) fn heights(self) -> Heights {
+        if self.high_m > self.low_m { Heights::Between(self.low_m, self.high_m) } else { Heights::Level(self.low_m) }
+    }
+}
+
+/// Where nodes may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Heights {
+    /// All at one height [m].
+    Level(f64),
+    /// Anywhere between two heights [m], which may be infinite.
+    Between(f64, f64),
+}
+
+impl Heights {
+    /// The height that is allowed and nearest to `z_m` [m].
+    pub(crate) fn clamp(self, z_m: f64) -> f64 {
+        match self {
+            Self::Level(level_m) => level_m,
+            Self::Between(low, high) => z_m.clamp(low, high),
+        }
+    }
+}
+
+/// Whether the heights of all stops are the same, as far as they tell of the heights of nodes that are heard within
+/// `reach_m`.
+pub(crate) fn are_level(stops: &[Stop], reach_m: f64) -> bool {
+    extremes(stops).is_none_or(|[lowest, highest]| highest - lowest <= UNEVEN * reach_m)
+}
+
+/// The lowest and the highest height of the stops [m]; `None` if there are none.
+fn extremes(stops: &[Stop]) -> Option<[f64; 2]> {
+    let heights = stops.iter().map(|stop| stop.position.z_m);
+    let extremes = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z_m| [low.min(z_m), high.max(z_m)]);
+    (!stops.is_empty()).then_some(extremes)
+}

@@ -1,0 +1,77 @@
+//! How far from the stops that heard it a node may be.
+//!
+//! A log tells where a node is only as far as its stops reach: where all stops hear all nodes alike, a node far away
+//! explains the log as well as one among them, and nothing else holds it. So a node is sought in a box round the stops
+//! that heard it, and one that would rather leave its box is reported.
+
+use sextant_channel::{Position, ReceptionLog};
+
+use crate::reach::HeardNode;
+use crate::{HeightReason, SoughtHeights};
+
+/// A node may be this many reaches from a stop that heard it.
+const REACHES: f64 = 1.25;
+/// Where the stops that heard a node are farther apart than that, it may be beyond them by this share of the reach, or
+/// of the diagonal of the box of all stops if that is less.
+const BEYOND: [f64; 2] = [0.5, 0.1];
+
+/// The corners of the box that a node is sought in [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub(super) low: [f64; 3],
+    pub(super) high: [f64; 3],
+    /// Whether the bounds along an axis follow from where the node was heard, and nobody set them.
+    pub(super) is_guessed: [bool; 3],
+}
+
+impl Bounds {
+    /// Whether the box is a rectangle at one height.
+    pub(super) fn is_level(&self) -> bool {
+        self.low[2] >= self.high[2]
+    }
+
+    /// The place in the box that is nearest to `place`.
+    pub(super) fn nearest(&self, place: Position) -> Position {
+        let place: [f64; 3] = place.into();
+        [0, 1, 2].map(|axis| place[axis].clamp(self.low[axis], self.high[axis])).into()
+    }
+}
+
+/// How far from stops nodes may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    from_stop_m: f64,
+    beyond_m: f64,
+    heights: SoughtHeights,
+}
+
+impl Limits {
+    /// Limits for a log whose nodes are heard over `reach_m`, and sought at `heights`.
+    pub(super) fn new(log: &ReceptionLog, reach_m: f64, heights: SoughtHeights) -> Self {
+        let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for stop in log.stops() {
+            for (axis, value) in <[f64; 3]>::from(stop.position).into_iter().enumerate() {
+                corners[0][axis] = corners[0][axis].min(value);
+                corners[1][axis] = corners[1][axis].max(value);
+            }
+        }
+        let diagonal_m = (0..3).map(|axis| (corners[1][axis] - corners[0][axis]).powi(2)).sum::<f64>().sqrt();
+        Self { from_stop_m: REACHES * reach_m, beyond_m: (BEYOND[0] * reach_m).min(BEYOND[1] * diagonal_m), heights }
+    }
+
+    /// The box for a node.
+    pub(super) fn bounds(&self, heard: &HeardNode) -> Bounds {
+        let [first, last] = heard.corners;
+        let reach_m = |axis: usize| self.from_stop_m.max(last[axis] - first[axis] + self.beyond_m);
+        let mut low = [0, 1, 2].map(|axis| last[axis] - reach_m(axis));
+        let mut high = [0, 1, 2].map(|axis| first[axis] + reach_m(axis));
+        let mut is_guessed = [true; 3];
+        let SoughtHeights { low_m, high_m, reason } = self.heights;
+        if reason == HeightReason::Reach {
+            (low[2], high[2]) = (low[2].max(low_m), high[2].min(high_m));
+        } else {
+            (low[2], high[2], is_guessed[2]) = (low_m, high_m, false);
+        }
+        Bounds { low, high, is_guessed }
+    }
+}
