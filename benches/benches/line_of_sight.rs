@@ -94,8 +94,8 @@ fn link(c: &mut Criterion) {
     group.throughput(Throughput::Elements(LINES));
     let channel = |correlation, obstacles| {
         let shadowing = Some(ShadowingConfig { sigma_db: None, correlation });
-        Channel::new(ChannelConfig { shadowing, ..ChannelConfig::default() }, obstacles, SEED)
-            .expect("a good channel")
+        let law = ChannelConfig { shadowing, ..ChannelConfig::default() }.try_into().expect("a good channel");
+        Channel::new(law, obstacles, SEED)
     };
     let nodes = |i: usize| (NodeId(u32::try_from(i).expect("few lines")), NodeId(7));
     let lines = lines(1_000);

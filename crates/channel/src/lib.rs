@@ -27,7 +27,7 @@
 //! };
 //! let obstacles = ObstacleField::new(vec![Obstacle::try_from(wall)?]);
 //! let config = ChannelConfig { environment: Some(Environment::Suburban), ..ChannelConfig::default() };
-//! let channel = Channel::new(config, obstacles, Seed(1))?;
+//! let channel = Channel::new(config.try_into()?, obstacles, Seed(1));
 //!
 //! let (node, robot) = (Position::ORIGIN, Position::new(10.0, 0.0, 0.0));
 //! let power = channel.mean_power(Dbm(-50.0), node, robot).expect("no hard radius");
@@ -41,6 +41,7 @@ mod channel;
 mod environment;
 mod field;
 mod glam;
+mod law;
 mod material;
 mod neighbour;
 mod obstacle;
@@ -56,9 +57,10 @@ mod span;
 mod tree;
 
 pub use bounds::Bounds;
-pub use channel::{Channel, ChannelConfig};
+pub use channel::Channel;
 pub use environment::Environment;
 pub use field::{Crossing, ObstacleField};
+pub use law::{ChannelConfig, ChannelLaw};
 pub use material::Material;
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 pub use obstacle::{Obstacle, ObstacleConfig};
@@ -69,5 +71,5 @@ pub use reception::{
     Contact, Drive, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
 };
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
-pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, SpatialConfig};
+pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

@@ -80,6 +80,18 @@ impl LogDistance {
         self.exponent
     }
 
+    /// Distance at which the transmit power is given [m].
+    #[must_use]
+    pub fn reference_distance_m(&self) -> f64 {
+        self.reference_distance_m
+    }
+
+    /// Distance below which the loss stays what it is there [m].
+    #[must_use]
+    pub fn min_distance_m(&self) -> f64 {
+        self.min_distance_m
+    }
+
     /// Loss over `distance_m` relative to the reference distance; negative if nearer than it.
     #[must_use]
     pub fn loss(&self, distance_m: f64) -> Db {

@@ -43,6 +43,55 @@ pub struct SpatialConfig {
     pub distance_m: f64,
 }
 
+/// How shadowing spreads and what shares one draw, checked; the draws themselves are those of a [`Shadowing`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowingLaw {
+    sigma_db: f64,
+    correlation: CorrelationLaw,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CorrelationLaw {
+    PerPacket,
+    PerLink,
+    Spatial { distance_m: f64 },
+}
+
+impl TryFrom<ShadowingConfig> for ShadowingLaw {
+    type Error = SettingError;
+
+    fn try_from(config: ShadowingConfig) -> Result<Self, SettingError> {
+        let sigma_db = config.sigma_db.ok_or_else(|| {
+            SettingError::new("sigma_db", "absent", "a finite number, 0 or above, or an environment that has one")
+        })?;
+        Ok(Self {
+            sigma_db: SettingError::not_negative("sigma_db", sigma_db)?,
+            correlation: match config.correlation {
+                CorrelationConfig::PerPacket => CorrelationLaw::PerPacket,
+                CorrelationConfig::PerLink => CorrelationLaw::PerLink,
+                CorrelationConfig::Spatial(spatial) => CorrelationLaw::Spatial {
+                    distance_m: SettingError::positive("distance_m", spatial.distance_m)
+                        .map_err(|error| error.within("correlation.spatial"))?,
+                },
+            },
+        })
+    }
+}
+
+impl ShadowingLaw {
+    /// Standard deviation [dB].
+    #[must_use]
+    pub fn sigma_db(&self) -> f64 {
+        self.sigma_db
+    }
+
+    /// Whether two links that share an end or lie near each other see like values.
+    #[must_use]
+    pub fn is_spatial(&self) -> bool {
+        matches!(self.correlation, CorrelationLaw::Spatial { .. })
+    }
+}
+
 /// Log-normal shadowing of zero mean [dB]. Both directions of a link see the same, bit for bit.
 ///
 /// - Per packet: independent for each (pair of stations, packet number).
@@ -67,33 +116,17 @@ enum Correlation {
 }
 
 impl Shadowing {
-    /// Shadowing whose draws come from `seed`.
-    ///
-    /// # Errors
-    /// If the standard deviation is absent, negative or not finite, or the distance not above zero.
-    pub fn new(config: ShadowingConfig, seed: Seed) -> Result<Self, SettingError> {
-        let sigma_db = config.sigma_db.ok_or_else(|| {
-            SettingError::new("sigma_db", "absent", "a finite number, 0 or above, or an environment that has one")
-        })?;
-        Ok(Self {
-            sigma_db: SettingError::not_negative("sigma_db", sigma_db)?,
-            seed,
-            correlation: match config.correlation {
-                CorrelationConfig::PerPacket => Correlation::PerPacket,
-                CorrelationConfig::PerLink => Correlation::PerLink,
-                CorrelationConfig::Spatial(spatial) => {
-                    let distance_m = SettingError::positive("distance_m", spatial.distance_m)
-                        .map_err(|error| error.within("correlation.spatial"))?;
-                    Correlation::Spatial(Box::new(PairField::new(seed, distance_m)))
-                }
-            },
-        })
-    }
-
-    /// Standard deviation [dB].
+    /// Shadowing by `law`, with draws from `seed`.
     #[must_use]
-    pub fn sigma_db(&self) -> f64 {
-        self.sigma_db
+    pub fn new(law: ShadowingLaw, seed: Seed) -> Self {
+        let correlation = match law.correlation {
+            CorrelationLaw::PerPacket => Correlation::PerPacket,
+            CorrelationLaw::PerLink => Correlation::PerLink,
+            CorrelationLaw::Spatial { distance_m } => {
+                Correlation::Spatial(Box::new(PairField::new(seed, distance_m)))
+            }
+        };
+        Self { sigma_db: law.sigma_db, seed, correlation }
     }
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.

@@ -88,7 +88,26 @@ pub enum Ending {
 }
 
 /// Drives one robot: asked once at the start and after each command.
-pub trait Controller {
+pub trait Controller: Duplicate + Send + Sync {
     /// The next command.
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand;
+}
+
+/// Copies a controller behind its port, so that a planned path can be driven more than once. Whatever can be cloned has
+/// it.
+pub trait Duplicate {
+    /// A controller in the same state.
+    fn duplicate(&self) -> Box<dyn Controller>;
+}
+
+impl<C: Controller + Clone + 'static> Duplicate for C {
+    fn duplicate(&self) -> Box<dyn Controller> {
+        Box::new(self.clone())
+    }
+}
+
+impl Clone for Box<dyn Controller> {
+    fn clone(&self) -> Self {
+        self.as_ref().duplicate()
+    }
 }

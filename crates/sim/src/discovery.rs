@@ -102,7 +102,7 @@ pub struct Discovered {
 /// any robot moves; without a coordinator, a beacon-enabled MAC contends unslotted. Receivers are always on. Shadowing that belongs to places is that of the survey.
 ///
 /// # Errors
-/// If the channel's settings are out of their domain, or the packets have no room for the addresses.
+/// If the packets have no room for the addresses.
 pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Discovered, SettingError> {
     let mut run = Run::new(setup, discovery, round)?;
     run.begin();
@@ -146,11 +146,10 @@ impl Run {
         let last = NodeId::from_index(nodes.saturating_sub(1));
         NodeFrame::broadcast(PAN, last, discovery.traffic.mpdu_octets())
             .map_err(|error| error.within("discovery"))?;
-        let mut config = setup.channel;
+        let mut law = setup.channel;
         let (number, sends) = match round {
             Round::Neighbours => {
-                let limits = [config.max_range_m, discovery.range_m];
-                config.max_range_m = limits.into_iter().flatten().reduce(f64::min);
+                law = discovery.range_m.map_or(law, |range_m| law.within_m(range_m));
                 (0, vec![true; nodes])
             }
             Round::Beacons(senders) => {
@@ -161,8 +160,7 @@ impl Run {
                 (1, sends)
             }
         };
-        let channel =
-            Channel::new(config, world.obstacles.clone(), *seed).map_err(|error| error.within("channel"))?;
+        let channel = Channel::new(law, world.obstacles.clone(), *seed);
         let seed = Seed(seed.bits(purpose::DISCOVERY, [number, 0, 0]));
         let csma = mac.csma().with_receiver_on();
         let places = || world.nodes.iter().map(|node| node.position);

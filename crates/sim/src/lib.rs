@@ -33,7 +33,7 @@ mod world;
 pub mod layout;
 
 pub use anchors::AnchorsConfig;
-pub use controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
+pub use controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use discovery::{Discovered, Discovery, DiscoveryConfig, Round, discover};
 pub use frame_outcome::FrameOutcome;
 pub use mac::{Mac, MacConfig};

@@ -41,7 +41,7 @@ impl Medium {
         floor: Dbm,
         memory: Duration,
     ) -> Self {
-        let reach_m = channel.reach_m(power, floor);
+        let reach_m = channel.law().reach_m(power, floor);
         let signals = Cells::covering(places.clone(), reach_m);
         let listeners = Cells::covering(places, reach_m);
         Self { channel, signals, listeners, memory }

@@ -57,7 +57,8 @@ pub struct RobotBody {
     pub listen: Duration,
 }
 
-/// A robot: a body and what drives it.
+/// A robot: a body and what drives it. A copy starts afresh from where this one is.
+#[derive(Clone)]
 pub struct Robot {
     /// The body.
     pub body: RobotBody,

@@ -6,7 +6,7 @@ mod robots;
 
 use std::time::Duration;
 
-use sextant_channel::{Channel, ChannelConfig, Contact, Db, Position, ReceptionLogBuilder, Stop};
+use sextant_channel::{Channel, ChannelLaw, Contact, Db, Position, ReceptionLogBuilder, Stop};
 use sextant_kernel::{EventQueue, NodeId, RobotId, Seed, SettingError, SimTime};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::csma::Outcome;
@@ -33,11 +33,12 @@ pub(crate) const PAN: u16 = 0x5E87;
 pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
 
 /// Everything that a simulation needs.
+#[derive(Clone)]
 pub struct Setup {
     /// The world.
     pub world: World,
     /// What links do to power.
-    pub channel: ChannelConfig,
+    pub channel: ChannelLaw,
     /// The radios.
     pub radio: Radio,
     /// When frames are received.
@@ -84,7 +85,7 @@ impl Simulation {
     /// A simulation, ready to run.
     ///
     /// # Errors
-    /// If the channel's settings are out of their domain, the frames have no room for the addresses, several robots are to
+    /// If the frames have no room for the addresses, several robots are to
     /// hear frames that are sent to one, or superframes do not fit world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
         let Setup { world, channel, radio, reception, phy, mac, traffic, radio_states, robots, seed } = setup;
@@ -101,8 +102,7 @@ impl Simulation {
             NodeFrame::broadcast(PAN, last, traffic.mpdu_octets())
         };
         longest.map_err(|error| error.within(traffic.key()))?;
-        let channel =
-            Channel::new(channel, world.obstacles.clone(), seed).map_err(|error| error.within("channel"))?;
+        let channel = Channel::new(channel, world.obstacles.clone(), seed);
         let places = || world.nodes.iter().map(|node| node.position);
         let air = Air::new(
             AirSettings {

@@ -10,7 +10,7 @@ use sextant_kernel::{NodeId, Seed};
 use crate::solids::{at, cylinder, obstacle, upright_box};
 
 fn channel(config: ChannelConfig, obstacles: Vec<Obstacle>) -> Channel {
-    Channel::new(config, ObstacleField::new(obstacles), Seed(3)).expect("a good channel")
+    Channel::new(config.try_into().expect("a good channel"), ObstacleField::new(obstacles), Seed(3))
 }
 
 fn suburban() -> ChannelConfig {
@@ -28,7 +28,7 @@ fn half_of_the_packets_arrive_over_the_median_range_of_the_thesis() {
         let channel = channel(ChannelConfig { environment: Some(environment), ..suburban() }, vec![]);
         let mean = channel.mean_power(Dbm(-50.0), at(1.0, 2.0, 0.0), at(1.0, 2.0 + range_m, 0.0)).unwrap();
         assert!((mean.0 + 90.0).abs() < 1e-3, "{mean:?}");
-        let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), range_m, Db(0.0));
+        let share = channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), range_m, Db(0.0));
         assert!((share - 0.5).abs() < 1e-4);
     }
 }
@@ -37,12 +37,12 @@ fn half_of_the_packets_arrive_over_the_median_range_of_the_thesis() {
 fn reception_is_the_upper_tail_of_a_normal_distribution() {
     let channel = channel(suburban(), vec![]);
     // Suburban at the radius of 10 m: margin 40 - 27 = 13 dB, 13 / 9.6 = 1.354 sigma.
-    let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), 10.0, Db(0.0));
+    let share = channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), 10.0, Db(0.0));
     assert!((share - 0.912_17).abs() < 2e-4, "{share}");
     let margin_db = 40.0 - 27.0;
     for (sigmas, tail) in [(0.0, 0.5), (1.0, 0.158_655_253_9), (1.96, 0.024_997_895_1), (4.0, 3.167_124e-5)] {
         let loss = Db(margin_db + 9.6 * sigmas);
-        let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), 10.0, loss);
+        let share = channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), 10.0, loss);
         assert!((share / tail - 1.0).abs() < 1e-6, "{share}, not {tail}");
     }
 }
@@ -77,9 +77,9 @@ fn the_hard_radius_has_its_last_link_at_exactly_the_radius() {
     let channel = channel(ChannelConfig { max_range_m: Some(10.0), ..suburban() }, vec![]);
     let power = |d| channel.mean_power(Dbm(-50.0), at(0.0, 0.0, 0.0), at(d, 0.0, 0.0));
     assert!(power(10.0).is_some() && power(10.000_001).is_none());
-    let share = |d| channel.reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
+    let share = |d| channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
     assert!(share(10.0) > 0.9 && share(10.000_001) <= 0.0);
-    assert!((channel.reach_m(Dbm(-50.0), Dbm(-90.0)) - 10.0).abs() < 1e-12);
+    assert!((channel.law().reach_m(Dbm(-50.0), Dbm(-90.0)) - 10.0).abs() < 1e-12);
     let (a, b) = (NodeId(1), NodeId(2));
     assert_eq!(channel.received_power(Dbm(-50.0), a, at(0.0, 0.0, 0.0), b, at(11.0, 0.0, 0.0), 1), None);
 }
@@ -87,12 +87,12 @@ fn the_hard_radius_has_its_last_link_at_exactly_the_radius() {
 #[test]
 fn beyond_its_reach_a_link_fails_all_but_once_in_thirty_thousand() {
     let channel = channel(suburban(), vec![]);
-    let reach_m = channel.reach_m(Dbm(-50.0), Dbm(-90.0));
+    let reach_m = channel.law().reach_m(Dbm(-50.0), Dbm(-90.0));
     // 40 dB and four times 9.6 dB at 27 dB a decade.
     assert!((reach_m - 10_f64.powf(78.4 / 27.0)).abs() < 1e-9);
-    let share = channel.reception_probability(Dbm(-50.0), Dbm(-90.0), reach_m, Db(0.0));
+    let share = channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), reach_m, Db(0.0));
     assert!((share / 3.167_124e-5 - 1.0).abs() < 1e-6);
-    assert!(channel.reach_m(Dbm(-200.0), Dbm(-90.0)) <= 0.0);
+    assert!(channel.law().reach_m(Dbm(-200.0), Dbm(-90.0)) <= 0.0);
 }
 
 #[test]
@@ -111,7 +111,11 @@ fn what_is_written_goes_before_the_environment_key_by_key() {
         (ChannelConfig { path_loss: law(Some(3.0)), shadowing: sigma(Some(5.0)), ..bare }, 3.0, 5.0),
     ] {
         let channel = channel(config, vec![]);
-        assert_eq!((channel.path_loss().exponent(), channel.sigma_db()), (exponent, sigma_db), "{config:?}");
+        assert_eq!(
+            (channel.law().path_loss().exponent(), channel.law().shadowing().sigma_db()),
+            (exponent, sigma_db),
+            "{config:?}"
+        );
     }
 }
 
@@ -119,7 +123,7 @@ fn what_is_written_goes_before_the_environment_key_by_key() {
 fn without_shadowing_reception_is_certain_or_impossible() {
     let quiet = ShadowingConfig { sigma_db: Some(0.0), ..ShadowingConfig::default() };
     let channel = channel(ChannelConfig { shadowing: Some(quiet), ..suburban() }, vec![]);
-    let share = |d| channel.reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
+    let share = |d| channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
     assert_eq!((share(30.30), share(30.31)), (1.0, 0.0));
     let (a, b) = (NodeId(1), NodeId(2));
     let (from, to) = (at(0.0, 0.0, 0.0), at(3.0, 4.0, 0.0));
@@ -152,7 +156,7 @@ proptest! {
         let channel = channel(suburban(), vec![]);
         let power = |d| channel.mean_power(Dbm(0.0), at(0.0, 0.0, 0.0), at(d, 0.0, 0.0)).unwrap();
         prop_assert!(power(d + more) <= power(d));
-        let share = |d, loss| channel.reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(loss));
+        let share = |d, loss| channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(loss));
         prop_assert!(share(d + more, 0.0) <= share(d, 0.0) && share(d, loss) <= share(d, 0.0));
         prop_assert!((0.0..=1.0).contains(&share(d, loss)));
     }

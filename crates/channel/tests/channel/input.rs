@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use sextant_channel::{Channel, ChannelConfig, Obstacle, ObstacleConfig, ObstacleField};
-use sextant_kernel::{Seed, SettingError};
+use sextant_channel::{ChannelConfig, ChannelLaw, Obstacle, ObstacleConfig};
+use sextant_kernel::SettingError;
 
 fn obstacle(text: &str) -> Result<Obstacle, SettingError> {
     toml::from_str::<ObstacleConfig>(text).unwrap_or_else(|error| panic!("{error}")).try_into()
 }
 
-fn channel(text: &str) -> Result<Channel, SettingError> {
+fn channel(text: &str) -> Result<ChannelLaw, SettingError> {
     let config = toml::from_str::<ChannelConfig>(text).unwrap_or_else(|error| panic!("{error}"));
-    Channel::new(config, ObstacleField::default(), Seed(1))
+    ChannelLaw::try_from(config)
 }
 
 #[track_caller]

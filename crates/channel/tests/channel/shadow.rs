@@ -8,7 +8,8 @@ use crate::solids::{at, random_place};
 const SIGMA_DB: f64 = 9.6;
 
 fn shadowing(correlation: CorrelationConfig, seed: u64) -> Shadowing {
-    Shadowing::new(ShadowingConfig { sigma_db: Some(SIGMA_DB), correlation }, Seed(seed)).expect("good shadowing")
+    let law = ShadowingConfig { sigma_db: Some(SIGMA_DB), correlation }.try_into().expect("good shadowing");
+    Shadowing::new(law, Seed(seed))
 }
 
 /// Means of x, x² and x y over pairs of draws of unit variance.

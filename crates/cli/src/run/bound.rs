@@ -16,30 +16,26 @@ pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[P
         return None;
     }
     let obstacles = scenario.world().obstacles.clone();
-    let channel = Channel::new(known.channel, obstacles, scenario.seed()).ok()?;
+    let channel = Channel::new(known.channel, obstacles, scenario.seed());
     let (tx, sensitivity) = (Dbm(known.radio.tx_power_dbm), Dbm(known.radio.sensitivity_dbm));
     let packets = survey.packets;
     #[expect(clippy::cast_precision_loss, reason = "packet counts are below 2^53")]
     let delivery = packets.received as f64 / (packets.received + packets.lost_collision).max(1) as f64;
+    let law = channel.law();
     let stops = survey.log.stops();
     let probability = |stop: u32, place: Position| {
         let stop = stops[stop as usize].position;
         let distance_m = place.distance_m(stop);
-        if distance_m > channel.max_range_m() {
+        if distance_m > law.max_range_m() {
             return 0.0;
         }
-        let obstacle_loss = if known.channel.obstacles_attenuate && !channel.obstacles().is_empty() {
-            channel.obstacles().loss(place, stop)
-        } else {
-            Db(0.0)
-        };
-        let q = channel.reception_probability(tx, sensitivity, distance_m, obstacle_loss);
+        let obstacle_loss = if channel.obstacles().is_empty() { Db(0.0) } else { channel.obstacle_loss(place, stop) };
+        let q = law.reception_probability(tx, sensitivity, distance_m, obstacle_loss);
         at_least_one(delivery * q, known.packets_per_stop)
     };
     let low = truth.iter().map(|place| place.z_m).fold(f64::INFINITY, f64::min);
     let high = truth.iter().map(|place| place.z_m).fold(f64::NEG_INFINITY, f64::max);
-    let model =
-        TrueModel { probability, near: truth, reach_m: channel.reach_m(tx, sensitivity), z_range_m: [low, high] };
+    let model = TrueModel { probability, near: truth, reach_m: law.reach_m(tx, sensitivity), z_range_m: [low, high] };
     // The probability is that of a slot.
     sextant_mapper::posterior_bound_m(&survey.log.at_least_one(), &model)
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sextant_apps::{ControllerConfig, Surroundings};
-use sextant_channel::{Anchor, Channel, ObstacleField};
+use sextant_channel::{Anchor, ChannelLaw, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mac::{Phy, RadioStates};
 use sextant_mapper::{MapConfig, Mapper};
@@ -21,7 +21,6 @@ use super::survey_identity::SurveyIdentity;
 use crate::text::counted;
 
 /// A scenario that was read and checked.
-#[derive(Debug)]
 pub struct Scenario {
     config: ScenarioConfig,
     file: PathBuf,
@@ -39,15 +38,10 @@ pub struct NamedMap {
     pub mapper: Mapper,
 }
 
-/// The checked parts of a simulation that can be copied.
-#[derive(Clone, Debug)]
+/// What the settings amount to. Paths of robots are planned, which takes a while, so that is done once.
+#[derive(Clone)]
 struct Parts {
-    world: World,
-    radio: Radio,
-    reception: ReceptionModel,
-    mac: Mac,
-    traffic: Traffic,
-    radio_states: RadioStates,
+    setup: Setup,
     anchors: Vec<Anchor>,
     discovery: Discovery,
 }
@@ -105,13 +99,13 @@ impl Scenario {
     /// The world.
     #[must_use]
     pub fn world(&self) -> &World {
-        &self.parts.world
+        &self.parts.setup.world
     }
 
     /// What there is to know of its channel.
     #[must_use]
     pub fn known_channel(&self) -> KnownChannel {
-        known_channel(&self.config)
+        known_channel(&self.config, self.parts.setup.channel)
     }
 
     /// The maps to compute.
@@ -154,11 +148,7 @@ impl Scenario {
     /// Everything that the simulation needs; the robots start afresh with each call.
     #[must_use]
     pub fn setup(&self) -> Setup {
-        let obstacles = &self.parts.world.obstacles;
-        let robot = |(number, config)| {
-            robot(number, config, obstacles, self.seed()).expect("the robots were checked when the scenario was read")
-        };
-        setup(&self.config, self.parts.clone(), self.config.robots.iter().enumerate().map(robot).collect())
+        self.parts.setup.clone()
     }
 
     /// What it shares with the scenarios whose surveys are the same for each seed.
@@ -170,7 +160,7 @@ impl Scenario {
     /// What it has, in a few words: `496 nodes, 3 obstacles, 1 robot, 1 map`.
     #[must_use]
     pub fn outline(&self) -> String {
-        let world = &self.parts.world;
+        let world = self.world();
         [
             counted(world.nodes.len(), "node"),
             counted(world.obstacles.len(), "obstacle"),
@@ -208,19 +198,20 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
     let radio = errors.take("radio", Radio::try_from(config.radio));
-    errors.take("channel", Channel::new(config.channel, ObstacleField::default(), Seed(config.seed)));
+    let channel = errors.take("channel", ChannelLaw::try_from(config.channel));
     let mac = errors.take("mac", Mac::try_from(config.mac.clone()));
     let traffic = errors.take("traffic", Traffic::try_from(config.traffic));
     let reception = errors.take("reception", ReceptionModel::try_from(config.reception));
     let radio_states = errors.take("energy", RadioStates::try_from(config.energy));
     let robots = check_robots(config, world.as_ref(), errors);
-    let maps = check_maps(&config.maps, Some(known_channel(config)), errors);
+    let known = channel.map(|channel| known_channel(config, channel));
+    let maps = check_maps(&config.maps, known, errors);
     errors.take("metrics", config.metrics.check());
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
-    let (Some(world), Some(radio), Some(mac), Some(traffic), Some(reception), Some(radio_states)) =
-        (world, radio, mac, traffic, reception, radio_states)
+    let (Some(world), Some(channel), Some(radio), Some(mac), Some(traffic), Some(reception), Some(radio_states)) =
+        (world, channel, radio, mac, traffic, reception, radio_states)
     else {
         return (None, maps);
     };
@@ -231,14 +222,16 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
             errors.refuse(&SettingError::new(key, format!("`{name}`"), "the name of a node"));
         }
     }
-    let parts = Parts { world, radio, reception, mac, traffic, radio_states, anchors, discovery };
+    let seed = Seed(config.seed);
+    let phy = Phy::default();
+    let setup = Setup { world, channel, radio, reception, phy, mac, traffic, radio_states, robots, seed };
     if errors.found.is_empty() {
         // What depends on several parts, the size of frames and addresses, the simulation checks itself.
-        if let Err(error) = Simulation::new(setup(config, parts.clone(), robots)) {
+        if let Err(error) = Simulation::new(setup.clone()) {
             errors.refuse(&error);
         }
     }
-    (Some(parts), maps)
+    (Some(Parts { setup, anchors, discovery }), maps)
 }
 
 /// The nodes that know their place, enough of them for each of `maps`.
@@ -293,8 +286,8 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
     robots
 }
 
-fn known_channel(config: &ScenarioConfig) -> KnownChannel {
-    KnownChannel::new(config.radio, config.channel, config.traffic, &config.robots)
+fn known_channel(config: &ScenarioConfig, channel: ChannelLaw) -> KnownChannel {
+    KnownChannel::new(config.radio, channel, config.traffic, &config.robots)
 }
 
 /// The maps to compute; what they leave open of their profile is taken from `channel`, if it is known.
@@ -347,20 +340,4 @@ fn robot(
         Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };
     let controller = config.controller.build(&surroundings).map_err(|error| error.within("controller"))?;
     Ok(Robot { body, controller })
-}
-
-fn setup(config: &ScenarioConfig, parts: Parts, robots: Vec<Robot>) -> Setup {
-    let Parts { world, radio, reception, mac, traffic, radio_states, .. } = parts;
-    Setup {
-        world,
-        channel: config.channel,
-        radio,
-        reception,
-        phy: Phy::default(),
-        mac,
-        traffic,
-        radio_states,
-        robots,
-        seed: Seed(config.seed),
-    }
 }

@@ -1,8 +1,7 @@
 //! What a scenario knows of its channel: the reception profile that it implies.
 
 use sextant_apps::ControllerConfig;
-use sextant_channel::{Channel, ChannelConfig, CorrelationConfig, ObstacleField, PathLossConfig};
-use sextant_kernel::Seed;
+use sextant_channel::ChannelLaw;
 use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
 
@@ -12,7 +11,7 @@ pub struct KnownChannel {
     /// The radios.
     pub radio: RadioConfig,
     /// What happens to power on its way.
-    pub channel: ChannelConfig,
+    pub channel: ChannelLaw,
     /// Packets that a node sends, on average, while a robot listens at a stop: the mean over the robots; 1
     /// if none is known.
     pub packets_per_stop: f64,
@@ -23,7 +22,7 @@ pub struct KnownChannel {
 impl KnownChannel {
     pub(super) fn new(
         radio: RadioConfig,
-        channel: ChannelConfig,
+        channel: ChannelLaw,
         traffic: TrafficConfig,
         robots: &[RobotConfig<ControllerConfig>],
     ) -> Self {
@@ -41,35 +40,35 @@ impl KnownChannel {
 
     /// Fills in what a map that knows the channel, by profile or by signal strengths, leaves open.
     pub(super) fn complete(&self, map: &mut MapConfig) {
-        let Ok(channel) = Channel::new(self.channel, ObstacleField::default(), Seed(0)) else { return };
-        let law = self.channel.path_loss.map(|PathLossConfig::LogDistance(law)| law);
+        let path_loss = self.channel.path_loss();
+        let sigma_of_channel_db = self.channel.shadowing().sigma_db();
+        let max_range_m = Some(self.channel.max_range_m()).filter(|range_m| range_m.is_finite());
         if let Some(ranging) = map.algorithm.ranging_mut() {
             let RangingConfig { exponent, tx_power_dbm, reference_distance_m, sigma_db } = ranging;
-            exponent.get_or_insert(channel.path_loss().exponent());
+            exponent.get_or_insert(path_loss.exponent());
             tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
-            *reference_distance_m = reference_distance_m.or(law.map(|law| law.reference_distance_m));
-            sigma_db.get_or_insert(channel.sigma_db());
+            reference_distance_m.get_or_insert(path_loss.reference_distance_m());
+            sigma_db.get_or_insert(sigma_of_channel_db);
         }
         if let AlgorithmConfig::RssGrid(grid) = &mut map.algorithm {
             grid.sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
-            grid.max_range_m = grid.max_range_m.or(self.channel.max_range_m);
+            grid.max_range_m = grid.max_range_m.or(max_range_m);
         }
         let Some(ProfileConfig::Channel(profile)) = map.algorithm.profile_mut() else { return };
         let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
-        exponent.get_or_insert(channel.path_loss().exponent());
-        sigma_db.get_or_insert(channel.sigma_db());
+        exponent.get_or_insert(path_loss.exponent());
+        sigma_db.get_or_insert(sigma_of_channel_db);
         tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
         sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
-        profile.max_range_m = profile.max_range_m.or(self.channel.max_range_m);
-        profile.reference_distance_m = profile.reference_distance_m.or(law.map(|law| law.reference_distance_m));
-        profile.min_distance_m = profile.min_distance_m.or(law.map(|law| law.min_distance_m));
+        profile.max_range_m = profile.max_range_m.or(max_range_m);
+        profile.reference_distance_m.get_or_insert(path_loss.reference_distance_m());
+        profile.min_distance_m.get_or_insert(path_loss.min_distance_m());
         profile.packets_per_stop.get_or_insert(self.packets_per_stop);
     }
 
     /// Whether the receptions at two stops are independent once the place of the node is known.
     #[must_use]
     pub fn is_independent(&self) -> bool {
-        let correlation = self.channel.shadowing.map(|shadowing| shadowing.correlation);
-        !matches!(correlation, Some(CorrelationConfig::Spatial(_)))
+        !self.channel.shadowing().is_spatial()
     }
 }

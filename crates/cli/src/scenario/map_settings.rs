@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
-use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
+use sextant_channel::{ChannelConfig, ChannelLaw, ObstacleConfig, ObstacleField};
 use sextant_mapper::{KnowledgeKind, MapConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 
@@ -132,7 +132,9 @@ impl MapSettings {
         let written: Written = deserialize(&document)?;
         let mut errors = Errors { document: &document, found: Vec::new() };
         let channel = match (written.radio, written.traffic) {
-            (Some(radio), Some(traffic)) => Some(KnownChannel::new(radio, written.channel, traffic, &written.robots)),
+            (Some(radio), Some(traffic)) => errors
+                .take("channel", ChannelLaw::try_from(written.channel))
+                .map(|channel| KnownChannel::new(radio, channel, traffic, &written.robots)),
             _ => None,
         };
         let maps = check_maps(&written.maps, channel, &mut errors);

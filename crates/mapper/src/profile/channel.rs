@@ -3,10 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{
-    Channel, ChannelConfig, CorrelationConfig, Db, Dbm, LogDistanceConfig, ObstacleField, PathLossConfig,
-    ShadowingConfig,
+    ChannelConfig, ChannelLaw, CorrelationConfig, Db, Dbm, LogDistanceConfig, PathLossConfig, ShadowingConfig,
 };
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::SettingError;
 
 use super::DEFAULT_FLOOR;
 use super::cell::averaged_over_cell;
@@ -109,13 +108,13 @@ const NEGLIGIBLE: f64 = 1e-3;
 impl ChannelProfileConfig {
     /// The curve on a grid of `grid_step_m`; 0 for no grid.
     ///
-    /// With q(d) the channel's own probability of a reception (see [`Channel::reception_probability`]), `delivery`
+    /// With q(d) the channel's own probability of a reception (see [`ChannelLaw::reception_probability`]), `delivery`
     /// times that survives; a stop at which n packets are sent hears at least one with `1 − (1 − delivery q)ⁿ`, n being
     /// the one or the other whole number next to `packets_per_stop`, in the shares that give this mean.
     pub(super) fn table(&self, grid_step_m: f64) -> Result<TableProfile, SettingError> {
         let link = self.link()?;
         let probability = |distance_m: f64| link.probability(distance_m, Db(0.0));
-        let hard_m = link.channel.max_range_m();
+        let hard_m = link.law.max_range_m();
         let range_m = range(probability, hard_m).ok_or_else(|| {
             let allowed = format!("a power that is received at least once in {} packets", 1.0 / NEGLIGIBLE);
             SettingError::new("tx_power_dbm", link.tx.0, allowed)
@@ -148,13 +147,13 @@ impl ChannelProfileConfig {
             return Err(SettingError::new("delivery", self.delivery, "above 0, at most 1"));
         }
         let packets = SettingError::positive("packets_per_stop", self.packets_per_stop.unwrap_or(1.0))?;
-        let law = LogDistanceConfig::default();
+        let default = LogDistanceConfig::default();
         let config = ChannelConfig {
             environment: None,
             path_loss: Some(PathLossConfig::LogDistance(LogDistanceConfig {
                 exponent: Some(needed("exponent", self.exponent)?),
-                reference_distance_m: self.reference_distance_m.unwrap_or(law.reference_distance_m),
-                min_distance_m: self.min_distance_m.unwrap_or(law.min_distance_m),
+                reference_distance_m: self.reference_distance_m.unwrap_or(default.reference_distance_m),
+                min_distance_m: self.min_distance_m.unwrap_or(default.min_distance_m),
             })),
             shadowing: Some(ShadowingConfig {
                 sigma_db: Some(needed("sigma_db", self.sigma_db)?),
@@ -163,15 +162,15 @@ impl ChannelProfileConfig {
             max_range_m: self.max_range_m,
             obstacles_attenuate: false,
         };
-        let channel = Channel::new(config, ObstacleField::default(), Seed(0)).map_err(flat)?;
-        Ok(KnownLink { channel, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery: self.delivery, packets })
+        let law = ChannelLaw::try_from(config).map_err(flat)?;
+        Ok(KnownLink { law, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery: self.delivery, packets })
     }
 }
 
 /// How likely a stop hears a node over a link of known length through known obstacles.
 #[derive(Clone, Debug)]
 pub(crate) struct KnownLink {
-    channel: Channel,
+    law: ChannelLaw,
     tx: Dbm,
     sensitivity: Dbm,
     delivery: f64,
@@ -182,16 +181,16 @@ impl KnownLink {
     /// Probability that a stop hears at least one packet over `distance_m` through obstacles that take `loss`; 0 beyond the
     /// hard radius of the channel.
     pub(crate) fn probability(&self, distance_m: f64, loss: Db) -> f64 {
-        if distance_m > self.channel.max_range_m() {
+        if distance_m > self.law.max_range_m() {
             return 0.0;
         }
-        let q = self.channel.reception_probability(self.tx, self.sensitivity, distance_m, loss);
+        let q = self.law.reception_probability(self.tx, self.sensitivity, distance_m, loss);
         at_least_one(self.delivery * q, self.packets)
     }
 
     /// Distance beyond which hardly anything is received [m].
     pub(crate) fn reach_m(&self) -> f64 {
-        self.channel.reach_m(self.tx, self.sensitivity)
+        self.law.reach_m(self.tx, self.sensitivity)
     }
 }
 

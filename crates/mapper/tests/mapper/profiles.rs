@@ -1,8 +1,6 @@
 //! Profiles of known channels, and profiles estimated from the log.
 
-use sextant_channel::{
-    Channel, ChannelConfig, Db, Dbm, Environment, ObstacleField, Position, Reception, ReceptionLog, Stop,
-};
+use sextant_channel::{ChannelConfig, ChannelLaw, Db, Dbm, Environment, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, EstimateKind, Fit, FittedConfig, FittedMlTm, Mapper, MlTm, MlTmConfig,
@@ -30,7 +28,7 @@ fn profile(config: ChannelProfileConfig, grid_step_m: f64) -> ReceptionProfile {
 fn the_channel_profile_is_the_probability_of_the_channel() {
     let config =
         ChannelConfig { environment: Some(Environment::Suburban), max_range_m: Some(10.0), ..Default::default() };
-    let channel = Channel::new(config, ObstacleField::default(), Seed(0)).unwrap();
+    let channel = ChannelLaw::try_from(config).unwrap();
     let curve = profile(ChannelProfileConfig { cell_average: false, ..suburban() }, 0.25);
     assert!((curve.range_m() - 10.0).abs() < 1e-12);
     for i in 0..=110 {

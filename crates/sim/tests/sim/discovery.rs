@@ -25,7 +25,9 @@ fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64
             shadowing: Some(ShadowingConfig { sigma_db: Some(sigma_db), correlation: CorrelationConfig::PerPacket }),
             max_range_m: Some(10.0),
             ..ChannelConfig::default()
-        },
+        }
+        .try_into()
+        .unwrap(),
         radio: Radio::try_from(RadioConfig {
             tx_power_dbm: -50.0,
             sensitivity_dbm: -90.0,

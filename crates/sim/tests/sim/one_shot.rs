@@ -15,6 +15,7 @@ use sextant_sim::{
 };
 
 /// Listens once.
+#[derive(Clone)]
 struct OneSlot;
 
 impl Controller for OneSlot {
@@ -54,7 +55,7 @@ fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup 
             nodes: (0..nodes).map(|i| PlacedNode { name: format!("n{i}"), position: place(i) }).collect(),
             obstacles: ObstacleField::new(Vec::new()),
         },
-        channel: ChannelConfig::default(),
+        channel: ChannelConfig::default().try_into().unwrap(),
         radio: Radio::try_from(RadioConfig {
             tx_power_dbm: -20.0,
             sensitivity_dbm: -90.0,

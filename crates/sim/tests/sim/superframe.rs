@@ -16,6 +16,7 @@ use sextant_sim::{
 };
 
 /// Listens as often as told where it stands, or where it is sent in between.
+#[derive(Clone)]
 struct Stops {
     places: Vec<Position>,
     next: usize,
@@ -86,7 +87,7 @@ fn setup(nodes: usize, mac: BeaconEnabledConfig, traffic: TrafficConfig, seed: u
             nodes: (0..nodes).map(|i| PlacedNode { name: format!("n{i}"), position: place(i) }).collect(),
             obstacles: ObstacleField::new(Vec::new()),
         },
-        channel: ChannelConfig::default(),
+        channel: ChannelConfig::default().try_into().unwrap(),
         radio: Radio::try_from(RadioConfig {
             tx_power_dbm: -20.0,
             sensitivity_dbm: -90.0,
@@ -249,7 +250,7 @@ fn acknowledgements_start_on_the_first_boundary_that_is_a_turnaround_away() {
 #[test]
 fn nodes_that_hear_no_beacon_stay_silent() {
     let mut setup = setup(3, orders(3, 2), periodic(0.1), 1);
-    setup.channel.max_range_m = Some(5.0);
+    setup.channel = setup.channel.within_m(5.0);
     setup.world.nodes[2].position = Position::new(-30.0, 0.0, 0.0);
     // Node 2 hears node 1's neighbour at most; the robot goes to it at last.
     let places = vec![Position::ORIGIN, Position::new(-29.0, 0.0, 0.0)];
@@ -323,7 +324,7 @@ fn every_packet_ends_in_one_account_and_the_same_seed_gives_the_same_survey() {
         for (i, node) in setup.world.nodes.iter_mut().enumerate() {
             node.position = Position::new((i % 6) as f64, (i / 6) as f64, 0.0);
         }
-        setup.channel.max_range_m = Some(3.0);
+        setup.channel = setup.channel.within_m(3.0);
         setup.reception = ReceptionModel::SinrThreshold { least: 2.0 };
         let places = (0..6).map(|i| Position::new(f64::from(i), 2.5, 0.0)).collect();
         setup.robots = vec![robot(places, Duration::from_secs(1))];

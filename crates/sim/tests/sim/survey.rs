@@ -16,6 +16,7 @@ use sextant_sim::{
 };
 
 /// Drives to each place and listens there; notes where it was stopped.
+#[derive(Clone)]
 struct Tour {
     places: Vec<Position>,
     next: usize,
@@ -54,7 +55,9 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
             environment: Some(Environment::Suburban),
             max_range_m: Some(10.0),
             ..ChannelConfig::default()
-        },
+        }
+        .try_into()
+        .unwrap(),
         radio: Radio::try_from(RadioConfig {
             tx_power_dbm: -50.0,
             sensitivity_dbm: -90.0,
@@ -134,7 +137,7 @@ fn nodes_that_cannot_hear_each_other_collide_as_their_backoffs_say() {
             let robot = tour(vec![Position::ORIGIN], Duration::from_millis(100));
             let query = QueryConfig { mpdu_octets, at_s: 0.0, acknowledged: false };
             let survey = Simulation::new(Setup {
-                channel: ChannelConfig { max_range_m: Some(10.0), ..ChannelConfig::default() },
+                channel: ChannelConfig { max_range_m: Some(10.0), ..ChannelConfig::default() }.try_into().unwrap(),
                 radio: Radio::try_from(RadioConfig {
                     tx_power_dbm: -20.0,
                     sensitivity_dbm: -90.0,

@@ -1,0 +1,142 @@
+//! What a link does to power apart from obstacles: checked once, and shared by all who know the channel.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use crate::{Db, Dbm, Environment, LogDistance, LogDistanceConfig, PathLossConfig, ShadowingConfig, ShadowingLaw};
+
+/// The radio channel as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChannelConfig {
+    /// A known environment. The keys of `path_loss` and `shadowing` override it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<Environment>,
+    /// Loss with distance; that of the environment if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path_loss: Option<PathLossConfig>,
+    /// Shadowing; that of the environment, per packet, if absent; none without an environment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shadowing: Option<ShadowingConfig>,
+    /// Hard communication radius: no link further than this, one at exactly this [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_range_m: Option<f64>,
+    /// Whether obstacles absorb power.
+    #[serde(default = "obstacles_attenuate")]
+    pub obstacles_attenuate: bool,
+}
+
+fn obstacles_attenuate() -> bool {
+    true
+}
+
+impl Default for ChannelConfig {
+    /// The suburban environment of the thesis, without a hard radius.
+    fn default() -> Self {
+        Self {
+            environment: Some(Environment::Suburban),
+            path_loss: None,
+            shadowing: None,
+            max_range_m: None,
+            obstacles_attenuate: true,
+        }
+    }
+}
+
+/// What a link does to power apart from obstacles: loss with distance, shadowing, a hard radius. Checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelLaw {
+    path_loss: LogDistance,
+    shadowing: ShadowingLaw,
+    max_range_m: f64,
+    obstacles_attenuate: bool,
+}
+
+impl TryFrom<ChannelConfig> for ChannelLaw {
+    type Error = SettingError;
+
+    fn try_from(config: ChannelConfig) -> Result<Self, SettingError> {
+        let environment = config.environment;
+        let mut path_loss = match config.path_loss {
+            Some(PathLossConfig::LogDistance(law)) => law,
+            None if environment.is_some() => LogDistanceConfig::default(),
+            None => {
+                let names = "\"suburban\", \"heavy-tree\" or \"light-tree\", or a table `path_loss.log_distance`";
+                return Err(SettingError::new("environment", "absent", names));
+            }
+        };
+        path_loss.exponent = path_loss.exponent.or(environment.map(Environment::exponent));
+        let mut shadowing = config.shadowing.unwrap_or_default();
+        let inherited = match config.shadowing {
+            None => Some(environment.map_or(0.0, Environment::sigma_db)),
+            Some(_) => environment.map(Environment::sigma_db),
+        };
+        shadowing.sigma_db = shadowing.sigma_db.or(inherited);
+        Ok(Self {
+            path_loss: LogDistance::try_from(path_loss).map_err(|error| error.within("path_loss.log_distance"))?,
+            shadowing: ShadowingLaw::try_from(shadowing).map_err(|error| error.within("shadowing"))?,
+            max_range_m: match config.max_range_m {
+                Some(range_m) => SettingError::positive("max_range_m", range_m)?,
+                None => f64::INFINITY,
+            },
+            obstacles_attenuate: config.obstacles_attenuate,
+        })
+    }
+}
+
+impl ChannelLaw {
+    /// The same law with a hard radius of at most `range_m` [m].
+    #[must_use]
+    pub fn within_m(self, range_m: f64) -> Self {
+        Self { max_range_m: self.max_range_m.min(range_m), ..self }
+    }
+
+    /// Loss with distance.
+    #[must_use]
+    pub fn path_loss(&self) -> &LogDistance {
+        &self.path_loss
+    }
+
+    /// How shadowing spreads.
+    #[must_use]
+    pub fn shadowing(&self) -> &ShadowingLaw {
+        &self.shadowing
+    }
+
+    /// Hard communication radius [m], infinite if there is none.
+    #[must_use]
+    pub fn max_range_m(&self) -> f64 {
+        self.max_range_m
+    }
+
+    /// Whether obstacles absorb power.
+    #[must_use]
+    pub fn obstacles_attenuate(&self) -> bool {
+        self.obstacles_attenuate
+    }
+
+    /// Distance beyond which a power of `floor` is out of reach even four standard deviations above the mean
+    /// [m], at most the hard radius: what a spatial index must look through.
+    #[must_use]
+    pub fn reach_m(&self, tx: Dbm, floor: Dbm) -> f64 {
+        let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db());
+        self.path_loss.distance_m(budget).min(self.max_range_m)
+    }
+
+    /// Probability that `tx` arrives with at least `sensitivity` over `distance_m` behind obstacles that take
+    /// `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
+    #[must_use]
+    pub fn reception_probability(&self, tx: Dbm, sensitivity: Dbm, distance_m: f64, obstacle_loss: Db) -> f64 {
+        if distance_m > self.max_range_m {
+            return 0.0;
+        }
+        let margin = tx - self.path_loss.loss(distance_m) - obstacle_loss - sensitivity;
+        let sigma_db = self.shadowing.sigma_db();
+        if sigma_db > 0.0 {
+            0.5 * libm::erfc(-margin.0 / (sigma_db * std::f64::consts::SQRT_2))
+        } else {
+            f64::from(u8::from(margin.0 >= 0.0))
+        }
+    }
+}
