@@ -37,6 +37,7 @@
 //! ```
 
 mod bounds;
+mod cell_grid;
 mod channel;
 mod environment;
 mod field;
@@ -57,6 +58,7 @@ mod span;
 mod tree;
 
 pub use bounds::Bounds;
+pub use cell_grid::CellGrid;
 pub use channel::Channel;
 pub use environment::Environment;
 pub use field::{Crossing, ObstacleField};

@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
+use crate::csma::sending::{Sending, Step};
 use crate::csma::{Attempt, CsmaSettings, Event, Outcome, OutgoingFrame, Radio, Report};
 use crate::superframe::Contention;
 use crate::{Phy, RadioState};
@@ -63,10 +64,8 @@ enum State {
     /// Waiting for the boundary at which a CCA starts; so many CCAs must find the channel idle.
     BackingOff(Attempt, u8),
     Sensing(Attempt, u8),
-    TurningToTransmit(Attempt),
-    Transmitting(Attempt),
-    TurningToReceive(Attempt),
-    AwaitingAck(Attempt),
+    /// The channel is won, or the slot is guaranteed.
+    Sending(Attempt, Sending),
     /// Silent after a frame; then the attempt that waits, if any, starts an access.
     Spacing(Option<Attempt>),
 }
@@ -149,38 +148,18 @@ impl SlottedCsma {
             }
             (State::Sensing(attempt, 1), Event::CcaEnded { busy: false }) => {
                 // A CCA and a turnaround are one backoff period: the first bit goes out on a boundary.
-                radio.enter(RadioState::Turnaround);
-                radio.after(self.phy.turnaround(), Event::TransmitReady);
-                (State::TurningToTransmit(attempt), None)
+                (State::Sending(attempt, Sending::begin(self.phy, radio)), None)
             }
             (State::Sensing(attempt, left), Event::CcaEnded { busy: false }) => {
                 radio.after(self.phy.backoff_period() - self.phy.cca(), Event::BackoffExpired);
                 (State::BackingOff(attempt, left - 1), None)
             }
             (State::Sensing(attempt, _), Event::CcaEnded { busy: true }) => self.defer(now, attempt, radio),
-            (State::TurningToTransmit(attempt), Event::TransmitReady) => {
-                radio.enter(RadioState::Transmit);
-                radio.start_transmission(attempt.frame);
-                (State::Transmitting(attempt.with_transmission()), None)
-            }
-            (State::Transmitting(attempt), Event::TransmissionEnded) if attempt.frame.ack_request => {
-                radio.enter(RadioState::Turnaround);
-                radio.after(self.phy.turnaround(), Event::ReceiveReady);
-                (State::TurningToReceive(attempt), None)
-            }
-            (State::Transmitting(attempt), Event::TransmissionEnded) => {
-                (self.space(attempt.frame, radio), Some(attempt.report(Outcome::Sent)))
-            }
-            (State::TurningToReceive(attempt), Event::ReceiveReady) => {
-                radio.enter(RadioState::Receive);
-                radio.after(self.phy.ack_wait() - self.phy.turnaround(), Event::AckWaitExpired);
-                (State::AwaitingAck(attempt), None)
-            }
-            (State::AwaitingAck(attempt), Event::AckReceived { sequence }) if sequence == attempt.frame.sequence => {
-                radio.cancel_timer();
-                (self.space(attempt.frame, radio), Some(attempt.report(Outcome::Acknowledged)))
-            }
-            (State::AwaitingAck(attempt), Event::AckWaitExpired) => self.retry(now, attempt, radio),
+            (State::Sending(attempt, sending), event) => match sending.handle(attempt, event, self.phy, radio) {
+                Step::On(attempt, sending) => (State::Sending(attempt, sending), None),
+                Step::Ended(attempt, outcome) => (self.space(attempt.frame, radio), Some(attempt.report(outcome))),
+                Step::Unanswered(attempt) => self.retry(now, attempt, radio),
+            },
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
             (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.access(now, attempt, radio), None),
             (state, Event::AckReceived { .. }) => (state, None),
@@ -211,9 +190,7 @@ impl SlottedCsma {
         if end > slot_end {
             return State::Deferred(attempt, Resume::Access);
         }
-        radio.enter(RadioState::Turnaround);
-        radio.after(self.phy.turnaround(), Event::TransmitReady);
-        State::TurningToTransmit(attempt)
+        State::Sending(attempt, Sending::begin(self.phy, radio))
     }
 
     fn back_off(&self, now: SimTime, contention: Contention, attempt: Attempt, radio: &mut impl Radio) -> State {

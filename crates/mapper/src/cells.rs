@@ -1,15 +1,11 @@
 //! Finding the points near a place.
 
-use sextant_channel::Position;
-
-use crate::lattice::whole;
+use sextant_channel::{CellGrid, Position};
 
 /// Points sorted into cubic cells, each cell's points side by side in memory.
 #[derive(Debug)]
 pub(crate) struct CellIndex {
-    low: [f64; 3],
-    per_m: f64,
-    counts: [usize; 3],
+    grid: CellGrid,
     first: Vec<usize>,
     points: Vec<(Position, u32)>,
 }
@@ -18,58 +14,31 @@ impl CellIndex {
     /// The index of `points` in cells about `cell_m` wide: wider where points are few in a large space, so that
     /// there are never more than a few times as many cells as points.
     pub(crate) fn new(points: &[Position], cell_m: f64) -> Self {
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for &point in points {
-            for (axis, value) in <[f64; 3]>::from(point).into_iter().enumerate() {
-                low[axis] = low[axis].min(value);
-                high[axis] = high[axis].max(value);
-            }
-        }
-        let most = 4 * points.len() + 64;
-        let mut per_m = 1.0 / cell_m;
-        let counts = loop {
-            let counts = [0, 1, 2].map(|axis| whole(((high[axis] - low[axis]) * per_m).floor()).saturating_add(1));
-            if counts.iter().fold(1_usize, |product, &count| product.saturating_mul(count)) <= most {
-                break counts;
-            }
-            per_m *= 0.5;
-        };
-        let mut index =
-            Self { low, per_m, counts, first: vec![0; counts.iter().product::<usize>() + 1], points: Vec::new() };
-        let cells: Vec<usize> = points.iter().map(|&point| index.cell(point.into())).collect();
+        let grid = CellGrid::covering(points.iter().copied(), cell_m);
+        let mut first = vec![0; grid.cell_count() + 1];
+        let cells: Vec<usize> = points.iter().map(|&point| grid.cell(grid.layers_of(point))).collect();
         for &cell in &cells {
-            index.first[cell + 1] += 1;
+            first[cell + 1] += 1;
         }
-        for cell in 1..index.first.len() {
-            index.first[cell] += index.first[cell - 1];
+        for cell in 1..first.len() {
+            first[cell] += first[cell - 1];
         }
-        let mut next = index.first.clone();
-        index.points = vec![(Position::ORIGIN, 0); points.len()];
+        let mut next = first.clone();
+        let mut sorted = vec![(Position::ORIGIN, 0); points.len()];
         for (id, (&point, &cell)) in (0..).zip(points.iter().zip(&cells)) {
-            index.points[next[cell]] = (point, id);
+            sorted[next[cell]] = (point, id);
             next[cell] += 1;
         }
-        index
-    }
-
-    /// The layer of cells along `axis` that holds `value`, or the nearest one.
-    fn layer(&self, axis: usize, value: f64) -> usize {
-        whole((value - self.low[axis]) * self.per_m).min(self.counts[axis] - 1)
-    }
-
-    fn cell(&self, point: [f64; 3]) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.layer(axis, point[axis]));
-        (z * self.counts[1] + y) * self.counts[0] + x
+        Self { grid, first, points: sorted }
     }
 
     /// The points in the cells that touch the box from `low` to `high`, in slices: a superset of those in the
     /// box, in a fixed order.
     pub(crate) fn near_box(&self, low: [f64; 3], high: [f64; 3]) -> impl Iterator<Item = &[(Position, u32)]> {
-        let [x0, y0, z0] = [0, 1, 2].map(|axis| self.layer(axis, low[axis]));
-        let [x1, y1, z1] = [0, 1, 2].map(|axis| self.layer(axis, high[axis]));
+        let [x0, y0, z0] = self.grid.layers_of(low.into());
+        let [x1, y1, z1] = self.grid.layers_of(high.into());
         (z0..=z1)
-            .flat_map(move |z| (y0..=y1).map(move |y| (z * self.counts[1] + y) * self.counts[0]))
+            .flat_map(move |z| (y0..=y1).map(move |y| self.grid.cell([0, y, z])))
             .map(move |row| &self.points[self.first[row + x0]..self.first[row + x1 + 1]])
     }
 

@@ -1,78 +1,42 @@
 //! A spatial index: things filed by the cell of the space that they are in.
 
-use sextant_channel::Position;
-
-/// Cells per axis at most; coarser cells only cost a longer look.
-const MAX_CELLS: f64 = 1024.0;
+use sextant_channel::{CellGrid, Position};
 
 /// Things filed under cubic cells at least as wide as the reach of a look-up, so that all within reach
 /// of a place are found in its own and the adjacent cells. Places outside the bounds belong to the nearest cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells<T> {
-    origin: Position,
-    side_m: f64,
-    counts: [usize; 3],
+    grid: CellGrid,
     items: Vec<Vec<T>>,
 }
 
 impl<T> Cells<T> {
     /// Empty cells over the bounds of `places` for look-ups within `reach_m`.
-    pub(crate) fn covering(places: impl Iterator<Item = Position> + Clone, reach_m: f64) -> Self {
-        let infinite = Position::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        let low =
-            places.clone().fold(infinite, |a, p| Position::new(a.x_m.min(p.x_m), a.y_m.min(p.y_m), a.z_m.min(p.z_m)));
-        let high =
-            places.fold(infinite * -1.0, |a, p| Position::new(a.x_m.max(p.x_m), a.y_m.max(p.y_m), a.z_m.max(p.z_m)));
-        let extent = high - low;
-        let widest = extent.x_m.max(extent.y_m).max(extent.z_m);
-        if !widest.is_finite() || !reach_m.is_finite() {
-            return Self { origin: Position::ORIGIN, side_m: f64::INFINITY, counts: [1; 3], items: vec![Vec::new()] };
-        }
-        let side_m = reach_m.max(widest / MAX_CELLS).max(f64::MIN_POSITIVE);
-        let counts = [extent.x_m, extent.y_m, extent.z_m].map(|length| index(length / side_m) + 1);
-        let items = (0..counts.iter().product()).map(|_| Vec::new()).collect();
-        Self { origin: low, side_m, counts, items }
-    }
-
-    fn coordinates(&self, place: Position) -> [usize; 3] {
-        let offset = place - self.origin;
-        let mut cell = [offset.x_m, offset.y_m, offset.z_m].map(|length| index(length / self.side_m));
-        for (coordinate, &count) in cell.iter_mut().zip(&self.counts) {
-            *coordinate = (*coordinate).min(count - 1);
-        }
-        cell
-    }
-
-    fn flat(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.counts[1] + y) * self.counts[0] + x
+    pub(crate) fn covering(places: impl Iterator<Item = Position>, reach_m: f64) -> Self {
+        // A little wider, so that rounding moves nothing out of reach.
+        let grid = CellGrid::covering(places, (reach_m * (1.0 + 1e-9)).max(f64::MIN_POSITIVE));
+        let items = (0..grid.cell_count()).map(|_| Vec::new()).collect();
+        Self { grid, items }
     }
 
     /// The things in the cell of `place`.
     pub(crate) fn at(&mut self, place: Position) -> &mut Vec<T> {
-        let cell = self.flat(self.coordinates(place));
-        &mut self.items[cell]
+        &mut self.items[self.grid.cell(self.grid.layers_of(place))]
     }
 
     /// The cells that hold all things within reach of `place`, in a fixed order.
     pub(crate) fn near(&mut self, place: Position, mut visit: impl FnMut(&mut Vec<T>)) {
-        let centre = self.coordinates(place);
-        let range = |axis: usize| centre[axis].saturating_sub(1)..(centre[axis] + 2).min(self.counts[axis]);
+        let centre = self.grid.layers_of(place);
+        let range = |axis: usize| centre[axis].saturating_sub(1)..(centre[axis] + 2).min(self.grid.layers(axis));
         let (xs, ys, zs) = (range(0), range(1), range(2));
         for z in zs {
             for y in ys.clone() {
                 for x in xs.clone() {
-                    let cell = self.flat([x, y, z]);
-                    visit(&mut self.items[cell]);
+                    visit(&mut self.items[self.grid.cell([x, y, z])]);
                 }
             }
         }
     }
-}
-
-/// The cell number of a length in cells; what lies below the first cell belongs to it.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates, which is meant")]
-fn index(length: f64) -> usize {
-    length as usize
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::time::Duration;
 use sextant_kernel::SimTime;
 
 use super::*;
+use crate::Class;
 use crate::{EnergyMeter, RadioStates};
 
 /// A command of the machine.

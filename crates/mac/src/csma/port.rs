@@ -1,0 +1,138 @@
+//! What a machine of channel access takes in and gives out: frames, events, its radio, reports.
+
+use std::time::Duration;
+
+use crate::{Class, RadioState};
+
+/// A frame to send, as far as channel access cares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutgoingFrame {
+    /// Size of the MPDU [octets], FCS included: 5 to 127.
+    pub mpdu_octets: u8,
+    /// Whether the frame asks for an acknowledgement. A broadcast must not.
+    pub ack_request: bool,
+    /// Sequence number of the frame: its acknowledgement carries the same.
+    pub sequence: u8,
+}
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// The backoff is over: the CCA starts now.
+    BackoffExpired,
+    /// The CCA that [`Radio::start_cca`] started is over.
+    CcaEnded {
+        /// Whether the channel was busy.
+        busy: bool,
+    },
+    /// The turnaround to transmitting is over: the first bit goes out now.
+    TransmitReady,
+    /// The last bit of the own frame is out.
+    TransmissionEnded,
+    /// The turnaround to receiving is over: from now on an acknowledgement can be heard.
+    ReceiveReady,
+    /// The last bit of an acknowledgement was received, whoever it was meant for.
+    AckReceived {
+        /// Its sequence number.
+        sequence: u8,
+    },
+    /// No acknowledgement came in time.
+    AckWaitExpired,
+    /// The silence owed after a frame is over.
+    InterframeSpaceEnded,
+}
+
+impl Event {
+    /// Where the event stands among those of the same instant.
+    #[must_use]
+    pub const fn class(self) -> Class {
+        match self {
+            Self::TransmissionEnded | Self::AckReceived { .. } | Self::ReceiveReady => Class::EndOfSignal,
+            Self::CcaEnded { .. } => Class::EndOfCca,
+            Self::TransmitReady => Class::StartOfSignal,
+            Self::BackoffExpired => Class::StartOfCca,
+            Self::AckWaitExpired | Self::InterframeSpaceEnded => Class::Timer,
+        }
+    }
+}
+
+/// All that the machine knows of the world.
+pub trait Radio {
+    /// A number drawn uniformly from `0..=max_inclusive`: backoff periods to wait.
+    fn backoff_periods(&mut self, max_inclusive: u32) -> u32;
+
+    /// Sets the timer: `event` is due `span` from now, by [`Event::class`] among its instant.
+    /// `span` may be zero. Never called while the timer is pending.
+    fn after(&mut self, span: Duration, event: Event);
+
+    /// Takes the pending timer back.
+    fn cancel_timer(&mut self);
+
+    /// The radio changes its state now; called whenever the state changes, and before
+    /// [`Radio::start_cca`] and [`Radio::start_transmission`]. In [`RadioState::Turnaround`] and
+    /// [`RadioState::Transmit`] it is deaf.
+    fn enter(&mut self, state: RadioState);
+
+    /// Starts to sense the channel; [`Event::CcaEnded`] is due [`Phy::cca`](crate::Phy::cca) from now. A station
+    /// that is sending an acknowledgement, or is about to, reads busy.
+    fn start_cca(&mut self);
+
+    /// Puts the first bit on the air; [`Event::TransmissionEnded`] is due [`Phy::airtime`](crate::Phy::airtime) from now.
+    fn start_transmission(&mut self, frame: OutgoingFrame);
+}
+
+/// How a frame ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It went out and asked for no acknowledgement.
+    Sent,
+    /// It went out and was acknowledged.
+    Acknowledged,
+    /// It went out as often as allowed and was never acknowledged.
+    NoAck,
+    /// The channel was busy too often; with acknowledgements, perhaps after earlier transmissions.
+    ChannelAccessFailure,
+}
+
+/// The end of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// The frame.
+    pub frame: OutgoingFrame,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Clear channel assessments made for it.
+    pub ccas: u32,
+    /// Times that it was transmitted.
+    pub transmissions: u32,
+}
+
+/// A frame under way, whether slotted or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Attempt {
+    pub(crate) frame: OutgoingFrame,
+    /// Busy CCAs of this access to the channel: NB of the standard.
+    pub(crate) busy: u8,
+    /// Backoff exponent: BE of the standard.
+    pub(crate) exponent: u8,
+    pub(crate) ccas: u32,
+    pub(crate) transmissions: u32,
+}
+
+impl Attempt {
+    pub(crate) const fn new(frame: OutgoingFrame) -> Self {
+        Self { frame, busy: 0, exponent: 0, ccas: 0, transmissions: 0 }
+    }
+
+    pub(crate) const fn with_cca(self) -> Self {
+        Self { ccas: self.ccas + 1, ..self }
+    }
+
+    pub(crate) const fn with_transmission(self) -> Self {
+        Self { transmissions: self.transmissions + 1, ..self }
+    }
+
+    pub(crate) const fn report(self, outcome: Outcome) -> Report {
+        Report { frame: self.frame, outcome, ccas: self.ccas, transmissions: self.transmissions }
+    }
+}

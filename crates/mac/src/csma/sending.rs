@@ -1,0 +1,66 @@
+//! A frame from the end of its access to the channel to its end, or to that of its acknowledgement: the same whether
+//! the access was slotted or not (IEEE 802.15.4-2006, 7.5.6.4).
+
+use super::port::{Attempt, Event, Outcome, Radio};
+use crate::{Phy, RadioState};
+
+/// How far the frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sending {
+    TurningToTransmit,
+    Transmitting,
+    TurningToReceive,
+    AwaitingAck,
+}
+
+/// What an event changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// The frame goes on.
+    On(Attempt, Sending),
+    /// It is over.
+    Ended(Attempt, Outcome),
+    /// No acknowledgement came in time.
+    Unanswered(Attempt),
+}
+
+impl Sending {
+    /// The channel is won: the radio turns round.
+    pub(crate) fn begin(phy: Phy, radio: &mut impl Radio) -> Self {
+        radio.enter(RadioState::Turnaround);
+        radio.after(phy.turnaround(), Event::TransmitReady);
+        Self::TurningToTransmit
+    }
+
+    /// Takes note of what happened. An acknowledgement that is not waited for changes nothing.
+    ///
+    /// # Panics
+    /// If the event cannot happen now: it was never asked for.
+    pub(crate) fn handle(self, attempt: Attempt, event: Event, phy: Phy, radio: &mut impl Radio) -> Step {
+        match (self, event) {
+            (Self::TurningToTransmit, Event::TransmitReady) => {
+                radio.enter(RadioState::Transmit);
+                radio.start_transmission(attempt.frame);
+                Step::On(attempt.with_transmission(), Self::Transmitting)
+            }
+            (Self::Transmitting, Event::TransmissionEnded) if attempt.frame.ack_request => {
+                radio.enter(RadioState::Turnaround);
+                radio.after(phy.turnaround(), Event::ReceiveReady);
+                Step::On(attempt, Self::TurningToReceive)
+            }
+            (Self::Transmitting, Event::TransmissionEnded) => Step::Ended(attempt, Outcome::Sent),
+            (Self::TurningToReceive, Event::ReceiveReady) => {
+                radio.enter(RadioState::Receive);
+                radio.after(phy.ack_wait() - phy.turnaround(), Event::AckWaitExpired);
+                Step::On(attempt, Self::AwaitingAck)
+            }
+            (Self::AwaitingAck, Event::AckReceived { sequence }) if sequence == attempt.frame.sequence => {
+                radio.cancel_timer();
+                Step::Ended(attempt, Outcome::Acknowledged)
+            }
+            (Self::AwaitingAck, Event::AckWaitExpired) => Step::Unanswered(attempt),
+            (sending, Event::AckReceived { .. }) => Step::On(attempt, sending),
+            (sending, event) => panic!("{event:?} cannot happen in {sending:?}"),
+        }
+    }
+}
