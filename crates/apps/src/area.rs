@@ -4,7 +4,7 @@ use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
 
-use crate::Surroundings;
+use crate::surroundings::Surroundings;
 
 /// The part of the world that a robot keeps to: above and below a region of the plane, or within a region of space.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,14 +2,16 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{ObstacleField, Position};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::SettingError;
 use sextant_sim::Controller;
 
-use crate::{
-    AutomatedS, AutomatedSConfig, Hilbert, HilbertConfig, RandomWalk, RandomWalkConfig, SPath, SPathConfig, Spiral,
-    SpiralConfig, Waypoints, WaypointsConfig,
-};
+use crate::automated_s::{AutomatedS, AutomatedSConfig};
+use crate::hilbert::{Hilbert, HilbertConfig};
+use crate::random_walk::{RandomWalk, RandomWalkConfig};
+use crate::s_path::{SPath, SPathConfig};
+use crate::spiral::{Spiral, SpiralConfig};
+use crate::surroundings::Surroundings;
+use crate::waypoints::{Waypoints, WaypointsConfig};
 
 /// What drives a robot, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,22 +30,6 @@ pub enum ControllerConfig {
     Hilbert(HilbertConfig),
     /// Listed places; the way round obstacles is planned. Ends at the last place.
     Waypoints(WaypointsConfig),
-}
-
-/// What a robot has round it when it starts, and where its randomness comes from. Controllers with a planned path look
-/// at the obstacles, others do not.
-#[derive(Clone, Copy)]
-pub struct Surroundings<'a> {
-    /// The obstacles.
-    pub obstacles: &'a ObstacleField,
-    /// Where the robot starts [m].
-    pub start: Position,
-    /// Radius of its hull [m].
-    pub radius_m: f64,
-    /// Seed of the run.
-    pub seed: Seed,
-    /// Number of the robot in its scenario: the address of its random draws.
-    pub robot: u64,
 }
 
 impl ControllerConfig {

@@ -7,8 +7,8 @@ use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{Controller, RobotCommand, Situation};
 
-use crate::Surroundings;
 use crate::itinerary::{Itinerary, Then};
+use crate::surroundings::Surroundings;
 
 /// Greatest order: 262144 stops.
 const MAX_ORDER: u32 = 9;

@@ -4,8 +4,8 @@ use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
 
-use crate::Surroundings;
 use crate::route::Search;
+use crate::surroundings::Surroundings;
 
 /// How much farther from obstacles a planned path keeps than the hull needs [m]: robots halt this near.
 const MARGIN_M: f64 = 5e-3;

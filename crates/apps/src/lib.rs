@@ -33,12 +33,14 @@ mod random_walk;
 mod route;
 mod s_path;
 mod spiral;
+mod surroundings;
 mod waypoints;
 
 pub use automated_s::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
-pub use controller::{ControllerConfig, Surroundings};
+pub use controller::ControllerConfig;
 pub use hilbert::{Hilbert, HilbertConfig};
 pub use random_walk::{RandomWalk, RandomWalkConfig};
 pub use s_path::{SPath, SPathConfig};
 pub use spiral::{Spiral, SpiralConfig};
+pub use surroundings::Surroundings;
 pub use waypoints::{Waypoints, WaypointsConfig};

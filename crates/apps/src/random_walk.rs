@@ -9,9 +9,9 @@ use sextant_kernel::{Seed, SettingError};
 use sextant_sim::layout::RegionConfig;
 use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
-use crate::Surroundings;
 use crate::area::Area;
 use crate::purpose;
+use crate::surroundings::Surroundings;
 
 /// Directions drawn for one step, at most.
 const DRAWS: u64 = 64;

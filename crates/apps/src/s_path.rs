@@ -7,9 +7,9 @@ use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{Controller, RobotCommand, Situation};
 
-use crate::Surroundings;
 use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
+use crate::surroundings::Surroundings;
 
 /// Lengths that differ by less than this share of a step are equal.
 const ROUNDING: f64 = 1e-9;

@@ -9,9 +9,9 @@ use sextant_kernel::SettingError;
 use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{Controller, RobotCommand, Situation};
 
-use crate::Surroundings;
 use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
+use crate::surroundings::Surroundings;
 
 /// Parts of a lane's distance in which the spiral looks for the region on both sides of it.
 const LOOKS: i32 = 8;

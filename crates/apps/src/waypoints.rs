@@ -6,8 +6,8 @@ use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::{Controller, RobotCommand, Situation};
 
-use crate::Surroundings;
 use crate::itinerary::{Itinerary, Planner, Then};
+use crate::surroundings::Surroundings;
 
 /// A survey of listed places, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

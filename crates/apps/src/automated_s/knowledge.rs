@@ -3,7 +3,7 @@
 use sextant_channel::{Bounds, Position};
 use sextant_sim::{Heard, Situation};
 
-use super::settings::Settings;
+use super::rules::Rules;
 use super::visit::Visit;
 use crate::route::Search;
 
@@ -52,14 +52,9 @@ const UP_AND_DOWN: [Position; 2] = [Position::new(0.0, 0.0, 1.0), Position::new(
 const ROUND: u32 = 16;
 
 impl Knowledge {
-    /// Notes a stop: the nodes heard, and which ways are open. Places that are not `allowed` are no way.
-    pub(super) fn note_stop(
-        &mut self,
-        situation: &Situation<'_>,
-        heard: &[Heard],
-        settings: &Settings,
-        allowed: impl Fn(Position) -> bool,
-    ) {
+    /// Notes a stop: the nodes heard, and which ways are open. Places that `rules` do not allow are no way.
+    pub(super) fn note_stop(&mut self, situation: &Situation<'_>, heard: &[Heard], rules: &Rules) {
+        let settings = &rules.settings;
         self.nodes.resize(situation.node_count.max(self.nodes.len()), Acquaintance::default());
         let place = situation.position;
         let stop = self.visits.len();
@@ -81,7 +76,7 @@ impl Knowledge {
                 self.add_contact(place + direction * (clear_m + self.hull_m));
             }
             let free = [1.0, 0.5].map(|share| share * range_m).into_iter().filter(|&far_m| clear_m >= far_m);
-            let open = free.map(|far_m| place + direction * far_m).filter(|&place| !is_silent && allowed(place));
+            let open = free.map(|far_m| place + direction * far_m).filter(|&place| !is_silent && rules.allow(place));
             opened.extend(open);
             clear_m
         };

@@ -1,73 +1,71 @@
-//! From one lane to the next.
+//! Off a lane: over to the next one, back in search of a way over, and behind an obstacle.
 
 use sextant_channel::Position;
-use sextant_sim::{RobotCommand, Situation};
 
-use super::survey::{AutomatedS, Move, Task};
+use super::sweep::Sweep;
+use super::task::{Step, Task};
+use super::view::{Move, View};
 
-impl AutomatedS {
-    /// Over to the next lane; where there is no way, back along this one in search of one.
-    pub(super) fn shift(
-        &mut self,
-        situation: &Situation<'_>,
-        from: Position,
-        last_move: Move,
-    ) -> Option<RobotCommand> {
-        let here = situation.position;
-        let step_m = self.settings.step_m;
-        let done_m = (here.x_m - from.x_m).abs();
-        let left_m = self.settings.lane_spacing_m - done_m;
-        let is_done = left_m <= 0.01 * step_m;
-        let stride_m = self.sweep * self.stride(left_m);
-        let is_at_border = !is_done && !self.allows(here + Position::new(stride_m, 0.0, 0.0));
-        let least_m = if is_at_border { 0.5 * self.settings.lane_spacing_m } else { 0.99 * step_m };
-        if is_done || (last_move == Move::Blocked || is_at_border) && done_m >= least_m {
-            self.lane.heading = -self.lane.heading;
-            self.begin_lane(here);
-            return None;
-        }
-        if done_m < 0.01 * step_m && !self.has_room_over(here) {
-            if self.has_way_over() {
-                self.task = Task::Retreat;
-            } else {
-                self.end_sweep(situation);
-            }
-            return None;
-        }
-        if last_move == Move::Blocked || is_at_border {
-            self.task = Task::Retreat;
-            return None;
-        }
-        Self::drive(here, stride_m, 0.0)
+/// Over to the next lane; where there is no way, back along this one in search of one.
+pub(super) fn shift(sweep: &mut Sweep, view: &View<'_>, from: Position) -> Step {
+    let here = view.here();
+    let (step_m, lane_m) = (view.rules.settings.step_m, view.rules.settings.lane_spacing_m);
+    let done_m = (here.x_m - from.x_m).abs();
+    let left_m = lane_m - done_m;
+    let is_done = left_m <= 0.01 * step_m;
+    let place = here + Position::new(sweep.direction * view.rules.stride_m(left_m), 0.0, 0.0);
+    let is_stopped = view.last_move == Move::Blocked;
+    let is_at_border = !is_done && !view.rules.allow(place);
+    let least_m = if is_at_border { 0.5 * lane_m } else { 0.99 * step_m };
+    if is_done || (is_stopped || is_at_border) && done_m >= least_m {
+        sweep.lane.heading = -sweep.lane.heading;
+        return sweep.begin_lane(here, view.knowledge);
     }
-
-    /// Whether the area goes on beside this place for half the way to the next lane.
-    fn has_room_over(&self, here: Position) -> bool {
-        let half_m = self.sweep * 0.5 * self.settings.lane_spacing_m;
-        self.allows(here + Position::new(half_m, 0.0, 0.0))
+    if done_m < 0.01 * step_m && !has_room_over(sweep, view) {
+        return if has_way_over(sweep, view) { Step::Begin(Task::Retreat) } else { Step::EndSweep };
     }
+    if is_stopped || is_at_border { Step::Begin(Task::Retreat) } else { Step::Drive(place) }
+}
 
-    /// Whether it goes on all the way beside any stop of this lane.
-    fn has_way_over(&self) -> bool {
-        let over = Position::new(self.sweep * self.settings.lane_spacing_m, 0.0, 0.0);
-        self.knowledge.visits[self.lane.first_stop..].iter().any(|visit| self.allows(visit.place + over))
+/// Whether the area goes on beside this place for half the way to the next lane.
+fn has_room_over(sweep: &Sweep, view: &View<'_>) -> bool {
+    let half_m = sweep.direction * 0.5 * view.rules.settings.lane_spacing_m;
+    view.rules.allow(view.here() + Position::new(half_m, 0.0, 0.0))
+}
+
+/// Whether it goes on all the way beside any stop of this lane.
+fn has_way_over(sweep: &Sweep, view: &View<'_>) -> bool {
+    let over = Position::new(sweep.direction * view.rules.settings.lane_spacing_m, 0.0, 0.0);
+    view.knowledge.visits[sweep.lane.first_stop..].iter().any(|visit| view.rules.allow(visit.place + over))
+}
+
+/// Back along the lane to where there is a way over; at its end the sweep is at its end.
+pub(super) fn retreat(sweep: &Sweep, view: &View<'_>) -> Step {
+    let here = view.here();
+    let (step_m, lane_m) = (view.rules.settings.step_m, view.rules.settings.lane_spacing_m);
+    let over = Position::new(sweep.direction * lane_m, 0.0, 0.0);
+    if view.rules.allow(here + over) && view.situation.clearance_m(over, lane_m) >= lane_m {
+        return Step::Begin(Task::Shift { from: here });
     }
+    let back = -sweep.lane.heading;
+    if view.last_move == Move::Blocked || sweep.lane.left_of_network_m(here.y_m, back) < -step_m {
+        return Step::EndSweep;
+    }
+    Step::Drive(here + Position::new(0.0, back * step_m, 0.0))
+}
 
-    /// Back along the lane to where there is a way over; at its end the sweep is at its end.
-    pub(super) fn retreat(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<RobotCommand> {
-        let here = situation.position;
-        let lane_m = self.settings.lane_spacing_m;
-        let over = Position::new(self.sweep * lane_m, 0.0, 0.0);
-        if self.allows(here + over) && situation.clearance_m(over, lane_m) >= lane_m {
-            self.task = Task::Shift { from: here };
-            return None;
+/// To the lane at `x_m` that an obstacle cut short (`obstacleRegistry` of the thesis); the way began at `from`.
+pub(super) fn go_behind(sweep: &mut Sweep, view: &View<'_>, x_m: f64, from: Position) -> Step {
+    let here = view.here();
+    let step_m = view.rules.settings.step_m;
+    let left_m = (here.x_m - x_m).abs();
+    let is_there = left_m <= 0.01 * step_m;
+    let place = here + Position::new(-sweep.direction * view.rules.stride_m(left_m), 0.0, 0.0);
+    if is_there || view.last_move == Move::Blocked || !view.rules.allow(place) {
+        if is_there || here.distance_m(from) < step_m {
+            sweep.forget_cut(x_m);
         }
-        if last_move == Move::Blocked
-            || self.lane.left_of_network_m(here.y_m, -self.lane.heading) < -self.settings.step_m
-        {
-            self.end_sweep(situation);
-            return None;
-        }
-        Self::drive(here, 0.0, -self.lane.heading * self.settings.step_m)
+        return sweep.begin_lane(here, view.knowledge);
     }
+    Step::Drive(place)
 }

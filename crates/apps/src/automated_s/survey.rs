@@ -4,20 +4,21 @@ use sextant_channel::Position;
 use sextant_kernel::SettingError;
 use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
 
+use super::check;
 use super::knowledge::Knowledge;
-use super::lane::{Cut, HEARING_STOPS, Lane};
 use super::layers::Layer;
-use super::settings::{AutomatedSConfig, Settings};
-use super::trip::Trip;
-use crate::Surroundings;
+use super::rules::Rules;
+use super::settings::{AfterLanes, AutomatedSConfig, Settings, Until};
+use super::shift;
+use super::sweep::Sweep;
+use super::task::{Step, Task};
+use super::trip::{Goal, Trip};
+use super::view::{Move, View};
 use crate::area::Area;
+use crate::surroundings::Surroundings;
 
 /// Changes of task between two commands, at most: more would be a bug, and end the survey.
 const MAX_CHANGES: u32 = 64;
-/// Lanes in a row that hear nobody, and end a sweep; one that covers all of the lane before it is enough.
-pub(super) const EMPTY_LANES: u32 = 2;
-/// Share of the lane spacing within which a stop covers a place.
-pub(super) const COVERED: f64 = 0.75;
 
 /// A survey in lanes along y that works without a map (thesis, appendix C.1.2).
 ///
@@ -34,57 +35,14 @@ pub(super) const COVERED: f64 = 0.75;
 /// steps is capped.
 #[derive(Clone, Debug)]
 pub struct AutomatedS {
-    pub(super) settings: Settings,
-    pub(super) knowledge: Knowledge,
-    pub(super) task: Task,
-    pub(super) lane: Lane,
-    /// Direction of the lanes' order along x: 1 east, -1 west.
-    pub(super) sweep: f64,
-    /// Sweeps finished.
-    pub(super) sweeps: u32,
-    /// First stop of this sweep.
-    pub(super) sweep_began: usize,
-    /// Lanes in a row that heard nobody.
-    pub(super) empty_lanes: u32,
-    /// Lanes in a row that heard nobody after which a sweep is over.
-    pub(super) empty_lanes_to_end: u32,
-    /// Where obstacles cut lanes short.
-    pub(super) cuts: Vec<Cut>,
-    pub(super) layer: Layer,
-    pub(super) area: Option<Area>,
+    rules: Rules,
+    knowledge: Knowledge,
+    sweep: Sweep,
+    layer: Layer,
+    task: Task,
     /// An obstacle was met, and a stop was made first.
     is_blocked: bool,
-    /// Where the first lane began.
-    pub(super) start: Position,
     steps: u32,
-}
-
-/// What the robot is doing.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Task {
-    /// Nobody was heard yet: a square spiral. Its side, and where that began.
-    Search { side: u32, from: Position },
-    /// Along y.
-    Lane,
-    /// Over to the next lane; where it left the last.
-    Shift { from: Position },
-    /// Back along a lane from which there was no way over, in search of one.
-    Retreat,
-    /// To the lane at `x_m` that an obstacle cut short.
-    Behind { x_m: f64, from: Position },
-    /// Up or down to another layer.
-    Climb { to_z_m: f64 },
-    /// Elsewhere.
-    Travel(Trip),
-    /// Over.
-    Finish(Ending),
-}
-
-/// How the last move went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Move {
-    Free,
-    Blocked,
 }
 
 impl AutomatedS {
@@ -102,20 +60,12 @@ impl AutomatedS {
         }
         let area = config.area.as_ref().map(|area| Area::round_start("area", area, surroundings)).transpose()?;
         Ok(Self {
-            settings,
+            rules: Rules { settings, area },
             knowledge: Knowledge::default(),
-            task: Task::Search { side: 0, from: Position::ORIGIN },
-            lane: Lane::FIRST,
-            sweep: 1.0,
-            sweeps: 0,
-            sweep_began: 0,
-            empty_lanes: 0,
-            empty_lanes_to_end: EMPTY_LANES,
-            cuts: Vec::new(),
+            sweep: Sweep::first(start),
             layer: Layer::first(start.z_m),
-            area,
+            task: Task::Search { side: 0, from: Position::ORIGIN },
             is_blocked: false,
-            start,
             steps: 0,
         })
     }
@@ -124,7 +74,7 @@ impl AutomatedS {
 impl Controller for AutomatedS {
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
         let here = situation.position;
-        let Settings { step_m, lane_spacing_m, .. } = self.settings;
+        let Settings { step_m, lane_spacing_m, max_steps, .. } = self.rules.settings;
         let last_move = match situation.outcome {
             CommandOutcome::Started => {
                 self.task = Task::Search { side: 0, from: here };
@@ -142,11 +92,9 @@ impl Controller for AutomatedS {
                 Move::Blocked
             }
             CommandOutcome::Listened(heard) => {
-                let Self { settings, area, knowledge, .. } = self;
-                let allowed = |place: Position| is_allowed(settings, area.as_ref(), place);
-                knowledge.note_stop(situation, heard, settings, allowed);
+                self.knowledge.note_stop(situation, heard, &self.rules);
                 if self.task == Task::Lane {
-                    self.count_stop(here);
+                    self.sweep.count_stop(here, &self.knowledge);
                 }
                 if self.is_complete() {
                     return RobotCommand::Finish(Ending::Complete);
@@ -154,7 +102,7 @@ impl Controller for AutomatedS {
                 if std::mem::take(&mut self.is_blocked) { Move::Blocked } else { Move::Free }
             }
         };
-        if self.steps >= self.settings.max_steps {
+        if self.steps >= max_steps {
             return RobotCommand::Finish(Ending::StepsExhausted);
         }
         self.steps += 1;
@@ -166,143 +114,167 @@ impl AutomatedS {
     /// Whether the robot need not listen here: on its way somewhere, or back where it has been.
     fn passes_by(&self, here: Position) -> bool {
         match &self.task {
-            Task::Travel(trip) => !trip.way.is_empty(),
-            Task::Retreat => self.knowledge.was_near(here, 0.5 * self.settings.step_m, 0..self.knowledge.stops()),
+            Task::Travel(trip) => trip.is_under_way(),
+            Task::Retreat => {
+                self.knowledge.was_near(here, 0.5 * self.rules.settings.step_m, 0..self.knowledge.stops())
+            }
             _ => false,
         }
     }
 
+    /// Whether all is done: packets, and the sweep if it is wanted to its end.
+    fn is_complete(&self) -> bool {
+        let Settings { layers, until, packets_per_node, .. } = self.rules.settings;
+        let is_swept = if layers.is_some() { self.layer.is_last() } else { self.sweep.finished > 0 };
+        (is_swept || until == Until::Heard) && self.knowledge.heard_all(packets_per_node)
+    }
+
     /// The next command: tasks follow one another until one gives it.
     fn proceed(&mut self, situation: &Situation<'_>, last_move: Move) -> RobotCommand {
-        let here = situation.position;
         let mut last_move = last_move;
         for _ in 0..MAX_CHANGES {
-            let command = match self.task.clone() {
-                Task::Search { side, from } => self.search(here, side, from, last_move),
-                Task::Lane => self.drive_lane(situation, last_move),
-                Task::Shift { from } => self.shift(situation, from, last_move),
-                Task::Retreat => self.retreat(situation, last_move),
-                Task::Behind { x_m, from } => self.go_behind(here, x_m, from, last_move),
+            let view = View { situation, last_move, rules: &self.rules, knowledge: &self.knowledge };
+            let sweep = &mut self.sweep;
+            let step = match self.task.clone() {
+                Task::Search { side, from } => self.search(situation, side, from, last_move),
+                Task::Lane => sweep.drive_lane(&view),
+                Task::Shift { from } => shift::shift(sweep, &view, from),
+                Task::Retreat => shift::retreat(sweep, &view),
+                Task::Behind { x_m, from } => shift::go_behind(sweep, &view, x_m, from),
                 Task::Climb { to_z_m } => self.climb(situation, to_z_m, last_move),
                 Task::Travel(trip) => self.travel(situation, trip, last_move),
-                Task::Finish(ending) => Some(RobotCommand::Finish(ending)),
+                Task::Finish(ending) => return RobotCommand::Finish(ending),
             };
-            if let Some(command) = command {
-                return command;
-            }
+            self.task = match step {
+                Step::Drive(place) => return RobotCommand::Drive(place),
+                Step::Begin(task) => task,
+                Step::EndSweep => self.after_sweep(situation),
+            };
             last_move = Move::Free;
         }
         RobotCommand::Finish(Ending::Stuck)
     }
 
-    pub(super) fn drive(here: Position, east_m: f64, north_m: f64) -> Option<RobotCommand> {
-        Some(RobotCommand::Drive(here + Position::new(east_m, north_m, 0.0)))
-    }
-
-    /// Whether the robot may stop at `place`.
-    pub(super) fn allows(&self, place: Position) -> bool {
-        is_allowed(&self.settings, self.area.as_ref(), place)
-    }
-
-    /// The length of the next step of `left_m`: no step is a sliver.
-    pub(super) fn stride(&self, left_m: f64) -> f64 {
-        if left_m < 1.5 * self.settings.step_m { left_m } else { self.settings.step_m }
-    }
-
     /// Drives a square spiral, a lane's distance between its turns, until somebody is heard.
-    fn search(&mut self, here: Position, side: u32, from: Position, last_move: Move) -> Option<RobotCommand> {
+    fn search(&mut self, situation: &Situation<'_>, side: u32, from: Position, last_move: Move) -> Step {
+        let here = situation.position;
         if self.knowledge.hears_somebody() {
-            self.start = here;
             self.layer = Layer::first(here.z_m);
-            self.begin_lane(here);
-            return None;
+            return self.sweep.begin(here, &self.knowledge);
         }
-        let side_m = f64::from(side / 2 + 1) * self.settings.lane_spacing_m;
+        let Settings { step_m, lane_spacing_m, .. } = self.rules.settings;
+        let side_m = f64::from(side / 2 + 1) * lane_spacing_m;
         let left_m = side_m - here.distance_m(from);
         let (east, north) = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)][(side % 4) as usize];
-        let place = here + Position::new(east, north, 0.0) * self.stride(left_m);
-        if last_move == Move::Blocked || left_m <= 0.01 * self.settings.step_m || !self.allows(place) {
-            self.task = Task::Search { side: side + 1, from: here };
-            return None;
+        let place = here + Position::new(east, north, 0.0) * self.rules.stride_m(left_m);
+        if last_move == Move::Blocked || left_m <= 0.01 * step_m || !self.rules.allow(place) {
+            return Step::Begin(Task::Search { side: side + 1, from: here });
         }
-        Some(RobotCommand::Drive(place))
+        Step::Drive(place)
     }
 
-    pub(super) fn begin_lane(&mut self, here: Position) {
-        self.task = Task::Lane;
-        self.lane = self.lane.next(here, self.knowledge.stops().saturating_sub(1));
-        self.count_stop(here);
-    }
-
-    /// Counts the stop just made towards the lane.
-    fn count_stop(&mut self, here: Position) {
-        if self.knowledge.hears_somebody() {
-            self.lane.count_hearing(here);
-        } else {
-            self.lane.count_silent();
-        }
-    }
-
-    fn drive_lane(&mut self, situation: &Situation<'_>, last_move: Move) -> Option<RobotCommand> {
+    /// Up or down to the layer at `to_z_m`, with stops on the way.
+    fn climb(&mut self, situation: &Situation<'_>, to_z_m: f64, last_move: Move) -> Step {
         let here = situation.position;
-        let heading = self.lane.heading;
-        if last_move == Move::Blocked {
-            self.cuts.push(Cut { heading, place: here });
-            self.end_lane(situation);
-            return None;
+        let left_m = to_z_m - here.z_m;
+        if last_move == Move::Blocked || left_m.abs() <= 0.01 * self.rules.settings.step_m {
+            return self.enter_layer(situation);
         }
-        if let Some(x_m) = self.uncovered_behind(situation) {
-            self.task = Task::Behind { x_m, from: here };
-            return None;
-        }
-        let is_silent = self.lane.silent_run >= self.settings.silent_stops_to_turn;
-        let is_beyond = self.lane.left_of_network_m(here.y_m, heading) <= 0.0;
-        let place = here + Position::new(0.0, heading * self.settings.step_m, 0.0);
-        if is_silent && (self.lane.hearing_stops >= HEARING_STOPS || is_beyond)
-            || self.was_driven(here)
-            || !self.allows(place)
-        {
-            self.end_lane(situation);
-            return None;
-        }
-        Some(RobotCommand::Drive(place))
+        Step::Drive(Position { z_m: here.z_m + self.rules.stride_m(left_m.abs()).copysign(left_m), ..here })
     }
 
-    /// Whether all that is ahead on the lane was driven before on this sweep.
-    fn was_driven(&self, here: Position) -> bool {
-        let Settings { step_m, .. } = self.settings;
-        let earlier = self.sweep_began..self.lane.first_stop.max(self.sweep_began);
-        let mut ahead_m = step_m;
-        let last_m = self.lane.left_of_network_m(here.y_m, self.lane.heading).max(2.0 * step_m);
-        while ahead_m <= last_m {
-            let place = here + Position::new(0.0, self.lane.heading * ahead_m, 0.0);
-            if !self.knowledge.was_near(place, 0.5 * step_m, earlier.clone()) {
-                return false;
+    /// Begins the layer here, unless nobody is heard, or there was no way: then there is none.
+    fn enter_layer(&mut self, situation: &Situation<'_>) -> Step {
+        let here = situation.position;
+        let Some(layers) = self.rules.settings.layers else { return Step::Begin(self.task.clone()) };
+        if self.layer.is_left(here, &layers) && self.knowledge.hears_somebody() {
+            self.layer.enter(here);
+            return self.sweep.begin_layer(here, &self.knowledge);
+        }
+        Step::Begin(if self.layer.turn_down() { self.leave_layer(situation) } else { self.after_layers(situation) })
+    }
+
+    /// Goes on with a trip, and at its end with what it was made for.
+    fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> Step {
+        let view = View { situation, last_move, rules: &self.rules, knowledge: &self.knowledge };
+        if let Some(place) = trip.next(&view) {
+            self.task = Task::Travel(trip);
+            return Step::Drive(place);
+        }
+        let here = situation.position;
+        match trip.then {
+            Goal::OtherSide if self.rules.settings.layers.is_some() => {
+                self.sweep.begin_other_side(here, &self.knowledge)
             }
-            ahead_m += step_m;
-        }
-        true
-    }
-
-    /// Turns: over to the next lane, or, beyond the network, to what is left to do.
-    fn end_lane(&mut self, situation: &Situation<'_>) {
-        let was_empty = self.lane.hearing_stops == 0;
-        if was_empty {
-            self.empty_lanes += 1;
-        } else {
-            (self.empty_lanes, self.empty_lanes_to_end) = (0, EMPTY_LANES);
-        }
-        let missed_m = self.lane.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
-        let was_whole = missed_m <= self.settings.lane_spacing_m && self.empty_lanes_to_end == EMPTY_LANES;
-        if was_empty && (was_whole || self.empty_lanes >= self.empty_lanes_to_end) {
-            self.end_sweep(situation);
-        } else {
-            self.task = Task::Shift { from: situation.position };
+            Goal::OtherSide => Step::Begin(self.sweep.begin_back(here, &self.knowledge, &self.rules)),
+            Goal::Climb { to_z_m } => Step::Begin(Task::Climb { to_z_m }),
+            Goal::Check => {
+                self.knowledge.give_up_opening(trip.goal);
+                Step::Begin(self.check(situation))
+            }
         }
     }
-}
 
-/// Whether the robot may stop at `place`.
-fn is_allowed(settings: &Settings, area: Option<&Area>, place: Position) -> bool {
-    settings.layers.is_none_or(|layers| layers.holds(place.z_m)) && area.is_none_or(|area| area.contains(place))
+    /// What is left to do after a sweep. The first sweep of a layer leads to the nearer border, because the robot enters a
+    /// layer near to where it left the one before.
+    fn after_sweep(&mut self, situation: &Situation<'_>) -> Task {
+        self.sweep.end();
+        let is_first = self.sweep.finished == 1;
+        if self.is_complete() {
+            return Task::Finish(Ending::Complete);
+        }
+        let checks = self.rules.settings.after_lanes == AfterLanes::Check;
+        let is_bounded = self.rules.settings.layers.is_some() || self.rules.area.is_some();
+        if !is_bounded && checks && !(is_first && check::misses_nodes(&self.knowledge, &self.rules)) {
+            return self.check(situation);
+        }
+        if is_first && let Some(trip) = self.trip_to_other_side(situation) {
+            return Task::Travel(trip);
+        }
+        if self.rules.settings.layers.is_some() {
+            self.leave_layer(situation)
+        } else if self.rules.area.is_none() {
+            self.sweep.begin_back(situation.position, &self.knowledge, &self.rules)
+        } else if checks {
+            self.check(situation)
+        } else {
+            Task::Finish(Ending::Complete)
+        }
+    }
+
+    /// A trip back to where the first lane began; `None` if no way is known.
+    fn trip_to_other_side(&self, situation: &Situation<'_>) -> Option<Trip> {
+        let view = View { situation, last_move: Move::Free, rules: &self.rules, knowledge: &self.knowledge };
+        Trip::plan(&view, self.sweep.start, Goal::OtherSide)
+    }
+
+    /// Sets out for the next layer.
+    fn leave_layer(&mut self, situation: &Situation<'_>) -> Task {
+        let view = View { situation, last_move: Move::Free, rules: &self.rules, knowledge: &self.knowledge };
+        let trip = self.rules.settings.layers.and_then(|layers| self.layer.leave(&view, &layers));
+        trip.map_or_else(|| self.after_layers(situation), Task::Travel)
+    }
+
+    /// All layers are swept: what is left to do.
+    fn after_layers(&mut self, situation: &Situation<'_>) -> Task {
+        if self.is_complete() {
+            Task::Finish(Ending::Complete)
+        } else if self.rules.settings.after_lanes == AfterLanes::Check {
+            self.check(situation)
+        } else {
+            Task::Finish(self.ending_with_misses())
+        }
+    }
+
+    /// Goes where packets of missing nodes may be had.
+    fn check(&mut self, situation: &Situation<'_>) -> Task {
+        let trip = check::next_trip(&mut self.knowledge, &self.rules, situation);
+        trip.map_or_else(|| Task::Finish(self.ending_with_misses()), Task::Travel)
+    }
+
+    /// How a survey ends that has no place left to go to but did not hear all packets: whoever has an area is done
+    /// with it.
+    fn ending_with_misses(&self) -> Ending {
+        if self.rules.area.is_some() { Ending::Complete } else { Ending::Stuck }
+    }
 }

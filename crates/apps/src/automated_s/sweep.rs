@@ -1,69 +1,201 @@
-//! Sweeps: lane after lane one way, then what is left to do.
+//! A sweep: lane after lane one way, until lanes hear nobody.
 
 use sextant_channel::Position;
-use sextant_sim::{Ending, Situation};
 
-use super::settings::{AfterLanes, Until};
-use super::survey::{AutomatedS, EMPTY_LANES, Task};
-use super::trip::Goal;
+use super::knowledge::Knowledge;
+use super::lane::{Cut, HEARING_STOPS, Lane};
+use super::rules::Rules;
+use super::settings::Settings;
+use super::task::{Step, Task};
+use super::view::{Move, View};
 
-/// Lanes in a row that hear nobody, and end a sweep that begins out of reach of the network.
+/// Lanes in a row that hear nobody, and end a sweep; one that covers all of the lane before it is enough.
+const EMPTY_LANES: u32 = 2;
+/// The same of a sweep that begins out of reach of the network.
 const EMPTY_LANES_OUTSIDE: u32 = 8;
 /// Share of the lane spacing by which a further sweep runs beside the one before: the golden section, so that all
 /// lanes of many sweeps lie apart.
 const AGAIN: f64 = 0.381_966;
 
-impl AutomatedS {
-    /// Whether all is done: packets, and the sweep if it is wanted to its end.
-    pub(super) fn is_complete(&self) -> bool {
-        let is_swept = if self.settings.layers.is_some() { self.layer.is_last } else { self.sweeps > 0 };
-        (is_swept || self.settings.until == Until::Heard) && self.knowledge.heard_all(self.settings.packets_per_node)
+/// The sweep that is being driven, and the lane of it.
+#[derive(Clone, Debug)]
+pub(super) struct Sweep {
+    pub(super) lane: Lane,
+    /// Direction of the lanes' order along x: 1 east, -1 west.
+    pub(super) direction: f64,
+    /// Where the first lane of the layer began [m].
+    pub(super) start: Position,
+    /// Sweeps of this layer that are finished.
+    pub(super) finished: u32,
+    /// First stop of this sweep.
+    first_stop: usize,
+    /// Lanes in a row that heard nobody.
+    empty_lanes: u32,
+    /// Lanes in a row that hear nobody, after which the sweep is over.
+    empty_lanes_to_end: u32,
+    /// Where obstacles cut lanes short.
+    cuts: Vec<Cut>,
+}
+
+impl Sweep {
+    /// The first sweep, eastward from `start`.
+    pub(super) fn first(start: Position) -> Self {
+        Self {
+            lane: Lane::FIRST,
+            direction: 1.0,
+            start,
+            finished: 0,
+            first_stop: 0,
+            empty_lanes: 0,
+            empty_lanes_to_end: EMPTY_LANES,
+            cuts: Vec::new(),
+        }
     }
 
-    /// A sweep is over: what is left to do.
-    pub(super) fn end_sweep(&mut self, situation: &Situation<'_>) {
-        self.sweeps += 1;
+    /// Begins the first lane where somebody was heard.
+    pub(super) fn begin(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+        self.start = here;
+        self.begin_lane(here, knowledge)
+    }
+
+    /// Begins the first sweep of another layer.
+    pub(super) fn begin_layer(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+        self.start = here;
+        self.finished = 0;
+        self.begin_side(Lane::FIRST, here, knowledge)
+    }
+
+    /// Begins the sweep of the other side of a layer from where its first lane began: first the part of that lane behind
+    /// the start.
+    pub(super) fn begin_other_side(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+        self.direction = -self.direction;
+        self.begin_side(Lane::SOUTHWARD, here, knowledge)
+    }
+
+    fn begin_side(&mut self, lane: Lane, here: Position, knowledge: &Knowledge) -> Step {
+        self.first_stop = knowledge.stops();
+        self.empty_lanes_to_end = EMPTY_LANES;
+        self.lane = lane;
+        self.begin_lane(here, knowledge)
+    }
+
+    /// Begins a sweep the other way from here. One over lanes that were driven before runs between them.
+    pub(super) fn begin_back(&mut self, here: Position, knowledge: &Knowledge, rules: &Rules) -> Task {
+        self.direction = -self.direction;
+        self.first_stop = knowledge.stops();
+        let is_outside = self.finished > 1;
+        self.empty_lanes_to_end = if is_outside { EMPTY_LANES_OUTSIDE } else { EMPTY_LANES };
+        let aside = if self.direction < 0.0 { AGAIN } else { 1.0 - AGAIN };
+        let ahead_m = if is_outside { aside * rules.settings.lane_spacing_m } else { 0.0 };
+        Task::Shift { from: here - Position::new(self.direction * ahead_m, 0.0, 0.0) }
+    }
+
+    /// The sweep is over.
+    pub(super) fn end(&mut self) {
+        self.finished += 1;
         self.empty_lanes = 0;
         self.cuts.clear();
-        let is_first = self.sweeps == 1;
-        if self.is_complete() {
-            self.task = Task::Finish(Ending::Complete);
-        } else if let Some(layers) = self.settings.layers {
-            self.end_sweep_of_layer(situation, &layers);
-        } else if self.area.is_some() {
-            if !(is_first && self.set_out(situation, self.start, Goal::OtherSide)) {
-                self.end_area(situation);
-            }
-        } else if self.settings.after_lanes == AfterLanes::Check && !(is_first && self.misses_nodes()) {
-            self.check(situation);
-        } else if !(is_first && self.set_out(situation, self.start, Goal::OtherSide)) {
-            self.begin_sweep(situation.position);
-        }
     }
 
-    /// Sweeps the other way from here. A sweep over lanes that were driven before runs between them.
-    pub(super) fn begin_sweep(&mut self, here: Position) {
-        self.sweep = -self.sweep;
-        self.sweep_began = self.knowledge.stops();
-        let is_outside = self.sweeps > 1;
-        self.empty_lanes_to_end = if is_outside { EMPTY_LANES_OUTSIDE } else { EMPTY_LANES };
-        let aside = if self.sweep < 0.0 { AGAIN } else { 1.0 - AGAIN };
-        let ahead_m = if is_outside { aside * self.settings.lane_spacing_m } else { 0.0 };
-        self.task = Task::Shift { from: here - Position::new(self.sweep * ahead_m, 0.0, 0.0) };
+    /// Begins the next lane.
+    pub(super) fn begin_lane(&mut self, here: Position, knowledge: &Knowledge) -> Step {
+        self.lane = self.lane.next(here, knowledge.stops().saturating_sub(1));
+        self.count_stop(here, knowledge);
+        Step::Begin(Task::Lane)
     }
 
-    /// The area is swept: its gaps are left.
-    fn end_area(&mut self, situation: &Situation<'_>) {
-        if self.settings.after_lanes == AfterLanes::Check {
-            self.check(situation);
+    /// Counts the stop just made towards the lane.
+    pub(super) fn count_stop(&mut self, here: Position, knowledge: &Knowledge) {
+        if knowledge.hears_somebody() {
+            self.lane.count_hearing(here);
         } else {
-            self.task = Task::Finish(Ending::Complete);
+            self.lane.count_silent();
         }
     }
 
-    /// How a survey ends that has no place left to go to but did not hear all packets: whoever has an area is done
-    /// with it.
-    pub(super) fn ending_with_misses(&self) -> Ending {
-        if self.area.is_some() { Ending::Complete } else { Ending::Stuck }
+    /// Goes on along the lane.
+    pub(super) fn drive_lane(&mut self, view: &View<'_>) -> Step {
+        let here = view.here();
+        let heading = self.lane.heading;
+        let settings = &view.rules.settings;
+        if view.last_move == Move::Blocked {
+            self.cuts.push(Cut { heading, place: here });
+            return self.end_lane(view);
+        }
+        if let Some(x_m) = self.uncovered_behind(view) {
+            return Step::Begin(Task::Behind { x_m, from: here });
+        }
+        let is_silent = self.lane.silent_run >= settings.silent_stops_to_turn;
+        let is_beyond = self.lane.left_of_network_m(here.y_m, heading) <= 0.0;
+        let place = here + Position::new(0.0, heading * settings.step_m, 0.0);
+        if is_silent && (self.lane.hearing_stops >= HEARING_STOPS || is_beyond)
+            || self.was_driven(view)
+            || !view.rules.allow(place)
+        {
+            return self.end_lane(view);
+        }
+        Step::Drive(place)
+    }
+
+    /// Whether all that is ahead on the lane was driven before on this sweep.
+    fn was_driven(&self, view: &View<'_>) -> bool {
+        let here = view.here();
+        let Settings { step_m, .. } = view.rules.settings;
+        let earlier = self.first_stop..self.lane.first_stop.max(self.first_stop);
+        let mut ahead_m = step_m;
+        let last_m = self.lane.left_of_network_m(here.y_m, self.lane.heading).max(2.0 * step_m);
+        while ahead_m <= last_m {
+            let place = here + Position::new(0.0, self.lane.heading * ahead_m, 0.0);
+            if !view.knowledge.was_near(place, 0.5 * step_m, earlier.clone()) {
+                return false;
+            }
+            ahead_m += step_m;
+        }
+        true
+    }
+
+    /// Turns: over to the next lane, or, beyond the network, to what is left to do.
+    fn end_lane(&mut self, view: &View<'_>) -> Step {
+        let was_empty = self.lane.hearing_stops == 0;
+        if was_empty {
+            self.empty_lanes += 1;
+        } else {
+            (self.empty_lanes, self.empty_lanes_to_end) = (0, EMPTY_LANES);
+        }
+        let missed_m = self.lane.left_of_network_m(self.lane.start_y_m, -self.lane.heading);
+        let was_whole = missed_m <= view.rules.settings.lane_spacing_m && self.empty_lanes_to_end == EMPTY_LANES;
+        if was_empty && (was_whole || self.empty_lanes >= self.empty_lanes_to_end) {
+            Step::EndSweep
+        } else {
+            Step::Begin(Task::Shift { from: view.here() })
+        }
+    }
+
+    /// The lane behind an obstacle, if this lane has just passed the obstacle and can see that lane
+    /// (`coverObstacles` of the thesis).
+    fn uncovered_behind(&self, view: &View<'_>) -> Option<f64> {
+        let here = view.here();
+        let Settings { step_m, lane_spacing_m: lane_m, .. } = view.rules.settings;
+        let is_behind = |cut: &&Cut| {
+            let back_m = self.direction * (here.x_m - cut.place.x_m);
+            let beyond_m = self.lane.heading * (here.y_m - cut.place.y_m);
+            cut.heading * self.lane.heading > 0.0
+                && beyond_m > 0.0
+                && back_m >= step_m
+                && back_m <= 4.0 * lane_m
+                && !view.knowledge.was_near(
+                    Position { y_m: here.y_m, ..cut.place },
+                    view.rules.covered_lane_m(),
+                    self.first_stop..view.knowledge.stops(),
+                )
+                && view.situation.clearance_m(Position::new(-self.direction, 0.0, 0.0), back_m) >= back_m
+        };
+        Some(self.cuts.iter().find(is_behind)?.place.x_m)
+    }
+
+    /// Forgets the obstacle that cut the lane at `x_m` short: what lies behind it is covered, or out of reach.
+    pub(super) fn forget_cut(&mut self, x_m: f64) {
+        let heading = self.lane.heading;
+        self.cuts.retain(|cut| (cut.place.x_m - x_m).abs() > 1e-6 || cut.heading * heading < 0.0);
     }
 }

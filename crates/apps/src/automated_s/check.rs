@@ -1,0 +1,48 @@
+//! Where packets of missing nodes may be had once the lanes are driven.
+
+use sextant_channel::Position;
+use sextant_sim::Situation;
+
+use super::knowledge::Knowledge;
+use super::rules::Rules;
+use super::trip::{Goal, Trip};
+use super::view::{Move, View};
+
+/// How often the robot comes back for one node, in packets wanted.
+const RETURNS_PER_PACKET: u32 = 2;
+
+/// How often the robot comes back for one node.
+fn returns(rules: &Rules) -> u32 {
+    rules.settings.packets_per_node.saturating_mul(RETURNS_PER_PACKET)
+}
+
+/// Whether there are nodes that no place known is good for.
+pub(super) fn misses_nodes(knowledge: &Knowledge, rules: &Rules) -> bool {
+    knowledge.misses_nodes(rules.settings.packets_per_node, returns(rules))
+}
+
+/// A trip to where packets of missing nodes may be had: places passed by if some were never heard, then those where they
+/// were heard best. A robot with an area does not know which nodes are its own: it visits gaps. `None` if no such place
+/// is left.
+pub(super) fn next_trip(knowledge: &mut Knowledge, rules: &Rules, situation: &Situation<'_>) -> Option<Trip> {
+    let here = situation.position;
+    loop {
+        let goal = if rules.area.is_some() {
+            knowledge.nearest_gap(here, rules.covered_m()[0])
+        } else {
+            place_to_check(knowledge, rules, here)
+        }?;
+        let view = View { situation, last_move: Move::Free, rules, knowledge };
+        if let Some(trip) = Trip::plan(&view, goal, Goal::Check) {
+            return Some(trip);
+        }
+        knowledge.give_up_opening(goal);
+    }
+}
+
+/// A place passed by if nodes were never heard, else one at which nodes were heard best.
+fn place_to_check(knowledge: &mut Knowledge, rules: &Rules, here: Position) -> Option<Position> {
+    let radii_m = rules.covered_m().into_iter().filter(|_| misses_nodes(knowledge, rules));
+    let opening = { radii_m }.find_map(|radius_m| knowledge.nearest_opening(here, radius_m));
+    opening.or_else(|| knowledge.place_to_listen_again(here, rules.settings.packets_per_node, returns(rules)))
+}
