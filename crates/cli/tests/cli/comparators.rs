@@ -1,9 +1,11 @@
 //! Algorithms to compare with, from a scenario to the table, the summary and the recording.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use serde_json::{Value, json};
+use serde_json::json;
 use tempfile::TempDir;
+
+use crate::program;
 
 const CLASSICS: [&str; 11] = [
     "ml-tm",
@@ -20,17 +22,11 @@ const CLASSICS: [&str; 11] = [
 ];
 
 fn classics() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ml-tm/classics.toml")
+    program::scenario("ml-tm/classics.toml")
 }
 
 fn sextant() -> assert_cmd::Command {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("sextant");
-    command.env("NO_COLOR", "1");
-    command
-}
-
-fn json_of(path: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(path).expect("a summary")).expect("JSON")
+    assert_cmd::Command::from_std(program::sextant())
 }
 
 #[test]
@@ -44,7 +40,7 @@ fn every_classic_runs_says_what_it_knows_and_comes_out_of_the_recording_again() 
         .success();
     let table = String::from_utf8_lossy(&run.get_output().stdout).into_owned();
     assert!(table.contains("neighbours (aligned to the truth)") && table.contains("anchor RSSI, anchors, path loss"));
-    let summary = json_of(&summary);
+    let summary = program::summary(&summary);
     let maps = summary["maps"].as_array().expect("maps");
     let names: Vec<_> = maps.iter().map(|map| map["algorithm"].as_str().expect("a name")).collect();
     assert_eq!(names, CLASSICS);
@@ -81,7 +77,7 @@ fn every_classic_runs_says_what_it_knows_and_comes_out_of_the_recording_again() 
     // The recording knows all that the maps need.
     let log = [recording.as_os_str(), "--summary".as_ref(), again.as_os_str(), "--quiet".as_ref()];
     sextant().arg("map").args(log).assert().success();
-    let again = json_of(&again);
+    let again = program::summary(&again);
     for (map, again) in maps.iter().zip(again["maps"].as_array().expect("maps")) {
         for key in ["mapped", "position_error_m", "connectivity_error", "alignment", "knowledge"] {
             assert_eq!(map[key], again[key], "{} {key}", map["algorithm"]);

@@ -3,9 +3,11 @@
 mod architecture;
 mod command_line;
 mod comparators;
+mod failing_disk;
 mod figure;
 mod map;
 mod pcap;
+mod program;
 mod purposes;
 mod recording;
 mod reproduce;

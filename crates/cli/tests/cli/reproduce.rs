@@ -1,13 +1,15 @@
 //! `sextant reproduce` from end to end.
 
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 use tempfile::TempDir;
 
+use crate::program::sextant;
+#[cfg(unix)]
+use crate::program::signal;
+
 fn reproduce(arguments: &[&str], folder: &TempDir) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
-    command.env("NO_COLOR", "1").current_dir(folder.path()).arg("reproduce").args(arguments);
-    command.output().expect("it starts")
+    sextant().current_dir(folder.path()).arg("reproduce").args(arguments).output().expect("it starts")
 }
 
 #[test]
@@ -55,11 +57,10 @@ fn what_there_is_not_is_refused_with_what_there_is() {
 #[test]
 fn an_interrupted_reproduction_keeps_the_experiments_that_were_finished() {
     let folder = TempDir::new().unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
-    command.env("NO_COLOR", "1").current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut command = sextant();
     // Nobody waits for a thousand runs of the second experiment.
-    let mut child =
-        command.args(["reproduce", "3.2", "3.3", "--runs", "1000", "--out", "here"]).spawn().expect("it starts");
+    command.current_dir(folder.path()).args(["reproduce", "3.2", "3.3", "--runs", "1000", "--out", "here"]);
+    let mut child = command.spawn().expect("it starts");
     let out = folder.path().join("here");
     while !out.join("3.2.csv").exists() {
         assert!(child.try_wait().unwrap().is_none(), "it ended before its first experiment");
@@ -67,8 +68,7 @@ fn an_interrupted_reproduction_keeps_the_experiments_that_were_finished() {
     }
     // The runs of the second experiment begin as soon as the first is printed.
     std::thread::sleep(std::time::Duration::from_millis(500));
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill starts").success());
+    signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     let (printed, notes) =
         (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned());

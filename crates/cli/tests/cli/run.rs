@@ -1,25 +1,19 @@
 //! `sextant run` from end to end: what it writes, and what is left when it is disturbed.
 
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::path::Path;
+use std::process::Command;
 use std::time::Duration;
 
 use serde_json::Value;
 use sextant::recording;
 use tempfile::TempDir;
 
+#[cfg(unix)]
+use crate::program::signal;
+use crate::program::{scenario, sextant, summary};
+
 /// Simulated seconds of listening at each stop that keep the smoke scenario busy for a minute or more.
 const ENDLESS: &str = "robots.0.listen_s=100000";
-
-fn scenario(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(name)
-}
-
-fn sextant() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
-    command.env("NO_COLOR", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
 
 fn run(arguments: &[&str], out: &Path) -> std::process::Output {
     sextant()
@@ -30,10 +24,6 @@ fn run(arguments: &[&str], out: &Path) -> std::process::Output {
         .args(arguments)
         .output()
         .expect("it starts")
-}
-
-fn summary(path: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(path).expect("a summary")).expect("JSON")
 }
 
 #[test]
@@ -237,12 +227,6 @@ fn wait_for_growth(out: &Path) {
         std::thread::sleep(Duration::from_millis(50));
     }
     panic!("no recording has grown at {}", part.display());
-}
-
-#[cfg(unix)]
-fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill starts");
-    assert!(status.success());
 }
 
 #[cfg(unix)]

@@ -1,9 +1,11 @@
 //! `sextant sweep` from end to end: the same rows whatever the threads and shards, and after a kill.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 
 use tempfile::TempDir;
+
+use crate::program::{self, sextant};
 
 /// Two worlds, each mapped twice; the last cell asks for a grid that no memory holds.
 const SWEEP: &str = "
@@ -18,17 +20,10 @@ maps.0.algorithm.ml_tm.grid_step_m = 1e-5
 ";
 
 fn scenario(folder: &TempDir, sweep: &str) -> PathBuf {
-    let base = std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/smoke.toml"));
-    let base = base.expect("the smoke scenario is there");
+    let base = std::fs::canonicalize(program::scenario("smoke.toml")).expect("the smoke scenario is there");
     let path = folder.path().join("swept.toml");
     std::fs::write(&path, format!("extends = '{}'\n{sweep}", base.display())).expect("a scenario is written");
     path
-}
-
-fn sextant() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
-    command.env("NO_COLOR", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
 }
 
 fn sweep(scenario: &Path, out: &Path, arguments: &[&str]) -> Output {

@@ -1,32 +1,12 @@
 //! A disk that fails is reported, once and for all.
 
-use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
 
 use sextant::recording::{Capture, CapturedFrame, FileCapture, RecordingError};
 use sextant_kernel::SimTime;
 
-/// Takes `room` octets, refuses one write, and takes all later ones.
-struct Hiccup {
-    room: usize,
-    failed: bool,
-}
-
-impl Write for Hiccup {
-    fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
-        if !self.failed && octets.len() > self.room {
-            self.failed = true;
-            return Err(io::Error::new(io::ErrorKind::StorageFull, "no room for it"));
-        }
-        self.room = self.room.saturating_sub(octets.len());
-        Ok(octets.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
+use crate::failing_disk::FailingDisk;
 
 const FRAME: CapturedFrame<'_> = CapturedFrame {
     start: SimTime::ZERO,
@@ -37,14 +17,14 @@ const FRAME: CapturedFrame<'_> = CapturedFrame {
 
 #[test]
 fn the_first_write_error_answers_every_later_call() {
-    let mut capture = Capture::new(Hiccup { room: 150, failed: false }, Path::new("a.pcap"), 11).unwrap();
+    let mut capture = Capture::new(FailingDisk::new(150), Path::new("a.pcap"), 11).unwrap();
     assert_eq!(capture.frame(&FRAME), Ok(()));
     let first = capture.frame(&FRAME).unwrap_err();
     assert!(matches!(&first, RecordingError::WriteCapture { why, .. } if why == "no room for it"), "{first}");
     assert!(first.is_of_the_system());
     assert_eq!(capture.frame(&FRAME), Err(first.clone()));
     assert_eq!(capture.into_output().err(), Some(first));
-    assert!(Capture::new(Hiccup { room: 23, failed: false }, Path::new("a.pcap"), 11).is_err());
+    assert!(Capture::new(FailingDisk::new(23), Path::new("a.pcap"), 11).is_err());
 }
 
 /// `/dev/full` answers every write as a full disk does.

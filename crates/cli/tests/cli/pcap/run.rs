@@ -1,22 +1,15 @@
 //! `sextant run --pcap`: which frames it writes, and what is left when it is disturbed.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
 
 use super::packet::{self, Packet};
-
-fn scenario(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios").join(name)
-}
-
-pub(crate) fn sextant(folder: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_sextant"));
-    command.current_dir(folder).env("NO_COLOR", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
+#[cfg(unix)]
+use crate::program::signal;
+use crate::program::{scenario, sextant};
 
 /// Runs the smoke scenario in `folder`, with a capture `a.pcap`.
 pub(crate) fn run(folder: &Path, words: &[&str]) -> Output {
@@ -25,8 +18,8 @@ pub(crate) fn run(folder: &Path, words: &[&str]) -> Output {
 
 /// Runs a scenario in `folder`, with a capture `a.pcap`.
 pub(crate) fn run_scenario(name: &str, folder: &Path, words: &[&str]) -> Output {
-    let mut command = sextant(folder);
-    command.arg("run").arg(scenario(name)).args(["--pcap", "a.pcap", "--format", "json"]);
+    let mut command = sextant();
+    command.current_dir(folder).arg("run").arg(scenario(name)).args(["--pcap", "a.pcap", "--format", "json"]);
     command.args(words).output().expect("it starts")
 }
 
@@ -108,15 +101,15 @@ fn acknowledgements_of_robots_are_on_air_too() {
 #[test]
 fn ctrl_c_leaves_a_whole_capture() {
     let folder = TempDir::new().unwrap();
-    let child = sextant(folder.path())
+    let child = sextant()
+        .current_dir(folder.path())
         .arg("run")
         .arg(scenario("smoke.toml"))
         .args(["--pcap", "a.pcap", "--set", "robots.0.listen_s=2000"])
         .spawn()
         .expect("it starts");
     std::thread::sleep(std::time::Duration::from_millis(700));
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("kill starts").success());
+    signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
     let packets = packet::read(&std::fs::read(folder.path().join("a.pcap")).unwrap());

@@ -1,38 +1,17 @@
 //! A disk that fails is reported, once and for all.
 
-use std::io::{self, Write};
 use std::path::Path;
 
 use sextant::recording::{FileRecorder, Recorder, RecordingError};
 
 use super::sample;
-
-/// Takes `room` octets, refuses one write, and takes all later ones: like a disk on which somebody makes room.
-struct Hiccup {
-    room: usize,
-    failed: bool,
-}
-
-impl Write for Hiccup {
-    fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
-        if !self.failed && octets.len() > self.room {
-            self.failed = true;
-            return Err(io::Error::new(io::ErrorKind::StorageFull, "no room for it"));
-        }
-        self.room = self.room.saturating_sub(octets.len());
-        Ok(octets.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
+use crate::failing_disk::FailingDisk;
 
 #[test]
 fn the_first_write_error_answers_every_later_call() {
     let log = sample::log(1, 5, 200);
     for room in [40, 300, 3_000, 10_000] {
-        let mut recorder = Recorder::new(Hiccup { room, failed: false }, Path::new("run.mcap")).unwrap();
+        let mut recorder = Recorder::new(FailingDisk::new(room), Path::new("run.mcap")).unwrap();
         let first = sample::record_all(&mut recorder, &log).unwrap_err();
         assert!(first.to_string().contains("no room for it"), "{first}");
         assert!(first.is_of_the_system());
@@ -44,8 +23,8 @@ fn the_first_write_error_answers_every_later_call() {
 
 #[test]
 fn a_writer_without_room_for_the_header_fails_at_once() {
-    let hiccup = Hiccup { room: 3, failed: false };
-    assert!(matches!(Recorder::new(hiccup, Path::new("run.mcap")), Err(RecordingError::Write { .. })));
+    let disk = FailingDisk::new(3);
+    assert!(matches!(Recorder::new(disk, Path::new("run.mcap")), Err(RecordingError::Write { .. })));
 }
 
 #[test]
@@ -57,8 +36,8 @@ fn an_error_in_the_summary_section_is_not_lost() {
     recorder.into_output().unwrap();
     // Each write of the summary section is small; the footer is the last.
     for missing in [1, 100, 500] {
-        let hiccup = Hiccup { room: whole.len() - missing, failed: false };
-        let mut recorder = Recorder::new(hiccup, Path::new("run.mcap")).unwrap();
+        let disk = FailingDisk::new(whole.len() - missing);
+        let mut recorder = Recorder::new(disk, Path::new("run.mcap")).unwrap();
         recorder.log(&log).unwrap();
         assert!(matches!(recorder.into_output(), Err(RecordingError::Write { .. })), "{missing} octets short");
     }
