@@ -6,7 +6,7 @@
 //! ```
 //! let folder = std::env::temp_dir();
 //! let missing = folder.join("no-such-scenario.toml");
-//! let errors = sextant::scenario::Scenario::load(&missing, &[], None).unwrap_err();
+//! let errors = sextant::scenario::Scenario::load(&missing, &[], None).err().expect("there is no such file");
 //! assert!(errors.to_string().starts_with("there is no file"));
 //! ```
 
