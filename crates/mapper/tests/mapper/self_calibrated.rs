@@ -224,6 +224,54 @@ fn knowledge_of_obstacles_is_used_as_far_as_it_is_allowed() {
     assert!(on_lane(known).abs() < 1e-12 && on_lane(found) >= 0.0);
 }
 
+/// The same survey by two robots at the same time, each in its half: its log with their names, and the log that takes both
+/// for one.
+fn by_two_robots(log: &ReceptionLog) -> [ReceptionLog; 2] {
+    let stops = log.stops();
+    let of = |robot: u32| {
+        let is_west = move |index: &usize| (stops[*index].position.x_m < 0.0) == (robot == 0);
+        (0..stops.len()).filter(is_west).map(move |index| (RobotId(robot), index))
+    };
+    let (mut west, mut east) = (of(0), of(1));
+    let mut order: Vec<(RobotId, usize)> = Vec::new();
+    while order.len() < stops.len() {
+        order.extend(west.next());
+        order.extend(east.next());
+    }
+    let mut place = vec![0; stops.len()];
+    for (i, &(_, index)) in order.iter().enumerate() {
+        place[index] = u32::try_from(i).expect("a few stops");
+    }
+    let receptions: Vec<Reception> =
+        log.receptions().iter().map(|r| Reception { stop: place[r.stop as usize], ..r }).collect();
+    [true, false].map(|knows| {
+        let stop = |&(robot, index): &(RobotId, usize)| Stop {
+            robot: if knows { robot } else { RobotId(0) },
+            ..stops[index]
+        };
+        let stops = order.iter().map(stop).collect();
+        ReceptionLog::new(log.names().to_vec(), stops, receptions.clone(), log.contacts().to_vec()).expect("a log")
+    })
+}
+
+#[test]
+fn knowing_the_paths_of_two_robots_is_not_worse_than_not_knowing_them() {
+    let [mut known_m, mut unknown_m, mut joined_m] = [0.0; 3];
+    for seed in 20..23 {
+        let (log, truth) = World { seed, packets: 2, ..PLANE }.survey();
+        let [two, one] = by_two_robots(&log);
+        let error = |obstacles, log: &ReceptionLog| {
+            mean_error_m(&calibrated(SelfCalibratedConfig { obstacles, ..settings() }, log).0, &truth) / 3.0
+        };
+        known_m += error(ObstacleKnowledge::FromLog, &two);
+        unknown_m += error(ObstacleKnowledge::FromReceptions, &two);
+        joined_m += error(ObstacleKnowledge::FromLog, &one);
+    }
+    assert!(known_m < 1.02 * unknown_m, "{known_m} m with the paths, {unknown_m} m without");
+    // Lines between the places of two robots lead through the obstacle: they must not count as driven.
+    assert!(joined_m > 1.2 * known_m, "{joined_m} m as if one robot had driven, {known_m} m");
+}
+
 #[test]
 fn without_obstacles_none_is_found_and_the_map_is_as_good_as_with_a_fitted_profile() {
     let (mut error_m, mut fitted_m) = (0.0, 0.0);
