@@ -14,9 +14,11 @@
 
 mod curve;
 mod evidence;
+mod receiver;
 mod rows;
 mod score;
 mod screen;
+mod single;
 mod sink;
 mod wedges;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::claim::Finding;
+use super::finding::Finding;
 use super::published::Published;
 use crate::diagnostic::Failure;
 use crate::output::write_file;
@@ -133,7 +133,7 @@ pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::claim::Verdict;
+    use super::super::finding::Verdict;
     use super::*;
 
     #[test]

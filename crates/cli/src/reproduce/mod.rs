@@ -8,15 +8,17 @@ mod chapter_3;
 mod claim;
 mod experiment;
 mod figures;
+mod finding;
 mod line;
 mod published;
 mod runs;
 mod shipped;
 
 pub use chapter_3::chapter_3;
-pub use claim::{Check, Claim, Finding, Verdict};
+pub use claim::{Check, Claim};
 pub use experiment::{Content, Experiment, Quantity};
 pub use figures::{write_figures, write_pictures};
+pub use finding::{Finding, Verdict};
 pub use line::{Line, Ours, write_csv};
 pub use published::Published;
 pub use runs::{Runs, Term};

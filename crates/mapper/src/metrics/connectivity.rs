@@ -3,6 +3,7 @@
 use sextant_channel::Position;
 
 use super::ellipse::{Affine, Axes};
+use super::error::MetricError;
 use crate::cells::CellIndex;
 
 /// What a neighbourhood, a ball on the ground, becomes on the map.
@@ -19,25 +20,6 @@ pub enum NeighbourhoodRule {
     /// axis; axes may be oblique; ratios of nodes within a tenth of the half-extent of an axis, and those
     /// beyond half or twice the network's, are replaced or limited).
     PerNode,
-}
-
-/// Why a connectivity error cannot be computed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum MetricError {
-    /// Lists of different lengths.
-    #[error("{truth} true places but {map} mapped ones; each node needs one of both")]
-    Length {
-        /// Number of true places.
-        truth: usize,
-        /// Number of entries of the map.
-        map: usize,
-    },
-    /// A radius that is no radius.
-    #[error("the neighbourhood radius is {0} m; allowed: a finite number above 0")]
-    Radius(f64),
-    /// Places from which no ellipse follows.
-    #[error("{0}, so that a neighbourhood has no image on the map")]
-    Degenerate(&'static str),
 }
 
 /// How many neighbours are lost and gained on the map. Pairs are ordered: each pair of neighbours counts twice.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use sextant_channel::Position;
 
-use super::MetricError;
+use super::error::MetricError;
 
 /// Smallest ratio of singular values at which places still span plane or space.
 const FLATNESS: f64 = 1e-9;

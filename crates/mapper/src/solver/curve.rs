@@ -1,6 +1,7 @@
 //! The reception profile in the form that the inner loop wants.
 
 use super::evidence::Evidence;
+use super::single::single;
 use crate::ReceptionProfile;
 use crate::profile::DEFAULT_FLOOR;
 
@@ -69,7 +70,7 @@ impl Curve {
     fn of_table(self, table: Vec<[f64; 2]>, step_m: f64) -> Self {
         // Between a value of the table and zero lies at least a rounding step of the value.
         let chunk = if self.floor > 0.0 { self.chunk } else { self.chunk.min(5) };
-        let table_single = table.iter().map(|pair| pair.map(super::screen::single)).collect();
+        let table_single = table.iter().map(|pair| pair.map(single)).collect();
         let steepest = table.iter().fold(0.0, |most: f64, [_, increment]| most.max(increment.abs()));
         Self { table, table_single, steepest_per_m: steepest / step_m, step_m, chunk, ..self }
     }

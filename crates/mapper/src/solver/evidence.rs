@@ -2,17 +2,8 @@
 
 use sextant_channel::{Position, Reception, Receptions, Stop};
 
+use super::receiver::Receiver;
 use super::wedges::Wedges;
-
-/// A stop that received from the node.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Receiver {
-    pub(crate) place: Position,
-    /// Packets received there, above zero.
-    pub(crate) packets: u32,
-    /// The sector of best reception, if sectors are evidence.
-    pub(crate) sector: Option<u8>,
-}
 
 /// A stop with an entry other than one packet received of one sent.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use sextant_channel::Position;
 
 use super::Row;
-use super::evidence::Receiver;
+use super::receiver::Receiver;
 use super::wedges::{Plane, Residual, Wedges};
 use crate::Lattice;
 

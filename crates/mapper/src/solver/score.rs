@@ -5,7 +5,8 @@ use std::ops::Range;
 use sextant_channel::Position;
 
 use super::curve::Curve;
-use super::evidence::{Count, Evidence, Receiver};
+use super::evidence::{Count, Evidence};
+use super::receiver::Receiver;
 use super::screen::{Scene, Screen};
 use super::wedges::Wedges;
 use super::{Row, Sink};

@@ -10,6 +10,7 @@ use wide::f32x4;
 
 use super::curve::Curve;
 use super::evidence::Evidence;
+use super::single::single;
 
 /// Stops taken together.
 const LANES: usize = 4;
@@ -278,9 +279,4 @@ impl Bound {
         self.normalise();
         self.exponent as f64 + (self.mantissa[0] - 1.0)
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "rounded on purpose")]
-pub(super) fn single(value: f64) -> f32 {
-    value as f32
 }

@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use sextant_channel::{SectorTable, Wedge};
 
-use super::evidence::Receiver;
+use super::receiver::Receiver;
 use crate::{Lattice, SectorTolerance};
 
 /// What the tolerance is at least, so that rounding does not exclude an edge [m].

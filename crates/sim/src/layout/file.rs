@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
 
-use super::PlacedNode;
-use super::nodes::{fault, twin};
+use super::placed::{PlacedNode, fault, twin};
 
 /// Nodes from a table, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

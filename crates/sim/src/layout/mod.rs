@@ -7,6 +7,7 @@ mod explicit;
 mod file;
 mod lattice;
 mod nodes;
+mod placed;
 mod random;
 mod region;
 #[cfg(test)]
@@ -15,6 +16,7 @@ mod tests;
 pub use explicit::ExplicitConfig;
 pub use file::CsvConfig;
 pub use lattice::LatticeConfig;
-pub use nodes::{NodesConfig, PlacedNode};
+pub use nodes::NodesConfig;
+pub use placed::PlacedNode;
 pub use random::RandomConfig;
 pub use region::{Region, RegionConfig};

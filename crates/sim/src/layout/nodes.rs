@@ -1,6 +1,5 @@
 //! The nodes of a world.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -8,7 +7,11 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError};
 
-use super::{CsvConfig, ExplicitConfig, LatticeConfig, RandomConfig};
+use super::explicit::ExplicitConfig;
+use super::file::CsvConfig;
+use super::lattice::LatticeConfig;
+use super::placed::PlacedNode;
+use super::random::RandomConfig;
 
 /// Where the nodes are, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -22,15 +25,6 @@ pub enum NodesConfig {
     Random(RandomConfig),
     /// A table in a file.
     Csv(CsvConfig),
-}
-
-/// A node that has its place.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlacedNode {
-    /// Its name: unique in the network.
-    pub name: String,
-    /// Where it is [m].
-    pub position: Position,
 }
 
 impl NodesConfig {
@@ -62,24 +56,4 @@ impl NodesConfig {
 /// Nodes at `positions`, named by their index: `n0`, `n1` and so on.
 fn numbered(positions: Vec<Position>) -> Vec<PlacedNode> {
     positions.into_iter().enumerate().map(|(i, position)| PlacedNode { name: format!("n{i}"), position }).collect()
-}
-
-/// What is wrong with a node at `position`, if anything: what was found, and what is allowed.
-pub(super) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
-    let [x, y, z] = position.into();
-    if !position.is_finite() {
-        return Some((format!("[{x}, {y}, {z}]"), "finite coordinates in metres"));
-    }
-    let inside = obstacles.containing(position)?;
-    let obstacle = match obstacles.obstacles().get(inside).and_then(|obstacle| obstacle.name()) {
-        Some(name) => format!("obstacle `{name}`"),
-        None => format!("obstacle {inside}"),
-    };
-    Some((format!("[{x}, {y}, {z}], inside {obstacle}"), "a place outside all obstacles"))
-}
-
-/// The two indices of the first name that appears twice.
-pub(super) fn twin<'a>(names: impl Iterator<Item = &'a str>) -> Option<(usize, usize)> {
-    let mut first = BTreeMap::new();
-    names.enumerate().find_map(|(i, name)| first.insert(name, i).map(|before| (before, i)))
 }

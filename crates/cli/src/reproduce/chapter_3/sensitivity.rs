@@ -1,8 +1,9 @@
 //! Which trapezoid maps best in which environment (section 3.5.2, table 3.5).
 
 use super::super::Runs;
-use super::super::claim::{Check, Claim, Verdict};
+use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment};
+use super::super::finding::Verdict;
 use super::super::line::{Line, Ours};
 use super::super::published::Published;
 use super::super::runs::Term;

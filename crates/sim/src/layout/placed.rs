@@ -1,0 +1,34 @@
+//! A node that has its place, and what can be wrong with it.
+
+use std::collections::BTreeMap;
+
+use sextant_channel::{ObstacleField, Position};
+
+/// A node that has its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedNode {
+    /// Its name: unique in the network.
+    pub name: String,
+    /// Where it is [m].
+    pub position: Position,
+}
+
+/// What is wrong with a node at `position`, if anything: what was found, and what is allowed.
+pub(super) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
+    let [x, y, z] = position.into();
+    if !position.is_finite() {
+        return Some((format!("[{x}, {y}, {z}]"), "finite coordinates in metres"));
+    }
+    let inside = obstacles.containing(position)?;
+    let obstacle = match obstacles.obstacles().get(inside).and_then(|obstacle| obstacle.name()) {
+        Some(name) => format!("obstacle `{name}`"),
+        None => format!("obstacle {inside}"),
+    };
+    Some((format!("[{x}, {y}, {z}], inside {obstacle}"), "a place outside all obstacles"))
+}
+
+/// The two indices of the first name that appears twice.
+pub(super) fn twin<'a>(names: impl Iterator<Item = &'a str>) -> Option<(usize, usize)> {
+    let mut first = BTreeMap::new();
+    names.enumerate().find_map(|(i, name)| first.insert(name, i).map(|before| (before, i)))
+}
