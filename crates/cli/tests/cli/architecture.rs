@@ -1,7 +1,13 @@
-//! The crates depend on each other in one direction only.
+//! Crates, and the modules of each crate, depend on each other in one direction only.
+
+mod modules;
+mod source;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::process::Command;
+
+use modules::Modules;
 
 /// What each crate may depend on, tests and benchmarks included: one line an arrow of the crate graph in README.md.
 const ALLOWED: [(&str, &[&str]); 7] = [
@@ -40,4 +46,93 @@ fn crates_depend_in_one_direction() {
         assert!(beyond.is_empty(), "{name} must not depend on {beyond:?}");
     }
     assert_eq!(found.len(), ALLOWED.len() + 1, "a new crate (beside the benchmarks) needs a line here");
+}
+
+/// The modules of the command line, from the top down: each names only those below it.
+const ROOMS: [&str; 17] = [
+    "commands",
+    "reproduce",
+    "sweep",
+    "run",
+    "mapping",
+    "figure",
+    "measure",
+    "recording",
+    "robot_log",
+    "robot_names",
+    "summary",
+    "scenario",
+    "output",
+    "interrupt",
+    "terminal",
+    "diagnostic",
+    "text",
+];
+
+/// The crates whose modules are looked at: the folder of each below that of the workspace.
+const FOLDERS: [&str; 6] = ["kernel", "channel", "mac", "sim", "apps", "cli"];
+
+fn modules_of(folder: &str) -> Modules {
+    Modules::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src"))
+}
+
+#[test]
+fn modules_form_no_circle() {
+    for folder in FOLDERS {
+        let modules = modules_of(folder);
+        for circle in modules.circles() {
+            panic!("{folder}: these name each other in a circle: {circle:?}, by {:#?}", modules.ties(&circle));
+        }
+    }
+}
+
+#[test]
+fn rooms_of_the_command_line_name_those_below_them() {
+    let upwards = modules_of("cli").upwards(&ROOMS);
+    assert!(upwards.is_empty(), "these name what stands above them: {upwards:#?}");
+}
+
+#[test]
+fn a_circle_is_found_however_it_is_written() {
+    let circles = |files: &[(&str, &str)]| Modules::of(files.iter().copied()).circles();
+    let one_way = [("lib.rs", "mod a; mod b; pub use a::A;"), ("a.rs", "use crate::b::B;"), ("b.rs", "struct B;")];
+    assert_eq!(circles(&one_way), Vec::<Vec<String>>::new());
+    for back in [
+        "use crate::a::A;",
+        "use super::a::A;",
+        "use crate::A;",
+        "use super::{a::{self, A as C}};",
+        "fn f() -> crate::a::A {}",
+        "mod inner { use super::super::a::A; }",
+    ] {
+        let files = [one_way[0], one_way[1], ("b.rs", back)];
+        assert_eq!(circles(&files), [["crate::a", "crate::b"]], "{back}");
+    }
+    for harmless in
+        ["// use crate::a::A;", "const T: &str = \"crate::a::A\";", "#[cfg(test)] mod tests { use crate::a::A; }"]
+    {
+        let files = [one_way[0], one_way[1], ("b.rs", harmless)];
+        assert_eq!(circles(&files), Vec::<Vec<String>>::new(), "{harmless}");
+    }
+    let three = [
+        ("lib.rs", ""),
+        ("a.rs", "use crate::b::B;"),
+        ("b/mod.rs", "mod c; pub use c::C;"),
+        ("b/c.rs", "use crate::a::A;"),
+    ];
+    assert_eq!(circles(&three), [["crate::a", "crate::b"]], "a names b, a part of which names a");
+    let through = [three[0], ("a.rs", "use crate::b::C;"), three[2], three[3]];
+    assert_eq!(circles(&through), [["crate::a", "crate::b"]], "a takes of c what b hands on");
+    let whole_and_part = [("lib.rs", ""), ("b/mod.rs", "mod c; struct B(c::C);"), ("b/c.rs", "use super::B;")];
+    assert_eq!(circles(&whole_and_part), Vec::<Vec<String>>::new(), "a part may name its whole");
+    let around = [("lib.rs", ""), ("a.rs", "use crate::b::c::C;"), ("b/mod.rs", "use crate::a::A;"), ("b/c.rs", "")];
+    assert_eq!(circles(&around), [["crate::a", "crate::b"]], "a names a part of b, and b names a");
+}
+
+#[test]
+fn an_arrow_upwards_is_found() {
+    let files = [("lib.rs", ""), ("top/mod.rs", "use crate::low::X;"), ("top/part.rs", ""), ("low.rs", "fn f() {}")];
+    let upwards = |low| Modules::of([files[0], files[1], files[2], ("low.rs", low)]).upwards(&["top", "low"]);
+    assert_eq!(upwards("fn f() {}"), Vec::<String>::new());
+    assert_eq!(upwards("fn f() { crate::top::part::g() }"), ["crate::low -> crate::top::part"]);
 }
