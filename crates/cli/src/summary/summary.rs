@@ -43,7 +43,9 @@ pub struct ScenarioSummary {
     pub name: String,
     /// Name of its file, without the folder.
     pub file: String,
-    /// SHA-256 of all texts it was read from, `extends` first, `--set` last, in hexadecimal digits.
+    /// SHA-256 of the scenario as one text, in hexadecimal digits: of the file as read, or, if it extends another or flags
+    /// override it, of what they amount to. A recording holds this text as its attachment `scenario.toml`. The seed of
+    /// `--seed` and the files that the scenario names are not part of it.
     pub sha256: String,
     /// Seed of all randomness.
     pub seed: u64,

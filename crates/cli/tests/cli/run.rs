@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 use sextant::recording;
+use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 #[cfg(unix)]
@@ -45,6 +46,26 @@ fn the_same_scenario_and_seed_give_the_same_bytes_at_any_number_of_threads() {
     let other = run(&["--seed", "2"], &file("other.mcap"));
     assert!(other.status.success());
     assert!(bytes("one.mcap") != bytes("other.mcap"), "another seed gave the same recording");
+}
+
+#[test]
+fn the_hash_of_a_scenario_is_that_of_the_text_in_its_recording() {
+    let folder = TempDir::new().unwrap();
+    let digest = |bytes: &[u8]| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let file = std::fs::read(scenario("smoke.toml")).unwrap();
+    let mut hashes = Vec::new();
+    for (name, arguments) in [("plain", &[][..]), ("seeded", &["--seed", "5"]), ("set", &["--set", "seed=5"])] {
+        let (mcap, json) = (folder.path().join(format!("{name}.mcap")), folder.path().join(format!("{name}.json")));
+        let output = run(&[arguments, &["--summary", json.to_str().unwrap()]].concat(), &mcap);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let attached = recording::read_attachment(&mcap, "scenario.toml").unwrap().expect("the scenario");
+        let hash = summary(&json)["scenario"]["sha256"].as_str().unwrap().to_owned();
+        assert_eq!(hash, digest(&attached.data), "{name}");
+        hashes.push(hash);
+    }
+    assert_eq!(hashes[0], digest(&file));
+    assert_eq!(hashes[1], hashes[0]);
+    assert_ne!(hashes[2], hashes[0]);
 }
 
 #[test]
