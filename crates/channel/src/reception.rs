@@ -36,7 +36,8 @@ pub struct Reception {
     pub stop: u32,
     /// Packets received, at most `sent`.
     pub received: u32,
-    /// Packets that the node sent while the robot listened; 0 of 0: no evidence either way.
+    /// Packets that the node is known to have sent while the robot listened: in a simulated log, those from the first to
+    /// the last one received, by their sequence numbers. 0 of 0: no evidence either way.
     pub sent: u32,
     /// Identity of the antenna sector of best reception, if the listener has sectors (0-based).
     pub sector: Option<u8>,

@@ -55,7 +55,7 @@ pub struct ReceptionMessage {
     /// Packets received, at most `sent`.
     #[prost(uint32, tag = "3")]
     pub received: u32,
-    /// Packets sent while the robot listened; 0 of 0: no evidence either way.
+    /// Packets that the node is known to have sent while the robot listened; 0 of 0: no evidence either way.
     #[prost(uint32, tag = "4")]
     pub sent: u32,
     /// Antenna sector of best reception, 0 to 255.
