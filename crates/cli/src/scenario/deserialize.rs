@@ -1,148 +1,178 @@
 //! From the tree of settings to the types that describe them, with refusals that can be explained.
 
+mod choice;
+mod refused;
+
+use std::collections::btree_map;
 use std::fmt;
 
-use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
+use serde::de::value::StrDeserializer;
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Expected, IntoDeserializer, Unexpected,
-    VariantAccess, Visitor,
+    DeserializeOwned, DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqAccess, Unexpected, Visitor,
 };
 use serde::forward_to_deserialize_any;
-use serde_path_to_error::Segment;
 
-use super::document::{Document, Entry, Table, Value};
+use super::document::{Document, Entry, Value};
 use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
 use super::refusal::Refusal;
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::UnknownField { field, .. } => write!(f, "unknown key `{field}`"),
-            Self::UnknownVariant { variant, .. } => write!(f, "unknown choice `{variant}`"),
-            Self::MissingField(field) => write!(f, "`{field}` is missing"),
-            Self::Unfit { found, expected } => write!(f, "{found}; allowed: {expected}"),
-            Self::Other(message) => f.write_str(message),
-        }
-    }
-}
-
-impl std::error::Error for Refusal {}
-
-impl de::Error for Refusal {
-    fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::Other(message.to_string())
-    }
-
-    fn invalid_type(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::Unfit { found: found(unexpected), expected: wanted(&expected.to_string()) }
-    }
-
-    fn invalid_value(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {
-        Self::invalid_type(unexpected, expected)
-    }
-
-    fn invalid_length(length: usize, expected: &dyn Expected) -> Self {
-        Self::Unfit { found: format!("an array of {length}"), expected: expected.to_string() }
-    }
-
-    fn unknown_variant(variant: &str, expected: &'static [&'static str]) -> Self {
-        Self::UnknownVariant { variant: variant.to_owned(), expected }
-    }
-
-    fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
-        Self::UnknownField { field: field.to_owned(), expected }
-    }
-
-    fn missing_field(field: &'static str) -> Self {
-        Self::MissingField(field)
-    }
-}
-
-/// What was found, in the words of a person who writes TOML.
-fn found(unexpected: Unexpected<'_>) -> String {
-    match unexpected {
-        Unexpected::Bool(value) => format!("the boolean {value}"),
-        Unexpected::Unsigned(value) => format!("the integer {value}"),
-        Unexpected::Signed(value) => format!("the integer {value}"),
-        Unexpected::Float(value) => format!("the number {value}"),
-        Unexpected::Str(value) => format!("the text \"{value}\""),
-        Unexpected::Seq => "an array".to_owned(),
-        Unexpected::Map => "a table".to_owned(),
-        other => other.to_string(),
-    }
-}
-
-/// What was wanted, in the same words; serde speaks of Rust types.
-fn wanted(expected: &str) -> String {
-    match expected {
-        "u8" => "a whole number, 0 to 255",
-        "u16" => "a whole number, 0 to 65535",
-        "u32" => "a whole number, 0 to 4294967295",
-        "u64" | "usize" => "a whole number, 0 or above",
-        "i8" | "i16" | "i32" | "i64" => "a whole number",
-        "f32" | "f64" => "a number",
-        "a boolean" => "true or false",
-        "a string" | "path string" => "a text in quotes",
-        "a sequence" => "an array",
-        "a map" => "a table",
-        _ if expected.starts_with("struct ") => "a table",
-        _ if expected.starts_with("enum ") || expected.ends_with("enum") => {
-            "the name of a choice, or a table with one"
-        }
-        _ => expected,
-    }
-    .to_owned()
-}
+use choice::{Choice, choice};
+use refused::{Refused, array_of, found};
 
 /// The settings of `document` as a `T`.
 pub(crate) fn deserialize<T: DeserializeOwned>(document: &Document) -> Result<T, ScenarioError> {
-    serde_path_to_error::deserialize(Reader(&document.root)).map_err(|error| {
-        let steps = error.path().iter().filter_map(|segment| match segment {
-            Segment::Seq { index } => Some(Step::Index(*index)),
-            Segment::Map { key } => Some(Step::Key(key.clone())),
-            Segment::Enum { variant } => Some(Step::Key(variant.clone())),
-            Segment::Unknown => None,
-        });
-        document.refused(&KeyPath(steps.collect()), error.inner())
+    T::deserialize(Reader(&document.root.value)).map_err(|Refused(refused)| {
+        let (refusal, mut steps) = *refused;
+        steps.reverse();
+        document.refused(&KeyPath(steps), &refusal)
     })
 }
 
-/// An entry, ready to be read.
+/// A value, ready to be read.
+///
+/// Each method reads one kind of value only: one for all kinds, compiled for each type of setting, would be most of
+/// the program.
 #[derive(Clone, Copy)]
-struct Reader<'a>(&'a Entry);
+struct Reader<'a>(&'a Value);
 
-impl<'de> Deserializer<'de> for Reader<'_> {
-    type Error = Refusal;
+impl<'a> Reader<'a> {
+    /// The value is none of those that are `allowed`.
+    fn unfit(self, allowed: &str) -> Refused {
+        let found = match self.0 {
+            Value::Boolean(value) => found(Unexpected::Bool(*value)),
+            Value::Integer(value) => format!("the integer {value}"),
+            Value::Float(value) => found(Unexpected::Float(*value)),
+            Value::String(text) => found(Unexpected::Str(text)),
+            Value::Datetime(text) => format!("the date {text}"),
+            Value::Array(_) => found(Unexpected::Seq),
+            Value::Table(_) => found(Unexpected::Map),
+        };
+        Refusal::Unfit { found, expected: allowed.to_owned() }.into()
+    }
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
-        match &self.0.value {
-            Value::Boolean(boolean) => visitor.visit_bool(*boolean),
-            Value::Integer(integer) => match (i64::try_from(*integer), u64::try_from(*integer)) {
-                (Ok(signed), _) => visitor.visit_i64(signed),
-                (_, Ok(unsigned)) => visitor.visit_u64(unsigned),
-                _ => Err(Refusal::Other("this integer does not fit into 64 bits".to_owned())),
-            },
-            Value::Float(float) => visitor.visit_f64(*float),
-            Value::String(text) => visitor.visit_str(text),
-            Value::Datetime(text) => Err(Refusal::Unfit {
-                found: format!("the date {text}"),
-                expected: wanted(&Expectation(visitor).to_string()),
-            }),
-            Value::Array(items) => {
-                let mut items = SeqDeserializer::new(items.iter().map(Reader));
-                let value = visitor.visit_seq(&mut items)?;
-                items.end()?;
-                Ok(value)
-            }
-            Value::Table(table) => {
-                let entries = table.iter().map(|(key, entry)| (key.as_str(), Reader(entry)));
-                visitor.visit_map(MapDeserializer::new(entries))
-            }
+    fn integer<T: TryFrom<i128>>(self, allowed: &str) -> Result<T, Refused> {
+        match self.0 {
+            Value::Integer(integer) => T::try_from(*integer).map_err(|_| self.unfit(allowed)),
+            _ => Err(self.unfit(allowed)),
         }
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
+    fn number(self) -> Result<f64, Refused> {
+        match self.0 {
+            Value::Float(float) => Ok(*float),
+            Value::Integer(integer) => Ok(*integer as f64),
+            _ => Err(self.unfit("a number")),
+        }
+    }
+
+    fn text(self) -> Result<&'a str, Refused> {
+        match self.0 {
+            Value::String(text) => Ok(text),
+            _ => Err(self.unfit("a text in quotes")),
+        }
+    }
+
+    fn items(self) -> Result<Items<'a>, Refused> {
+        match self.0 {
+            Value::Array(entries) => Ok(Items { entries, read: 0 }),
+            _ => Err(self.unfit("an array")),
+        }
+    }
+
+    fn settings(self) -> Result<Settings<'a>, Refused> {
+        match self.0 {
+            Value::Table(table) => Ok(Settings { rest: table.iter(), current: None }),
+            _ => Err(self.unfit("a table")),
+        }
+    }
+}
+
+/// Methods that read whole numbers of one type.
+macro_rules! integers {
+    ($($method:ident $visit:ident $allowed:literal,)*) => {$(
+        fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+            visitor.$visit(self.integer($allowed)?)
+        }
+    )*};
+}
+
+impl<'de> Deserializer<'de> for Reader<'_> {
+    type Error = Refused;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        match self.0 {
+            Value::Boolean(boolean) => visitor.visit_bool(*boolean),
+            Value::Integer(integer) => match i64::try_from(*integer) {
+                Ok(signed) => visitor.visit_i64(signed),
+                Err(_) => visitor.visit_u64(self.integer("a whole number of 64 bits")?),
+            },
+            Value::Float(float) => visitor.visit_f64(*float),
+            Value::String(text) => visitor.visit_str(text),
+            Value::Datetime(_) => Err(self.unfit(&Expectation(visitor).to_string())),
+            Value::Array(_) => self.deserialize_seq(visitor),
+            Value::Table(_) => self.deserialize_map(visitor),
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        match self.0 {
+            Value::Boolean(boolean) => visitor.visit_bool(*boolean),
+            _ => Err(self.unfit("true or false")),
+        }
+    }
+
+    integers! {
+        deserialize_u8 visit_u8 "a whole number, 0 to 255",
+        deserialize_u16 visit_u16 "a whole number, 0 to 65535",
+        deserialize_u32 visit_u32 "a whole number, 0 to 4294967295",
+        deserialize_u64 visit_u64 "a whole number, 0 or above",
+        deserialize_i8 visit_i8 "a whole number, -128 to 127",
+        deserialize_i16 visit_i16 "a whole number, -32768 to 32767",
+        deserialize_i32 visit_i32 "a whole number, -2147483648 to 2147483647",
+        deserialize_i64 visit_i64 "a whole number",
+    }
+
+    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        visitor.visit_f64(self.number()?)
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        visitor.visit_f64(self.number()?)
+    }
+
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        visitor.visit_str(self.text()?)
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        visitor.visit_str(self.text()?)
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        let mut items = self.items()?;
+        let value = visitor.visit_seq(&mut items)?;
+        items.end()?;
+        Ok(value)
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Refused> {
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        visitor.visit_map(self.settings()?)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Refused> {
+        visitor.visit_map(self.settings()?)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
         visitor.visit_some(self)
     }
 
@@ -150,7 +180,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         self,
         _name: &'static str,
         visitor: V,
-    ) -> Result<V::Value, Refusal> {
+    ) -> Result<V::Value, Refused> {
         visitor.visit_newtype_struct(self)
     }
 
@@ -159,118 +189,75 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         _name: &'static str,
         variants: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        match &self.0.value {
+    ) -> Result<V::Value, Refused> {
+        match self.0 {
             Value::String(name) => visitor.visit_enum(Choice { name, content: None }),
             Value::Table(table) => visitor.visit_enum(choice(table, variants)?),
-            _ => self.deserialize_any(visitor),
+            _ => Err(self.unfit("the name of a choice, or a table with one")),
         }
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
-        unit unit_struct seq tuple tuple_struct map struct identifier ignored_any
+        i128 u128 char bytes byte_buf unit unit_struct tuple_struct identifier ignored_any
     }
 }
 
-impl<'de> IntoDeserializer<'de, Refusal> for Reader<'_> {
-    type Deserializer = Self;
-
-    fn into_deserializer(self) -> Self {
-        self
-    }
+/// The items of an array.
+struct Items<'a> {
+    entries: &'a [Entry],
+    /// How many of them were read.
+    read: usize,
 }
 
-/// The one choice that a table makes. A choice of a later layer replaces that of an earlier one.
-fn choice<'a>(table: &'a Table, variants: &'static [&'static str]) -> Result<Choice<'a>, Refusal> {
-    let latest = table.values().map(|entry| entry.layer).max();
-    let mut chosen = table.iter().filter(|(_, entry)| Some(entry.layer) == latest);
-    match (chosen.next(), chosen.next()) {
-        (Some((name, entry)), None) => Ok(Choice { name, content: Some(entry) }),
-        (None, _) => Err(Refusal::Unfit {
-            found: "an empty table".to_owned(),
-            expected: format!("a table with one of {}", names(variants.iter().copied())),
-        }),
-        (Some(_), Some(_)) => {
-            // An unknown name among several is the likelier mistake.
-            if let Some(name) = table.keys().find(|name| !variants.contains(&name.as_str())) {
-                return Err(de::Error::unknown_variant(name, variants));
-            }
-            Err(Refusal::Other(format!("{} exclude each other: keep one", names(table.keys().map(String::as_str)))))
+impl Items<'_> {
+    /// Refuses items that nobody read.
+    fn end(&self) -> Result<(), Refused> {
+        if self.read == self.entries.len() {
+            return Ok(());
         }
+        Err(Refusal::Unfit { found: array_of(self.entries.len()), expected: array_of(self.read) }.into())
     }
 }
 
-fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
+impl<'de> SeqAccess<'de> for Items<'_> {
+    type Error = Refused;
 
-/// A variant by name, with its content if it was written as a table.
-struct Choice<'a> {
-    name: &'a str,
-    content: Option<&'a Entry>,
-}
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Refused> {
+        let Some(entry) = self.entries.get(self.read) else {
+            return Ok(None);
+        };
+        let index = self.read;
+        self.read += 1;
+        seed.deserialize(Reader(&entry.value)).map(Some).map_err(|refused| refused.below(Step::Index(index)))
+    }
 
-impl<'de, 'a> EnumAccess<'de> for Choice<'a> {
-    type Error = Refusal;
-    type Variant = Content<'a>;
-
-    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Content<'a>), Refusal> {
-        let name: StrDeserializer<'_, Refusal> = self.name.into_deserializer();
-        Ok((seed.deserialize(name)?, Content { name: self.name, content: self.content }))
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.entries.len() - self.read)
     }
 }
 
-struct Content<'a> {
-    name: &'a str,
-    content: Option<&'a Entry>,
+/// The keys of a table and their values.
+struct Settings<'a> {
+    rest: btree_map::Iter<'a, String, Entry>,
+    /// The setting whose key was read last.
+    current: Option<(&'a String, &'a Entry)>,
 }
 
-impl<'a> Content<'a> {
-    fn reader(&self) -> Result<Reader<'a>, Refusal> {
-        self.content.map(Reader).ok_or_else(|| Refusal::Unfit {
-            found: format!("the text \"{}\"", self.name),
-            expected: format!("a table `{}` with its settings", self.name),
-        })
-    }
-}
+impl<'de> MapAccess<'de> for Settings<'_> {
+    type Error = Refused;
 
-impl<'de> VariantAccess<'de> for Content<'_> {
-    type Error = Refusal;
-
-    fn unit_variant(self) -> Result<(), Refusal> {
-        match self.content.map(|entry| &entry.value) {
-            None => Ok(()),
-            Some(Value::Table(table)) => match table.keys().next() {
-                None => Ok(()),
-                Some(key) => Err(de::Error::unknown_field(key, &[])),
-            },
-            Some(_) => Err(Refusal::Other(format!("`{}` takes no settings", self.name))),
-        }
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Refused> {
+        self.current = self.rest.next();
+        let Some((key, _)) = self.current else {
+            return Ok(None);
+        };
+        let name: StrDeserializer<'_, Refused> = key.as_str().into_deserializer();
+        seed.deserialize(name).map(Some).map_err(|refused| refused.below(Step::Key(key.clone())))
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Refusal> {
-        if self.content.is_none() {
-            // `mac = "csma_unslotted"` means the defaults, if all settings have one.
-            let nothing = std::iter::empty::<(&str, Reader<'_>)>();
-            return seed.deserialize(MapDeserializer::new(nothing));
-        }
-        seed.deserialize(self.reader()?)
-    }
-
-    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Refusal> {
-        self.reader()?.deserialize_any(visitor)
-    }
-
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        _fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        match self.content {
-            Some(entry) => Reader(entry).deserialize_any(visitor),
-            None => visitor.visit_map(MapDeserializer::new(std::iter::empty::<(&str, Reader<'_>)>())),
-        }
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refused> {
+        let (key, entry) = self.current.expect("a value is read after its key");
+        seed.deserialize(Reader(&entry.value)).map_err(|refused| refused.below(Step::Key(key.clone())))
     }
 }
 

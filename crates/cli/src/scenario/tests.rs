@@ -101,6 +101,10 @@ fn refusals_point_at_the_very_key_or_value() {
         ("seed = -1", "a.toml:1:8 `seed` is the integer -1; allowed: a whole number, 0 or above"),
         ("seed = 1.5", "a.toml:1:8 `seed` is the number 1.5; allowed: a whole number, 0 or above"),
         ("seed = \"x\"", "a.toml:1:8 `seed` is the text \"x\"; allowed: a whole number, 0 or above"),
+        ("robots = [1]", "a.toml:1:11 `robots[0]` is the integer 1; allowed: a table"),
+        ("shape.disc = [2.0]", "a.toml:1:14 `shape.disc` is an array; allowed: a table"),
+        ("shape.disc.radius_m = true", "a.toml:1:23 `shape.disc.radius_m` is the boolean true; allowed: a number"),
+        ("shape = 3", "a.toml:1:9 `shape` is the integer 3; allowed: the name of a choice, or a table with one"),
         ("size = [1]", "a.toml:1:8 `size`: `[x, y]` or `[x, y, z]`"),
         (
             "[[robots]]\nname = \"a\"\n[[robots]]\nname = 3",
