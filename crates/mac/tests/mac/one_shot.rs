@@ -10,8 +10,7 @@ use rand::RngExt;
 use sextant_kernel::{Purpose, Seed};
 use sextant_mac::csma::Outcome;
 
-/// Probabilities of the enumeration are in units of one over 2^WEIGHT_BITS.
-const WEIGHT_BITS: u32 = 100;
+use crate::enumeration;
 
 /// Probability that the frame of a station is received, and that the station gives it up.
 #[derive(Debug, PartialEq)]
@@ -20,36 +19,15 @@ struct Exact {
     failed: f64,
 }
 
-/// Runs a round for each sequence of draws, weighted with its probability, without rounding;
-/// the mean over the stations.
-fn enumerate(medium: Medium) -> Exact {
-    let (mut received, mut failed) = (0_u128, 0_u128);
-    // The draws of the round before, each with the largest that it could be. The next round counts
-    // up the last that can be.
-    let mut draws: Vec<(u32, u32)> = Vec::new();
-    loop {
-        let mut used = 0;
-        let fates = medium.run(|_, max| {
-            if used == draws.len() {
-                draws.push((0, max));
-            }
-            used += 1;
-            draws[used - 1].0
-        });
-        let bits: u32 = draws.iter().map(|&(_, max)| (max + 1).ilog2()).sum();
-        let weight = 1 << (WEIGHT_BITS - bits);
-        for fate in fates {
-            received += if fate.delivered.is_some() { weight } else { 0 };
-            failed += if fate.report.outcome == Outcome::ChannelAccessFailure { weight } else { 0 };
-        }
-        while draws.pop_if(|(drawn, max)| drawn == max).is_some() {}
-        let Some((drawn, _)) = draws.last_mut() else {
-            break;
-        };
-        *drawn += 1;
-    }
-    let mean = |sum: u128| sum as f64 / 2_f64.powi(100) / f64::from(medium.stations);
-    Exact { received: mean(received), failed: mean(failed) }
+/// What happens over all sequences of draws: the mean over the stations, without rounding.
+fn exact(medium: Medium) -> Exact {
+    let [received, failed] = enumeration::enumerate(|draw| {
+        let fates = medium.run(|_, max| draw(max));
+        let count = |is: &dyn Fn(&Fate) -> bool| u32::try_from(fates.iter().filter(|fate| is(fate)).count()).unwrap();
+        [count(&|fate| fate.delivered.is_some()), count(&|fate| fate.report.outcome == Outcome::ChannelAccessFailure)]
+    });
+    let stations = f64::from(medium.stations);
+    Exact { received: received / stations, failed: failed / stations }
 }
 
 /// A mean over rounds, and its standard error.
@@ -106,7 +84,7 @@ const ROUNDS: usize = 200_000;
 #[test]
 fn two_stations_collide_exactly_if_their_first_draws_are_equal() {
     for (octets, failed) in [(9, 0.0), (20, 2.09e-7), (44, 1.085e-5), (45, 1.085e-5)] {
-        let exact = enumerate(Medium::new(2, octets));
+        let exact = exact(Medium::new(2, octets));
         assert_close(exact.received + exact.failed, 7.0 / 8.0, 0.0);
         assert_close(exact.failed, failed, 3e-3 * failed);
     }
@@ -115,7 +93,7 @@ fn two_stations_collide_exactly_if_their_first_draws_are_equal() {
 #[test]
 fn two_stations_have_the_probabilities_of_the_enumeration_as_fractions() {
     for (octets, numerator) in [(44, 7_339_941.0), (114, 7_336_021.0), (127, 7_334_369.0)] {
-        assert_close(enumerate(Medium::new(2, octets)).received, numerator / 8_388_608.0, 0.0);
+        assert_close(exact(Medium::new(2, octets)).received, numerator / 8_388_608.0, 0.0);
     }
 }
 
@@ -152,7 +130,7 @@ fn a_cca_that_starts_when_a_frame_ends_reads_idle() {
 #[test]
 fn hidden_stations_collide_if_their_draws_are_closer_than_a_frame() {
     for (octets, overlap) in [(20, 34.0 / 64.0), (45, 58.0 / 64.0), (114, 1.0)] {
-        let exact = enumerate(Medium { range: Range::RobotOnly, ..Medium::new(2, octets) });
+        let exact = exact(Medium { range: Range::RobotOnly, ..Medium::new(2, octets) });
         assert_eq!(exact, Exact { received: 1.0 - overlap, failed: 0.0 });
     }
 }

@@ -8,38 +8,22 @@ use rand::RngExt;
 use sextant_kernel::{Purpose, Seed};
 use sextant_mac::csma::Outcome;
 
+use crate::enumeration;
+
 /// MPDU octets of a frame of whole backoff periods: 20 symbols of half an octet each, less the header of 6 octets.
 fn octets(periods: u8) -> u8 {
     10 * periods - 6
 }
 
-/// Runs a round for each sequence of draws, weighted with its probability, without rounding: the probability that the
-/// frame of a station is received, and that the station gives it up.
-fn enumerate(medium: Medium) -> [f64; 2] {
-    const WEIGHT_BITS: u32 = 100;
-    let mut sums = [0_u128; 2];
-    // The draws of the round before, each with the largest that it could be. The next round counts up the last.
-    let mut draws: Vec<(u32, u32)> = Vec::new();
-    loop {
-        let mut used = 0;
-        let fates = medium.one_shot(|_, max| {
-            if used == draws.len() {
-                draws.push((0, max));
-            }
-            used += 1;
-            draws[used - 1].0
-        });
-        let bits: u32 = draws.iter().map(|&(_, max)| (max + 1).ilog2()).sum();
-        let weight = 1 << (WEIGHT_BITS - bits);
-        for fate in fates {
-            sums[0] += if fate.received { weight } else { 0 };
-            sums[1] += if fate.report.outcome == Outcome::ChannelAccessFailure { weight } else { 0 };
-        }
-        while draws.pop_if(|(drawn, max)| drawn == max).is_some() {}
-        let Some((drawn, _)) = draws.last_mut() else { break };
-        *drawn += 1;
-    }
-    sums.map(|sum| sum as f64 / 2_f64.powi(100) / medium.stations as f64)
+/// The probability over all sequences of draws, without rounding, that the frame of a station is received, and that the
+/// station gives it up.
+fn exact(medium: Medium) -> [f64; 2] {
+    let counts = enumeration::enumerate(|draw| {
+        let fates = medium.one_shot(|_, max| draw(max));
+        let count = |is: &dyn Fn(&Fate) -> bool| u32::try_from(fates.iter().filter(|fate| is(fate)).count()).unwrap();
+        [count(&|fate| fate.received), count(&|fate| fate.report.outcome == Outcome::ChannelAccessFailure)]
+    });
+    counts.map(|count| count / medium.stations as f64)
 }
 
 /// A mean over rounds, and its standard error.
@@ -70,7 +54,7 @@ impl Estimate {
 #[test]
 fn two_stations_collide_exactly_if_their_first_draws_are_equal() {
     for periods in [2, 3, 5, 7, 12] {
-        let [received, failed] = enumerate(Medium { stations: 2, mpdu_octets: octets(periods) });
+        let [received, failed] = exact(Medium { stations: 2, mpdu_octets: octets(periods) });
         assert!((received + failed - 0.875).abs() < 1e-15, "{periods} periods: {received} + {failed}");
         // Failing takes five busy CCAs while the frame is on air: a frame of five periods or more.
         let bound = [(2, 0.0), (3, 0.0), (5, 1e-5), (7, 1e-3), (12, 1e-2)];

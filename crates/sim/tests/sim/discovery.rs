@@ -4,44 +4,26 @@ use std::collections::BTreeSet;
 
 use sextant_channel::{BoxConfig, ChannelConfig, CorrelationConfig, NeighbourLog, Obstacle, ObstacleConfig};
 use sextant_channel::{ObstacleField, Position, ShadowingConfig, ShapeConfig};
-use sextant_kernel::{NodeId, Seed};
-use sextant_mac::csma::CsmaSettings;
-use sextant_mac::{Phy, RadioStates};
-use sextant_sim::layout::PlacedNode;
+use sextant_kernel::NodeId;
 use sextant_sim::{
-    Discovered, Discovery, DiscoveryConfig, Mac, QueryConfig, Radio, RadioConfig, ReceptionConfig, ReceptionModel,
-    Round, Setup, Traffic, TrafficConfig, World, discover,
+    Discovered, Discovery, DiscoveryConfig, QueryConfig, ReceptionConfig, ReceptionModel, Round, Setup,
+    TrafficConfig, World, discover,
 };
 
+use crate::network;
+
 fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64) -> Setup {
-    let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
     let query = QueryConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: false };
+    let channel = ChannelConfig {
+        shadowing: Some(ShadowingConfig { sigma_db: Some(sigma_db), correlation: CorrelationConfig::PerPacket }),
+        max_range_m: Some(10.0),
+        ..ChannelConfig::default()
+    };
+    let setup = network::setup(places, -50.0, channel, TrafficConfig::Query(query), seed);
     Setup {
-        world: World {
-            nodes: places.iter().enumerate().map(node).collect(),
-            obstacles: ObstacleField::new(obstacles),
-        },
-        channel: ChannelConfig {
-            shadowing: Some(ShadowingConfig { sigma_db: Some(sigma_db), correlation: CorrelationConfig::PerPacket }),
-            max_range_m: Some(10.0),
-            ..ChannelConfig::default()
-        }
-        .try_into()
-        .unwrap(),
-        radio: Radio::try_from(RadioConfig {
-            tx_power_dbm: -50.0,
-            sensitivity_dbm: -90.0,
-            cca_threshold_dbm: None,
-            noise_floor_dbm: None,
-        })
-        .expect("good settings"),
+        world: World { obstacles: ObstacleField::new(obstacles), ..setup.world },
         reception: ReceptionModel::try_from(ReceptionConfig::default()).expect("good settings"),
-        phy: Phy::Oqpsk2450,
-        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
-        traffic: Traffic::try_from(TrafficConfig::Query(query)).expect("good settings"),
-        radio_states: RadioStates::cc2420(),
-        robots: Vec::new(),
-        seed: Seed(seed),
+        ..setup
     }
 }
 

@@ -4,28 +4,11 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, ObstacleField, Position};
-use sextant_kernel::{Seed, SimTime};
-use sextant_mac::csma::CsmaSettings;
-use sextant_mac::{Phy, RadioStates};
-use sextant_sim::layout::PlacedNode;
-use sextant_sim::{
-    CommandOutcome, Controller, Ending, FrameOnAir, FrameOutcome, Mac, Observer, QueryConfig, Radio, RadioConfig,
-    ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Traffic, TrafficConfig, World,
-};
+use sextant_channel::{ChannelConfig, Position};
+use sextant_kernel::SimTime;
+use sextant_sim::{FrameOnAir, FrameOutcome, Observer, QueryConfig, Setup, Simulation, TrafficConfig};
 
-/// Listens once.
-#[derive(Clone)]
-struct OneSlot;
-
-impl Controller for OneSlot {
-    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
-        match situation.outcome {
-            CommandOutcome::Listened(_) => RobotCommand::Finish(Ending::Complete),
-            _ => RobotCommand::Listen,
-        }
-    }
-}
+use crate::network;
 
 /// Sums up when received frames ended.
 #[derive(Default)]
@@ -48,37 +31,11 @@ impl Observer for Ends {
 }
 
 fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup {
-    let place = |i: usize| Position::new(1.0 + 0.01 * i as f64, 0.0, 0.0);
     let query = QueryConfig { mpdu_octets, at_s: 0.0, acknowledged };
+    let robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(400));
     Setup {
-        world: World {
-            nodes: (0..nodes).map(|i| PlacedNode { name: format!("n{i}"), position: place(i) }).collect(),
-            obstacles: ObstacleField::new(Vec::new()),
-        },
-        channel: ChannelConfig::default().try_into().unwrap(),
-        radio: Radio::try_from(RadioConfig {
-            tx_power_dbm: -20.0,
-            sensitivity_dbm: -90.0,
-            cca_threshold_dbm: None,
-            noise_floor_dbm: None,
-        })
-        .expect("good settings"),
-        reception: ReceptionModel::Overlap,
-        phy: Phy::Oqpsk2450,
-        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
-        traffic: Traffic::try_from(TrafficConfig::Query(query)).expect("good settings"),
-        radio_states: RadioStates::cc2420(),
-        robots: vec![Robot {
-            body: RobotBody {
-                name: "sink".into(),
-                start: Position::ORIGIN,
-                speed_m_per_s: 1.0,
-                radius_m: 0.1,
-                listen: Duration::from_millis(400),
-            },
-            controller: Box::new(OneSlot),
-        }],
-        seed: Seed(seed),
+        robots: vec![robot],
+        ..network::setup(&network::cluster(nodes), -20.0, ChannelConfig::default(), TrafficConfig::Query(query), seed)
     }
 }
 

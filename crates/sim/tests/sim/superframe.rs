@@ -3,40 +3,17 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, ObstacleField, Position};
-use sextant_kernel::{Seed, SettingError, SimTime};
+use sextant_channel::{ChannelConfig, Position};
+use sextant_kernel::{SettingError, SimTime};
 use sextant_mac::frame::{Frame as MacFrame, FrameBody};
 use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig, GtsConfig};
-use sextant_mac::{CustomRadioConfig, EnergyConfig, Phy, RadioStates};
-use sextant_sim::layout::PlacedNode;
+use sextant_mac::{CustomRadioConfig, EnergyConfig, RadioStates};
 use sextant_sim::{
-    BeaconConfig, CommandOutcome, Controller, Ending, FrameOnAir, FrameOutcome, Mac, Observer, QueryConfig, Radio,
-    RadioConfig, ReceptionModel, Robot, RobotCommand, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig,
-    World,
+    BeaconConfig, FrameOnAir, FrameOutcome, Mac, Observer, QueryConfig, ReceptionModel, Robot, Setup, Simulation,
+    Survey, TrafficConfig,
 };
 
-/// Listens as often as told where it stands, or where it is sent in between.
-#[derive(Clone)]
-struct Stops {
-    places: Vec<Position>,
-    next: usize,
-}
-
-impl Controller for Stops {
-    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
-        match situation.outcome {
-            CommandOutcome::Started | CommandOutcome::Listened(_) => {
-                self.next += 1;
-                match self.places.get(self.next - 1) {
-                    Some(&place) if place == situation.position => RobotCommand::Listen,
-                    Some(&place) => RobotCommand::Drive(place),
-                    None => RobotCommand::Finish(Ending::Complete),
-                }
-            }
-            CommandOutcome::Arrived | CommandOutcome::Blocked(_) => RobotCommand::Listen,
-        }
-    }
-}
+use crate::network;
 
 /// A frame as an observer sees it [us].
 #[derive(Clone, Copy, Debug)]
@@ -81,39 +58,15 @@ fn periodic(interval_s: f64) -> TrafficConfig {
 
 /// Nodes near the origin that all hear each other and a robot that listens once there.
 fn setup(nodes: usize, mac: BeaconEnabledConfig, traffic: TrafficConfig, seed: u64) -> Setup {
-    let place = |i: usize| Position::new(1.0 + 0.01 * i as f64, 0.0, 0.0);
     Setup {
-        world: World {
-            nodes: (0..nodes).map(|i| PlacedNode { name: format!("n{i}"), position: place(i) }).collect(),
-            obstacles: ObstacleField::new(Vec::new()),
-        },
-        channel: ChannelConfig::default().try_into().unwrap(),
-        radio: Radio::try_from(RadioConfig {
-            tx_power_dbm: -20.0,
-            sensitivity_dbm: -90.0,
-            cca_threshold_dbm: None,
-            noise_floor_dbm: None,
-        })
-        .expect("good settings"),
-        reception: ReceptionModel::Overlap,
-        phy: Phy::Oqpsk2450,
         mac: Mac::BeaconEnabled(BeaconEnabled::try_from(mac).expect("good settings")),
-        traffic: Traffic::try_from(traffic).expect("good settings"),
-        radio_states: RadioStates::cc2420(),
         robots: vec![robot(vec![Position::ORIGIN], Duration::from_millis(250))],
-        seed: Seed(seed),
+        ..network::setup(&network::cluster(nodes), -20.0, ChannelConfig::default(), traffic, seed)
     }
 }
 
 fn robot(places: Vec<Position>, listen: Duration) -> Robot {
-    let body = sextant_sim::RobotBody {
-        name: "coordinator".into(),
-        start: Position::ORIGIN,
-        speed_m_per_s: 1.0,
-        radius_m: 0.1,
-        listen,
-    };
-    Robot { body, controller: Box::new(Stops { places, next: 0 }) }
+    network::tour(places, 0.1, listen)
 }
 
 fn orders(beacon_order: u8, superframe_order: u8) -> BeaconEnabledConfig {
@@ -334,17 +287,7 @@ fn every_packet_ends_in_one_account_and_the_same_seed_gives_the_same_survey() {
     assert_eq!((&first.log, first.packets, first.events), (&again.log, again.packets, again.events));
     assert_ne!(first.log, other.log);
     let p = first.packets;
-    let ends = [
-        p.lost_channel_access,
-        p.lost_queue,
-        p.pending,
-        p.received,
-        p.lost_collision,
-        p.lost_signal,
-        p.out_of_range,
-        p.not_listened,
-    ];
-    assert_eq!(ends.iter().sum::<u64>(), p.offered, "{p:?}");
+    assert_eq!(network::ended(&p), p.offered, "{p:?}");
     assert!(p.received > 100 && p.lost_queue > 0, "{p:?}");
     // Nobody sends while the robot is away.
     assert_eq!(p.not_listened, 0, "{p:?}");

@@ -5,78 +5,30 @@ use std::time::Duration;
 use sextant_channel::{
     BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, Stop,
 };
-use sextant_kernel::{Seed, SimTime};
-use sextant_mac::csma::CsmaSettings;
-use sextant_mac::{Phy, RadioStates};
-use sextant_sim::layout::PlacedNode;
+use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    BeaconConfig, CommandOutcome, Controller, Ending, Mac, Observer, Progress, QueryConfig, Radio, RadioConfig,
-    ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Survey, Traffic, TrafficConfig,
-    Unobserved, World,
+    BeaconConfig, Ending, FrameOnAir, Observer, Progress, QueryConfig, Radio, RadioConfig, ReceptionModel, Robot,
+    Setup, Simulation, Survey, Traffic, TrafficConfig, Unobserved,
 };
 
-/// Drives to each place and listens there; notes where it was stopped.
-#[derive(Clone)]
-struct Tour {
-    places: Vec<Position>,
-    next: usize,
-}
+use crate::network;
 
-impl Controller for Tour {
-    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
-        match situation.outcome {
-            CommandOutcome::Started | CommandOutcome::Listened(_) => {
-                self.next += 1;
-                match self.places.get(self.next - 1) {
-                    Some(&place) => RobotCommand::Drive(place),
-                    None => RobotCommand::Finish(Ending::Complete),
-                }
-            }
-            CommandOutcome::Arrived | CommandOutcome::Blocked(_) => RobotCommand::Listen,
-        }
-    }
-}
-
+/// A robot that listens at each of `places`.
 fn tour(places: Vec<Position>, listen: Duration) -> Robot {
-    let body =
-        RobotBody { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m: 0.25, listen };
-    Robot { body, controller: Box::new(Tour { places, next: 0 }) }
-}
-
-fn nodes(places: &[Position]) -> Vec<PlacedNode> {
-    let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
-    places.iter().enumerate().map(node).collect()
+    network::tour(places, 0.25, listen)
 }
 
 fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
+    let channel = ChannelConfig {
+        environment: Some(Environment::Suburban),
+        max_range_m: Some(10.0),
+        ..ChannelConfig::default()
+    };
+    let traffic = TrafficConfig::Beacon(BeaconConfig { mpdu_octets: 20, interval_s: 0.5, jitter: 0.1 });
     Setup {
-        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
-        channel: ChannelConfig {
-            environment: Some(Environment::Suburban),
-            max_range_m: Some(10.0),
-            ..ChannelConfig::default()
-        }
-        .try_into()
-        .unwrap(),
-        radio: Radio::try_from(RadioConfig {
-            tx_power_dbm: -50.0,
-            sensitivity_dbm: -90.0,
-            cca_threshold_dbm: None,
-            noise_floor_dbm: None,
-        })
-        .expect("good settings"),
         reception: ReceptionModel::SinrThreshold { least: 2.0 },
-        phy: Phy::Oqpsk2450,
-        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
-        traffic: Traffic::try_from(TrafficConfig::Beacon(BeaconConfig {
-            mpdu_octets: 20,
-            interval_s: 0.5,
-            jitter: 0.1,
-        }))
-        .expect("good settings"),
-        radio_states: RadioStates::cc2420(),
         robots: vec![robot],
-        seed: Seed(seed),
+        ..network::setup(places, -50.0, channel, traffic, seed)
     }
 }
 
@@ -100,17 +52,7 @@ fn every_packet_ends_in_one_account() {
             .unwrap()
             .run(&mut Unobserved);
         let p = survey.packets;
-        let ends = [
-            p.lost_channel_access,
-            p.lost_queue,
-            p.pending,
-            p.received,
-            p.lost_collision,
-            p.lost_signal,
-            p.out_of_range,
-            p.not_listened,
-        ];
-        assert_eq!(ends.iter().sum::<u64>(), p.offered, "{p:?}");
+        assert_eq!(network::ended(&p), p.offered, "{p:?}");
         assert!(p.received > 0 && p.lost_collision > 0 && p.lost_signal > 0 && p.not_listened > 0, "{p:?}");
         let heard: u64 = survey.robots[0].packets.iter().map(|&packets| u64::from(packets)).sum();
         assert_eq!(heard, p.received);
@@ -136,18 +78,11 @@ fn nodes_that_cannot_hear_each_other_collide_as_their_backoffs_say() {
             let places = [Position::new(-8.0, 0.0, 0.0), Position::new(8.0, 0.0, 0.0)];
             let robot = tour(vec![Position::ORIGIN], Duration::from_millis(100));
             let query = QueryConfig { mpdu_octets, at_s: 0.0, acknowledged: false };
+            let channel = ChannelConfig { max_range_m: Some(10.0), ..ChannelConfig::default() };
+            let traffic = TrafficConfig::Query(query);
             let survey = Simulation::new(Setup {
-                channel: ChannelConfig { max_range_m: Some(10.0), ..ChannelConfig::default() }.try_into().unwrap(),
-                radio: Radio::try_from(RadioConfig {
-                    tx_power_dbm: -20.0,
-                    sensitivity_dbm: -90.0,
-                    cca_threshold_dbm: None,
-                    noise_floor_dbm: None,
-                })
-                .unwrap(),
-                reception: ReceptionModel::Overlap,
-                traffic: Traffic::try_from(TrafficConfig::Query(query)).unwrap(),
-                ..setup(&places, robot, seed.into())
+                robots: vec![robot],
+                ..network::setup(&places, -20.0, channel, traffic, seed.into())
             })
             .unwrap()
             .run(&mut Unobserved);
@@ -273,7 +208,8 @@ fn a_second_robot_changes_nothing_of_what_the_first_hears() {
         for reception in both.log.receptions().iter() {
             let stop = both.log.stops()[reception.stop as usize].position;
             let node = Position::new(f64::from(reception.node.0 % 9), f64::from(reception.node.0 / 9), 0.0);
-            assert!(stop.distance_m(node) <= 10.0 && reception.received == 1 && reception.sent == 1);
+            assert!(stop.distance_m(node) <= 10.0);
+            assert!(1 <= reception.received && reception.received <= reception.sent && reception.sent <= 3);
         }
         let length_m: f64 = both.robots.iter().map(|robot| robot.path_length_m).sum();
         let late = late_ms as f64 / 1000.0;
@@ -291,4 +227,49 @@ fn several_robots_are_refused_where_nodes_send_to_one() {
     let query = QueryConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: true };
     setup.traffic = Traffic::try_from(TrafficConfig::Query(query)).unwrap();
     assert_eq!(Simulation::new(setup).err().expect("refused").key, "robots");
+}
+
+/// The frames on air, and whether the robot received each: its source, its end, its sequence number.
+#[derive(Default)]
+struct Air(Vec<(NodeId, SimTime, bool)>);
+
+impl Observer for Air {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
+        self.0.push((frame.source, frame.start + frame.airtime, !frame.heard.is_empty()));
+    }
+}
+
+#[test]
+fn a_reception_counts_the_packets_received_and_those_sent_from_the_first_to_the_last_of_them() {
+    let listen = Duration::from_secs(6);
+    let places = (0..4).map(|i| Position::new(2.0 * f64::from(i), 1.0, 0.0)).collect();
+    let mut setup = setup(&field_of(3), tour(places, listen), 9);
+    // Shadowing takes about one packet in six at the longest distances.
+    setup.radio = Radio::try_from(RadioConfig {
+        tx_power_dbm: -65.0,
+        sensitivity_dbm: -90.0,
+        cca_threshold_dbm: None,
+        noise_floor_dbm: None,
+    })
+    .unwrap();
+    let mut air = Air::default();
+    let survey = Simulation::new(setup).unwrap().run(&mut air);
+    assert_eq!(survey.packets.lost_channel_access, 0, "each sequence number was on air");
+    let mut with_gaps = 0;
+    for reception in &survey.log.receptions() {
+        let from = survey.log.stops()[reception.stop as usize].time;
+        let of_slot =
+            air.0.iter().filter(|(source, end, _)| *source == reception.node && *end > from && *end <= from + listen);
+        let heard: Vec<bool> = of_slot.map(|&(_, _, heard)| heard).collect();
+        let first = heard.iter().position(|&heard| heard).expect("a packet was received");
+        let last = heard.iter().rposition(|&heard| heard).expect("a packet was received");
+        let received = heard.iter().filter(|&&heard| heard).count();
+        assert_eq!((reception.received as usize, reception.sent as usize), (received, last - first + 1));
+        with_gaps += usize::from(reception.received < reception.sent);
+    }
+    assert!(with_gaps > 5, "{with_gaps}");
 }

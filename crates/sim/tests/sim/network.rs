@@ -1,0 +1,84 @@
+//! What the tests set up: a network on the air of the suburbs, and a robot that drives to places and listens there.
+
+use std::time::Duration;
+
+use sextant_channel::{ChannelConfig, ObstacleField, Position};
+use sextant_kernel::Seed;
+use sextant_mac::csma::CsmaSettings;
+use sextant_mac::{Phy, RadioStates};
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{
+    CommandOutcome, Controller, Ending, Mac, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
+    RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
+};
+
+/// Drives to each place and listens there, or before the obstacle that stops it.
+#[derive(Clone)]
+struct Tour {
+    places: Vec<Position>,
+    next: usize,
+}
+
+impl Controller for Tour {
+    fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand {
+        match situation.outcome {
+            CommandOutcome::Started | CommandOutcome::Listened(_) => {
+                self.next += 1;
+                match self.places.get(self.next - 1) {
+                    Some(&place) if place == situation.position => RobotCommand::Listen,
+                    Some(&place) => RobotCommand::Drive(place),
+                    None => RobotCommand::Finish(Ending::Complete),
+                }
+            }
+            CommandOutcome::Arrived | CommandOutcome::Blocked(_) => RobotCommand::Listen,
+        }
+    }
+}
+
+/// A robot that starts at the origin and listens at each of `places`.
+pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
+    let body = RobotBody { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m, listen };
+    Robot { body, controller: Box::new(Tour { places, next: 0 }) }
+}
+
+/// Nodes called `n0`, `n1`, ... at `places`.
+pub(crate) fn nodes(places: &[Position]) -> Vec<PlacedNode> {
+    let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
+    places.iter().enumerate().map(node).collect()
+}
+
+/// So many places near the origin, all within reach of each other.
+pub(crate) fn cluster(count: usize) -> Vec<Position> {
+    (0..count).map(|i| Position::new(1.0 + 0.01 * i as f64, 0.0, 0.0)).collect()
+}
+
+/// Nodes at `places` without obstacles that send with `tx_power_dbm` by unslotted CSMA-CA, under `channel`, any overlap
+/// destroying; nobody listens.
+pub(crate) fn setup(
+    places: &[Position],
+    tx_power_dbm: f64,
+    channel: ChannelConfig,
+    traffic: TrafficConfig,
+    seed: u64,
+) -> Setup {
+    let radio = RadioConfig { tx_power_dbm, sensitivity_dbm: -90.0, cca_threshold_dbm: None, noise_floor_dbm: None };
+    Setup {
+        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
+        channel: channel.try_into().expect("good settings"),
+        radio: Radio::try_from(radio).expect("good settings"),
+        reception: ReceptionModel::Overlap,
+        phy: Phy::Oqpsk2450,
+        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
+        traffic: Traffic::try_from(traffic).expect("good settings"),
+        radio_states: RadioStates::cc2420(),
+        robots: Vec::new(),
+        seed: Seed(seed),
+    }
+}
+
+/// Packets that ended in one of the accounts that share out those offered.
+pub(crate) fn ended(packets: &Packets) -> u64 {
+    let Packets { lost_channel_access, lost_queue, pending, received, .. } = packets;
+    let Packets { lost_collision, lost_signal, out_of_range, not_listened, .. } = packets;
+    lost_channel_access + lost_queue + pending + received + lost_collision + lost_signal + out_of_range + not_listened
+}
