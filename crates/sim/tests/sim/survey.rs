@@ -209,7 +209,8 @@ fn a_second_robot_changes_nothing_of_what_the_first_hears() {
             let stop = both.log.stops()[reception.stop as usize].position;
             let node = Position::new(f64::from(reception.node.0 % 9), f64::from(reception.node.0 / 9), 0.0);
             assert!(stop.distance_m(node) <= 10.0);
-            assert!(1 <= reception.received && reception.received <= reception.sent && reception.sent <= 3);
+            // At most five packets, 0.4 s apart, in a slot of 1.7 s.
+            assert!(1 <= reception.received && reception.received <= reception.sent && reception.sent <= 5);
         }
         let length_m: f64 = both.robots.iter().map(|robot| robot.path_length_m).sum();
         let late = late_ms as f64 / 1000.0;
