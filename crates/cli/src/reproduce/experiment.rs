@@ -1,10 +1,9 @@
 //! What an experiment consists of.
 
-use super::Runs;
 use super::claim::Claim;
 use super::line::{Line, Ours};
 use super::published::Published;
-use super::runs::Term;
+use super::runs::{Runs, Term};
 use crate::figure::Figure;
 use crate::summary::Measure;
 

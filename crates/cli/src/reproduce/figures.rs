@@ -4,9 +4,8 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::Runs;
 use super::experiment::{Content, Experiment};
-use super::runs::Term;
+use super::runs::{Runs, Term};
 use crate::diagnostic::Failure;
 use crate::figure::{self, Curves, Figure, FileFormat, Series, Source};
 use crate::interrupt::Interrupt;

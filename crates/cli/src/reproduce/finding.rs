@@ -40,13 +40,13 @@ impl Finding {
     /// The finding of several comparisons, all of which must be on the side of the conclusion; `None` of none.
     pub(super) fn of(margins: &[Mean], factor: f64, unit: &'static str) -> Option<Self> {
         let least = |end: fn(&Mean) -> f64| margins.iter().min_by(|a, b| end(a).total_cmp(&end(b)));
-        let (lowest, highest) = (least(|margin| interval(margin).0)?, least(|margin| interval(margin).1)?);
-        let (verdict, margin) = if interval(highest).1 <= 0.0 {
-            (Verdict::DoesNotHold, highest)
-        } else if interval(lowest).0 > 0.0 {
-            (Verdict::Holds, lowest)
+        let (by_low_end, by_high_end) = (least(|margin| interval(margin).0)?, least(|margin| interval(margin).1)?);
+        let (verdict, margin) = if interval(by_high_end).1 <= 0.0 {
+            (Verdict::DoesNotHold, by_high_end)
+        } else if interval(by_low_end).0 > 0.0 {
+            (Verdict::Holds, by_low_end)
         } else {
-            (Verdict::CannotBeTold, lowest)
+            (Verdict::CannotBeTold, by_low_end)
         };
         Some(Self { verdict, margin: margin.times(factor), unit })
     }

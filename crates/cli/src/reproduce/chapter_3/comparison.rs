@@ -4,6 +4,7 @@ use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
+use super::method::{METHODS, ML_TM};
 use crate::summary::measures::{map, run};
 use crate::summary::{MapSummary, Measure, Number};
 
@@ -40,28 +41,6 @@ const CONCAVE: Network = Network {
 
 /// In the order of the thesis.
 pub(super) const NETWORKS: [&Network; 3] = [&CIRCULAR, &SPARSE, &CONCAVE];
-
-/// A way to map them.
-pub(super) struct Method {
-    pub(super) name: &'static str,
-    map: &'static str,
-    /// The equation of the energy that its messages take.
-    pub(super) equation: &'static str,
-}
-
-impl Method {
-    pub(super) const fn measure(&self, number: &'static Number<MapSummary>) -> Measure<'static> {
-        Measure::OfMap(self.map, number)
-    }
-}
-
-pub(super) const ML_TM: Method = Method { name: "ML-TM", map: "ml-tm", equation: "eq. 3.17" };
-pub(super) const TPM: Method = Method { name: "SVD hop map", map: "tpm", equation: "eq. 3.19" };
-pub(super) const RSSI: Method =
-    Method { name: "RSSI triangle centroid", map: "rssi-triangle-centroid", equation: "eq. 3.18" };
-
-/// In the order of table 3.6, which is that of the published errors.
-pub(super) const METHODS: [&Method; 3] = [&ML_TM, &TPM, &RSSI];
 
 /// The connectivity error where it was published: section 3.3 takes the radius of communication, 10 m in table 3.4.
 const E_TOTAL: &Number<MapSummary> = &map::CONNECTIVITY_ERROR_2;

@@ -4,7 +4,8 @@ use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
-use super::comparison::{METHODS, ML_TM, Method, NETWORKS, Network, RSSI, TPM};
+use super::comparison::{NETWORKS, Network};
+use super::method::{METHODS, ML_TM, Method, RSSI, TPM};
 use crate::summary::measures::{map, run};
 use crate::summary::{Measure, Number, Summary};
 

@@ -2,13 +2,13 @@
 
 mod comparison;
 mod energy;
+mod method;
 mod sensitivity;
 mod space;
 mod trajectories;
 mod worked_example;
 
 use super::experiment::Experiment;
-use crate::summary::{MapSummary, Measure, Number};
 
 /// All of them, in the order of the thesis.
 #[must_use]
@@ -22,9 +22,4 @@ pub fn chapter_3() -> Vec<Experiment> {
         space::cylinder(),
         energy::experiment(),
     ]
-}
-
-/// A number of the map of ML-TM.
-const fn ml_tm(number: &'static Number<MapSummary>) -> Measure<'static> {
-    Measure::OfMap("ml-tm", number)
 }

@@ -1,13 +1,12 @@
 //! Which trapezoid maps best in which environment (section 3.5.2, table 3.5).
 
-use super::super::Runs;
 use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment};
 use super::super::finding::Verdict;
 use super::super::line::{Line, Ours};
 use super::super::published::Published;
-use super::super::runs::Term;
-use super::ml_tm;
+use super::super::runs::{Runs, Term};
+use super::method::ML_TM;
 use crate::figure::{Curves, Figure, Series};
 use crate::summary::measures::map;
 use crate::summary::{MapSummary, Number};
@@ -82,7 +81,7 @@ fn term(environment: &Environment, trapezoid: Trapezoid, e_total: &'static Numbe
             ("maps.0.algorithm.ml_tm.profile.trapezoid.p0", format!("{:?}", trapezoid.p0())),
             ("maps.0.algorithm.ml_tm.profile.trapezoid.range_m", format!("{range_m:?}")),
         ],
-        measure: ml_tm(e_total),
+        measure: ML_TM.measure(e_total),
     }
 }
 

@@ -4,7 +4,7 @@ use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
-use super::ml_tm;
+use super::method::ML_TM;
 use crate::summary::Measure;
 use crate::summary::measures::{map, run};
 
@@ -12,32 +12,41 @@ const TABLE: &str = "table 3.3";
 const SECTION: &str = "section 3.4";
 
 /// A path, and what table 3.3 says of it.
-struct Path {
+struct Trajectory {
     name: &'static str,
     scenario: &'static str,
     e_total_percent: &'static str,
     time_s: &'static str,
 }
 
-const RANDOM: Path =
-    Path { name: "random walk", scenario: "ml-tm/trajectory-random.toml", e_total_percent: "7", time_s: "128 ± 20" };
-const SPIRAL: Path =
-    Path { name: "spiral", scenario: "ml-tm/trajectory-spiral.toml", e_total_percent: "6", time_s: "133" };
-const S: Path = Path { name: "S", scenario: "ml-tm/trajectory-s.toml", e_total_percent: "6", time_s: "130" };
-const HILBERT: Path =
-    Path { name: "Hilbert curve", scenario: "ml-tm/trajectory-hilbert.toml", e_total_percent: "5", time_s: "256" };
+const RANDOM: Trajectory = Trajectory {
+    name: "random walk",
+    scenario: "ml-tm/trajectory-random.toml",
+    e_total_percent: "7",
+    time_s: "128 ± 20",
+};
+const SPIRAL: Trajectory =
+    Trajectory { name: "spiral", scenario: "ml-tm/trajectory-spiral.toml", e_total_percent: "6", time_s: "133" };
+const S: Trajectory =
+    Trajectory { name: "S", scenario: "ml-tm/trajectory-s.toml", e_total_percent: "6", time_s: "130" };
+const HILBERT: Trajectory = Trajectory {
+    name: "Hilbert curve",
+    scenario: "ml-tm/trajectory-hilbert.toml",
+    e_total_percent: "5",
+    time_s: "256",
+};
 
 /// In the order of the table.
-const PATHS: [&Path; 4] = [&RANDOM, &SPIRAL, &S, &HILBERT];
+const TRAJECTORIES: [&Trajectory; 4] = [&RANDOM, &SPIRAL, &S, &HILBERT];
 
 const LENGTH: Measure<'static> = Measure::OfRun(&run::PATH_LENGTH_M);
-const E_TOTAL: Measure<'static> = ml_tm(&map::CONNECTIVITY_ERROR);
+const E_TOTAL: Measure<'static> = ML_TM.measure(&map::CONNECTIVITY_ERROR);
 
 pub(super) fn experiment() -> Experiment {
     Experiment {
         id: "3.3",
         title: "Four paths of the robot",
-        content: Content::Quantities(PATHS.into_iter().flat_map(quantities).collect()),
+        content: Content::Quantities(TRAJECTORIES.into_iter().flat_map(quantities).collect()),
         distributions: &[],
         claims: claims(),
         notes: &[
@@ -49,21 +58,21 @@ pub(super) fn experiment() -> Experiment {
     }
 }
 
-fn quantities(path: &Path) -> [Quantity; 3] {
-    let &Path { name, scenario, e_total_percent, time_s } = path;
+fn quantities(trajectory: &Trajectory) -> [Quantity; 3] {
+    let &Trajectory { name, scenario, e_total_percent, time_s } = trajectory;
     let e_total = format!("{name}: E_total, neighbourhood of 3 m");
     [
         Quantity::new(e_total, scenario, E_TOTAL).published(e_total_percent, TABLE),
         Quantity::new(format!("{name}: time of driving at 1 m/s"), scenario, LENGTH)
             .in_unit("s")
             .published(time_s, TABLE),
-        Quantity::new(format!("{name}: mean position error"), scenario, ml_tm(&map::POSITION_ERROR_MEAN_M)),
+        Quantity::new(format!("{name}: mean position error"), scenario, ML_TM.measure(&map::POSITION_ERROR_MEAN_M)),
     ]
 }
 
 fn claims() -> Vec<Claim> {
-    let terms = |paths: &[&Path], measure| paths.iter().map(|path| Term::new(path.scenario, measure)).collect();
-    let [s, hilbert] = [&S, &HILBERT].map(|path| Term::new(path.scenario, LENGTH));
+    let terms = |of: &[&Trajectory], measure| of.iter().map(|one| Term::new(one.scenario, measure)).collect();
+    let [s, hilbert] = [&S, &HILBERT].map(|one| Term::new(one.scenario, LENGTH));
     let claim = |text: &str, value: &str, source, check| Claim {
         text: text.to_owned(),
         published: Some(Published::new(value, source)),
@@ -74,7 +83,7 @@ fn claims() -> Vec<Claim> {
             "E_total of the four paths is less than 3 points apart",
             "5 to 7 %, \"nearly same\"",
             SECTION,
-            Check::Within(terms(&PATHS, E_TOTAL), 0.03),
+            Check::Within(terms(&TRAJECTORIES, E_TOTAL), 0.03),
         ),
         claim(
             "E_total of S and spiral is less than a point apart",

@@ -2,10 +2,10 @@
 
 use sextant_mapper::{Trapezoid, TrapezoidConfig};
 
-use super::super::Runs;
 use super::super::experiment::{Content, Experiment};
 use super::super::line::{Line, Ours};
 use super::super::published::Published;
+use super::super::runs::Runs;
 
 /// The stop at which node p was heard, of six.
 const HEARD: usize = 2;
