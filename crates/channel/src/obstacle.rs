@@ -1,5 +1,5 @@
 //! One obstacle: a shape made of a material.
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,16 @@ pub struct ObstacleConfig {
     /// Absorption coefficient α of the Lambert-Bouguer law [1/m]: 10 α log10(e) = 4.343 α dB a metre.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<f64>,
+}
+
+impl ObstacleConfig {
+    /// The file that it names, if it names one, and its key.
+    pub fn file_mut(&mut self) -> Option<(&'static str, &mut PathBuf)> {
+        match &mut self.shape {
+            ShapeConfig::Mesh(config) => Some(("shape.mesh.file", config.file.as_mut()?)),
+            _ => None,
+        }
+    }
 }
 
 /// An obstacle: a solid that absorbs radio power and stops robots.

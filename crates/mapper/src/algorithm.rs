@@ -53,10 +53,10 @@ pub enum AlgorithmConfig {
 }
 
 impl AlgorithmConfig {
-    /// The reception profile that is assumed, if one is.
-    pub fn profile_mut(&mut self) -> Option<&mut ProfileConfig> {
+    /// The reception profile that is assumed, if one is, and its key in the table of the algorithm.
+    pub fn profile_mut(&mut self) -> Option<(&'static str, &mut ProfileConfig)> {
         match self {
-            Self::MlTm(config) => Some(&mut config.profile),
+            Self::MlTm(config) => Some(("ml_tm.profile", &mut config.profile)),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! The world as it is, which no robot and no mapper knows.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -30,6 +30,15 @@ pub struct World {
 }
 
 impl WorldConfig {
+    /// The files that it names, and the key of each.
+    pub fn files_mut(&mut self) -> impl Iterator<Item = (String, &mut PathBuf)> {
+        let of_nodes = self.nodes.file_mut().map(|(key, file)| (format!("nodes.{key}"), file));
+        let of_obstacles = self.obstacles.iter_mut().enumerate().filter_map(|(i, obstacle)| {
+            obstacle.file_mut().map(|(key, file)| (format!("obstacles[{i}].{key}"), file))
+        });
+        of_nodes.into_iter().chain(of_obstacles)
+    }
+
     /// Sets up the world: the obstacles first, the nodes between them. Paths are relative to `folder`.
     ///
     /// # Errors

@@ -55,8 +55,10 @@ impl Scenario {
     pub fn load(path: &Path, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
         let mut document = layers::read(path, set, seed)?;
         let text = std::mem::take(&mut document.text);
-        document.rebase_files(path.parent().unwrap_or(Path::new("")));
-        let config: ScenarioConfig = deserialize(&document)?;
+        let mut config: ScenarioConfig = deserialize(&document)?;
+        for (key, file) in config.world.files_mut() {
+            document.rebase(&format!("world.{key}"), file, path.parent().unwrap_or(Path::new("")));
+        }
         let mut errors = Errors { document: &document, found: Vec::new() };
         let folder = path.parent().unwrap_or(Path::new(""));
         let (parts, maps) = check(&config, folder, &mut errors);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use toml::de::{DeTable, DeValue};
 
@@ -41,6 +42,15 @@ pub(crate) struct Document {
     pub(crate) sources: Vec<Source>,
     /// One text that says the same: the file as read, or what all layers but `--seed` amount to.
     pub(crate) text: String,
+}
+
+impl Default for Document {
+    /// No settings.
+    fn default() -> Self {
+        let origin = Origin { source: 0, key: None, value: 0..0 };
+        let root = Entry { value: Value::Table(Table::new()), origin, layer: 0 };
+        Self { root, sources: Vec::new(), text: String::new() }
+    }
 }
 
 impl Document {
@@ -83,6 +93,20 @@ impl Entry {
                 self.layer = over.layer;
             }
             (_, value) => *self = Self { value, ..over },
+        }
+    }
+}
+
+impl Document {
+    /// Lets `file`, the value at `key`, lead from `folder` to where it leads from the layer that names it.
+    pub(super) fn rebase(&self, key: &str, file: &mut PathBuf, folder: &Path) {
+        let Ok(path) = KeyPath::parse(key) else { return };
+        let (entry, _) = self.nearest(&path);
+        let from = &self.sources[entry.origin.source].folder;
+        if from != folder
+            && let Ok(path) = std::path::absolute(from.join(&*file))
+        {
+            *file = path;
         }
     }
 }

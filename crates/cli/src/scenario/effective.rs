@@ -3,13 +3,9 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::document::{Document, Entry, Value};
+use super::document::{Entry, Value};
 use super::key_path::{KeyPath, Step};
 use super::source::Source;
-
-/// Where a scenario names files, `*` for every index of an array.
-const FILES: [&[&str]; 2] =
-    [&["world", "nodes", "csv", "file"], &["world", "obstacles", "*", "shape", "mesh", "file"]];
 
 /// A text that reads as the settings in `root`: one line `path.to.key = value` for each.
 pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
@@ -58,37 +54,5 @@ pub(super) fn inline(value: &Value) -> String {
                 .map(|(key, entry)| format!("{} = {}", KeyPath(vec![Step::Key(key.clone())]), inline(&entry.value)));
             format!("{{ {} }}", settings.collect::<Vec<_>>().join(", "))
         }
-    }
-}
-
-impl Document {
-    /// Paths of files are meant from the folder of the layer that names them; rewrites those of layers in
-    /// other folders than `folder`, from where they will be looked up.
-    pub(super) fn rebase_files(&mut self, folder: &Path) {
-        for steps in FILES {
-            rebase(&mut self.root, steps, &self.sources, folder);
-        }
-    }
-}
-
-fn rebase(entry: &mut Entry, steps: &[&str], sources: &[Source], folder: &Path) {
-    match (&mut entry.value, steps) {
-        (Value::String(file), []) => {
-            let from = &sources[entry.origin.source].folder;
-            if from != folder
-                && let Ok(path) = std::path::absolute(from.join(&*file))
-            {
-                *file = path.to_string_lossy().into_owned();
-            }
-        }
-        (Value::Table(table), [key, rest @ ..]) => {
-            if let Some(child) = table.get_mut(*key) {
-                rebase(child, rest, sources, folder);
-            }
-        }
-        (Value::Array(items), ["*", rest @ ..]) => {
-            items.iter_mut().for_each(|item| rebase(item, rest, sources, folder));
-        }
-        _ => {}
     }
 }

@@ -54,7 +54,7 @@ impl KnownChannel {
             grid.sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
             grid.max_range_m = grid.max_range_m.or(max_range_m);
         }
-        let Some(ProfileConfig::Channel(profile)) = map.algorithm.profile_mut() else { return };
+        let Some((_, ProfileConfig::Channel(profile))) = map.algorithm.profile_mut() else { return };
         let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
         exponent.get_or_insert(path_loss.exponent());
         sigma_db.get_or_insert(sigma_of_channel_db);

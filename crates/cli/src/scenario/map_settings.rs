@@ -1,7 +1,6 @@
 //! Which maps to make of a log that came without a running scenario.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
@@ -12,11 +11,10 @@ use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 use super::build::{Errors, NamedMap, check_maps};
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
-use super::document::{self, Document, Value};
+use super::document::{Document, Value};
 use super::error::{ScenarioError, ScenarioErrors};
+use super::keys::keys_of;
 use super::known_channel::KnownChannel;
-use super::layers;
-use super::source::Source;
 
 /// What `sextant map` computes if nothing says otherwise.
 const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
@@ -58,9 +56,9 @@ pub struct MapSettings {
 /// The part of a scenario that concerns maps, and what they may take from the other parts.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Written {
+struct MapSettingsConfig {
     #[serde(default)]
-    world: WrittenWorld,
+    world: KnownWorldConfig,
     #[serde(default)]
     radio: Option<RadioConfig>,
     #[serde(default)]
@@ -69,6 +67,7 @@ struct Written {
     traffic: Option<TrafficConfig>,
     #[serde(default)]
     robots: Vec<RobotConfig<ControllerConfig>>,
+    #[serde(default)]
     maps: Vec<MapConfig>,
     #[serde(default)]
     metrics: MetricsConfig,
@@ -76,7 +75,7 @@ struct Written {
 
 /// The part of a world that a map may know: not the nodes.
 #[derive(Debug, Default, Deserialize)]
-struct WrittenWorld {
+struct KnownWorldConfig {
     #[serde(default)]
     obstacles: Vec<ObstacleConfig>,
 }
@@ -96,85 +95,73 @@ impl MapSettings {
         profile: Option<&str>,
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
-        let source =
-            |name: &str, text: &str| Source { name: name.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
-        let defaults = algorithm.unwrap_or(AlgorithmName::MlTm).text();
-        let (name, text) = scenario.unwrap_or(("the defaults", defaults));
-        let mut sources = vec![source(name, text)];
-        let mut root = document::parse(&sources, 0)?;
-        let map_count = keep_maps(&mut root.value);
-        if scenario.is_some() && (map_count == 0 || algorithm.is_some()) {
-            sources.push(source("the defaults", defaults));
-            root.overlay(document::parse(&sources, 1)?);
-        }
+        let mut document = document(scenario, algorithm)?;
         if let Some(profile) = profile {
-            let (name, settings) = profile.split_once(':').unwrap_or(if profile.contains(['=', ' ']) {
-                ("trapezoid", profile)
-            } else {
-                (profile, "")
-            });
-            let with_profile = maps_with_profile(&root.value);
-            if with_profile.is_empty() {
-                let message = format!("--profile {profile}: none of the maps has a reception profile");
-                return Err(ScenarioErrors::from(ScenarioError::new(message)));
-            }
-            for map in with_profile {
-                let flag = format!("maps[{map}].algorithm.ml_tm.profile.{name}={{ {settings} }}");
-                sources.push(source("--profile", &flag));
-                layers::lay_flag(&mut root, &sources)?;
-            }
+            replace_profiles(&mut document, profile)?;
         }
         for flag in set {
-            sources.push(source("--set", flag));
-            layers::lay_flag(&mut root, &sources)?;
+            document.lay_flag("--set", flag, Path::new(""))?;
         }
-        let document = Document { root, sources, text: String::new() };
-        let written: Written = deserialize(&document)?;
+        let config: MapSettingsConfig = deserialize(&document)?;
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let channel = match (written.radio, written.traffic) {
+        let channel = match (config.radio, config.traffic) {
             (Some(radio), Some(traffic)) => errors
-                .take("channel", ChannelLaw::try_from(written.channel))
-                .map(|channel| KnownChannel::new(radio, channel, traffic, &written.robots)),
+                .take("channel", ChannelLaw::try_from(config.channel))
+                .map(|channel| KnownChannel::new(radio, channel, traffic, &config.robots)),
             _ => None,
         };
-        let maps = check_maps(&written.maps, channel, &mut errors);
-        errors.take("metrics", written.metrics.check());
+        let maps = check_maps(&config.maps, channel, &mut errors);
+        errors.take("metrics", config.metrics.check());
         let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
-            errors.take("world", WorldConfig::set_up_obstacles(&written.world.obstacles, Path::new("")))
+            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, Path::new("")))
         } else {
             None
         };
         ScenarioErrors::check(errors.found)?;
-        Ok(Self { maps, obstacles, metrics: written.metrics })
+        Ok(Self { maps, obstacles, metrics: config.metrics })
     }
 }
 
-/// Drops all but the parts of a scenario that concern maps; the number of maps.
-fn keep_maps(value: &mut Value) -> usize {
-    let Value::Table(table) = value else { return 0 };
-    table.retain(|key, _| {
-        ["world", "radio", "channel", "traffic", "robots", "maps", "metrics"].contains(&key.as_str())
+/// The settings before any flag: those of the scenario that concern maps, with the defaults of `algorithm` in place of
+/// its maps if that is given or there are none.
+fn document(scenario: Option<(&str, &str)>, algorithm: Option<AlgorithmName>) -> Result<Document, ScenarioError> {
+    let defaults = ("the defaults", algorithm.unwrap_or(AlgorithmName::MlTm).text());
+    let mut document = Document::default();
+    let (name, text) = scenario.unwrap_or(defaults);
+    document.lay_text(name, text)?;
+    if let Value::Table(settings) = &mut document.root.value {
+        let keys = keys_of::<MapSettingsConfig>();
+        settings.retain(|key, _| keys.contains(&key.as_str()));
+    }
+    let has_maps = || deserialize(&document).map(|config: MapSettingsConfig| !config.maps.is_empty());
+    if scenario.is_some() && (algorithm.is_some() || !has_maps()?) {
+        document.lay_text(defaults.0, defaults.1)?;
+    }
+    Ok(document)
+}
+
+/// Lays `profile` over the reception profile of every map that has one.
+fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), ScenarioError> {
+    let (name, settings) = profile.split_once(':').unwrap_or(if profile.contains(['=', ' ']) {
+        ("trapezoid", profile)
+    } else {
+        (profile, "")
     });
-    match table.get("maps").map(|maps| &maps.value) {
-        Some(Value::Array(maps)) => maps.len(),
-        _ => 0,
+    let mut config: MapSettingsConfig = deserialize(document)?;
+    let keys: Vec<String> = (config.maps.iter_mut().enumerate())
+        .filter_map(|(i, map)| Some(format!("maps[{i}].algorithm.{}", map.algorithm.profile_mut()?.0)))
+        .collect();
+    if keys.is_empty() {
+        return Err(ScenarioError::new(format!("--profile {profile}: none of the maps has a reception profile")));
     }
-}
-
-/// Indices of the maps that have a reception profile.
-fn maps_with_profile(value: &Value) -> Vec<usize> {
-    let Value::Table(table) = value else { return Vec::new() };
-    let Some(Value::Array(maps)) = table.get("maps").map(|maps| &maps.value) else { return Vec::new() };
-    let has_profile = |value: &Value| {
-        let Value::Table(map) = value else { return false };
-        matches!(map.get("algorithm").map(|entry| &entry.value), Some(Value::Table(table)) if table.contains_key("ml_tm"))
-    };
-    (0..).zip(maps).filter(|(_, map)| has_profile(&map.value)).map(|(index, _)| index).collect()
+    let flag = |key| format!("{key}.{name}={{ {settings} }}");
+    keys.iter().try_for_each(|key| document.lay_flag("--profile", &flag(key), Path::new("")))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::config::ScenarioConfig;
     use super::*;
 
     const PROFILE: &str = "p0=0.9,plateau_m=2,range_m=10";
@@ -252,5 +239,13 @@ mod tests {
         assert!(refused(Some("p=2")).contains("unknown key `p`"));
         assert!(refused(Some("p0 2")).contains("is no TOML value"));
         assert!(refused(Some("square:p0=1")).contains("unknown choice `square`"));
+    }
+
+    #[test]
+    fn settings_of_maps_are_settings_of_scenarios() {
+        let scenario = keys_of::<ScenarioConfig>();
+        assert!(keys_of::<MapSettingsConfig>().iter().all(|key| scenario.contains(key)));
+        let world = keys_of::<WorldConfig>();
+        assert!(keys_of::<KnownWorldConfig>().iter().all(|key| world.contains(key) && *key != "nodes"));
     }
 }

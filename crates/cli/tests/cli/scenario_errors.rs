@@ -251,6 +251,14 @@ fn files_are_looked_up_beside_the_layer_that_names_them() {
         let (_, stdout, stderr) = folder.sextant(&["check", file]);
         assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n", "{stderr}");
     }
+    let mesh = base.replace("shape.box]", "shape.mesh]").replace("center_m = [5.0, 5.0, 0.0]", "file = \"hut.obj\"");
+    std::fs::write(folder.path().join("base/base.toml"), mesh.replace("size_m = [2.0, 1.0, 3.0]", "")).unwrap();
+    let hut = "v 5 5 0\nv 6 5 0\nv 5 6 0\nv 5 5 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(folder.path().join("base/hut.obj"), hut).unwrap();
+    for file in ["base/base.toml", "top/a.toml"] {
+        let (_, stdout, stderr) = folder.sextant(&["check", file]);
+        assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n", "{stderr}");
+    }
     std::fs::write(folder.path().join("base/nodes.csv"), "node,x_m,y_m\na,0,zero\n").unwrap();
     let text = folder.refusal(&["base/base.toml"]);
     assert!(text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"), "{text}");

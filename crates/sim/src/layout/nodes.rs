@@ -1,6 +1,6 @@
 //! The nodes of a world.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,14 @@ pub enum NodesConfig {
 }
 
 impl NodesConfig {
+    /// The file that it names, if it names one, and its key.
+    pub(crate) fn file_mut(&mut self) -> Option<(&'static str, &mut PathBuf)> {
+        match self {
+            Self::Csv(config) => Some(("csv.file", &mut config.file)),
+            Self::Explicit(_) | Self::Lattice(_) | Self::Random(_) => None,
+        }
+    }
+
     /// Places the nodes among `obstacles`; a relative path is looked up from `base_dir`. The same seed gives the
     /// same places.
     ///
