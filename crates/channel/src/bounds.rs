@@ -1,24 +1,24 @@
-//! Boxes along the axes of the world.
+//! Axis-aligned boxes.
 
 use crate::Position;
 
-/// A box along the axes of the world.
+/// A box whose edges are parallel to the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Corner of least coordinates [m].
+    /// Corner with the smallest coordinates [m].
     pub min: Position,
-    /// Corner of greatest coordinates [m].
+    /// Corner with the largest coordinates [m].
     pub max: Position,
 }
 
 impl Bounds {
-    /// The least box round `points`; `None` if there are none.
+    /// The smallest box around `points`; `None` if there are no points.
     #[must_use]
     pub fn of(points: impl IntoIterator<Item = Position>) -> Option<Self> {
         points.into_iter().map(|p| Self { min: p, max: p }).reduce(Self::union)
     }
 
-    /// The least box round this and `other`.
+    /// The smallest box around this one and `other`.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let (a, b) = (self.min, other.min);
@@ -27,7 +27,7 @@ impl Bounds {
         Self { min, max: Position::new(a.x_m.max(b.x_m), a.y_m.max(b.y_m), a.z_m.max(b.z_m)) }
     }
 
-    /// This box with `margin_m` more on each side.
+    /// This box, larger by `margin_m` on each side.
     #[must_use]
     pub fn grown(self, margin_m: f64) -> Self {
         let margin = Position::new(margin_m, margin_m, margin_m);

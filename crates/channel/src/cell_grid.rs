@@ -1,4 +1,4 @@
-//! A grid of cubic cells over places, for spatial indices.
+//! A grid of cubic cells, for spatial indices.
 
 use crate::Position;
 
@@ -12,14 +12,14 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Cells at least `cell_m` wide over the bounds of `places`: wider where that would be more than a few times as many
-    /// cells as places. One cell if there are no places, or if `cell_m` is infinite.
+    /// Cells over the bounds of `places`. They are `cell_m` wide, or wider if this would give many more cells than
+    /// places. One cell if there are no places, or if `cell_m` is infinite.
     ///
     /// # Panics
-    /// If `cell_m` is not above zero.
+    /// If `cell_m` is not positive.
     #[must_use]
     pub fn covering(places: impl IntoIterator<Item = Position>, cell_m: f64) -> Self {
-        assert!(cell_m > 0.0, "cells have a width");
+        assert!(cell_m > 0.0, "the width of a cell must be positive");
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut number = 0_usize;
@@ -54,7 +54,7 @@ impl CellGrid {
     /// Number of layers of cells along `axis` (0 to 2).
     ///
     /// # Panics
-    /// If there is no such axis.
+    /// If `axis` is above 2.
     #[must_use]
     pub fn layers(&self, axis: usize) -> usize {
         self.counts[axis]
@@ -63,7 +63,7 @@ impl CellGrid {
     /// The layer along `axis` (0 to 2) that holds the coordinate `value_m`, or the nearest one.
     ///
     /// # Panics
-    /// If there is no such axis.
+    /// If `axis` is above 2.
     #[must_use]
     pub fn layer(&self, axis: usize, value_m: f64) -> usize {
         whole((value_m - self.low[axis]) * self.per_m).min(self.counts[axis] - 1)
@@ -83,8 +83,8 @@ impl CellGrid {
     }
 }
 
-/// The whole part of a number of cells; what lies below the first cell belongs to it.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates, which is meant")]
+/// The integer part of a number of cells; 0 if negative, because places below the first cell belong to it.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates, as intended")]
 fn whole(cells: f64) -> usize {
     cells as usize
 }
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_place_is_in_the_cell_of_its_layers_and_places_beyond_in_the_nearest() {
+    fn places_inside_have_their_own_cell_and_places_outside_the_nearest() {
         let corners = [Position::new(-1.0, 2.0, 0.0), Position::new(4.0, 5.5, 0.0)];
         let grid = CellGrid::covering(corners, 1.0);
         assert_eq!([0, 1, 2].map(|axis| grid.layers(axis)), [6, 4, 1]);

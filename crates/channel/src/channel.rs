@@ -1,11 +1,11 @@
-//! The link budget: all that happens to power between two antennas.
+//! The link budget: everything that changes the power between two antennas.
 
 use sextant_kernel::{NodeId, Seed};
 
 use crate::{ChannelLaw, Db, Dbm, ObstacleField, Position, Shadowing};
 
 /// A radio channel in a world of obstacles: `P_rx = P_tx - L(d) - L_obstacles + X` (thesis eq. 3.15).
-/// Reciprocal: every answer is the same, bit for bit, with the two ends exchanged.
+/// Reciprocal: every result is the same, bit for bit, if the two ends are exchanged.
 #[derive(Clone, Debug)]
 pub struct Channel {
     law: ChannelLaw,
@@ -14,13 +14,13 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The channel of this `law` among `obstacles`, its shadowing drawn from `seed`.
+    /// The channel with this `law` among `obstacles`; its shadowing is drawn from `seed`.
     #[must_use]
     pub fn new(law: ChannelLaw, obstacles: ObstacleField, seed: Seed) -> Self {
         Self { law, shadowing: Shadowing::new(*law.shadowing(), seed), obstacles }
     }
 
-    /// What it does to power apart from obstacles.
+    /// The law of the channel without obstacles.
     #[must_use]
     pub fn law(&self) -> &ChannelLaw {
         &self.law
@@ -32,13 +32,13 @@ impl Channel {
         &self.obstacles
     }
 
-    /// Loss by the obstacles between two places; none if obstacles do not absorb.
+    /// Loss by the obstacles between two places; zero if obstacles do not absorb.
     #[must_use]
     pub fn obstacle_loss(&self, from: Position, to: Position) -> Db {
         if self.law.obstacles_attenuate() { self.obstacles.loss(from, to) } else { Db(0.0) }
     }
 
-    /// Power received on average (in decibels) when `tx` is sent; `None` beyond the hard radius.
+    /// Mean received power (mean of the decibels) at the transmit power `tx`; `None` beyond the hard radius.
     #[must_use]
     pub fn mean_power(&self, tx: Dbm, from: Position, to: Position) -> Option<Dbm> {
         let distance_m = from.distance_m(to);
@@ -55,7 +55,7 @@ impl Channel {
         self.shadowing.gain(a, pa, b, pb, packet)
     }
 
-    /// Power that station `b` receives of packet number `packet` when `a` sends with `tx`;
+    /// Power at which station `b` receives packet number `packet` if `a` sends it with `tx`;
     /// `None` beyond the hard radius.
     #[must_use]
     pub fn received_power(

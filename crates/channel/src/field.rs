@@ -1,11 +1,11 @@
-//! All obstacles of a world, and what is asked of them.
+//! All obstacles of a world, and queries about them.
 
 use crate::shape::Sweep;
 use crate::span::Span;
 use crate::tree::Tree;
 use crate::{Bounds, Db, Obstacle, Position};
 
-/// Where a straight line runs through an obstacle.
+/// The part of a straight line inside an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// Index of the obstacle in its field.
@@ -14,10 +14,10 @@ pub struct Crossing {
     pub length_m: f64,
 }
 
-/// All obstacles of a world. Where obstacles overlap, each absorbs as if alone: losses add.
+/// All obstacles of a world. Where obstacles overlap, each absorbs as if it were alone: losses add.
 ///
-/// Lines are answered in a time that grows with the obstacles they come near, not with all.
-/// Every answer about a line is the same, bit for bit, with its two ends exchanged.
+/// The time of a query about a line grows with the number of obstacles near the line, not with the number of all.
+/// Every result for a line is the same, bit for bit, if its two ends are exchanged.
 #[derive(Clone, Debug, Default)]
 pub struct ObstacleField {
     obstacles: Vec<Obstacle>,
@@ -28,7 +28,7 @@ pub struct ObstacleField {
 /// 10 log10(e): decibels of one neper of power.
 const DB_PER_NEPER: f64 = 10.0 * std::f64::consts::LOG10_E;
 
-/// Least radius of a ball for [`ObstacleField::clearance_m`] [m].
+/// Smallest radius of a ball for [`ObstacleField::clearance_m`] [m].
 const LEAST_RADIUS_M: f64 = 1e-6;
 
 impl ObstacleField {
@@ -57,7 +57,7 @@ impl ObstacleField {
         self.obstacles.is_empty()
     }
 
-    /// The obstacles that the straight line between two places runs through, in no order that means anything.
+    /// The obstacles that the straight line between two places crosses, in an unspecified order.
     fn lengths(&self, from: Position, to: Position) -> impl Iterator<Item = Crossing> + '_ {
         let key = |p: Position| [p.x_m, p.y_m, p.z_m];
         let (from, to) = if key(from) <= key(to) { (from, to) } else { (to, from) };
@@ -67,16 +67,16 @@ impl ObstacleField {
         })
     }
 
-    /// Replaces `crossings` by those of the straight line from `from` to `to`, by obstacle. A line that only touches an
-    /// obstacle, or runs along its face, does not cross it.
+    /// Replaces `crossings` with those of the straight line from `from` to `to`, by obstacle. A line that only
+    /// touches an obstacle, or runs along its face, does not cross it.
     pub fn crossings(&self, from: Position, to: Position, crossings: &mut Vec<Crossing>) {
         crossings.clear();
         crossings.extend(self.lengths(from, to));
         crossings.sort_unstable_by_key(|crossing| crossing.obstacle);
     }
 
-    /// Loss by absorption along the straight line from `from` to `to`: the sum of `10 α d log10(e)` over the obstacles,
-    /// d the length inside (Lambert-Bouguer law; thesis eq. 3.16).
+    /// Loss by absorption along the straight line from `from` to `to`: the sum of `10 α d log10(e)` over the
+    /// obstacles, d the length inside (Lambert-Bouguer law; thesis eq. 3.16).
     #[must_use]
     pub fn loss(&self, from: Position, to: Position) -> Db {
         if self.obstacles.is_empty() {
@@ -87,18 +87,19 @@ impl ObstacleField {
         Db(DB_PER_NEPER * total)
     }
 
-    /// The first obstacle that `p` is inside of.
+    /// The first obstacle that contains `p`.
     #[must_use]
     pub fn containing(&self, p: Position) -> Option<usize> {
         self.tree.holding(p).filter(|&obstacle| self.obstacles[obstacle].shape().contains(p)).min()
     }
 
-    /// How far a ball of `radius_m` with its middle at `from` can travel straight in `direction` (any length above 0)
-    /// before it touches an obstacle [m], at most `range_m`: the range sensor of a robot.
+    /// How far a ball of `radius_m` with its centre at `from` can travel straight in `direction` (of any length above
+    /// 0) before it touches an obstacle [m], at most `range_m`: the range sensor of a robot.
     ///
-    /// Casts by the geometry library, each confirmed by exact distances or else replaced by bisection, so that no
-    /// obstacle is missed. A ball that touches at the start may slide along the obstacle or leave it, but not go deeper; one with its
-    /// middle inside an obstacle, and one without a direction, goes nowhere. Radii below 1 µm count as 1 µm.
+    /// Each cast by the geometry library is checked against exact distances and, if it is wrong, replaced by
+    /// bisection, so that no obstacle is missed. A ball that touches an obstacle at the start may slide along it or
+    /// leave it, but not go deeper. The result is 0 if the centre of the ball is inside an obstacle or the direction
+    /// is zero. Radii below 1 µm count as 1 µm.
     #[must_use]
     pub fn clearance_m(&self, from: Position, direction: Position, range_m: f64, radius_m: f64) -> f64 {
         let length = direction.length_m();
@@ -107,7 +108,7 @@ impl ObstacleField {
             return if free { range_m } else { 0.0 };
         };
         let radius_m = radius_m.max(LEAST_RADIUS_M);
-        // Beyond all obstacles nothing can be touched; a finite search, whatever the range.
+        // Nothing can be touched beyond all obstacles, so the search is finite even if the range is not.
         let end_m = from.distance_m(bounds.center()) + bounds.min.distance_m(bounds.max) + radius_m;
         let direction = direction * (1.0 / length);
         let sweep = Sweep { from, direction, range_m: range_m.min(end_m), radius_m };
@@ -118,13 +119,13 @@ impl ObstacleField {
             .fold(range_m, f64::min)
     }
 
-    /// Distance from `p` to the nearest obstacle [m]: 0 inside one, infinite if there is none.
+    /// Distance from `p` to the nearest obstacle [m]: 0 inside an obstacle, infinite without obstacles.
     #[must_use]
     pub fn distance_m(&self, p: Position) -> f64 {
         self.tree.nearest_m(p, |obstacle| self.obstacles[obstacle].shape().distance_m(p))
     }
 
-    /// The least box round all obstacles; `None` without any.
+    /// The smallest box around all obstacles; `None` without obstacles.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds

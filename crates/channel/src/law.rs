@@ -1,4 +1,4 @@
-//! What a link does to power apart from obstacles: checked once, and shared by all who know the channel.
+//! The law of a link without obstacles: checked once, and shared by all users of the channel.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,13 +13,13 @@ pub struct ChannelConfig {
     /// A known environment. The keys of `path_loss` and `shadowing` override it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
-    /// Loss with distance; that of the environment if absent.
+    /// Loss with distance; from the environment if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path_loss: Option<PathLossConfig>,
-    /// Shadowing; that of the environment, per packet, if absent; none without an environment.
+    /// Shadowing. If absent: that of the environment, per packet; no shadowing without an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shadowing: Option<ShadowingConfig>,
-    /// Hard communication radius: no link further than this, one at exactly this [m].
+    /// Hard communication radius [m]: the longest possible link, this length included; unlimited if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
     /// Whether obstacles absorb power.
@@ -44,7 +44,7 @@ impl Default for ChannelConfig {
     }
 }
 
-/// What a link does to power apart from obstacles: loss with distance, shadowing, a hard radius. Checked.
+/// The law of a link without obstacles: loss with distance, shadowing, a hard radius. Checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelLaw {
     path_loss: LogDistance,
@@ -104,7 +104,7 @@ impl ChannelLaw {
         &self.shadowing
     }
 
-    /// Hard communication radius [m], infinite if there is none.
+    /// Hard communication radius [m]; infinite if unlimited.
     #[must_use]
     pub fn max_range_m(&self) -> f64 {
         self.max_range_m
@@ -116,16 +116,16 @@ impl ChannelLaw {
         self.obstacles_attenuate
     }
 
-    /// Distance beyond which a power of `floor` is out of reach even four standard deviations above the mean
-    /// [m], at most the hard radius: what a spatial index must look through.
+    /// Distance beyond which even a power four standard deviations above the mean is below `floor` [m], at most the
+    /// hard radius: the range that a spatial index must search.
     #[must_use]
     pub fn reach_m(&self, tx: Dbm, floor: Dbm) -> f64 {
         let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db());
         self.path_loss.distance_m(budget).min(self.max_range_m)
     }
 
-    /// Probability that `tx` arrives with at least `sensitivity` over `distance_m` behind obstacles that take
-    /// `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
+    /// Probability that a packet sent with `tx` arrives with at least `sensitivity` over `distance_m`, behind
+    /// obstacles that cost `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
     #[must_use]
     pub fn reception_probability(&self, tx: Dbm, sensitivity: Dbm, distance_m: f64, obstacle_loss: Db) -> f64 {
         if distance_m > self.max_range_m {

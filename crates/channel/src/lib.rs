@@ -1,18 +1,18 @@
-//! What a radio link does to power, and what a listener heard.
+//! Power on radio links, and the log of what a listener heard.
 //!
 //! Goes in: places of transmitter and receiver, obstacles, an environment. Comes out: received power.
-//! The crate also holds the nouns that pass from simulation to mapping: [`Reception`], [`ReceptionLog`],
+//! The crate also has the types that pass from simulation to mapping: [`Reception`], [`ReceptionLog`],
 //! [`NeighbourLog`], [`Anchor`].
 //!
 //! A [`Channel`] is path loss with distance ([`LogDistance`]), absorption along the straight line through obstacles
 //! ([`ObstacleField`], Lambert-Bouguer law) and shadowing ([`Shadowing`]): equations 3.14 to 3.16 of the thesis.
-//! Lengths inside obstacles are exact; all of it is reciprocal, bit for bit, and a pure function of its arguments
+//! Lengths inside obstacles are exact. All results are reciprocal, bit for bit, and pure functions of their arguments
 //! and the seed.
 //!
 //! ```
 //! use sextant_channel::{
-//!     BoxConfig, Channel, ChannelConfig, Dbm, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig,
-//! };
+//!     BoxConfig, Channel, ChannelConfig, Dbm, Environment, Obstacle, ObstacleConfig, ObstacleField, Position,
+//!     ShapeConfig, };
 //! use sextant_kernel::Seed;
 //!
 //! let wall = ObstacleConfig {

@@ -1,14 +1,14 @@
-//! What obstacles are made of.
+//! Materials of obstacles.
 
 /// A material with its absorption in the 2.4 GHz band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Name in scenarios.
     pub name: &'static str,
-    /// Absorption coefficient α of the Lambert-Bouguer law at 2.45 GHz [1/m]; the loss is 4.343 α dB a metre.
-    /// Absorption only: reflection at the surfaces is not part of it.
+    /// Absorption coefficient α of the Lambert-Bouguer law at 2.45 GHz [1/m]; the loss is 4.343 α dB per metre.
+    /// Absorption only: reflection at the surfaces is not included.
     pub absorption_per_m: f64,
-    /// How the coefficient was obtained, and from what source.
+    /// How the coefficient was obtained, and from which source.
     pub source: &'static str,
 }
 
@@ -21,7 +21,7 @@ impl Material {
         Self {
             name: "concrete",
             absorption_per_m: 4.6,
-            source: "chosen: 20 dB a metre (10 α log10(e) = 19.98 dB), since the thesis names concrete but no coefficient; \
+            source: "chosen: 20 dB per metre (10 α log10(e) = 19.98 dB), because the thesis gives no coefficient for concrete; \
                      light, dry concrete; see itu-concrete for dense concrete",
         },
         Self { name: "itu-concrete", absorption_per_m: 15.297, source: P2040 },
@@ -46,7 +46,7 @@ impl Material {
         Self {
             name: "foliage",
             absorption_per_m: 0.1336,
-            source: "computed: 0.45 f^0.284 dB a metre at f = 2.45 (GHz) over 4.343; modified exponential decay of \
+            source: "computed: 0.45 f^0.284 dB per metre at f = 2.45 (GHz) over 4.343; modified exponential decay of \
                      Weissberger (1982), ESD-TR-81-101, dense dry trees in leaf, up to 14 m deep",
         },
     ];
@@ -57,7 +57,7 @@ impl Material {
         Self::ALL.iter().find(|material| material.name == name)
     }
 
-    /// Loss of power in a metre [dB].
+    /// Loss of power per metre [dB].
     #[must_use]
     pub fn loss_db_per_m(&self) -> f64 {
         10.0 * self.absorption_per_m * std::f64::consts::LOG10_E

@@ -1,10 +1,10 @@
-//! What nodes heard of each other, and which of them know their place.
+//! What nodes heard of each other, and the nodes that know their positions.
 
 use sextant_kernel::NodeId;
 
 use crate::Position;
 
-/// A node that knows its place.
+/// A node that knows its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anchor {
     /// The node.
@@ -28,18 +28,18 @@ pub struct Link {
     pub rssi_dbm: Option<f64>,
 }
 
-/// What the nodes of a network heard of each other: directed links, at most one a pair of listener and sender. A pair
-/// without a link heard nothing. No ground truth.
+/// What the nodes of a network heard of each other: directed links, at most one per pair of listener and sender. No
+/// link means that nothing was heard. No ground truth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NeighbourLog {
     links: Vec<Link>,
     first: Vec<usize>,
 }
 
-/// Why a neighbour log cannot be what it says.
+/// Why a neighbour log is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NeighbourError {
-    /// A link of a node that there is not.
+    /// A link of a node that does not exist.
     #[error("a link names node {node}, but there are {nodes} nodes (0 to {})", .nodes.saturating_sub(1))]
     UnknownNode {
         /// The node named.
@@ -51,7 +51,7 @@ pub enum NeighbourError {
     #[error("node {0} has a link with itself; a link joins two nodes")]
     Itself(u32),
     /// More packets received than sent.
-    #[error("node {listener} received {received} of {sent} packets of node {sender}; at most as many as sent")]
+    #[error("node {listener} received {received} of {sent} packets of node {sender}; allowed: 0 to {sent}")]
     MoreThanSent {
         /// The node that heard.
         listener: u32,
@@ -70,8 +70,8 @@ pub enum NeighbourError {
         /// The node that was heard.
         sender: u32,
     },
-    /// A signal strength that is no number.
-    #[error("node {listener} heard node {sender} with {rssi_dbm} dBm; a signal strength is a finite number")]
+    /// A signal strength that is not a finite number.
+    #[error("node {listener} heard node {sender} with {rssi_dbm} dBm; allowed: a finite number")]
     NotFinite {
         /// The node that heard.
         listener: u32,
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_links_are_refused() {
+    fn impossible_links_are_rejected() {
         let refusal = |link| NeighbourLog::new(3, vec![heard(0, 1), link]).unwrap_err();
         assert_eq!(refusal(heard(0, 3)), NeighbourError::UnknownNode { node: 3, nodes: 3 });
         assert_eq!(refusal(heard(2, 2)), NeighbourError::Itself(2));

@@ -11,7 +11,7 @@ use crate::{Material, Position, Shape, ShapeConfig};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleConfig {
-    /// What to call it in messages and pictures.
+    /// Name in messages and pictures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Its shape.
@@ -19,7 +19,7 @@ pub struct ObstacleConfig {
     /// Name of a known material.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Absorption coefficient α of the Lambert-Bouguer law [1/m]: 10 α log10(e) = 4.343 α dB a metre.
+    /// Absorption coefficient α of the Lambert-Bouguer law [1/m]: 10 α log10(e) = 4.343 α dB per metre.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<f64>,
 }
@@ -45,17 +45,17 @@ pub struct Obstacle {
 impl TryFrom<ObstacleConfig> for Obstacle {
     type Error = SettingError;
 
-    /// Files are looked up from the working folder.
+    /// File paths are relative to the working folder.
     fn try_from(config: ObstacleConfig) -> Result<Self, SettingError> {
         Self::read(config, Path::new(""))
     }
 }
 
 impl Obstacle {
-    /// The obstacle that `config` describes; files that it names are looked up from `folder`.
+    /// The obstacle that `config` describes; its file paths are relative to `folder`.
     ///
     /// # Errors
-    /// If a value is outside its domain, the shape has no volume, or a file cannot be read.
+    /// If a value is invalid, the shape has no volume, or a file cannot be read.
     pub fn read(config: ObstacleConfig, folder: &Path) -> Result<Self, SettingError> {
         let absorption_per_m = match (config.material, config.absorption_per_m) {
             (Some(name), None) => {
@@ -77,7 +77,7 @@ impl Obstacle {
         Ok(Self { name: config.name, shape, absorption_per_m })
     }
 
-    /// What it is called, if it has a name.
+    /// Its name, if it has one.
     #[must_use]
     pub fn name(&self) -> Option<&str> {
         self.name.as_deref()
@@ -95,7 +95,7 @@ impl Obstacle {
         self.absorption_per_m
     }
 
-    /// Its surface for drawing: vertices [m], and triangles whose corners turn left seen from outside.
+    /// Its surface for drawing: vertices [m], and triangles whose corners run counterclockwise seen from outside.
     #[must_use]
     pub fn mesh(&self) -> (Vec<Position>, Vec<[u32; 3]>) {
         self.shape.mesh()

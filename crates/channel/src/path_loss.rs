@@ -21,10 +21,10 @@ pub struct LogDistanceConfig {
     /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// Distance at which the transmit power is given, without any loss [m].
+    /// Distance to which the transmit power refers: the loss there is 0 dB [m].
     #[serde(default = "default_reference_distance_m")]
     pub reference_distance_m: f64,
-    /// Distance below which the loss stays what it is there [m].
+    /// Distance below which the loss is constant [m].
     #[serde(default = "default_min_distance_m")]
     pub min_distance_m: f64,
 }
@@ -49,8 +49,8 @@ impl Default for LogDistanceConfig {
 }
 
 /// Log-distance path loss: `L(d) = 10 ε log10(d / d0)` (thesis eq. 3.14; Rappaport 2002, eq. 4.69),
-/// constant below a least distance. Transmit powers are powers at `d0`, so that `L(d0) = 0` and
-/// nearer receivers see a gain.
+/// constant below a minimum distance. Transmit powers are powers at `d0`, so that `L(d0) = 0` and
+/// nearer receivers have a gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogDistance {
     exponent: f64,
@@ -80,25 +80,25 @@ impl LogDistance {
         self.exponent
     }
 
-    /// Distance at which the transmit power is given [m].
+    /// Distance to which the transmit power refers [m].
     #[must_use]
     pub fn reference_distance_m(&self) -> f64 {
         self.reference_distance_m
     }
 
-    /// Distance below which the loss stays what it is there [m].
+    /// Distance below which the loss is constant [m].
     #[must_use]
     pub fn min_distance_m(&self) -> f64 {
         self.min_distance_m
     }
 
-    /// Loss over `distance_m` relative to the reference distance; negative if nearer than it.
+    /// Loss over `distance_m` relative to the reference distance; negative below the reference distance.
     #[must_use]
     pub fn loss(&self, distance_m: f64) -> Db {
         Db(10.0 * self.exponent * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
     }
 
-    /// The largest distance at which the loss is at most `loss` [m]; 0 if it is more everywhere.
+    /// The largest distance at which the loss is at most `loss` [m]; 0 if the loss is larger everywhere.
     #[must_use]
     pub fn distance_m(&self, loss: Db) -> f64 {
         if loss < self.loss(0.0) {

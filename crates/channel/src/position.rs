@@ -1,4 +1,4 @@
-//! Places in the world frame.
+//! Positions in the world frame.
 
 use std::fmt;
 use std::ops::{Add, Mul, Sub};
@@ -86,10 +86,10 @@ impl Position {
         (self - other).length_m()
     }
 
-    /// No place in a network is farther from zero along an axis [m].
+    /// Largest coordinate of any place in a network, as an absolute value [m].
     pub const FARTHEST_M: f64 = 1e9;
 
-    /// Whether no coordinate is beyond [`FARTHEST_M`](Self::FARTHEST_M); what is no number is.
+    /// Whether all coordinates are numbers and at most [`FARTHEST_M`](Self::FARTHEST_M) from zero.
     #[must_use]
     pub fn is_within_reason(self) -> bool {
         [self.x_m, self.y_m, self.z_m].iter().all(|coordinate_m| coordinate_m.abs() <= Self::FARTHEST_M)

@@ -1,4 +1,4 @@
-//! Powers and ratios: decibels that add, milliwatts that sum.
+//! Powers and ratios: decibels for gains and losses, milliwatts for sums of powers.
 
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Neg, Sub, SubAssign};
@@ -123,7 +123,7 @@ impl AddAssign for Milliwatts {
 }
 
 impl SubAssign for Milliwatts {
-    /// Takes a summand out again; rounding never leaves a negative power.
+    /// Subtracts a power that was added before; rounding never gives a negative power.
     fn sub_assign(&mut self, other: Self) {
         self.0 = (self.0 - other.0).max(0.0);
     }
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_powers_sum_to_three_decibels_more() {
+    fn the_sum_of_two_equal_powers_is_three_decibels_higher() {
         let one = Dbm(-60.0).to_milliwatts();
         let gain = (one + one).to_dbm() - Dbm(-60.0);
         assert!((gain.0 - 3.010_299_956_639_812).abs() < 1e-12);

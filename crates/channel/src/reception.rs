@@ -1,4 +1,4 @@
-//! What a listener heard: all that a mapper may know.
+//! What a listener heard: everything that a mapper may know.
 
 mod builder;
 mod columns;
@@ -20,14 +20,14 @@ pub use view::{Receptions, ReceptionsIter};
 pub struct Stop {
     /// The robot that listened.
     pub robot: RobotId,
-    /// When listening began.
+    /// Start of listening.
     pub time: SimTime,
     /// Where the robot stood, in its own odometry frame [m].
     pub position: Position,
 }
 
-/// What was heard of one node at one stop. A pair of node and stop without a reception means that
-/// the robot listened and heard nothing (0 of 1).
+/// What was heard of one node at one stop. If a pair of node and stop has no reception, the robot listened and
+/// heard nothing (0 of 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reception {
     /// The node that was heard.
@@ -37,30 +37,30 @@ pub struct Reception {
     /// Packets received, at most `sent`.
     pub received: u32,
     /// Packets that the node is known to have sent while the robot listened: in a simulated log, those from the first to
-    /// the last one received, by their sequence numbers. 0 of 0: no evidence either way.
+    /// the last one received, by their sequence numbers. 0 of 0 is no evidence.
     pub sent: u32,
-    /// Identity of the antenna sector of best reception, if the listener has sectors (0-based).
+    /// Identity of the antenna sector with the best reception, if the listener has sectors (0-based).
     pub sector: Option<u8>,
     /// Mean received signal strength of the packets [dBm], if it was measured.
     pub rssi_dbm: Option<f64>,
 }
 
-/// A place where a range sensor of a robot met an obstacle.
+/// A place where a robot met an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// The robot that met it.
+    /// The robot that met the obstacle.
     pub robot: RobotId,
-    /// When.
+    /// Time of the contact.
     pub time: SimTime,
-    /// The point of the obstacle that was met [m].
+    /// The point of contact on the obstacle [m].
     pub position: Position,
 }
 
 /// Everything that robots recorded on a survey: where they listened, what they heard there, where
-/// they drove and what they met. No ground truth. Receptions are sorted by node, then by stop, at most one a pair.
+/// they drove and what they met. No ground truth. Receptions are sorted by node, then by stop, at most one per pair.
 ///
-/// Receptions are stored by columns: four octets each for the stop, and more only for what some reception of the log
-/// has other than one packet received of one, no sector, no signal strength.
+/// Receptions are stored in columns: four octets each for the stop. The other columns take memory only if a reception
+/// differs from the default: one packet received of one, no sector, no signal strength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceptionLog {
     names: Vec<String>,
@@ -75,7 +75,7 @@ pub struct ReceptionLog {
 }
 
 impl Default for ReceptionLog {
-    /// A log of no nodes and no stops.
+    /// A log without nodes and stops.
     fn default() -> Self {
         Self {
             names: Vec::new(),
@@ -89,7 +89,7 @@ impl Default for ReceptionLog {
     }
 }
 
-/// Why a reception log cannot be what it says.
+/// Why a reception log is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LogError {
     /// A reception names a node that the log does not have.
@@ -111,7 +111,7 @@ pub enum LogError {
         stops: usize,
     },
     /// More packets received than sent.
-    #[error("node `{node}` at stop {stop}: {received} packets received of {sent} sent; at most as many as sent")]
+    #[error("node `{node}` at stop {stop}: {received} packets received of {sent} sent; allowed: 0 to {sent}")]
     MoreThanSent {
         /// Name of the node.
         node: String,
@@ -123,7 +123,7 @@ pub enum LogError {
         sent: u32,
     },
     /// Two receptions of one node at one stop.
-    #[error("node `{node}` at stop {stop} appears twice; give one reception a node and stop")]
+    #[error("node `{node}` at stop {stop} appears twice; give one reception per node and stop")]
     Twice {
         /// Name of the node.
         node: String,
@@ -147,10 +147,10 @@ pub enum LogError {
         stop: u32,
         /// The sector named.
         sector: u8,
-        /// The sectors that there are.
+        /// The sectors of the listener.
         known: String,
     },
-    /// A stop that is nowhere.
+    /// A stop with invalid coordinates.
     #[error("stop {stop} is at ({x_m}, {y_m}, {z_m}); coordinates are metres, at most 10⁹ from zero")]
     NotFinite {
         /// Index of the stop.
@@ -165,8 +165,8 @@ pub enum LogError {
 }
 
 impl ReceptionLog {
-    /// A log of the nodes `names` (index = [`NodeId`]; nodes never heard included where they are known to exist).
-    /// The receptions may come in any order. A log too large for a list of [`Reception`]s is made with a
+    /// A log of the nodes `names` (index = [`NodeId`]; known nodes that were never heard included).
+    /// The receptions may come in any order. For logs that are too large for a list of [`Reception`]s use a
     /// [`ReceptionLogBuilder`].
     ///
     /// # Errors
@@ -183,7 +183,8 @@ impl ReceptionLog {
         builder.build(names, stops, contacts)
     }
 
-    /// The same log with these names of the robots (index = [`RobotId`]); an empty list says that they are not known.
+    /// The same log with these names of the robots (index = [`RobotId`]); an empty list means that they are not
+    /// known.
     ///
     /// # Errors
     /// If a stop or a contact is of a robot that is not among them.
@@ -197,7 +198,7 @@ impl ReceptionLog {
         }
     }
 
-    /// The same log with each slot counted as one packet: received if at least one packet was received there.
+    /// The same log with each slot counted as one packet, which is received if at least one packet of the slot was.
     #[must_use]
     pub fn at_least_one(&self) -> Cow<'_, Self> {
         if self.columns.has_counts() {
@@ -207,13 +208,13 @@ impl ReceptionLog {
         }
     }
 
-    /// Names of the robots; the index is the [`RobotId`]. Empty if they were not given.
+    /// Names of the robots; the index is the [`RobotId`]. Empty if the names are not known.
     #[must_use]
     pub fn robots(&self) -> &[String] {
         &self.robots
     }
 
-    /// The name of a robot; `robot-0` of the first one if names were not given.
+    /// The name of a robot. If the names are not known: `robot-0` for the first robot, and so on.
     #[must_use]
     pub fn robot_name(&self, robot: RobotId) -> Cow<'_, str> {
         match self.robots.get(robot.index()) {
@@ -222,7 +223,7 @@ impl ReceptionLog {
         }
     }
 
-    /// Number of robots: those named, or those that stopped or met an obstacle.
+    /// Number of robots: those with names or, if names are not known, those that stopped or met an obstacle.
     #[must_use]
     pub fn robot_count(&self) -> usize {
         let of_stops = self.stops.iter().map(|stop| stop.robot);
@@ -240,7 +241,7 @@ impl ReceptionLog {
         })
     }
 
-    /// The same log of a listener that has these sectors.
+    /// The same log with these sectors of the listener.
     ///
     /// # Errors
     /// If a reception names a sector that is not among them.
@@ -252,7 +253,7 @@ impl ReceptionLog {
     /// Whether every sector of a reception is among `sectors`.
     ///
     /// # Errors
-    /// If one is not.
+    /// If a sector is not.
     pub fn check_sectors(&self, sectors: &SectorTable) -> Result<(), LogError> {
         let heard_in = |id: Option<u8>| id.filter(|&id| !sectors.contains(id));
         let place = self.receptions().sectors().and_then(|ids| ids.iter().position(|&id| heard_in(id).is_some()));
@@ -267,7 +268,7 @@ impl ReceptionLog {
         }
     }
 
-    /// The sectors of the listener, if the log tells.
+    /// The sectors of the listener, if the log has them.
     #[must_use]
     pub fn sectors(&self) -> Option<&SectorTable> {
         self.sectors.as_ref()
@@ -362,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_receptions_are_refused() {
+    fn impossible_receptions_are_rejected() {
         assert!(matches!(log(vec![heard(2, 0)]), Err(LogError::UnknownNode { node: 2, nodes: 2 })));
         assert!(matches!(log(vec![heard(u32::MAX, 0)]), Err(LogError::UnknownNode { node: u32::MAX, .. })));
         assert!(matches!(log(vec![heard(1, 3)]), Err(LogError::UnknownStop { stop: 3, stops: 3, .. })));

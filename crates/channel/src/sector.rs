@@ -1,4 +1,4 @@
-//! Antenna sectors of a listener: in which directions each of them points.
+//! Antenna sectors of a listener: the directions of each sector.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -7,8 +7,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-/// The directions of one sector, in the frame of the stops and not of the robot: azimuth counterclockwise from x, elevation
-/// up from the horizontal plane. A robot whose antenna turns with it logs the sector of this frame that it heard in.
+/// The directions of one sector, in the frame of the stops and not of the robot: azimuth counterclockwise from x,
+/// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
+/// stops.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectorConfig {
@@ -16,7 +17,8 @@ pub struct SectorConfig {
     pub sector: u8,
     /// Azimuth at which the sector begins [degrees].
     pub azimuth_from_deg: f64,
-    /// Azimuth at which it ends, counterclockwise from where it begins [degrees]; 360 further is all round.
+    /// Azimuth at which it ends, counterclockwise from its beginning [degrees]; 360 more than the beginning is a full
+    /// circle.
     pub azimuth_to_deg: f64,
     /// Lowest elevation [degrees], −90 (straight down) if absent.
     #[serde(default = "nadir")]
@@ -26,13 +28,14 @@ pub struct SectorConfig {
     pub elevation_to_deg: f64,
 }
 
-/// Sectors of equal width all round, one ring or several of them: sector `i` of ring `j` is number `j · azimuth_sectors + i`.
+/// Sectors of equal width that fill the circle, in one or more rings: sector `i` of ring `j` is number
+/// `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.
     pub azimuth_sectors: u8,
-    /// Azimuth of the middle of sector 0 [degrees], 0 (along x) if absent. The others follow counterclockwise.
+    /// Azimuth of the middle of sector 0 [degrees], 0 (along x) if absent. The other sectors follow counterclockwise.
     #[serde(default)]
     pub first_azimuth_deg: f64,
     /// Lowest and highest elevation of each ring [degrees]; one ring from −90 to 90 if absent.
@@ -57,24 +60,25 @@ fn one_ring() -> Vec<[f64; 2]> {
 pub struct Wedge {
     /// Azimuth at which it begins [rad].
     pub azimuth_from_rad: f64,
-    /// How far it extends counterclockwise [rad], above 0, at most 2π.
+    /// Its width counterclockwise [rad], above 0, at most 2π.
     pub azimuth_width_rad: f64,
     /// Lowest and highest elevation [rad], in [−π/2, π/2].
     pub elevation_rad: [f64; 2],
 }
 
 impl SectorConfig {
-    /// The directions.
+    /// The directions of the sector, checked.
     ///
     /// # Errors
-    /// If an angle is not finite, azimuths coincide, or elevations are not ascending within [−90, 90].
+    /// If an angle is not finite, the azimuths are equal, or the elevations are not ascending within [−90, 90].
     pub fn wedge(&self) -> Result<Wedge, SettingError> {
         let &Self { azimuth_from_deg: from, azimuth_to_deg: to, .. } = self;
         SettingError::finite("azimuth_from_deg", from)?;
         SettingError::finite("azimuth_to_deg", to)?;
         let width_deg = if to - from >= 360.0 { 360.0 } else { (to - from).rem_euclid(360.0) };
         if width_deg <= 0.0 {
-            let allowed = format!("an azimuth other than azimuth_from_deg ({from}); {} is all round", from + 360.0);
+            let allowed =
+                format!("an azimuth other than azimuth_from_deg ({from}); {} is a full circle", from + 360.0);
             return Err(SettingError::new("azimuth_to_deg", to, allowed));
         }
         let (low, high) = (self.elevation_from_deg, self.elevation_to_deg);
@@ -96,10 +100,10 @@ impl SectorConfig {
 pub struct SectorTable(BTreeMap<u8, SectorConfig>);
 
 impl SectorTable {
-    /// A table of these sectors, which may overlap.
+    /// A table of these sectors. They may overlap.
     ///
     /// # Errors
-    /// `[i].KEY` if a value of the i-th sector is outside its domain or its identity is taken.
+    /// `[i].KEY` if a value of sector i of the list is invalid or its identity is already used.
     pub fn new(sectors: impl IntoIterator<Item = SectorConfig>) -> Result<Self, SettingError> {
         let mut table = BTreeMap::new();
         for (i, sector) in sectors.into_iter().enumerate() {
@@ -119,7 +123,7 @@ impl SectorTable {
         self.0.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no sectors.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -213,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_outside_their_domain_are_refused_by_name() {
+    fn invalid_angles_are_rejected_with_their_key() {
         for (azimuth, elevation, key) in [
             ([f64::NAN, 0.0], [0.0, 1.0], "azimuth_from_deg"),
             ([0.0, f64::INFINITY], [0.0, 1.0], "azimuth_to_deg"),

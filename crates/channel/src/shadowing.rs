@@ -14,24 +14,24 @@ use crate::{Db, Position};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShadowingConfig {
-    /// Standard deviation [dB]; 0 for none. May be absent if the channel names an environment.
+    /// Standard deviation [dB]; 0 for no shadowing. May be absent if the channel names an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_db: Option<f64>,
-    /// What shares one draw.
+    /// Which packets and links share one draw.
     #[serde(default)]
     pub correlation: CorrelationConfig,
 }
 
-/// What shares one draw of shadowing.
+/// Which packets and links share one draw of shadowing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CorrelationConfig {
-    /// A draw of its own for each packet and pair of stations (thesis, chapter 3).
+    /// A separate draw for each packet and pair of stations (thesis, chapter 3).
     #[default]
     PerPacket,
-    /// One draw for all packets between two stations while both stay where they are.
+    /// One draw for all packets between two stations while both stay in place.
     PerLink,
-    /// A field over places: near places see nearly the same.
+    /// A field over places: neighbouring places have similar values.
     Spatial(SpatialConfig),
 }
 
@@ -43,7 +43,7 @@ pub struct SpatialConfig {
     pub distance_m: f64,
 }
 
-/// How shadowing spreads and what shares one draw, checked; the draws themselves are those of a [`Shadowing`].
+/// The spread of shadowing and its correlation, checked; a [`Shadowing`] makes the draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowingLaw {
     sigma_db: f64,
@@ -85,18 +85,18 @@ impl ShadowingLaw {
         self.sigma_db
     }
 
-    /// Whether two links that share an end or lie near each other see like values.
+    /// Whether two links that share an end or are near each other have similar values.
     #[must_use]
     pub fn is_spatial(&self) -> bool {
         matches!(self.correlation, CorrelationLaw::Spatial { .. })
     }
 }
 
-/// Log-normal shadowing of zero mean [dB]. Both directions of a link see the same, bit for bit.
+/// Log-normal shadowing of zero mean [dB]. Both directions of a link have the same value, bit for bit.
 ///
 /// - Per packet: independent for each (pair of stations, packet number).
-/// - Per link: independent for each (pair of stations, both places to 1 mm). A robot that moves on
-///   has a new link; it meets the old value if it comes back.
+/// - Per link: independent for each (pair of stations, both places to 1 mm). A robot that moves
+///   has a new link; if it comes back, it has the old value again.
 /// - Spatial: a Gaussian field over pairs of places, see [`CorrelationConfig::Spatial`]. The correlation
 ///   of the links (a, b) and (a', b'), for ends much further apart than the decorrelation distance D,
 ///   is `exp(-|a-a'|/D) exp(-|b-b'|/D)`: with one end fixed, the law of Gudmundson (1991,
@@ -162,7 +162,7 @@ impl Shadowing {
     }
 }
 
-/// First words of addresses: modes never share a draw.
+/// First words of addresses, so that modes never share a draw.
 const PER_PACKET: u64 = 1;
 const PER_LINK: u64 = 2;
 const STATION: u64 = 3;
@@ -175,7 +175,7 @@ const WAVES: u64 = 0;
 /// `F(a, b) = sqrt(2/M) sum_m cos(k_m·a + q_m·b + φ_m)`, k and q independent, each three-variate Cauchy of
 /// scale 1/D: its characteristic function is `exp(-|h|/D)`, so over seeds the correlation of F is exactly
 /// `exp(-|a-a'|/D) exp(-|b-b'|/D)`. Then `X = (F(a, b) + F(b, a)) / sqrt(2 + 2 exp(-2|a-b|/D))`, because F(a, b) and
-/// F(b, a) have correlation `exp(-2|a-b|/D)`. Evaluated as a product of cosines, which is symmetric in bits.
+/// F(b, a) have correlation `exp(-2|a-b|/D)`. Evaluated as a product of cosines, which is symmetric bit for bit.
 /// With M waves the excess kurtosis of F is -1.5/M and one seed's autocorrelation scatters by `M^-0.5` about the law.
 #[derive(Clone, Debug)]
 struct PairField {

@@ -1,4 +1,4 @@
-//! Straight lines between two places, as the broad phase sees them.
+//! Straight lines between two places, for the broad phase.
 
 use crate::{Bounds, Position};
 
@@ -10,7 +10,7 @@ pub(crate) struct Span {
     reach: Position,
 }
 
-/// Tolerance of the box test [m]: a line this far outside still counts as meeting the box.
+/// Tolerance of the box test [m]: a line outside by up to this much still counts as meeting the box.
 const SLACK_M: f64 = 1e-9;
 
 impl Span {
@@ -22,7 +22,8 @@ impl Span {
     }
 
     /// Whether the line meets `bounds`, by separating axes (Ericson 2005, Real-Time Collision Detection, 5.3.3):
-    /// no division, so no special case for lines along an axis. May say yes up to a nanometre outside, never no inside.
+    /// no division, so no special case for lines along an axis. May be true up to a nanometre outside; never false
+    /// inside.
     pub(crate) fn meets(&self, bounds: Bounds) -> bool {
         let extent = (bounds.max - bounds.min) * 0.5;
         let m = self.middle - bounds.center();

@@ -1,4 +1,4 @@
-//! Which of many boxes a line meets, and which is nearest: the broad phase.
+//! The broad phase: the boxes that a line meets, and the nearest box.
 
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
@@ -6,28 +6,28 @@ use crate::glam::{aabb, position};
 use crate::span::Span;
 use crate::{Bounds, Position};
 
-/// A hierarchy of boxes over numbered things. The order of its answers depends on the tree alone.
+/// A hierarchy of the boxes of numbered objects. The order of its results depends only on the tree.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree(Bvh);
 
 impl Tree {
-    /// The tree of things with these `boxes`, numbered from 0.
+    /// The tree of the objects with these `boxes`, numbered from 0.
     pub(crate) fn new(boxes: impl IntoIterator<Item = Bounds>) -> Self {
         let boxes: Vec<_> = boxes.into_iter().map(aabb).collect();
         if boxes.is_empty() { Self::default() } else { Self(Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)) }
     }
 
-    /// The things whose boxes, grown by `margin_m`, meet `span`.
+    /// The objects whose boxes, grown by `margin_m`, meet `span`.
     pub(crate) fn along(&self, span: Span, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
         self.0.leaves(move |node| span.meets(bounds(node).grown(margin_m))).map(|leaf| leaf as usize)
     }
 
-    /// The things whose boxes hold `p`.
+    /// The objects whose boxes contain `p`.
     pub(crate) fn holding(&self, p: Position) -> impl Iterator<Item = usize> + '_ {
         self.0.leaves(move |node| bounds(node).contains(p)).map(|leaf| leaf as usize)
     }
 
-    /// The least of `distance_m` over all things, each at least as far from `p` as its box; infinite if there are none.
+    /// The smallest `distance_m` of all objects, each at least as far from `p` as its box; infinite without objects.
     pub(crate) fn nearest_m(&self, p: Position, distance_m: impl Fn(usize) -> f64) -> f64 {
         let leaf = |leaf: u32, _| Some(distance_m(leaf as usize));
         self.0

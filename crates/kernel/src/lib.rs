@@ -1,17 +1,17 @@
-//! The kernel of Sextant: what every stage shares and what knows no radio.
+//! The kernel of Sextant: what all stages share. It knows nothing about radios.
 //!
-//! Goes in: instants, events, a seed. Comes out: events in their stated order ([`EventQueue`]),
-//! random numbers that have an address ([`Seed`]), identities ([`NodeId`]).
+//! Goes in: instants, events, a seed. Comes out: events in a defined order ([`EventQueue`]),
+//! random numbers with an address ([`Seed`]), identities ([`NodeId`]).
 //!
 //! ```
 //! use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
 //! use std::time::Duration;
 //!
 //! let mut queue = EventQueue::new();
-//! let noon = SimTime::ZERO + Duration::from_micros(320);
-//! queue.push(noon, Rank::new(4, NodeId(7)), "start of CCA");
-//! queue.push(noon, Rank::new(1, NodeId(9)), "end of transmission");
-//! assert_eq!(queue.pop(), Some((noon, "end of transmission")));
+//! let instant = SimTime::ZERO + Duration::from_micros(320);
+//! queue.push(instant, Rank::new(4, NodeId(7)), "start of CCA");
+//! queue.push(instant, Rank::new(1, NodeId(9)), "end of transmission");
+//! assert_eq!(queue.pop(), Some((instant, "end of transmission")));
 //! ```
 
 mod node;

@@ -1,10 +1,11 @@
-//! The queue of events to come.
+//! The queue of pending events.
 //!
-//! A monotone radix heap over instants with a 4-ary heap in front, events in a slab. Chosen because at 500 to
-//! 10⁴ pending events, about one a node, an event takes 0.55 to 0.85 of its time in a 4-ary heap alone, with
-//! ties and without, and at 10⁶ still 0.4 to 0.6 (bench `event_queue`).
-//! Rejected: a 4-ary heap alone, by these figures; a calendar queue, as fast up to 500 but 1.5 to 5 times
-//! slower at 10⁶, because the width of its days is a guess from a sample that mixed gaps mislead.
+//! A monotone radix heap over instants with a 4-ary heap in front; the events are in a slab. Compared with a
+//! 4-ary heap alone, an event takes 0.55 to 0.85 of the time with 500 to 10⁴ pending events (about one per node),
+//! with and without ties, and 0.4 to 0.6 with 10⁶ (bench `event_queue`).
+//! Rejected: a 4-ary heap alone, because of these figures; a calendar queue, because it is as fast with up to 500
+//! events but 1.5 to 5 times slower with 10⁶: it guesses the width of its days from a sample, and mixed gaps
+//! mislead that guess.
 
 mod entry;
 mod quad_heap;
@@ -16,7 +17,7 @@ use entry::Entry;
 use radix_heap::RadixHeap;
 use slab::Slab;
 
-/// Place of an event among those of the same instant: class first, node next, then order of insertion.
+/// Order of an event among those of the same instant: by class, then by node, then by insertion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Rank {
     class: u8,
@@ -24,27 +25,27 @@ pub struct Rank {
 }
 
 impl Rank {
-    /// Events of the lower class leave first; within a class those of the lower node.
+    /// Events of the lower class leave first; within a class, events of the lower node.
     #[must_use]
     pub const fn new(class: u8, node: NodeId) -> Self {
         Self { class, node }
     }
 }
 
-/// Handle of a pending event, for [`EventQueue::cancel`]. Never names another event of the same queue,
-/// also after its own has left.
+/// Handle of a pending event, for [`EventQueue::cancel`]. It never refers to another event of the same queue,
+/// even after its own event has left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EventKey {
     insertion: u64,
     slot: u32,
 }
 
-/// Pending events, which leave in the order of their instants; those of one instant by [`Rank`], and those
+/// Pending events. They leave in the order of their instants; events of one instant leave by [`Rank`], and events
 /// of equal rank in the order in which they were pushed.
 ///
 /// Time goes forward only: an event may be pushed at the instant of the last one that left, or later.
-/// An entry moves at most once a bit of its distance in time [ns], besides within a heap of the next few;
-/// no event allocates once the queue has seen its greatest size.
+/// An entry moves at most once per bit of its distance in time [ns], apart from moves in a small heap of the next
+/// events. No event allocates once the queue has reached its greatest size.
 ///
 /// ```
 /// use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
@@ -67,7 +68,7 @@ pub struct EventQueue<E> {
     now: SimTime,
 }
 
-/// Cancelled entries that are borne however few events are pending, so that small queues are not swept.
+/// Number of cancelled entries that are always tolerated, so that small queues are not swept.
 const CANCELLED_BORNE: usize = 64;
 
 impl<E> EventQueue<E> {
@@ -83,11 +84,11 @@ impl<E> EventQueue<E> {
         }
     }
 
-    /// Adds an event that is to leave at the instant `at`.
+    /// Adds an event that leaves at the instant `at`.
     ///
     /// # Panics
-    /// If `at` is before [`now`](Self::now): an event in the past is a bug of the caller. At 2³² pending
-    /// events.
+    /// If `at` is before [`now`](Self::now): an event in the past is a bug of the caller. Also if 2³² events are
+    /// pending.
     #[inline]
     pub fn push(&mut self, at: SimTime, rank: Rank, event: E) -> EventKey {
         assert!(at >= self.now, "an event was pushed at {at}, but the queue has reached {} already", self.now);
@@ -112,7 +113,7 @@ impl<E> EventQueue<E> {
     }
 
     /// Instant of the next event. Does not move [`now`](Self::now): earlier events may still be pushed.
-    /// Mutable, because the queue sorts no further ahead than it was asked to look.
+    /// Needs `&mut self`, because the queue sorts only as far ahead as it is asked to look.
     #[inline]
     pub fn peek_time(&mut self) -> Option<SimTime> {
         loop {
@@ -125,11 +126,12 @@ impl<E> EventQueue<E> {
         }
     }
 
-    /// Takes a pending event back; `None` if it has left or was cancelled before. Constant time, amortised.
+    /// Cancels a pending event and returns it; `None` if it has already left or been cancelled. Amortised constant
+    /// time.
     #[inline]
     pub fn cancel(&mut self, key: EventKey) -> Option<E> {
         let event = self.events.take(key)?;
-        // The entry stays until its instant comes or until such entries are the majority.
+        // The entry stays until its instant comes or until cancelled entries are the majority.
         self.cancelled += 1;
         if self.cancelled > self.len() + CANCELLED_BORNE {
             self.pending.retain(|entry| self.events.holds(entry.key()));
@@ -138,7 +140,7 @@ impl<E> EventQueue<E> {
         Some(event)
     }
 
-    /// Instant of the event that left last; the start of time before the first.
+    /// Instant of the event that left last; zero before the first.
     #[must_use]
     pub const fn now(&self) -> SimTime {
         self.now
@@ -150,7 +152,7 @@ impl<E> EventQueue<E> {
         self.events.len()
     }
 
-    /// Whether nothing is pending.
+    /// Whether no event is pending.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -181,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_used_again() {
+    fn freed_slots_are_reused() {
         let mut queue = EventQueue::new();
         for i in 0..100 {
             queue.push(SimTime::from_nanos(i * 64_000), RANK, i);
@@ -195,7 +197,7 @@ mod tests {
 
     #[test]
     fn an_event_of_three_words_takes_eight_words() {
-        // The entry that is sorted (three words), and the event with its insertion number and presence.
+        // The entry that is sorted takes three words; the event, its insertion number and its presence take the rest.
         let sizes = [size_of::<Entry>(), Slab::<[u64; 3]>::SLOT_OCTETS, Slab::<Rank>::SLOT_OCTETS];
         assert_eq!(sizes, [24, 40, 24]);
     }

@@ -1,5 +1,5 @@
-//! Random numbers that have an address: what is drawn depends on the seed, on the purpose and on
-//! who draws, never on who drew before.
+//! Random numbers with an address: a draw depends on the seed, on the purpose and on who draws, never on
+//! earlier draws.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -7,14 +7,14 @@ use rand_chacha::ChaCha8Rng;
 /// A stream of random numbers (ChaCha with 8 rounds, Bernstein 2008): portable, seekable.
 pub type Stream = ChaCha8Rng;
 
-/// What randomness is drawn for: a number that no other purpose of the program has. Each purpose has streams and draws
-/// of its own, so that a new purpose changes nobody else's numbers. Those who draw declare their purposes, because the
-/// kernel knows neither radios nor robots.
+/// What a random number is drawn for; each purpose has a number that is unique in the program. Each purpose has its
+/// own streams and draws, so a new purpose does not change the draws of the others. Each crate declares its own
+/// purposes, because the kernel knows neither radios nor robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Purpose(u64);
 
 impl Purpose {
-    /// The purpose of this number.
+    /// The purpose with this number.
     #[must_use]
     pub const fn new(number: u64) -> Self {
         Self(number)

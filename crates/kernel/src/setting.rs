@@ -1,12 +1,13 @@
-//! What is wrong with a setting, said so that a front end can point at the key.
+//! Errors in settings, worded so that a front end can point at the key.
 
 use std::fmt;
 
-/// A setting outside its domain: which key, what was found, what is allowed.
+/// An invalid setting: the key, the value found and the values allowed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{key}` is {found}; allowed: {allowed}")]
 pub struct SettingError {
-    /// Path of the key below the table that was checked, `log_distance.exponent`, `obstacles[2].size_m`.
+    /// Path of the key below the table that was checked, for example `log_distance.exponent` or
+    /// `obstacles[2].size_m`.
     pub key: String,
     /// The value found, as a person would write it.
     pub found: String,

@@ -13,7 +13,7 @@ pub struct SimTime(u64);
 impl SimTime {
     /// The start of the simulation.
     pub const ZERO: Self = Self(0);
-    /// The last instant that can be named.
+    /// The last instant that can be represented.
     pub const MAX: Self = Self(u64::MAX);
 
     /// The instant `nanos` nanoseconds after the start.
@@ -35,7 +35,7 @@ impl SimTime {
         self.0 as f64 * 1e-9
     }
 
-    /// The span from `earlier` to here; zero if `earlier` is later.
+    /// The span from `earlier` to this instant; zero if `earlier` is later.
     #[must_use]
     pub const fn saturating_since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))

@@ -12,11 +12,11 @@ enum Step {
     Push(u64, u8, u32),
     Pop,
     Peek,
-    /// Which of all keys ever given out.
+    /// Index among all keys returned so far.
     Cancel(prop::sample::Index),
 }
 
-/// Spans as a simulation has them, and as it hardly will: ties, symbols, seconds, ages.
+/// Spans that are usual in a simulation, and unusual ones: ties, symbols, seconds, very long spans.
 fn span() -> impl Strategy<Value = u64> {
     prop_oneof![
         3 => Just(0),
@@ -37,7 +37,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-/// All events to come, sorted by instant, class, node and insertion.
+/// All pending events, sorted by instant, class, node and insertion.
 type Reference = BTreeMap<(SimTime, u8, u32, usize), usize>;
 
 fn first_of(reference: &mut Reference) -> Option<(SimTime, usize)> {
@@ -71,7 +71,7 @@ proptest! {
                     prop_assert_eq!(queue.peek_time(), reference.keys().next().map(|place| place.0));
                 }
                 Step::Cancel(index) if !pushed.is_empty() => {
-                    // Often a key whose event has left and whose place has another.
+                    // Often the key of an event that has left and whose slot holds another event.
                     let (key, place) = pushed[index.index(pushed.len())];
                     prop_assert_eq!(queue.cancel(key), reference.remove(&place));
                 }
@@ -148,7 +148,7 @@ fn an_event_of_a_lower_class_pushed_at_the_present_instant_leaves_next() {
 }
 
 #[test]
-fn a_key_is_void_once_its_event_has_left_also_when_its_place_is_taken() {
+fn a_key_is_invalid_after_its_event_has_left_even_if_its_slot_is_reused() {
     let mut queue = EventQueue::new();
     let old = queue.push(micros(1), rank(0, 0), "old");
     assert_eq!(queue.pop(), Some((micros(1), "old")));
@@ -158,13 +158,13 @@ fn a_key_is_void_once_its_event_has_left_also_when_its_place_is_taken() {
     assert_eq!(queue.cancel(old), None);
     assert_eq!(queue.cancel(new), Some("new"));
     assert_eq!(queue.cancel(new), None);
-    // The cancelled event's place is taken by one that leaves later: it must leave once, at its own time.
+    // A later event takes the slot of the cancelled one: it must leave once, at its own time.
     queue.push(micros(9), rank(0, 0), "newest");
     assert_eq!((queue.pop(), queue.pop()), (Some((micros(9), "newest")), None));
 }
 
 #[test]
-fn looking_ahead_does_not_bar_earlier_events() {
+fn earlier_events_may_be_pushed_after_a_peek() {
     let mut queue = EventQueue::new();
     queue.push(SimTime::MAX, rank(6, 0), "never");
     assert_eq!(queue.peek_time(), Some(SimTime::MAX));
@@ -180,7 +180,7 @@ fn looking_ahead_does_not_bar_earlier_events() {
 
 #[test]
 #[should_panic(expected = "pushed at 0.000063999 s, but the queue has reached 0.000064000 s")]
-fn an_event_in_the_past_is_a_bug() {
+fn pushing_an_event_in_the_past_panics() {
     let mut queue = EventQueue::default();
     queue.push(micros(64), rank(0, 0), ());
     queue.pop();

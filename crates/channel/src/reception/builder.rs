@@ -1,4 +1,4 @@
-//! Making a log of receptions that come one by one.
+//! Building a log from receptions that come one by one.
 
 use sextant_kernel::NodeId;
 
@@ -6,8 +6,8 @@ use super::columns::{Columns, scatter};
 use super::{Contact, LogError, Reception, ReceptionLog, Stop};
 use crate::Position;
 
-/// A [`ReceptionLog`] in the making. Needs the memory of the log, half as much again while the receptions are sorted,
-/// and four octets a reception if they do not come node by node.
+/// Builds a [`ReceptionLog`]. Needs the memory of the log, half as much again while the receptions are sorted,
+/// and four octets per reception if they do not come node by node.
 ///
 /// ```
 /// use sextant_channel::{Position, Reception, ReceptionLogBuilder, Stop};
@@ -32,9 +32,9 @@ pub struct ReceptionLogBuilder {
 /// The node of each reception.
 #[derive(Clone, Debug)]
 enum Nodes {
-    /// They came in ascending order: each node with the end of its receptions.
+    /// In ascending order: each node with the end of its receptions.
     Ascending(Vec<(NodeId, usize)>),
-    /// One by one.
+    /// In any order, one by one.
     Mixed(Vec<NodeId>),
 }
 
@@ -45,7 +45,7 @@ impl Default for Nodes {
 }
 
 impl Nodes {
-    /// Appends the node of a reception that `before` others precede.
+    /// Appends the node of a reception that comes after `before` others.
     fn push(&mut self, before: usize, node: NodeId) {
         match self {
             Self::Mixed(nodes) => nodes.push(node),
@@ -74,7 +74,7 @@ impl Nodes {
         }
     }
 
-    /// Calls `visit` with each node and how many receptions follow each other there.
+    /// Each node, with the number of its receptions in a row.
     fn runs(&self) -> impl Iterator<Item = (NodeId, usize)> {
         let (runs, mixed) = match self {
             Self::Ascending(runs) => (runs.as_slice(), [].as_slice()),
@@ -93,25 +93,25 @@ impl Extend<Reception> for ReceptionLogBuilder {
 }
 
 impl ReceptionLogBuilder {
-    /// Takes a reception in. They may come in any order; node by node and stop by stop is fastest.
+    /// Adds a reception. Receptions may come in any order; node by node and stop by stop is fastest.
     pub fn push(&mut self, reception: Reception) {
         self.nodes.push(self.columns.len(), reception.node);
         self.columns.push(&reception);
     }
 
-    /// Number of receptions taken in.
+    /// Number of receptions added.
     #[must_use]
     pub fn len(&self) -> usize {
         self.columns.len()
     }
 
-    /// Whether none was taken in.
+    /// Whether no reception was added.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Forgets the receptions at the stop `first` and at later ones.
+    /// Removes the receptions at the stop `first` and at later stops.
     pub fn forget_from(&mut self, first: u32) {
         let mut kept = Self::default();
         let nodes = self.nodes.runs().flat_map(|(node, count)| std::iter::repeat_n(node, count));
@@ -183,7 +183,7 @@ impl ReceptionLogBuilder {
     }
 }
 
-/// Where the values of each of `keys` keys begin if they are sorted, and where the last ends.
+/// Where the values of each of `keys` keys begin after sorting, and where the last ones end.
 fn starts(keys: usize, counts: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     let mut first = vec![0; keys + 1];
     for (key, count) in counts {
@@ -195,7 +195,7 @@ fn starts(keys: usize, counts: impl Iterator<Item = (usize, usize)>) -> Vec<usiz
     first
 }
 
-/// Where each value goes if values are sorted by their keys and equal keys keep their order.
+/// Where each value goes if values are sorted by their keys; equal keys keep their order.
 fn places(mut next: Vec<usize>, keys: impl Iterator<Item = usize>) -> impl Iterator<Item = usize> {
     keys.map(move |key| {
         let place = next[key];
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use sextant_kernel::{Purpose, RobotId, Seed, SimTime};
 
-    /// Every pair of some nodes and stops with entries of all kinds.
+    /// All pairs of a few nodes and stops, with entries of all kinds.
     fn entries() -> Vec<Reception> {
         let draw = |address| Seed(7).uniform(Purpose::new(8), address);
         let mut all = Vec::new();
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn any_order_gives_the_log_that_a_comparison_sort_gives() {
+    fn receptions_in_any_order_give_the_same_log_as_a_comparison_sort() {
         let mut sorted = entries();
         sorted.sort_by_key(|r| (r.node, r.stop));
         let expected = build(sorted.iter().copied()).unwrap();
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn receptions_at_later_stops_are_forgotten() {
+    fn receptions_at_later_stops_are_removed() {
         let mut builder = ReceptionLogBuilder::default();
         builder.extend(entries());
         builder.forget_from(13);

@@ -1,10 +1,10 @@
-//! Receptions as columns, so that what most logs do not have costs nothing.
+//! Receptions as columns, so that values that most logs do not have take no memory.
 
 use sextant_kernel::NodeId;
 
 use super::Reception;
 
-/// What was heard, without the nodes: one value of each column a reception.
+/// What was heard, without the nodes: each column has one value per reception.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Columns {
     pub(super) stops: Vec<u32>,
@@ -15,7 +15,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Whether a reception is of more or fewer packets than the slot of its stop counts as one.
+    /// Whether some reception is not one packet received of one.
     pub(super) fn has_counts(&self) -> bool {
         self.packets.0.iter().any(|&packets| packets != packets.at_least_one())
     }
@@ -42,15 +42,15 @@ impl Columns {
         self.strengths.push(before, Strength::new(rssi_dbm));
     }
 
-    /// The reception at `at`, which is one of `node`.
+    /// The reception at `at`, which belongs to `node`.
     pub(super) fn get(&self, node: NodeId, at: usize) -> Reception {
         let Packets { received, sent } = self.packets.get(at);
         let (sector, rssi_dbm) = (self.sectors.get(at), self.strengths.get(at).dbm());
         Reception { node, stop: self.stops[at], received, sent, sector, rssi_dbm }
     }
 
-    /// Moves the reception at each place to the place that `destinations` gives, one column after the other, so that
-    /// no more than one column is in memory twice.
+    /// Moves each reception to the index that `destinations` gives, one column after the other, so that
+    /// at most one column is in memory twice.
     pub(super) fn scatter<I: Iterator<Item = usize>>(&mut self, destinations: impl Fn() -> I) {
         scatter(&mut self.stops, destinations());
         scatter(&mut self.packets.0, destinations());
@@ -58,7 +58,7 @@ impl Columns {
         scatter(&mut self.strengths.0, destinations());
     }
 
-    /// Writes the receptions of the places `order`, which are those from `start` on, in this order.
+    /// Puts the receptions from `start` on in the order of the indices `order`.
     pub(super) fn gather(&mut self, start: usize, order: &[usize]) {
         gather(&mut self.stops, start, order);
         gather(&mut self.packets.0, start, order);
@@ -74,7 +74,7 @@ impl Columns {
     }
 }
 
-/// Moves each value to the place that `destinations` gives for it.
+/// Moves each value to the index that `destinations` gives for it.
 pub(super) fn scatter<T: Copy + Default>(values: &mut Vec<T>, destinations: impl Iterator<Item = usize>) {
     let mut moved = vec![T::default(); values.len()];
     for (&value, destination) in values.iter().zip(destinations) {
@@ -90,7 +90,7 @@ fn gather<T: Copy>(values: &mut [T], start: usize, order: &[usize]) {
     }
 }
 
-/// The default value for every reception, as long as it is empty.
+/// A column; while it is empty, every reception has the default value.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Column<T>(Vec<T>);
 
@@ -110,13 +110,13 @@ impl<T: Copy + Default + PartialEq> Column<T> {
         self.0.get(at).copied().unwrap_or_default()
     }
 
-    /// The values of the receptions `range`; `None` if all receptions of the log have the default one.
+    /// The values of the receptions `range`; `None` if all receptions of the log have the default value.
     pub(super) fn slice(&self, range: std::ops::Range<usize>) -> Option<&[T]> {
         self.0.get(range).filter(|_| !self.0.is_empty())
     }
 }
 
-/// How many packets were received of how many sent.
+/// Number of packets received and number of packets sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Packets {
     pub(super) received: u32,
@@ -124,7 +124,7 @@ pub(super) struct Packets {
 }
 
 impl Packets {
-    /// One packet, received if any was; none if none was sent.
+    /// One packet, received if any packet was; no packet if none was sent.
     fn at_least_one(self) -> Self {
         Self { received: self.received.min(1), sent: self.sent.min(1) }
     }
@@ -136,7 +136,7 @@ impl Default for Packets {
     }
 }
 
-/// A received signal strength [dBm] by its bits; those of NaN if it was not measured.
+/// The bits of a received signal strength [dBm]; the bits of NaN if it was not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Strength(u64);
 

@@ -1,4 +1,4 @@
-//! What robots drove between their stops.
+//! The drives of robots between their stops.
 
 use sextant_kernel::RobotId;
 

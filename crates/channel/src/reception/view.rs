@@ -1,4 +1,4 @@
-//! A view of some of a log's receptions.
+//! A view of some receptions of a log.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,10 +12,10 @@ use super::{Reception, ReceptionLog};
 #[derive(Clone, Copy)]
 pub struct Receptions<'a> {
     log: &'a ReceptionLog,
-    /// Receptions of the log from `start` to before `end`.
+    /// Receptions of the log from `start` up to `end`, `end` excluded.
     start: usize,
     end: usize,
-    /// The node of the first of them, or an earlier one.
+    /// The node of the first of these receptions, or an earlier node.
     first_node: usize,
 }
 
@@ -30,14 +30,14 @@ impl<'a> Receptions<'a> {
         self.end - self.start
     }
 
-    /// Whether there are none.
+    /// Whether there are no receptions.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.start == self.end
     }
 
-    /// The reception at `index`; `None` beyond the last. Takes time that grows with the logarithm of the number of
-    /// nodes in the view.
+    /// The reception at `index`; `None` beyond the last. The time grows with the logarithm of the number of nodes in
+    /// the view.
     #[must_use]
     pub fn get(self, index: usize) -> Option<Reception> {
         let at = self.start.checked_add(index).filter(|&at| at < self.end)?;
@@ -64,14 +64,14 @@ impl<'a> Receptions<'a> {
         &self.log.columns.stops[self.start..self.end]
     }
 
-    /// Packets received and sent, one pair a reception; `None` if every reception of the log is one of one packet.
+    /// Packets received and sent, one pair per reception; `None` if every reception of the log is one packet of one.
     #[must_use]
     pub fn packets(self) -> Option<impl ExactSizeIterator<Item = (u32, u32)> + Clone + 'a> {
         let packets = self.log.columns.packets.slice(self.start..self.end)?;
         Some(packets.iter().map(|&Packets { received, sent }| (received, sent)))
     }
 
-    /// Sectors of best reception; `None` if no reception of the log has one.
+    /// Sectors with the best reception; `None` if no reception of the log has a sector.
     #[must_use]
     pub fn sectors(self) -> Option<&'a [Option<u8>]> {
         self.log.columns.sectors.slice(self.start..self.end)
@@ -114,11 +114,11 @@ impl<'a> IntoIterator for &Receptions<'a> {
     }
 }
 
-/// Walks over [`Receptions`].
+/// Iterator over [`Receptions`].
 #[derive(Clone, Debug)]
 pub struct ReceptionsIter<'a> {
     rest: Receptions<'a>,
-    /// The node of the next reception, or an earlier one.
+    /// The node of the next reception, or an earlier node.
     node: usize,
 }
 

@@ -1,10 +1,10 @@
-//! Cutting a straight line by the faces of a convex solid.
+//! Clipping a straight line by the faces of a convex solid.
 
-/// Depth below which a line counts as running along a face, not inside [m]. Solids are open sets: what only
-/// touches is not crossed, so that stations on a wall see each other along it.
+/// Depth below which a line counts as running along a face, not inside [m]. Solids are open sets: a line that only
+/// touches a solid does not cross it, so that stations on a wall see each other along it.
 pub(crate) const GRAZE_M: f64 = 1e-9;
 
-/// The part of a line that is left, as parameters from 0 (its start) to 1 (its end).
+/// The remaining part of a line, as parameters from 0 (its start) to 1 (its end).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clip {
     enter: f64,
@@ -12,7 +12,7 @@ pub(crate) struct Clip {
 }
 
 impl Clip {
-    /// All of the line.
+    /// The whole line.
     pub(crate) const WHOLE: Self = Self { enter: 0.0, leave: 1.0 };
 
     /// Keeps the part behind a face. `start_m` and `end_m` are the signed distances of the two ends from the
@@ -36,7 +36,7 @@ impl Clip {
         Self { enter: self.enter.max(enter), leave: self.leave.min(leave) }
     }
 
-    /// Share of the line that is left.
+    /// Remaining share of the line.
     pub(crate) fn share(self) -> f64 {
         (self.leave - self.enter).max(0.0)
     }

@@ -1,4 +1,4 @@
-//! Boxes that stand upright.
+//! Upright boxes.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use super::surface::Surface;
 use super::{LEAST_SIZE_M, place, size};
 use crate::Position;
 
-/// A box that stands upright, as written in a scenario.
+/// An upright box, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxConfig {
@@ -17,12 +17,12 @@ pub struct BoxConfig {
     pub center_m: Position,
     /// Length, width and height [m].
     pub size_m: [f64; 3],
-    /// Turn about the vertical axis, counter-clockwise seen from above [degrees].
+    /// Rotation about the vertical axis, counterclockwise seen from above [degrees].
     #[serde(default)]
     pub yaw_deg: f64,
 }
 
-/// A box that stands upright.
+/// An upright box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cuboid {
     pub(crate) center: Position,
@@ -54,7 +54,7 @@ impl TryFrom<BoxConfig> for Cuboid {
 }
 
 impl Cuboid {
-    /// `p` in the frame of the box: its middle is the origin, its edges are the axes.
+    /// `p` in the frame of the box: the origin is its middle, the axes are parallel to its edges.
     fn local(&self, p: Position) -> Position {
         let d = p - self.center;
         Position::new(self.cos * d.x_m + self.sin * d.y_m, self.cos * d.y_m - self.sin * d.x_m, d.z_m)

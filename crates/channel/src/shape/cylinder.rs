@@ -41,7 +41,7 @@ impl TryFrom<CylinderConfig> for Cylinder {
     }
 }
 
-/// Sides of the polygon that a cylinder is drawn with.
+/// Number of sides of the polygon for drawing a cylinder.
 const SIDES: u32 = 48;
 
 impl Cylinder {
@@ -55,7 +55,7 @@ impl Cylinder {
             let inside = libm::hypot(a.x_m, a.y_m) < self.radius_m - GRAZE_M;
             if inside { between } else { between.between(1.0, 0.0) }
         } else {
-            // The chord lies symmetrically about the point of the line nearest to the axis.
+            // The chord is symmetric about the point of the line nearest to the axis.
             let cross = a.x_m * d.y_m - a.y_m * d.x_m;
             let half_square = self.radius_m * self.radius_m - cross * cross / square;
             if half_square <= 0.0 {

@@ -38,7 +38,8 @@ impl TryFrom<ConvexConfig> for Polytope {
         if points.len() < 4 {
             return error(format!("{} different points", points.len()));
         }
-        // The hull is found about the middle of the points, so that no precision is lost far from the origin.
+        // The hull is computed relative to the middle of the points, so that no precision is lost far from the
+        // origin.
         let middle = points[0];
         let local: Vec<_> = points.iter().map(|&p| vector(p - middle)).collect();
         let Ok((vertices, triangles)) = try_convex_hull(&local) else {

@@ -17,8 +17,8 @@ use crate::tree::Tree;
 use crate::{Bounds, Position};
 
 /// A closed triangle mesh, as written in a scenario: either a file, or vertices and triangles.
-/// Triangles all turn the same way; the skin of a cavity turns the other way. Parts that run into each other
-/// absorb twice where they overlap, as overlapping obstacles do.
+/// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,
+/// they absorb twice, as overlapping obstacles do.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshConfig {
@@ -42,7 +42,7 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
-    /// The solid that `config` describes; a file is looked up from `folder`.
+    /// The solid that `config` describes; a file path is relative to `folder`.
     pub(crate) fn read(config: MeshConfig, folder: &Path) -> Result<Self, SettingError> {
         match (config.file, config.vertices_m, config.triangles) {
             (Some(file), None, None) => {
@@ -56,18 +56,26 @@ impl Mesh {
                     .and_then(|surface| Self::new(surface, "file"))
             }
             (None, Some(vertices), Some(triangles)) => Self::new(Surface { vertices, triangles }, "triangles"),
-            (Some(_), _, _) => {
-                Err(SettingError::new("file", "beside `vertices_m` or `triangles`", "one or the other"))
-            }
+            (Some(_), _, _) => Err(SettingError::new(
+                "file",
+                "beside `vertices_m` or `triangles`",
+                "either `file` or `vertices_m` and `triangles`",
+            )),
             (None, None, _) => Err(SettingError::new("vertices_m", "absent", "a list of places, or `file`")),
-            (None, Some(_), None) => Err(SettingError::new("triangles", "absent", "a list of three indices each")),
+            (None, Some(_), None) => {
+                Err(SettingError::new("triangles", "absent", "a list of triangles, three vertex indices each"))
+            }
         }
     }
 
     /// The solid inside `surface`; errors name `key`.
     fn new(mut surface: Surface, key: &str) -> Result<Self, SettingError> {
         let error = |found: String| {
-            SettingError::new(key, found, "a closed mesh: at each edge two triangles meet that turn the same way")
+            SettingError::new(
+                key,
+                found,
+                "a closed mesh: at each edge exactly two triangles meet, with the same orientation",
+            )
         };
         if let Some(index) = surface.vertices.iter().position(|p| !p.is_finite()) {
             return Err(error(format!("a mesh with vertex {index} not finite")));
@@ -99,9 +107,10 @@ impl Mesh {
         Ok(Self { surface, bounds, tree })
     }
 
-    /// Length of the line inside [m]: the sum over all crossings of the mesh by the endless line, leaving less entering,
-    /// each cut to the line. Where the line passes within a nanometre of an edge, or along a face, so that crossings
-    /// might count twice or not at all, each piece between two crossings is asked instead whether its middle is inside.
+    /// Length of the line inside [m]: the sum over all crossings of the infinite line and the mesh, exits minus
+    /// entries, each clipped to the line. If the line passes within a nanometre of an edge, or along a face,
+    /// crossings might count twice or not at all. Then, for each piece between two crossings, its middle is tested
+    /// instead.
     pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         let length_m = from.distance_m(to);
         if length_m <= 0.0 {
@@ -127,7 +136,7 @@ impl Mesh {
         if balance == 0 { inside_m.max(0.0) } else { self.length_by_pieces_m(from, u, length_m) }
     }
 
-    /// The part of the endless line that can be near the mesh.
+    /// The part of the infinite line that can be near the mesh.
     fn chord(&self, from: Position, u: Position) -> Span {
         let nearest = from + u * (self.bounds.center() - from).dot(u);
         let reach_m = self.bounds.min.distance_m(self.bounds.max);
@@ -151,7 +160,7 @@ impl Mesh {
             .sum()
     }
 
-    /// How often the mesh winds round `p`: 1 inside, 0 outside and within a nanometre of the mesh.
+    /// Winding number of the mesh around `p`: 1 inside, 0 outside and within a nanometre of the mesh.
     fn depth(&self, p: Position) -> f64 {
         let turns = self.surface.corners().map(|corners| triangle::solid_angle(corners, p)).sum::<f64>() / (4.0 * PI);
         if turns < 0.5 || self.distance_to_surface_m(p) <= GRAZE_M { 0.0 } else { turns.round() }
@@ -179,7 +188,7 @@ impl Mesh {
     }
 }
 
-/// Makes one vertex of those at the same place, as many programs write a vertex for each triangle, and drops
+/// Merges vertices at the same place, because many programs write separate vertices for each triangle, and removes
 /// triangles that have one corner twice.
 fn weld(surface: &mut Surface) {
     let mut first: BTreeMap<[u64; 3], u32> = BTreeMap::new();
@@ -188,7 +197,7 @@ fn weld(surface: &mut Surface) {
         .vertices
         .iter()
         .map(|&p| {
-            // + 0.0 makes one zero of both.
+            // + 0.0 makes -0.0 and 0.0 equal.
             let key = <[f64; 3]>::from(p).map(|x| (x + 0.0).to_bits());
             *first.entry(key).or_insert_with(|| {
                 vertices.push(p);

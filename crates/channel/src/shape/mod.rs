@@ -1,4 +1,4 @@
-//! Shapes of obstacles: what is inside, how far it is, how much of a line it cuts off, all exact.
+//! Shapes of obstacles: containment, distance, and length of a line inside, all exact.
 
 mod clip;
 mod cuboid;
@@ -37,7 +37,7 @@ pub(crate) use sweep::Sweep;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeConfig {
-    /// A box that stands upright.
+    /// An upright box.
     Box(BoxConfig),
     /// An upright cylinder.
     Cylinder(CylinderConfig),
@@ -49,7 +49,7 @@ pub enum ShapeConfig {
     Mesh(MeshConfig),
 }
 
-/// The shape of an obstacle: a solid without its surface. What only touches it, to a nanometre, is outside.
+/// The shape of an obstacle: a solid without its surface. Places within a nanometre of the surface are outside.
 #[derive(Clone, Debug)]
 pub struct Shape {
     form: Form,
@@ -66,7 +66,7 @@ enum Form {
 }
 
 impl Shape {
-    /// The shape that `config` describes; files that it names are looked up from `folder`.
+    /// The shape that `config` describes; its file paths are relative to `folder`.
     ///
     /// # Errors
     /// If it has no volume, or a file cannot be read.
@@ -105,7 +105,7 @@ impl Shape {
         Ok(Self { form, bounds: bounds.expect("a solid has corners"), body })
     }
 
-    /// The least box round it.
+    /// The smallest box around it.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.bounds
@@ -133,8 +133,8 @@ impl Shape {
         }
     }
 
-    /// Length of the straight line from `from` to `to` inside [m]. A line along a face, through an edge or a corner
-    /// only is not inside.
+    /// Length of the straight line from `from` to `to` inside [m]. A line that only runs along a face or touches an
+    /// edge or a corner is not inside.
     #[must_use]
     pub fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         match &self.form {
@@ -145,7 +145,7 @@ impl Shape {
         }
     }
 
-    /// Its surface for drawing: vertices [m], and triangles whose corners turn left seen from outside.
+    /// Its surface for drawing: vertices [m], and triangles whose corners run counterclockwise seen from outside.
     /// A cylinder is drawn with 48 sides.
     #[must_use]
     pub fn mesh(&self) -> (Vec<Position>, Vec<[u32; 3]>) {
@@ -175,10 +175,10 @@ impl Shape {
     }
 }
 
-/// Least extent of a solid [m]: what is thinner is taken for a slip of the pen.
+/// Smallest extent of a solid [m]; a smaller one is treated as a mistake in the scenario.
 const LEAST_SIZE_M: f64 = 1e-6;
 
-/// `size_m` if a solid can be that thick.
+/// `size_m` if it is a valid extent.
 fn size(size_m: f64) -> Option<f64> {
     (size_m.is_finite() && size_m >= LEAST_SIZE_M).then_some(size_m)
 }

@@ -18,7 +18,7 @@ impl Plane {
     }
 }
 
-/// A convex solid: what lies behind all of its planes.
+/// A convex solid: all places behind all of its planes.
 #[derive(Clone, Debug)]
 pub(crate) struct Polytope {
     planes: Vec<Plane>,

@@ -14,7 +14,7 @@ use crate::Position;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PrismConfig {
-    /// Corners of the convex footprint in order, either way round [m].
+    /// Corners of the convex footprint in order, clockwise or counterclockwise [m].
     pub corners_m: Vec<[f64; 2]>,
     /// Height of the bottom face [m].
     #[serde(default)]
@@ -39,7 +39,7 @@ impl TryFrom<PrismConfig> for Polytope {
     }
 }
 
-/// Corners turning left, without doubles and without corners in the middle of a side.
+/// Corners in counterclockwise order, without duplicates and without corners in the middle of a side.
 fn footprint(corners: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, SettingError> {
     let error = |found: String, allowed: &str| Err(SettingError::new("corners_m", found, allowed));
     if let Some(bad) = corners.iter().find(|corner| !corner.iter().all(|x| x.is_finite())) {
@@ -66,7 +66,7 @@ fn footprint(corners: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, SettingError> {
     let count = ring.len();
     let turn = |i: usize| cross(ring[(i + count - 1) % count], ring[i], ring[(i + 1) % count]);
     let ring: Vec<_> = (0..count).filter(|&i| turn(i).abs() > GRAZE_M * size_m).map(|i| ring[i]).collect();
-    // Each corner behind each side: holds for convex footprints only, stars that turn left all the way included.
+    // Each corner must be behind each side. Only convex footprints pass; stars that always turn left do not.
     for side in sides(&ring) {
         if let Some(corner) =
             ring.iter().find(|corner| side.height_m(Position::new(corner[0], corner[1], 0.0)) > 1e-6)
@@ -78,7 +78,7 @@ fn footprint(corners: &[[f64; 2]]) -> Result<Vec<[f64; 2]>, SettingError> {
     Ok(ring)
 }
 
-/// The side faces over a ring that turns left.
+/// The side faces over a counterclockwise ring.
 fn sides(ring: &[[f64; 2]]) -> impl Iterator<Item = Plane> + '_ {
     (0..ring.len()).map(|i| {
         let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);

@@ -21,12 +21,12 @@ impl Surface {
         self.triangles[index].map(|vertex| self.vertices[vertex as usize])
     }
 
-    /// The least box round it.
+    /// The smallest box around it.
     pub(crate) fn bounds(&self) -> Option<Bounds> {
         Bounds::of(self.vertices.iter().copied())
     }
 
-    /// Volume enclosed [m³], negative if the normals point inwards; from the first vertex, so that no
+    /// Enclosed volume [m³], negative if the normals point inwards; computed relative to the first vertex, so that no
     /// precision is lost far from the origin.
     pub(crate) fn volume_m3(&self) -> f64 {
         let Some(&apex) = self.vertices.first() else {
@@ -46,7 +46,7 @@ impl Surface {
         self.corners().map(|corners| triangle::distance_m(corners, p)).fold(f64::INFINITY, f64::min)
     }
 
-    /// An upright prism: the `ring` of corners (turning left seen from above) at two heights.
+    /// An upright prism: the `ring` of corners (counterclockwise seen from above) at two heights.
     pub(crate) fn prism(ring: &[[f64; 2]], bottom_m: f64, top_m: f64) -> Self {
         let count = u32::try_from(ring.len()).expect("fewer than 2^32 corners");
         let at = |z_m: f64| ring.iter().map(move |&[x, y]| Position::new(x, y, z_m));

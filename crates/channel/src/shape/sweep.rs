@@ -11,7 +11,7 @@ use super::surface::Surface;
 use crate::Position;
 use crate::glam::vector;
 
-/// A convex solid as the geometry library casts against it.
+/// A convex solid in the form that the geometry library casts against.
 #[derive(Clone)]
 pub(crate) struct ConvexSolid {
     shape: SharedShape,
@@ -48,7 +48,7 @@ impl ConvexSolid {
         Some(Self { shape: SharedShape::new(polyhedron), pose: Pose::IDENTITY })
     }
 
-    /// Where the library says that a ball touches the solid first.
+    /// Where a ball first touches the solid, according to the library.
     pub(crate) fn cast(&self, sweep: &Sweep) -> Option<f64> {
         let ball = Ball::new(sweep.radius_m);
         let start = Pose::from_translation(vector(sweep.from));
@@ -59,7 +59,7 @@ impl ConvexSolid {
     }
 }
 
-/// A ball that sets out along a straight line.
+/// A ball that moves along a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sweep {
     pub(crate) from: Position,
@@ -71,18 +71,19 @@ pub(crate) struct Sweep {
 }
 
 impl Sweep {
-    /// Where the middle of the ball is after `travel_m`.
+    /// Centre of the ball after `travel_m`.
     pub(crate) fn at(&self, travel_m: f64) -> Position {
         self.from + self.direction * travel_m
     }
 
     /// How far the ball travels before it touches a convex solid [m]; `None` if it does not within range.
     ///
-    /// `distance_m` is the exact distance of the solid from a place, 0 inside; `cast` is what an iterative cast found.
-    /// The gap between ball and solid is a convex function of the travel, because the solid is convex. So a cast that
-    /// ends where the gap is zero and falling is the first touch, and is taken; any other answer, a miss included, is
-    /// replaced: least gap by golden section (Kiefer 1953), first touch by bisection. A ball that touches at the
-    /// start may slide along or leave, not go deeper; one with its middle inside goes nowhere.
+    /// `distance_m` is the exact distance of the solid from a place, 0 inside; `cast` is the result of an iterative
+    /// cast. The gap between ball and solid is a convex function of the travel, because the solid is convex. So a
+    /// cast that ends where the gap is zero and falling is the first touch, and is accepted. Any other result, a miss
+    /// included, is replaced: the smallest gap is found by golden section (Kiefer 1953), the first touch by
+    /// bisection. A ball that touches at the start may slide along the solid or leave it, but not go deeper; a ball
+    /// with its centre inside does not move.
     pub(crate) fn touch_m(&self, cast: Option<f64>, distance_m: impl Fn(Position) -> f64) -> Option<f64> {
         let gap_m = |travel_m: f64| distance_m(self.at(travel_m)) - self.radius_m;
         let start_m = gap_m(0.0);
@@ -116,7 +117,7 @@ impl Sweep {
     }
 }
 
-/// Where a convex function is least on [0, end].
+/// Where a convex function has its minimum on [0, end].
 fn least(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let (mut low, mut high) = (0.0, end);
@@ -133,7 +134,7 @@ fn least(f: impl Fn(f64) -> f64, end: f64) -> f64 {
             fb = f(b);
         }
     }
-    // The ends of the range may be least themselves.
+    // The minimum may be at an end of the range.
     [0.0, 0.5 * (low + high), end].into_iter().min_by(|&x, &y| f(x).total_cmp(&f(y))).unwrap_or(0.0)
 }
 
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cast_that_misses_or_errs_changes_nothing() {
+    fn a_missing_or_wrong_cast_does_not_change_the_result() {
         let size_m = [2.0, 4.0, 3.0];
         let center_m = Position::new(5.0, 0.0, 0.0);
         let wall = Cuboid::try_from(BoxConfig { center_m, size_m, yaw_deg: 0.0 }).unwrap();
@@ -168,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_of_a_convex_function_is_found_at_ends_and_kinks() {
+    fn the_minimum_of_a_convex_function_is_found_at_ends_and_kinks() {
         for at in [-3.0, 0.0, 1e-7, 2.75, 10.0, 12.0] {
             let kink: f64 = least(|x: f64| (x - at).abs(), 10.0);
             assert!((kink - at.clamp(0.0, 10.0)).abs() < 1e-8, "{kink}, not {at}");

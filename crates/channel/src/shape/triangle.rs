@@ -1,12 +1,12 @@
-//! Triangles: distance, solid angle, and where a line goes through.
+//! Triangles: distance, solid angle, and intersection with a line.
 
 use super::clip::GRAZE_M;
 use crate::Position;
 
-/// Corners of a triangle [m]; they turn left seen from the side that its normal points to.
+/// Corners of a triangle [m], counterclockwise seen from the side that its normal points to.
 pub(crate) type Triangle = [Position; 3];
 
-/// Normal of the triangle, its length twice the area [m²].
+/// Normal of the triangle; its length is twice the area [m²].
 pub(crate) fn normal([a, b, c]: Triangle) -> Position {
     (b - a).cross(c - a)
 }
@@ -19,7 +19,7 @@ pub(crate) fn distance_m([a, b, c]: Triangle, p: Position) -> f64 {
     if area <= 0.0 {
         return edges();
     }
-    // Inside the prism over the triangle: the plane is nearest; else an edge is.
+    // Inside the prism over the triangle, the plane is nearest; elsewhere an edge is.
     let over = |from: Position, to: Position| n.dot((to - from).cross(p - from)) >= 0.0;
     if over(a, b) && over(b, c) && over(c, a) { (n.dot(p - a) / area).abs() } else { edges() }
 }
@@ -41,7 +41,7 @@ pub(crate) fn solid_angle([a, b, c]: Triangle, p: Position) -> f64 {
     2.0 * libm::atan2(numerator, denominator)
 }
 
-/// How a line meets a triangle.
+/// How a line intersects a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Meeting {
     /// Not at all.
@@ -52,7 +52,7 @@ pub(crate) enum Meeting {
     Edge { at_m: Option<f64> },
 }
 
-/// How the endless line through `from` along the unit vector `u` meets the triangle.
+/// How the infinite line through `from` along the unit vector `u` intersects the triangle.
 pub(crate) fn meet([a, b, c]: Triangle, from: Position, u: Position) -> Meeting {
     let (pa, pb, pc) = (a - from, b - from, c - from);
     // Twice the areas of the three part triangles in projection along u, over the length of their outer edge:

@@ -85,7 +85,7 @@ fn the_hard_radius_has_its_last_link_at_exactly_the_radius() {
 }
 
 #[test]
-fn beyond_its_reach_a_link_fails_all_but_once_in_thirty_thousand() {
+fn beyond_its_reach_a_link_succeeds_once_in_thirty_thousand() {
     let channel = channel(suburban(), vec![]);
     let reach_m = channel.law().reach_m(Dbm(-50.0), Dbm(-90.0));
     // 40 dB and four times 9.6 dB at 27 dB a decade.
@@ -96,7 +96,7 @@ fn beyond_its_reach_a_link_fails_all_but_once_in_thirty_thousand() {
 }
 
 #[test]
-fn what_is_written_goes_before_the_environment_key_by_key() {
+fn each_written_key_overrides_the_environment() {
     let law =
         |exponent| Some(PathLossConfig::LogDistance(LogDistanceConfig { exponent, ..LogDistanceConfig::default() }));
     let sigma = |sigma_db| Some(ShadowingConfig { sigma_db, correlation: CorrelationConfig::PerLink });

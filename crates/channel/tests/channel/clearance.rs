@@ -27,14 +27,14 @@ fn a_ball_stops_where_it_touches() {
     assert_clearance(origin, x * -1.0, 10.0, 0.2, 10.0);
     // Obliquely onto the face x = 4.
     assert_clearance(origin, at(1.0, 0.25, 0.0), 10.0, 0.2, 3.8 * (1.0 + 0.0625_f64).sqrt());
-    // Past the edge (4, 2): the middle line misses the box by 0.1 m, the ball does not.
+    // Past the edge (4, 2): the path of the centre misses the box by 0.1 m, the ball does not.
     assert_clearance(at(0.0, 2.1, 0.0), x, 10.0, 0.2, 4.0 - (0.04_f64 - 0.01).sqrt());
     assert_clearance(at(0.0, 2.21, 0.0), x, 10.0, 0.2, 10.0);
     // Beside the axis of the cylinder by 1 m: centres 2.2 m apart at the touch.
     assert_clearance(at(1.0, 0.0, 0.0), at(0.0, 1.0, 0.0), 20.0, 0.2, 10.0 - (2.2_f64 * 2.2 - 1.0).sqrt());
     // Down onto the lid of the cylinder at z = 2.
     assert_clearance(at(0.5, 10.0, 5.0), at(0.0, 0.0, -1.0), 20.0, 0.2, 2.8);
-    // A point is taken for a ball of 1 µm.
+    // A point counts as a ball of 1 µm.
     assert_clearance(origin, x, 10.0, 0.0, 4.0 - 1e-6);
 }
 
@@ -53,7 +53,7 @@ fn a_ball_at_an_obstacle_may_slide_or_leave_but_not_go_in() {
 }
 
 #[test]
-fn a_drive_up_to_the_clearance_leaves_room_to_turn_and_none_to_go_on() {
+fn after_a_drive_up_to_the_clearance_a_robot_can_turn_but_not_go_on() {
     for i in 0..400 {
         let from = random_place(i, 12.0);
         let from = at(from.x_m, from.y_m, 0.0);
@@ -72,7 +72,7 @@ fn a_drive_up_to_the_clearance_leaves_room_to_turn_and_none_to_go_on() {
 }
 
 #[test]
-fn directions_and_ranges_that_are_none_give_no_way() {
+fn invalid_directions_and_ranges_have_zero_clearance() {
     let origin = at(0.0, 0.0, 0.0);
     for field in [field(), ObstacleField::default()] {
         let x = at(1.0, 0.0, 0.0);
@@ -116,7 +116,8 @@ fn clearances_agree_with_marching_for_every_shape() {
             let clearance_m = field.clearance_m(from, u, 5.0, RADIUS_M);
             let expected_m = marched_m(|p| solid.distance_m(p), from, u, 5.0, RADIUS_M);
             assert!(clearance_m <= expected_m + 1e-9, "{name}: {clearance_m} beyond {expected_m}");
-            // Grazing contacts shorter than a step are seen by the exact search only: gap there below a step's sagitta.
+            // Only the exact search finds grazing contacts shorter than a step: the gap there is below the sagitta of
+            // a step.
             let gap_m = solid.distance_m(from + u * clearance_m) - RADIUS_M;
             assert!(gap_m >= -1e-9, "{name}: {gap_m}");
             if clearance_m < 5.0 {
@@ -133,7 +134,7 @@ fn clearances_agree_with_marching_for_every_shape() {
 }
 
 #[test]
-fn every_way_of_writing_a_cube_stops_a_ball_alike() {
+fn a_ball_stops_at_the_same_distance_for_every_way_of_writing_a_cube() {
     let reference = ObstacleField::new(vec![obstacle(upright_box(at(0.5, 0.5, 0.5), [1.0; 3], 0.0), 1.0)]);
     for (name, cube) in cubes() {
         let field = ObstacleField::new(vec![obstacle(cube, 1.0)]);

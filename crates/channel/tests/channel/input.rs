@@ -1,4 +1,4 @@
-//! Bad input: each slip is named with its key, what was found and what is allowed.
+//! Bad input: each error names the key, the value found and the values allowed.
 
 use std::path::Path;
 
@@ -39,7 +39,7 @@ fn a_good_obstacle_of_each_shape_is_read() {
 }
 
 #[test]
-fn an_obstacle_without_volume_is_refused_with_its_key() {
+fn an_obstacle_without_volume_is_rejected_with_its_key() {
     for (shape, key, words) in [
         ("box = {center_m = [0, 0], size_m = [1, 0, 3]}", "shape.box.size_m", "[1.0, 0.0, 3.0]"),
         ("box = {center_m = [0, 0], size_m = [1, -2, 3]}", "shape.box.size_m", "-2.0"),
@@ -74,7 +74,7 @@ fn an_obstacle_without_volume_is_refused_with_its_key() {
 }
 
 #[test]
-fn a_star_that_turns_left_all_the_way_is_not_convex() {
+fn a_star_that_always_turns_left_is_not_convex() {
     let tips: Vec<_> = (0..5)
         .map(|i| (f64::from(i) * 0.8 * std::f64::consts::PI).sin_cos())
         .map(|(s, c)| format!("[{c}, {s}]"))
@@ -84,7 +84,7 @@ fn a_star_that_turns_left_all_the_way_is_not_convex() {
 }
 
 #[test]
-fn a_mesh_that_is_not_closed_is_refused() {
+fn a_mesh_that_is_not_closed_is_rejected() {
     let mesh =
         |triangles: &str| obstacle(&format!("material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}, {triangles}}}"));
     assert_flaw(mesh("triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2]]"), "shape.mesh.triangles", "open or twisted");
@@ -116,7 +116,7 @@ fn a_mesh_that_is_not_closed_is_refused() {
 }
 
 #[test]
-fn a_mesh_file_is_read_and_its_flaws_named_with_their_lines() {
+fn errors_in_a_mesh_file_name_their_lines() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mesh_files");
     std::fs::create_dir_all(&folder).unwrap();
     let read = |name: &str, text: &str| {
@@ -140,7 +140,7 @@ fn a_mesh_file_is_read_and_its_flaws_named_with_their_lines() {
 }
 
 #[test]
-fn a_material_is_known_or_an_absorption_given_and_not_both() {
+fn exactly_one_of_material_and_absorption_is_allowed() {
     let cube = "shape.box = {center_m = [0, 0], size_m = [1, 1, 1]}";
     let with = |line: &str| obstacle(&format!("{line}\n{cube}"));
     assert_flaw(with("material = \"concret\""), "material", "\"concrete\", \"itu-concrete\", \"brick\"");
@@ -152,7 +152,7 @@ fn a_material_is_known_or_an_absorption_given_and_not_both() {
 }
 
 #[test]
-fn a_bad_channel_is_refused_with_its_key() {
+fn a_bad_channel_is_rejected_with_its_key() {
     for (text, key) in [
         ("", "environment"),
         ("path_loss.log_distance = {}", "path_loss.log_distance.exponent"),

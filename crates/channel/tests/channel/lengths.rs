@@ -16,7 +16,7 @@ fn assert_length(shape: &Shape, name: &str, from: Position, to: Position, expect
 }
 
 #[test]
-fn a_cube_is_a_cube_however_it_is_written() {
+fn lengths_are_the_same_for_every_way_of_writing_a_cube() {
     let root = 2_f64.sqrt();
     for (name, cube) in cubes() {
         let cube = shape(cube);
@@ -40,7 +40,7 @@ fn a_cube_is_a_cube_however_it_is_written() {
             (at(2.0, 0.0, 0.4), at(0.0, 2.0, 0.4), 0.0),
             (at(1.0, 1.0, -1.0), at(1.0, 1.0, 2.0), 0.0),
             (at(-1.0, 0.4, 0.3), at(0.0, 0.4, 0.3), 0.0),
-            // Beside it, before it, no length.
+            // Beside the cube, before it, and a line without length.
             (at(-1.0, 1.2, 0.5), at(2.0, 1.2, 0.5), 0.0),
             (at(-1.0, 0.4, 0.3), at(-0.1, 0.4, 0.3), 0.0),
             (at(0.5, 0.5, 0.5), at(0.5, 0.5, 0.5), 0.0),
@@ -52,7 +52,7 @@ fn a_cube_is_a_cube_however_it_is_written() {
 }
 
 #[test]
-fn random_lines_are_cut_alike_however_the_cube_is_written() {
+fn random_lines_have_the_same_length_for_every_way_of_writing_a_cube() {
     let cubes: Vec<_> = cubes().into_iter().map(|(name, cube)| (name, shape(cube))).collect();
     let mut crossed = 0;
     for i in 0..4000 {
@@ -77,9 +77,9 @@ fn lines_through_a_cylinder_have_the_lengths_of_chords() {
         (at(3.0, -2.0, 2.0), at(9.0, -2.0, 2.0), 0.5),
         (at(3.1, -2.0, 0.0), at(3.1, -2.0, 9.0), 2.0),
         (at(3.1, -2.0, 1.5), at(3.1, -2.0, 1.75), 0.25),
-        // In by the bottom face halfway, out by the mantle at three quarters.
+        // Enters through the bottom face at half of the line, leaves through the mantle at three quarters.
         (at(2.0, -2.0, -1.0), at(4.0, -2.0, 3.0), 0.25 * 20_f64.sqrt()),
-        // On the mantle, tangent to it, on the lid, over it.
+        // On the mantle, tangent to it, on the top face, above it.
         (at(3.5, -2.0, 0.0), at(3.5, -2.0, 9.0), 0.0),
         (at(0.0, -1.5, 2.0), at(9.0, -1.5, 2.0), 0.0),
         (at(0.0, -2.0, 3.0), at(9.0, -2.0, 3.0), 0.0),
@@ -102,7 +102,7 @@ fn lengths_agree_with_a_hundred_thousand_steps_along_the_line() {
             let hits = (0..STEPS).filter(|&k| inside(from + step * (f64::from(k) + 0.5))).count();
             let expected_m = f64::from(u32::try_from(hits).unwrap()) * step.length_m();
             let length_m = solid.length_inside_m(from, to);
-            // At most four faces are passed, each with an error of half a step at most.
+            // A line passes at most four faces, each with an error of at most half a step.
             assert!(
                 (length_m - expected_m).abs() <= 2.01 * step.length_m(),
                 "{name}: {length_m}, counted {expected_m}"
@@ -131,7 +131,7 @@ fn lines_through_edges_corners_and_faces_of_a_mesh_are_counted_once() {
             let hits = (0..STEPS).filter(|&k| inside(from + step * (f64::from(k) + 0.5))).count();
             let expected_m = f64::from(u32::try_from(hits).unwrap()) * step.length_m();
             let length_m = solid.length_inside_m(from, to);
-            // A line along a face is outside for the rule too: lattice and faces are exact numbers.
+            // By the rule, too, a line along a face is outside: lattice and faces are exact numbers.
             assert!(
                 (length_m - expected_m).abs() <= 2.01 * step.length_m(),
                 "{name} from {from} to {to}: {length_m}, counted {expected_m}"
@@ -200,7 +200,7 @@ fn lengths_agree_with_the_casts_of_the_geometry_library() {
             let cast_m = cast_length_m(&*body, &pose, from, to).unwrap_or(0.0);
             missed += u32::from((length_m - cast_m).abs() > 1e-5);
         }
-        // Its iterative casts lose about one line in 20 000; ours is right there, as the counted steps show.
+        // Its iterative casts miss about one line in 20 000; ours are right there, as the counted steps show.
         assert!(missed <= 1, "{name}: {missed} of {crossed} lines differ");
         assert!(crossed > 200, "{name}: {crossed}");
     }
@@ -228,7 +228,7 @@ fn town() -> ObstacleField {
 }
 
 #[test]
-fn a_field_finds_what_asking_each_obstacle_finds() {
+fn a_field_finds_the_same_crossings_as_a_query_of_each_obstacle() {
     let field = town();
     let mut crossings = vec![Crossing { obstacle: 7, length_m: 1.0 }];
     let mut total = 0;

@@ -39,7 +39,7 @@ const HERE: Position = Position::new(3.0, -4.0, 0.5);
 const THERE: Position = Position::new(60.0, 25.0, 0.0);
 
 #[test]
-fn each_packet_of_each_pair_has_a_draw_of_its_own() {
+fn each_packet_of_each_pair_has_its_own_draw() {
     let shadowing = shadowing(CorrelationConfig::PerPacket, 11);
     let gain = |a, b, packet| shadowing.gain(NodeId(a), HERE, NodeId(b), THERE, packet).0;
     assert_standard_and_correlated((0..100_000).map(|k| (gain(1, 2, k), gain(1, 2, k + 1))), 0.0);
@@ -108,7 +108,7 @@ fn one_field_fluctuates_about_zero_with_its_standard_deviation() {
 }
 
 #[test]
-fn equal_seeds_give_equal_bits_and_others_do_not() {
+fn equal_seeds_give_equal_bits_and_different_seeds_do_not() {
     for correlation in [
         CorrelationConfig::PerPacket,
         CorrelationConfig::PerLink,

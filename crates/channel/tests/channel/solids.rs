@@ -1,4 +1,4 @@
-//! Solids for the tests, each with a membership rule of its own.
+//! Solids for the tests, each with its own rule for what is inside.
 
 use std::path::Path;
 
@@ -114,7 +114,7 @@ pub(crate) fn solids() -> Vec<(&'static str, ShapeConfig, Rule)> {
     ]
 }
 
-/// A wall round a corner, seen from above an L: a mesh that is not convex.
+/// A wall around a corner, an L seen from above: a mesh that is not convex.
 fn angle_mesh() -> ShapeConfig {
     let ring = [[-1.5, -1.5], [1.5, -1.5], [1.5, -0.5], [-0.5, -0.5], [-0.5, 1.5], [-1.5, 1.5]];
     let vertices: Vec<_> = [-1.0, 1.0].iter().flat_map(|&z| ring.map(|[x, y]| [x, y, z])).collect();
@@ -131,7 +131,7 @@ fn angle_mesh() -> ShapeConfig {
     mesh(&vertices, &triangles)
 }
 
-/// The `index`-th of many random places in the cube of half edge `half_m`.
+/// Random place number `index` in the cube with half the edge `half_m`.
 pub(crate) fn random_place(index: u64, half_m: f64) -> Position {
     let draw = |axis| (2.0 * Seed(5).uniform(Purpose::new(1), [index, axis, 0]) - 1.0) * half_m;
     at(draw(0), draw(1), draw(2))

@@ -1,4 +1,4 @@
-//! What is sorted: the order of an event, packed, and where the event lies.
+//! The entries that are sorted: the order of an event, packed, and the slot of the event.
 
 use super::{EventKey, Rank};
 use crate::SimTime;
@@ -7,7 +7,8 @@ use crate::SimTime;
 /// 10⁷ events a second over 228 years.
 const HIGH_BITS: u32 = 24;
 
-/// Place of an event in the order, in 24 octets. Fields in order of weight, which the derived order follows.
+/// Position of an event in the order, in 24 octets. The most significant field comes first, as the derived order
+/// requires.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Entry {
     time: SimTime,

@@ -1,10 +1,10 @@
-//! A heap of four children a parent: half the levels of a binary one, and siblings that lie side by side.
+//! A heap with four children per parent: half the levels of a binary heap, and siblings adjacent in memory.
 
 use super::entry::Entry;
 
 const CHILDREN: usize = 4;
 
-/// Entries, the least on top.
+/// Entries, the smallest on top.
 #[derive(Default)]
 pub(super) struct QuadHeap {
     entries: Vec<Entry>,
@@ -56,7 +56,7 @@ impl QuadHeap {
         Some(top)
     }
 
-    /// Drops the entries that are not to be kept.
+    /// Removes the entries for which `keep` is false.
     pub(super) fn retain(&mut self, keep: impl FnMut(&Entry) -> bool) {
         self.entries.retain(keep);
         // Sorted entries are a heap.
@@ -64,12 +64,12 @@ impl QuadHeap {
     }
 }
 
-/// Index of the least child of `parent`; `None` at a leaf.
+/// Index of the smallest child of `parent`; `None` at a leaf.
 #[inline]
 fn least_child(entries: &[Entry], parent: usize) -> Option<usize> {
     let first = CHILDREN * parent + 1;
     if let Some(children) = entries.get(first..first + CHILDREN) {
-        // Two pairs and a final: shorter chains of comparison than one after the other.
+        // Two pairs, then a final: a shorter chain of comparisons than one after the other.
         let left = usize::from(children[1] < children[0]);
         let right = 2 + usize::from(children[3] < children[2]);
         Some(first + if children[right] < children[left] { right } else { left })

@@ -5,14 +5,14 @@ use super::entry::Entry;
 use super::quad_heap::QuadHeap;
 use crate::SimTime;
 
-/// A bucket of at most as many entries goes into the heap in front as it is. Measured: 8 to 16 are best.
+/// A bucket with at most this many entries goes into the heap in front as a whole. Measured: 8 to 16 are best.
 const SMALL_BUCKET: usize = 8;
 
-/// Entries, the least first.
+/// Entries, the smallest first.
 ///
-/// Those up to the horizon are in `near`, in full order. A later one is in the bucket of the highest bit in
-/// which its instant differs from the horizon, so that the lower bucket has the earlier instants. When `near`
-/// runs dry, the horizon moves into the lowest bucket, whose entries go to `near` and to buckets below.
+/// Entries up to the horizon are in `near`, in full order. A later entry is in the bucket of the highest bit in
+/// which its instant differs from the horizon, so lower buckets have earlier instants. When `near` is empty, the
+/// horizon moves into the lowest bucket, and the entries of this bucket go to `near` and to lower buckets.
 pub(super) struct RadixHeap {
     near: QuadHeap,
     horizon: SimTime,
@@ -83,11 +83,11 @@ impl RadixHeap {
                 self.push(entry);
             }
         }
-        // Emptied: all went to `near` or to lower buckets. It keeps its memory.
+        // The bucket is empty: its entries went to `near` or to lower buckets. It keeps its memory.
         self.far[lowest] = bucket;
     }
 
-    /// Drops the entries that are not to be kept, at the cost of looking at all.
+    /// Removes the entries for which `keep` is false. Looks at every entry.
     #[cold]
     pub(super) fn retain(&mut self, mut keep: impl FnMut(&Entry) -> bool) {
         self.near.retain(&mut keep);

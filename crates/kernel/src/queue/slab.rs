@@ -1,15 +1,15 @@
-//! Where events lie while they wait: places that are used again.
+//! Storage of pending events, in slots that are reused.
 
 use super::EventKey;
 
 /// Events by key.
 pub(super) struct Slab<E> {
     slots: Vec<Slot<E>>,
-    /// Empty slots; the last emptied is filled first, because it is in the cache.
+    /// Empty slots; the last one emptied is filled first, because it is in the cache.
     vacant: Vec<u32>,
 }
 
-/// The insertion number tells an event from those that had the slot before: a generation that never wraps.
+/// The insertion number tells an event from earlier ones in the same slot: a generation that never wraps.
 struct Slot<E> {
     insertion: u64,
     event: Option<E>,
@@ -22,10 +22,10 @@ impl<E> Default for Slab<E> {
 }
 
 impl<E> Slab<E> {
-    /// Keeps an event.
+    /// Stores an event.
     ///
     /// # Panics
-    /// If 2³² events are kept already.
+    /// If 2³² events are stored already.
     #[inline]
     pub(super) fn insert(&mut self, insertion: u64, event: E) -> EventKey {
         let filled = Slot { insertion, event: Some(event) };
@@ -40,7 +40,7 @@ impl<E> Slab<E> {
         EventKey { insertion, slot }
     }
 
-    /// Gives an event out; `None` if it is not here any more.
+    /// Removes an event and returns it; `None` if it is no longer here.
     #[inline]
     pub(super) fn take(&mut self, key: EventKey) -> Option<E> {
         let slot = self.slots.get_mut(key.slot as usize).filter(|slot| slot.insertion == key.insertion)?;
@@ -55,7 +55,7 @@ impl<E> Slab<E> {
         self.slots.get(key.slot as usize).is_some_and(|slot| slot.insertion == key.insertion && slot.event.is_some())
     }
 
-    /// Number of events kept.
+    /// Number of events stored.
     #[inline]
     pub(super) fn len(&self) -> usize {
         self.slots.len() - self.vacant.len()

@@ -134,7 +134,7 @@ fn sectors_that_are_wrong_or_missing_are_named() {
         (
             format!("{header}0,5,5,\n"),
             0,
-            "sectors.csv, line 2, column `azimuth_to_deg`: found `5`; allowed: an azimuth other than azimuth_from_deg (5); 365 is all round",
+            "sectors.csv, line 2, column `azimuth_to_deg`: found `5`; allowed: an azimuth other than azimuth_from_deg (5); 365 is a full circle",
         ),
         (
             format!("{header}0,5,15,91\n"),
