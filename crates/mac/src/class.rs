@@ -20,7 +20,7 @@ pub enum Class {
     StartOfCca = 4,
     /// Any other timer of a protocol.
     Timer = 5,
-    /// Traffic, robots: whatever uses the network.
+    /// Traffic and robots: the users of the network.
     Application = 6,
 }
 

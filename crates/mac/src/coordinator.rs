@@ -1,7 +1,7 @@
 //! The coordinator of a beacon-enabled PAN: the beacons that open its superframes (IEEE 802.15.4-2006, 7.5.2.4).
 //!
-//! It owns no clock: whoever runs it says when a beacon is due, once a beacon interval and one turnaround early. While a
-//! beacon goes out the radio is deaf, from the turnaround before it to the turnaround after it.
+//! It has no clock: its caller says when a beacon is due, once per beacon interval and one turnaround early. The
+//! radio is deaf from the start of the turnaround before a beacon to the end of the turnaround after it.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use crate::{Class, Phy, RadioState};
 #[cfg(test)]
 mod tests;
 
-/// What happened.
+/// An event of the coordinator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The turnaround to transmitting is over: the first bit of the beacon goes out now.
@@ -27,7 +27,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// Where the event stands among those of the same instant.
+    /// Class of the event among those of the same instant.
     #[must_use]
     pub const fn class(self) -> Class {
         match self {
@@ -37,7 +37,7 @@ impl Event {
     }
 }
 
-/// All that the machine knows of the world.
+/// The interface of the machine to its timer and its radio.
 pub trait Radio {
     /// Sets the timer: `event` is due `span` from now.
     fn after(&mut self, span: Duration, event: Event);
@@ -57,7 +57,7 @@ enum State {
     TurningToReceive,
 }
 
-/// The machine.
+/// The state machine.
 #[derive(Clone, Debug)]
 pub struct Coordinator {
     phy: Phy,
@@ -66,7 +66,7 @@ pub struct Coordinator {
     timing: SuperframeTiming,
     guaranteed: Vec<GuaranteedSlot>,
     beacon_octets: u8,
-    /// Sequence number of the beacon under way, or of the last.
+    /// Sequence number of the beacon under way, or of the last beacon.
     sequence: u8,
     /// When the last beacon started.
     started: Option<SimTime>,
@@ -74,14 +74,14 @@ pub struct Coordinator {
 }
 
 impl Coordinator {
-    /// The coordinator at `source` that gives its guaranteed slots to `devices`, in the order of the settings; its next
-    /// beacon has the number after `sequence`.
+    /// The coordinator at `source`. It gives its guaranteed slots to `devices`, in the order of the settings. Its
+    /// next beacon has the number after `sequence`.
     ///
     /// # Errors
     /// If the guaranteed slots leave less than 440 symbols for contention (aMinCAPLength).
     ///
     /// # Panics
-    /// If there are not as many devices as guaranteed slots.
+    /// If the number of devices is not the number of guaranteed slots.
     pub fn new(
         settings: &BeaconEnabled,
         phy: Phy,
@@ -89,7 +89,7 @@ impl Coordinator {
         devices: &[u16],
         sequence: u8,
     ) -> Result<Self, SettingError> {
-        assert_eq!(devices.len(), settings.gts().len(), "one device a slot");
+        assert_eq!(devices.len(), settings.gts().len(), "one device per slot");
         let mut first_slot = SLOTS;
         let mut give = |(&device, slots): (&u16, u8)| {
             first_slot -= slots;
@@ -131,7 +131,7 @@ impl Coordinator {
         Ok(coordinator)
     }
 
-    /// The superframes that its beacons open.
+    /// Timing of the superframes that its beacons open.
     #[must_use]
     pub const fn timing(&self) -> &SuperframeTiming {
         &self.timing
@@ -161,19 +161,19 @@ impl Coordinator {
         guaranteed_span(self.phy, mpdu_octets, ack_request) <= length
     }
 
-    /// Whether a beacon is under way: the radio is deaf.
+    /// Whether a beacon is under way, so that the radio is deaf.
     #[must_use]
     pub const fn is_sending(&self) -> bool {
         !matches!(self.state, State::Listening)
     }
 
-    /// When the active part of the superframe under way ends; `None` before the first beacon.
+    /// End of the active part of the current superframe; `None` before the first beacon.
     #[must_use]
     pub fn active_end(&self) -> Option<SimTime> {
         self.started.map(|start| start + self.timing.active())
     }
 
-    /// From a frame that ends now to its acknowledgement.
+    /// Time from a frame that ends now to its acknowledgement.
     #[must_use]
     pub fn ack_gap(&self, now: SimTime) -> Duration {
         match self.started {
@@ -194,10 +194,10 @@ impl Coordinator {
         radio.after(self.phy.turnaround(), Event::TransmitReady);
     }
 
-    /// Takes note of what happened.
+    /// Handles an event.
     ///
     /// # Panics
-    /// If the event cannot happen now: it was never asked for.
+    /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, now: SimTime, event: Event, radio: &mut impl Radio) {
         self.state = match (self.state, event) {
             (State::TurningToTransmit, Event::TransmitReady) => {
@@ -219,7 +219,7 @@ impl Coordinator {
         };
     }
 
-    /// Writes the MPDU of the beacon under way, in place of what `mpdu` holds.
+    /// Replaces the content of `mpdu` with the MPDU of the beacon under way.
     pub fn write_beacon(&self, mpdu: &mut Vec<u8>) {
         let beacon = Beacon {
             superframe: self.superframe,

@@ -1,7 +1,7 @@
 //! Unslotted CSMA-CA of IEEE 802.15.4 (2006, 7.5.1.4): the transmit side of a station's MAC.
 //!
-//! Goes in: a frame to send, then what happened to timers and radio. Comes out: commands to the
-//! [`Radio`], at the end a [`Report`]. The machine owns no clock: at most one timer is pending
+//! Goes in: a frame to send, then the events of timer and radio. Comes out: commands to the
+//! [`Radio`], at the end a [`Report`]. The machine has no clock: at most one timer is pending
 //! at any time, and [`Radio::after`] sets it.
 //!
 //! A station does not listen during its backoff and does not freeze its counter. Between the end
@@ -31,11 +31,11 @@ enum State {
     Sensing(Attempt),
     /// The channel is won.
     Sending(Attempt, Sending),
-    /// Silent after a frame; then the attempt that waits, if any, contends.
+    /// Silent after a frame; then the waiting attempt, if any, contends.
     Spacing(Option<Attempt>),
 }
 
-/// The machine.
+/// The state machine.
 #[derive(Clone, Debug)]
 pub struct Csma {
     settings: CsmaSettings,
@@ -44,7 +44,7 @@ pub struct Csma {
 }
 
 impl Csma {
-    /// A machine at rest.
+    /// An idle machine.
     #[must_use]
     pub const fn new(settings: CsmaSettings, phy: Phy) -> Self {
         Self { settings, phy, state: State::Idle }
@@ -56,13 +56,13 @@ impl Csma {
         !matches!(self.state, State::Idle | State::Spacing(None))
     }
 
-    /// The state in which the radio rests between commands, also before the first one.
+    /// The state of the radio between commands, also before the first one.
     #[must_use]
     pub const fn resting_state(&self) -> RadioState {
         self.settings.resting_state()
     }
 
-    /// Takes a frame to send; within the silence owed after the last one it waits for its end.
+    /// Takes a frame to send. During the interframe spacing after the last frame, the new one waits.
     ///
     /// # Panics
     /// If a frame is under way.
@@ -75,11 +75,11 @@ impl Csma {
         };
     }
 
-    /// Takes note of what happened; the report if that ended the frame. An acknowledgement that
-    /// is not waited for changes nothing.
+    /// Handles an event; returns the report if the event ended the frame. An acknowledgement that
+    /// the machine does not wait for changes nothing.
     ///
     /// # Panics
-    /// If the event cannot happen now: it was never asked for.
+    /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, event: Event, radio: &mut impl Radio) -> Option<Report> {
         let (state, report) = match (self.state, event) {
             (State::BackingOff(attempt), Event::BackoffExpired) => {
@@ -119,7 +119,7 @@ impl Csma {
         State::BackingOff(attempt)
     }
 
-    /// The channel was busy: backs off for longer, or gives up.
+    /// The channel was busy: starts a longer backoff, or gives up.
     fn defer(&self, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
         let busy = attempt.busy + 1;
         if busy > self.settings.max_backoffs() {
@@ -130,7 +130,7 @@ impl Csma {
         (self.back_off(Attempt { busy, exponent, ..attempt }, radio), None)
     }
 
-    /// No acknowledgement came: contends anew with the same sequence number, or gives up.
+    /// No acknowledgement came: contends again with the same sequence number, or gives up.
     fn retry(&self, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
         let waited = self.phy.ack_wait();
         if attempt.transmissions > u32::from(self.settings.max_retries()) {
@@ -140,7 +140,7 @@ impl Csma {
         (self.space(attempt.frame, waited, Some(attempt), radio), None)
     }
 
-    /// Keeps silent for what is left of the interframe spacing after `waited`; then `next` contends.
+    /// Keeps silent for the rest of the interframe spacing, of which `waited` has passed; then `next` contends.
     fn space(&self, frame: OutgoingFrame, waited: Duration, next: Option<Attempt>, radio: &mut impl Radio) -> State {
         let left = self.phy.interframe_spacing(frame.mpdu_octets).saturating_sub(waited);
         if !left.is_zero() {

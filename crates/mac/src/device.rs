@@ -1,10 +1,10 @@
 //! A device in a beacon-enabled PAN: it looks for a coordinator, follows its beacons, and sends in its superframes
 //! (IEEE 802.15.4-2006, 7.5.4.1).
 //!
-//! A device that has no coordinator keeps its receiver on until it hears a beacon. Then it wakes up for each beacon, one
-//! turnaround early. A beacon that does not come costs it the superframe: it sends nothing and waits for the next; after
-//! four in a row it has lost its coordinator. All frames of a device to which the beacon gives a guaranteed slot go out in
-//! that slot, those of the others by slotted CSMA-CA.
+//! A device without a coordinator keeps its receiver on until it hears a beacon. Then it wakes up for each beacon,
+//! one turnaround early. If a beacon does not come, it sends nothing in this superframe and waits for the next
+//! beacon; after four missed beacons in a row it has lost its coordinator. A device with a guaranteed slot sends all
+//! its frames in that slot; other devices use slotted CSMA-CA.
 
 use std::time::Duration;
 
@@ -20,36 +20,36 @@ use crate::{Class, Phy, RadioState};
 #[cfg(test)]
 mod tests;
 
-/// Beacons in a row whose loss is the loss of the coordinator (aMaxLostBeacons).
+/// Number of beacons missed in a row after which the coordinator is lost (aMaxLostBeacons).
 const MAX_LOST_BEACONS: u8 = 4;
 
-/// What happened to a device as it follows beacons.
+/// An event of a device that follows beacons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A beacon starts one turnaround from now: the receiver goes on.
+    /// A beacon starts one turnaround from now: the receiver turns on.
     BeaconNear,
-    /// The longest beacon would be over.
+    /// Even the longest beacon would be over by now.
     BeaconMissed,
-    /// The own guaranteed slot starts one turnaround from now.
+    /// The guaranteed slot of the device starts one turnaround from now.
     GuaranteedSlotNear,
     /// The active part of the superframe is over.
     ActivePartEnded,
 }
 
 impl Event {
-    /// Where the event stands among those of the same instant.
+    /// Class of the event among those of the same instant.
     #[must_use]
     pub const fn class(self) -> Class {
         Class::Timer
     }
 }
 
-/// All that a device knows of the world.
+/// The interface of a device to its timers and its radio.
 pub trait Radio: csma::Radio {
     /// Sets the second timer: `event` is due `span` from now. Never called while it is pending.
     fn track_after(&mut self, span: Duration, event: Event);
 
-    /// Takes the pending second timer back, if there is one.
+    /// Cancels the second timer, if it is pending.
     fn cancel_tracking(&mut self);
 }
 
@@ -59,20 +59,20 @@ struct Coordinator {
     timing: SuperframeTiming,
     /// When its last beacon started, or should have.
     beacon: SimTime,
-    /// Beacons in a row that did not come.
+    /// Number of beacons missed in a row.
     missed: u8,
-    /// The slot that the last beacon gave.
+    /// The guaranteed slot from the last beacon.
     slot: Option<GuaranteedSlot>,
 }
 
-/// The machine.
+/// The state machine.
 #[derive(Clone, Debug)]
 pub struct Device {
     phy: Phy,
     address: u16,
     inactive_state: RadioState,
     csma: SlottedCsma,
-    /// `None` while it looks for one.
+    /// `None` while the device looks for one.
     coordinator: Option<Coordinator>,
     /// The state of the radio while nothing is sent.
     base: RadioState,
@@ -93,7 +93,7 @@ impl Device {
         }
     }
 
-    /// The state in which the radio is at first.
+    /// The initial state of the radio.
     pub const INITIAL_STATE: RadioState = RadioState::Receive;
 
     /// Whether it follows the beacons of a coordinator.
@@ -117,16 +117,16 @@ impl Device {
         self.csma.start(now, frame, &mut Resting { radio, resting, base });
     }
 
-    /// Takes note of what happened to the channel access; the report if that ended the frame.
+    /// Handles an event of the channel access; returns the report if the event ended the frame.
     ///
     /// # Panics
-    /// If the event cannot happen now.
+    /// If the event is impossible in the current state.
     pub fn handle_csma(&mut self, now: SimTime, event: csma::Event, radio: &mut impl Radio) -> Option<Report> {
         let (resting, base) = (self.csma.resting_state(), self.base);
         self.csma.handle(now, event, &mut Resting { radio, resting, base })
     }
 
-    /// A beacon of `octets`, the last bit of which arrives now with a good FCS.
+    /// A beacon of `octets`; its last bit arrives now with a correct FCS.
     pub fn receive_beacon(&mut self, now: SimTime, octets: u8, beacon: &Beacon<'_>, radio: &mut impl Radio) {
         let Some(timing) = SuperframeTiming::new(self.phy, beacon.superframe) else { return };
         let start = now.saturating_sub(self.phy.airtime(octets));
@@ -147,10 +147,10 @@ impl Device {
         }
     }
 
-    /// Takes note of what happened as it follows beacons.
+    /// Handles an event of following beacons.
     ///
     /// # Panics
-    /// If the event cannot happen now: it was never asked for.
+    /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, now: SimTime, event: Event, radio: &mut impl Radio) {
         let Some(mut coordinator) = self.coordinator else { panic!("{event:?} without a coordinator") };
         match event {
@@ -183,7 +183,7 @@ impl Device {
         }
     }
 
-    /// The next that happens is the end of the active part, or the next beacon if it comes at once.
+    /// The next event is the end of the active part, or the next beacon if it comes at once.
     fn track_end(&self, now: SimTime, radio: &mut impl Radio) {
         let coordinator = self.coordinator.expect("a beacon was heard");
         if coordinator.timing.has_inactive_part() {
@@ -205,7 +205,7 @@ impl Device {
         self.csma.open(now, window, &mut Resting { radio, resting, base });
     }
 
-    /// The radio rests in `state` from now on; if it is in use, as soon as it is not.
+    /// The radio rests in `state` from now on; if it is in use, as soon as it is free.
     fn rest_in(&mut self, state: RadioState, radio: &mut impl Radio) {
         self.base = state;
         if !self.csma.is_on_air() {
@@ -214,7 +214,7 @@ impl Device {
     }
 }
 
-/// The radio as channel access sees it: when it rests, it is in the state that following beacons asks for.
+/// The radio as channel access sees it: at rest, it is in the state that following beacons requires.
 struct Resting<'a, R> {
     radio: &'a mut R,
     resting: RadioState,

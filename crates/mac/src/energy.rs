@@ -1,4 +1,4 @@
-//! What a radio draws from its battery: a current for each of its states.
+//! Energy of a radio: a current for each of its states.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use sextant_kernel::{SettingError, SimTime};
 /// State of a radio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RadioState {
-    /// Off but for what wakes it up.
+    /// Off, except for the part that wakes it up.
     Sleep,
     /// Oscillator on, neither receiving nor transmitting.
     Idle,
@@ -18,7 +18,7 @@ pub enum RadioState {
     Receive,
     /// Transmitting.
     Transmit,
-    /// On the way between receiving and transmitting: deaf, and drawing what the receiver draws.
+    /// Changing between receiving and transmitting: deaf, with the current of the receiver.
     Turnaround,
 }
 
@@ -41,7 +41,7 @@ pub enum EnergyConfig {
 pub struct CustomRadioConfig {
     /// Supply voltage [V].
     pub supply_v: f64,
-    /// Current while transmitting [mA], whatever the power.
+    /// Current while transmitting [mA], at any power.
     pub tx_ma: f64,
     /// Current while receiving or listening [mA].
     pub rx_ma: f64,
@@ -51,7 +51,7 @@ pub struct CustomRadioConfig {
     pub sleep_ma: f64,
 }
 
-/// Current that a transmit power takes.
+/// Current at a transmit power.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TxLevel {
     power: Dbm,
@@ -62,7 +62,7 @@ struct TxLevel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadioStates {
     supply_v: f64,
-    /// Never empty; by rising power.
+    /// Never empty; in order of rising power.
     tx: Vec<TxLevel>,
     rx_a: f64,
     idle_a: f64,
@@ -104,8 +104,8 @@ impl RadioStates {
         }
     }
 
-    /// Power drawn in `state` [W]. Transmitting at `tx_power` takes the lowest level of the radio that
-    /// reaches it, or its highest.
+    /// Power drawn in `state` [W]. Transmitting at `tx_power` uses the lowest level of the radio that
+    /// reaches it, or else its highest.
     #[must_use]
     pub fn power_w(&self, state: RadioState, tx_power: Dbm) -> f64 {
         self.supply_v
@@ -149,7 +149,7 @@ impl TryFrom<CustomRadioConfig> for RadioStates {
     }
 }
 
-/// Energy that a radio took, by what it did [J].
+/// Energy that a radio used, by activity [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergySpent {
     /// Transmitting [J].
@@ -163,7 +163,7 @@ pub struct EnergySpent {
 }
 
 impl EnergySpent {
-    /// All of it [J].
+    /// Total energy [J].
     #[must_use]
     pub fn total_j(&self) -> f64 {
         self.tx_j + self.rx_j + self.idle_j + self.sleep_j
@@ -188,7 +188,7 @@ pub struct EnergyMeter {
 }
 
 impl EnergyMeter {
-    /// A meter of a radio that is in `state` at `now`.
+    /// A meter for a radio that is in `state` at `now`.
     #[must_use]
     pub const fn new(state: RadioState, now: SimTime) -> Self {
         Self { state, since: now, spans: [Duration::ZERO; 5] }
@@ -203,7 +203,7 @@ impl EnergyMeter {
     /// The radio changes to `state` at `now`, or stays in it.
     ///
     /// # Panics
-    /// If `now` lies before the last change.
+    /// If `now` is before the last change.
     pub fn enter(&mut self, state: RadioState, now: SimTime) {
         self.spans[self.state as usize] += now - self.since;
         self.state = state;
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_cost_what_the_data_sheets_imply() {
+    fn frames_use_the_energy_of_the_data_sheets() {
         use RadioState::{Receive, Transmit, Turnaround};
         let (short, long) = (PHY.airtime(20), PHY.airtime(127));
         let ti = RadioStates::cc2420();
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_power_takes_the_lowest_level_that_reaches_it() {
+    fn a_power_uses_the_lowest_level_that_reaches_it() {
         let radio = RadioStates::cc2420();
         let current_ma = |dbm| 1e3 * radio.power_w(RadioState::Transmit, Dbm(dbm)) / 3.0;
         assert_close(current_ma(-50.0), 8.5, 1e-9);

@@ -41,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn every_single_and_double_bit_error_of_the_longest_frame_is_found() {
+    fn every_single_and_double_bit_error_of_the_longest_frame_is_detected() {
         // The code is linear, so an error pattern is missed exactly if its own remainder is 0.
         let mut error = [0_u8; 127];
         for first in 0..127 * 8 {

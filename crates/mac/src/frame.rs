@@ -27,7 +27,7 @@ use crate::timing::MAX_MPDU_OCTETS;
 use control::{Control, Kind};
 use cursor::Cursor;
 
-/// Revision of the standard that a frame keeps to.
+/// Revision of the standard that a frame follows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Version {
     /// IEEE 802.15.4-2003.
@@ -75,7 +75,7 @@ impl MacCommand {
     ];
 }
 
-/// What a frame carries, by its type.
+/// Content of a frame, by its type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FrameBody<'a> {
     /// A beacon of a coordinator.
@@ -86,36 +86,36 @@ pub enum FrameBody<'a> {
     Acknowledgement,
     /// A MAC command.
     Command {
-        /// Which.
+        /// The command.
         command: MacCommand,
-        /// What follows its identifier.
+        /// Octets after its identifier.
         payload: &'a [u8],
     },
 }
 
-/// A frame without security: an MPDU, FCS aside.
+/// A frame without security: an MPDU without its FCS.
 ///
-/// Whether the source PAN is left out (PAN ID compression) is not stored: it is left out exactly
-/// if both ends lie in the same PAN.
+/// Whether the source PAN is omitted (PAN ID compression) is not stored: it is omitted exactly
+/// if both ends are in the same PAN.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
     /// Revision of the standard.
     pub version: Version,
-    /// Whether the sender has more for the receiver.
+    /// Whether the sender has more frames for the receiver.
     pub frame_pending: bool,
-    /// Whether an acknowledgement is asked for.
+    /// Whether an acknowledgement is requested.
     pub ack_request: bool,
     /// Sequence number.
     pub sequence: u8,
-    /// Where it goes, if it says so.
+    /// Destination, if given.
     pub destination: Option<Endpoint>,
-    /// Where it comes from, if it says so.
+    /// Source, if given.
     pub source: Option<Endpoint>,
-    /// What it carries.
+    /// Content.
     pub body: FrameBody<'a>,
 }
 
-/// Why octets are no frame.
+/// Why octets are not a valid frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ParseError {
     /// The frame ends too early.
@@ -132,9 +132,9 @@ pub enum ParseError {
     /// The frame check sequence is wrong.
     #[error("the FCS is {found:#06x}; the octets before it give {computed:#06x}")]
     BadFcs {
-        /// As received.
+        /// The value received.
         found: u16,
-        /// As it should be.
+        /// The correct value.
         computed: u16,
     },
     /// The frame type is one of the reserved ones.
@@ -149,13 +149,13 @@ pub enum ParseError {
     /// An address has the reserved addressing mode.
     #[error("addressing mode 1 of the {0} is reserved; allowed: 0, 2 and 3")]
     ReservedAddressingMode(&'static str),
-    /// The source PAN is left out although not both addresses are there.
+    /// The source PAN is omitted, but an address is missing.
     #[error("PAN ID compression needs both addresses")]
     CompressionWithoutBothAddresses,
     /// The command is one of the reserved ones.
     #[error("command {0} is reserved; allowed: 1 to 9")]
     ReservedCommand(u8),
-    /// An acknowledgement carries something.
+    /// An acknowledgement has octets after its header.
     #[error("{0} octets follow the header of an acknowledgement; allowed: none")]
     AcknowledgementWithPayload(usize),
 }
@@ -166,10 +166,10 @@ pub enum WriteError {
     /// The frame is longer than a radio can send.
     #[error("the frame would have {0} octets; allowed: at most 127")]
     Oversized(usize),
-    /// A field of a beacon has more digits than its place.
+    /// A value of a beacon does not fit in its field.
     #[error("{field} of the beacon is {found}; allowed: 0 to {allowed}")]
     BeaconField {
-        /// Which field.
+        /// The field.
         field: &'static str,
         /// Its value.
         found: usize,
@@ -179,7 +179,7 @@ pub enum WriteError {
 }
 
 impl<'a> Frame<'a> {
-    /// A data frame that asks for no acknowledgement.
+    /// A data frame that requests no acknowledgement.
     #[must_use]
     pub const fn data(sequence: u8, source: Endpoint, destination: Endpoint, payload: &'a [u8]) -> Self {
         Self {
@@ -207,11 +207,11 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Writes the MPDU, FCS included, in place of what `mpdu` holds. A buffer that has held a frame
-    /// of this size before is not allocated anew.
+    /// Replaces the content of `mpdu` with the MPDU, FCS included. A buffer that has held a frame
+    /// of this size before is not reallocated.
     ///
     /// # Errors
-    /// If the frame does not fit in its format; `mpdu` then holds no frame.
+    /// If the frame does not fit in its format; `mpdu` then holds no valid frame.
     pub fn write(&self, mpdu: &mut Vec<u8>) -> Result<(), WriteError> {
         mpdu.clear();
         let control = self.control();
@@ -246,7 +246,7 @@ impl<'a> Frame<'a> {
     /// Reads an MPDU, FCS included.
     ///
     /// # Errors
-    /// If the octets are no frame, or one with security or of a later revision of the standard.
+    /// If the octets are not a valid frame, or the frame has security or a later revision of the standard.
     pub fn parse(mpdu: &'a [u8]) -> Result<Self, ParseError> {
         if mpdu.len() > usize::from(MAX_MPDU_OCTETS) {
             return Err(ParseError::Oversized(mpdu.len()));

@@ -1,12 +1,12 @@
-//! Protocol machines without i/o: IEEE 802.15.4 channel access with and without beacons, frames, airtimes, bit errors,
-//! energy.
+//! Protocol machines without i/o: IEEE 802.15.4 channel access with and without beacons, frames, airtimes, bit
+//! errors, energy.
 //!
-//! Goes in: frames to send, and what happened to timers and radio. Comes out: commands to a radio
-//! ([`csma::Radio`], [`device::Radio`], [`responder::Radio`], [`coordinator::Radio`]), the octets of frames ([`frame::Frame`]), their spans on the
-//! air ([`Phy`]), the joules that they cost ([`EnergyMeter`]). No machine owns a clock, a channel
-//! or a random generator: whoever runs it does.
+//! Goes in: frames to send, and the events of timers and radio. Comes out: commands to a radio ([`csma::Radio`],
+//! [`device::Radio`], [`responder::Radio`], [`coordinator::Radio`]), the octets of frames ([`frame::Frame`]), their
+//! time on the air ([`Phy`]), the energy that they cost ([`EnergyMeter`]). No machine has a clock, a channel or a
+//! random generator: its caller has them.
 //!
-//! One frame of a lone station; this radio is all that there is of a world:
+//! One frame of a station that is alone; this radio is its whole world:
 //!
 //! ```
 //! use std::time::Duration;
@@ -20,7 +20,7 @@
 //!
 //! impl Radio for Alone {
 //!     fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
-//!         max_inclusive // a fair radio would draw
+//!         max_inclusive // a real radio would draw a random number
 //!     }
 //!     fn after(&mut self, span: Duration, event: Event) {
 //!         self.next = Some((self.now + span, event));

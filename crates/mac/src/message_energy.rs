@@ -4,8 +4,8 @@ use sextant_channel::Dbm;
 
 use crate::{Phy, RadioState, RadioStates};
 
-/// What one packet costs, all packets being of one size: the thesis counts packets and nothing else, neither idle
-/// listening nor carrier sense nor retries. [`EnergyMeter`](crate::EnergyMeter) counts those.
+/// Energy of one packet, if all packets have the same size: the thesis counts only packets, and no idle listening, no
+/// carrier sense, no retries. [`EnergyMeter`](crate::EnergyMeter) counts those.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MessageEnergy {
     /// Transmitting a packet [J].
@@ -22,23 +22,23 @@ impl MessageEnergy {
         Self { tx_j: joules(RadioState::Transmit), rx_j: joules(RadioState::Receive) }
     }
 
-    /// Maximum-likelihood maps: each of `nodes` transmits a packet at each of `samples` time samples, and only the robot
-    /// receives: `E = N n E_tx` (eq. 3.17) [J].
+    /// Maximum-likelihood maps: each of `nodes` transmits a packet at each of `samples` time samples, and only the
+    /// robot receives: `E = N n E_tx` (eq. 3.17) [J].
     #[must_use]
     pub fn ml_tm_j(&self, nodes: f64, samples: f64) -> f64 {
         nodes * samples * self.tx_j
     }
 
-    /// Localisation by signal strengths: each of `anchors` transmits a packet, and each other node receives those of the
-    /// `heard` anchors in its neighbourhood: `E = M E_tx + (N − M) m E_rx` (eq. 3.18) [J].
+    /// Localisation by signal strengths: each of `anchors` transmits a packet, and each other node receives those of
+    /// the `heard` anchors in its neighbourhood: `E = M E_tx + (N − M) m E_rx` (eq. 3.18) [J].
     #[must_use]
     pub fn rssi_j(&self, nodes: f64, anchors: f64, heard: f64) -> f64 {
         anchors * self.tx_j + (nodes - anchors) * heard * self.rx_j
     }
 
-    /// Maps of hop counts: for each of `anchors` each of `nodes` transmits `transmitted` packets and receives `received`:
-    /// `E = N M (p E_tx + q E_rx)` (eq. 3.19) [J]. A flood in which each node repeats what it hears first has p = 1 and
-    /// q the number of neighbours.
+    /// Maps of hop counts: for each of `anchors` each of `nodes` transmits `transmitted` packets and receives
+    /// `received`: `E = N M (p E_tx + q E_rx)` (eq. 3.19) [J]. A flood in which each node repeats what it hears first
+    /// has p = 1 and q the number of neighbours.
     #[must_use]
     pub fn tpm_j(&self, nodes: f64, anchors: f64, transmitted: f64, received: f64) -> f64 {
         nodes * anchors * (transmitted * self.tx_j + received * self.rx_j)
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packets_are_counted_as_the_formulas_say() {
+    fn packets_are_counted_by_the_formulas() {
         let energy = MessageEnergy { tx_j: 3.0, rx_j: 2.0 };
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
         near(energy.ml_tm_j(10.0, 4.0), 120.0);
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn a_packet_of_twenty_octets_costs_what_the_data_sheet_implies() {
+    fn a_packet_of_twenty_octets_uses_the_energy_of_the_data_sheet() {
         // 832 us at 17.4 mA and 18.8 mA, 3 V: 43.4 and 46.9 uJ.
         let energy = MessageEnergy::of_packet(&RadioStates::cc2420(), Dbm(0.0), Phy::Oqpsk2450, 20);
         assert!((1e6 * energy.tx_j - 43.4).abs() < 0.05 && (1e6 * energy.rx_j - 46.9).abs() < 0.05);

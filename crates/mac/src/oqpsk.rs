@@ -2,8 +2,8 @@
 
 use sextant_channel::{Db, Dbm};
 
-/// Signal-to-noise ratio at which one frame of 20 octets in a hundred is lost: what the standard
-/// calls sensitivity, by the bit error rate of this file [dB].
+/// Signal-to-noise ratio at which 1 % of frames of 20 octets are lost, the standard's definition of
+/// sensitivity, by the bit error rate of this file [dB].
 const SNR_AT_SENSITIVITY: Db = Db(0.403);
 
 /// Noise power in the channel of a receiver with this sensitivity [dBm].
@@ -19,7 +19,7 @@ pub fn noise_floor(sensitivity: Dbm) -> Dbm {
 #[must_use]
 pub fn bit_error_rate(sinr: f64) -> f64 {
     let sum: f64 = TERMS.iter().map(|&(weight, slope)| weight * libm::exp(slope * sinr)).sum();
-    // At a ratio of 0 the terms cancel to 1/2, up to their rounding.
+    // At a ratio of 0 the sum is 1/2, up to rounding.
     sum.clamp(0.0, 0.5)
 }
 
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bit_error_rate_is_that_of_the_sum_worked_out_elsewhere() {
+    fn the_bit_error_rate_agrees_with_an_independent_calculation() {
         // Rounded to four digits, so within 1e-3.
         let table = [
             (-5.0, 7.517e-2),
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_lost_at_the_ratios_worked_out_elsewhere() {
+    fn frame_losses_agree_with_an_independent_calculation() {
         let table = [
             (11.0, 0.153, -2.33),
             (20.0, 0.403, -1.86),
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn without_signal_a_bit_is_a_coin_and_with_much_of_it_never_wrong() {
+    fn the_bit_error_rate_is_a_half_without_signal_and_zero_with_a_strong_one() {
         assert!((bit_error_rate(0.0) - 0.5).abs() < 1e-12);
         assert!(bit_error_rate(1e3) < 1e-300);
         assert!((chunk_success(1e3, 1016.0) - 1.0).abs() < f64::EPSILON);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_is_as_good_as_its_chunks_together() {
+    fn the_success_of_a_frame_is_the_product_over_its_chunks() {
         let (good, bad) = (2.0, 0.6);
         let whole = frame_success([(good, 100.0), (bad, 60.0)]);
         let parts = chunk_success(good, 40.0) * chunk_success(good, 60.0) * chunk_success(bad, 60.0);

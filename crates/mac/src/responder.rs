@@ -1,9 +1,9 @@
-//! The receive side of a station's MAC: whose frames are taken, and their acknowledgements
+//! The receive side of a station's MAC: which frames are accepted, and their acknowledgements
 //! (IEEE 802.15.4-2006, 7.5.6.2 and 7.5.6.4).
 //!
-//! A frame that asks for it is acknowledged one turnaround after its end, without CSMA-CA. That gap
+//! A frame that requests it is acknowledged one turnaround after its end, without CSMA-CA. That gap
 //! (12 symbols) is longer than a CCA (8 symbols), so a third station can find the channel idle in
-//! between and hit the acknowledgement: a true effect of the standard.
+//! the gap and collide with the acknowledgement: a real effect of the standard.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use crate::frame::{Address, BROADCAST_PAN, Endpoint, Frame, FrameBody};
 use crate::{Class, Phy, RadioState};
 
-/// What happened.
+/// An event of the responder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The turnaround to transmitting is over: the first bit of the acknowledgement goes out now.
@@ -21,7 +21,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// Where the event stands among those of the same instant.
+    /// Class of the event among those of the same instant.
     #[must_use]
     pub const fn class(self) -> Class {
         match self {
@@ -31,7 +31,7 @@ impl Event {
     }
 }
 
-/// All that the machine knows of the world.
+/// The interface of the machine to its timer and its radio.
 pub trait Radio {
     /// Sets the timer: `event` is due `span` from now.
     fn after(&mut self, span: Duration, event: Event);
@@ -44,12 +44,12 @@ pub trait Radio {
     fn start_acknowledgement(&mut self, sequence: u8);
 }
 
-/// What becomes of a received frame.
+/// The decision about a received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It is for this station and new.
     Deliver,
-    /// It is for this station, which has it already: its acknowledgement was lost.
+    /// It is for this station, which has received it before: the acknowledgement was lost.
     Duplicate,
     /// It is for another station.
     NotForUs,
@@ -62,50 +62,50 @@ enum State {
     Transmitting,
 }
 
-/// The machine.
+/// The state machine.
 #[derive(Clone, Debug)]
 pub struct Responder {
     phy: Phy,
     pan: u16,
     address: Address,
     state: State,
-    /// Sequence number of the last frame that each station asked to have acknowledged.
+    /// Sequence number of the last frame with acknowledgement request, for each station.
     last: BTreeMap<Endpoint, u8>,
 }
 
 impl Responder {
-    /// A station with this address, listening.
+    /// A station with this address that listens.
     #[must_use]
     pub const fn new(phy: Phy, pan: u16, address: Address) -> Self {
         Self { phy, pan, address, state: State::Listening, last: BTreeMap::new() }
     }
 
-    /// Whether an acknowledgement is on its way: the radio is deaf, and a CCA of this station reads busy.
+    /// Whether an acknowledgement is under way: the radio is deaf, and a CCA of this station reads busy.
     #[must_use]
     pub const fn is_responding(&self) -> bool {
         !matches!(self.state, State::Listening)
     }
 
-    /// Judges a frame whose last bit arrives now with a good FCS; sets off its acknowledgement, one turnaround from
-    /// now, if it is for this station and asks for one.
+    /// Decides about a frame whose last bit arrives now with a correct FCS. If it is for this station and requests an
+    /// acknowledgement, the acknowledgement starts one turnaround from now.
     ///
     /// # Panics
-    /// If an acknowledgement is on its way: a deaf radio receives nothing.
+    /// If an acknowledgement is under way: a deaf radio receives nothing.
     pub fn receive(&mut self, frame: &Frame<'_>, radio: &mut impl Radio) -> Verdict {
         self.receive_and_respond(frame, self.phy.turnaround(), radio)
     }
 
-    /// The same with an acknowledgement that starts `gap` from now: one turnaround or more, because in a contention access
-    /// period acknowledgements start on backoff boundaries.
+    /// The same with an acknowledgement that starts `gap` from now: one turnaround or more, because acknowledgements
+    /// in a contention access period start on backoff boundaries.
     ///
     /// # Panics
-    /// If an acknowledgement is on its way.
+    /// If an acknowledgement is under way.
     pub fn receive_and_respond(&mut self, frame: &Frame<'_>, gap: Duration, radio: &mut impl Radio) -> Verdict {
         assert!(!self.is_responding(), "a deaf radio receives nothing");
         if matches!(frame.body, FrameBody::Acknowledgement) || !self.is_addressed(frame) {
             return Verdict::NotForUs;
         }
-        // A broadcast must not ask for an acknowledgement; one that does gets none.
+        // A broadcast must not request an acknowledgement; if it does, it gets none.
         let is_broadcast = frame.destination.is_none_or(|to| to.address == Address::BROADCAST);
         if !frame.ack_request || is_broadcast {
             return Verdict::Deliver;
@@ -118,10 +118,10 @@ impl Responder {
         if is_known { Verdict::Duplicate } else { Verdict::Deliver }
     }
 
-    /// Takes note of what happened.
+    /// Handles an event.
     ///
     /// # Panics
-    /// If the event cannot happen now: it was never asked for.
+    /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, event: Event, radio: &mut impl Radio) {
         self.state = match (self.state, event) {
             (State::TurningToTransmit { sequence }, Event::TransmitReady) => {
@@ -137,7 +137,7 @@ impl Responder {
         };
     }
 
-    /// The filter of 7.5.6.2; a beacon carries no destination and is for everybody in the PAN.
+    /// The filter of 7.5.6.2; a beacon has no destination and is for all stations of the PAN.
     fn is_addressed(&self, frame: &Frame<'_>) -> bool {
         match (frame.destination, frame.source) {
             (Some(to), _) => {
@@ -158,7 +158,7 @@ mod tests {
     const PAN: u16 = 0x1234;
     const ROBOT: Address = Address::Short(1);
 
-    /// What was commanded: the timer, the radio's state, the acknowledgement.
+    /// The last commands: timer, state of the radio, acknowledgement.
     #[derive(Debug, Default, PartialEq)]
     struct Script {
         timers: Vec<(Duration, Event)>,
@@ -188,13 +188,13 @@ mod tests {
         Endpoint { pan: PAN, address }
     }
 
-    /// A frame of `node` to the robot that asks for an acknowledgement.
+    /// A frame from `node` to the robot that requests an acknowledgement.
     fn request(node: u32, sequence: u8) -> Frame<'static> {
         let source = endpoint(Address::of(NodeId(node)));
         Frame { ack_request: true, ..Frame::data(sequence, source, endpoint(ROBOT), b"?") }
     }
 
-    /// Verdict on a frame, and the acknowledgement that went out, if any.
+    /// Verdict on a frame, and the acknowledgement that was sent, if any.
     fn respond(responder: &mut Responder, frame: &Frame<'_>) -> (Verdict, Option<u8>) {
         let mut radio = Script::default();
         let verdict = responder.receive(frame, &mut radio);
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn broadcasts_are_delivered_without_acknowledgement_whatever_their_number() {
+    fn broadcasts_are_delivered_without_acknowledgement_for_every_sequence_number() {
         let mut responder = robot();
         let source = endpoint(Address::of(NodeId(7)));
         let frame = Frame::data(5, source, endpoint(Address::BROADCAST), b"!");
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_asks_for_no_acknowledgement_gets_none() {
+    fn a_frame_without_acknowledgement_request_gets_none() {
         let frame = Frame { ack_request: false, ..request(7, 5) };
         assert_eq!(respond(&mut robot(), &frame), (Verdict::Deliver, None));
     }

@@ -1,11 +1,11 @@
 //! Slotted CSMA-CA of IEEE 802.15.4 (2006, 7.5.1.4) and transmission in guaranteed slots (7.5.7.3): the transmit side
 //! of a device in a beacon-enabled PAN.
 //!
-//! Goes in: a frame to send, the window in which the device may send, then what happened to timers and radio. Comes
-//! out: commands to the same [`Radio`] that unslotted CSMA-CA has, at the end a [`Report`]. Backoffs begin, CCAs start and
-//! frames start on boundaries, whole backoff periods after the start of the beacon. Two CCAs on successive boundaries must
-//! find the channel idle: acknowledgements start on boundaries too, so that the gap before one never holds both. What does
-//! not fit into a window waits for the next.
+//! Goes in: a frame to send, the window in which the device may send, then the events of timer and radio. Comes
+//! out: commands to the same [`Radio`] that unslotted CSMA-CA has, at the end a [`Report`]. Backoffs, CCAs and frames
+//! start on boundaries, whole backoff periods after the start of the beacon. Two CCAs on successive boundaries must
+//! find the channel idle: acknowledgements start on boundaries too, so the gap before one never contains both CCAs. A
+//! frame that does not fit into a window waits for the next one.
 
 use std::time::Duration;
 
@@ -45,32 +45,32 @@ impl Window {
     }
 }
 
-/// What a frame does when the next window opens.
+/// How a frame continues when the next window opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Resume {
-    /// It starts an access to the channel.
+    /// It starts a channel access.
     Access,
-    /// It draws a backoff; what was drawn before has passed, but what was to follow did not fit.
+    /// It draws a new backoff: the last one is over, but the CCAs and the frame did not fit.
     Draw,
-    /// It waits for the backoff periods that are left.
+    /// It waits for the remaining backoff periods.
     Count(u32),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Idle,
-    /// No window is open, or too little is left of it.
+    /// No window is open, or the rest of it is too short.
     Deferred(Attempt, Resume),
-    /// Waiting for the boundary at which a CCA starts; so many CCAs must find the channel idle.
+    /// Waiting for the boundary at which a CCA starts; this many CCAs must find the channel idle.
     BackingOff(Attempt, u8),
     Sensing(Attempt, u8),
     /// The channel is won, or the slot is guaranteed.
     Sending(Attempt, Sending),
-    /// Silent after a frame; then the attempt that waits, if any, starts an access.
+    /// Silent after a frame; then the waiting attempt, if any, starts a channel access.
     Spacing(Option<Attempt>),
 }
 
-/// The machine.
+/// The state machine.
 #[derive(Clone, Debug)]
 pub struct SlottedCsma {
     settings: CsmaSettings,
@@ -80,7 +80,7 @@ pub struct SlottedCsma {
 }
 
 impl SlottedCsma {
-    /// A machine at rest that was given no window yet.
+    /// An idle machine without a window.
     #[must_use]
     pub const fn new(settings: CsmaSettings, phy: Phy) -> Self {
         Self { settings, phy, window: None, state: State::Idle }
@@ -101,13 +101,13 @@ impl SlottedCsma {
         )
     }
 
-    /// The state in which the radio rests between commands in the active part of a superframe.
+    /// The state of the radio between commands in the active part of a superframe.
     #[must_use]
     pub const fn resting_state(&self) -> RadioState {
         self.settings.resting_state()
     }
 
-    /// Takes a frame to send; outside windows, and within the silence owed after the last frame, it waits.
+    /// Takes a frame to send. It waits outside windows and during the interframe spacing after the last frame.
     ///
     /// # Panics
     /// If a frame is under way.
@@ -120,8 +120,8 @@ impl SlottedCsma {
         };
     }
 
-    /// A window opens now; a frame that waits goes on. A guaranteed slot is opened one turnaround before it starts, so
-    /// that the first bit goes out at its start.
+    /// A window opens now; a waiting frame continues. A guaranteed slot must be opened one turnaround before it
+    /// starts, so that the first bit is sent at its start.
     pub fn open(&mut self, now: SimTime, window: Window, radio: &mut impl Radio) {
         self.window = Some(window);
         let State::Deferred(attempt, resume) = self.state else { return };
@@ -134,11 +134,11 @@ impl SlottedCsma {
         };
     }
 
-    /// Takes note of what happened; the report if that ended the frame. An acknowledgement that is not waited for
-    /// changes nothing.
+    /// Handles an event; returns the report if the event ended the frame. An acknowledgement that the machine does
+    /// not wait for changes nothing.
     ///
     /// # Panics
-    /// If the event cannot happen now: it was never asked for.
+    /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, now: SimTime, event: Event, radio: &mut impl Radio) -> Option<Report> {
         let (state, report) = match (self.state, event) {
             (State::BackingOff(attempt, left), Event::BackoffExpired) => {
@@ -147,7 +147,7 @@ impl SlottedCsma {
                 (State::Sensing(attempt.with_cca(), left), None)
             }
             (State::Sensing(attempt, 1), Event::CcaEnded { busy: false }) => {
-                // A CCA and a turnaround are one backoff period: the first bit goes out on a boundary.
+                // A CCA and a turnaround are one backoff period: the first bit is sent on a boundary.
                 (State::Sending(attempt, Sending::begin(self.phy, radio)), None)
             }
             (State::Sensing(attempt, left), Event::CcaEnded { busy: false }) => {
@@ -198,8 +198,8 @@ impl SlottedCsma {
         self.count(now, contention, attempt, periods, radio)
     }
 
-    /// Waits for so many backoff periods from the next boundary on, as far as they lie in this window; then, if the rest
-    /// fits too, for the boundary at which the first CCA starts.
+    /// Waits for this many backoff periods from the next boundary on, as far as they are in this window; then, if the
+    /// CCAs and the frame fit too, for the boundary at which the first CCA starts.
     fn count(
         &self,
         now: SimTime,
@@ -221,7 +221,7 @@ impl SlottedCsma {
         State::BackingOff(attempt, CONTENTION_WINDOW)
     }
 
-    /// The channel was busy: backs off for longer, or gives up.
+    /// The channel was busy: starts a longer backoff, or gives up.
     fn defer(&self, now: SimTime, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
         radio.enter(self.resting_state());
         let busy = attempt.busy + 1;
@@ -236,7 +236,7 @@ impl SlottedCsma {
         }
     }
 
-    /// No acknowledgement came: starts anew with the same sequence number, or gives up.
+    /// No acknowledgement came: starts again with the same sequence number, or gives up.
     fn retry(&self, now: SimTime, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
         radio.enter(self.resting_state());
         let is_last = attempt.transmissions > u32::from(self.settings.max_retries());
@@ -250,7 +250,7 @@ impl SlottedCsma {
         (state, is_last.then(|| attempt.report(Outcome::NoAck)))
     }
 
-    /// The frame is over: keeps silent for the interframe spacing.
+    /// After the end of the frame: keeps silent for the interframe spacing.
     fn space(&self, frame: OutgoingFrame, radio: &mut impl Radio) -> State {
         radio.enter(self.resting_state());
         self.keep_silent(self.phy.interframe_spacing(frame.mpdu_octets), None, radio)
@@ -262,7 +262,7 @@ impl SlottedCsma {
     }
 }
 
-/// What a frame takes of a guaranteed slot: itself, its acknowledgement if it asks for one, and the spacing.
+/// Time that a frame needs in a guaranteed slot: the frame, its acknowledgement if requested, and the spacing.
 #[must_use]
 pub fn guaranteed_span(phy: Phy, mpdu_octets: u8, ack_request: bool) -> Duration {
     let ack = if ack_request { phy.turnaround() + phy.ack_airtime() } else { Duration::ZERO };

@@ -19,21 +19,21 @@ mod tests;
 
 pub use settings::{BeaconEnabled, BeaconEnabledConfig, Gts, GtsConfig};
 
-/// Largest order of a superframe that is repeated; 15 means that there is none.
+/// Largest order of a superframe that is repeated; 15 means no superframe.
 pub(crate) const MAX_ORDER: u8 = 14;
 /// Slots of the active part (aNumSuperframeSlots).
 pub(crate) const SLOTS: u8 = 16;
 /// Length of a slot of order 0 [symbols] (aBaseSlotDuration).
 const BASE_SLOT_SYMBOLS: u64 = 60;
-/// Least length of the contention access period [symbols] (aMinCAPLength).
+/// Minimum length of the contention access period [symbols] (aMinCAPLength).
 pub(crate) const MIN_CAP_SYMBOLS: u64 = 440;
-/// Most guaranteed slots of a superframe (7.5.7).
+/// Largest number of guaranteed slots of a superframe (7.5.7).
 pub(crate) const MAX_GUARANTEED: usize = 7;
-/// Backoff periods after the beacon in which contention is possible, to save batteries (macBattLifeExtPeriods,
-/// its least value, which is the default at 2450 MHz).
+/// Number of backoff periods after the beacon in which contention is possible, to save batteries
+/// (macBattLifeExtPeriods; its minimum, which is the default at 2450 MHz).
 const BATTERY_LIFE_PERIODS: u32 = 6;
 
-/// The superframe that a beacon opens, in time.
+/// Timing of the superframe that a beacon opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SuperframeTiming {
     phy: Phy,
@@ -41,8 +41,8 @@ pub struct SuperframeTiming {
 }
 
 impl SuperframeTiming {
-    /// The superframe that a beacon with this specification opens; `None` if it opens none: an order of 15, or an
-    /// active part longer than the interval.
+    /// Timing of the superframe that a beacon with this specification opens; `None` if it opens no superframe: an
+    /// order of 15, or an active part longer than the interval.
     #[must_use]
     pub const fn new(phy: Phy, specification: Superframe) -> Option<Self> {
         let Superframe { beacon_order, superframe_order, .. } = specification;
@@ -52,7 +52,7 @@ impl SuperframeTiming {
         Some(Self { phy, specification })
     }
 
-    /// From the start of a beacon to the start of the next: 960 * 2^BO symbols.
+    /// Time from the start of a beacon to the start of the next: 960 * 2^BO symbols.
     #[must_use]
     pub const fn beacon_interval(&self) -> Duration {
         self.slots_of_order(self.specification.beacon_order, SLOTS)
@@ -70,13 +70,13 @@ impl SuperframeTiming {
         self.specification.superframe_order < self.specification.beacon_order
     }
 
-    /// When slot `slot` starts, after the start of the beacon: 60 * 2^SO symbols a slot.
+    /// Start of slot `slot` after the start of the beacon: 60 * 2^SO symbols per slot.
     #[must_use]
     pub const fn slot_start(&self, slot: u8) -> Duration {
         self.slots_of_order(self.specification.superframe_order, slot)
     }
 
-    /// When the contention access period ends, after the start of the beacon.
+    /// End of the contention access period after the start of the beacon.
     #[must_use]
     pub const fn cap_end(&self) -> Duration {
         self.slot_start(self.specification.final_cap_slot + 1)
@@ -88,7 +88,7 @@ impl SuperframeTiming {
 
     /// The contention access period of the superframe whose beacon, of `beacon_octets`, started at `start`.
     ///
-    /// It starts when the beacon is over; with battery life extension, after the interframe spacing too.
+    /// It starts at the end of the beacon; with battery life extension, after the interframe spacing that follows.
     #[must_use]
     pub fn contention(&self, start: SimTime, beacon_octets: u8) -> Contention {
         let mut earliest = self.phy.airtime(beacon_octets);
@@ -101,15 +101,15 @@ impl SuperframeTiming {
         if self.specification.battery_life_extension { contention.with_battery_life_extension() } else { contention }
     }
 
-    /// When a guaranteed slot ends, after the start of the beacon.
+    /// End of a guaranteed slot after the start of the beacon.
     #[must_use]
     pub const fn guaranteed_end(&self, slot: GuaranteedSlot) -> Duration {
         self.slot_start(slot.first_slot + slot.slots)
     }
 
-    /// From the end of a frame, which is `since_start` after the start of the beacon, to the start of its
-    /// acknowledgement: in the contention access period to the first backoff boundary that is one turnaround away or more,
-    /// elsewhere one turnaround (7.5.6.4.2).
+    /// Time from the end of a frame, which is `since_start` after the start of the beacon, to the start of its
+    /// acknowledgement. In the contention access period: until the first backoff boundary that is at least one
+    /// turnaround away. Elsewhere: one turnaround (7.5.6.4.2).
     #[must_use]
     pub fn ack_gap(&self, since_start: Duration) -> Duration {
         if since_start >= self.cap_end() { self.phy.turnaround() } else { ack_gap(self.phy, since_start) }
@@ -147,19 +147,19 @@ impl Contention {
         Self { phy, start, first: start, end, saver_end: None }
     }
 
-    /// The same period, of which stations use the first backoff periods only (macBattLifeExt).
+    /// The same period, but stations use only its first backoff periods (macBattLifeExt).
     #[must_use]
     pub fn with_battery_life_extension(self) -> Self {
         Self { saver_end: Some(self.first + self.phy.backoff_period() * BATTERY_LIFE_PERIODS), ..self }
     }
 
-    /// Whether stations save their batteries.
+    /// Whether battery life extension is on.
     #[must_use]
     pub const fn is_battery_saving(&self) -> bool {
         self.saver_end.is_some()
     }
 
-    /// When it ends.
+    /// End of the period.
     #[must_use]
     pub const fn end(&self) -> SimTime {
         self.end
@@ -171,7 +171,7 @@ impl Contention {
         self.first.max(self.start + periods_to(now.saturating_since(self.start), self.phy))
     }
 
-    /// Whole backoff periods that can be counted from the boundary `from` on.
+    /// Number of whole backoff periods that can be counted from the boundary `from` on.
     #[must_use]
     pub fn countable(&self, from: SimTime) -> u32 {
         let left = self.saver_end.unwrap_or(self.end).min(self.end).saturating_since(from);
@@ -179,8 +179,8 @@ impl Contention {
         u32::try_from(periods).expect("a superframe has fewer than 2^32 backoff periods")
     }
 
-    /// Whether two clear channel assessments from the boundary `from` on, a frame, its acknowledgement if it asks for
-    /// one, and the interframe spacing end within the period.
+    /// Whether two clear channel assessments from the boundary `from` on, a frame, its acknowledgement if requested,
+    /// and the interframe spacing end within the period.
     #[must_use]
     pub fn fits(&self, from: SimTime, mpdu_octets: u8, ack_request: bool) -> bool {
         let period = self.phy.backoff_period();

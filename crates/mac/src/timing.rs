@@ -1,4 +1,4 @@
-//! Durations of IEEE 802.15.4: the one place where they are worked out, exact in nanoseconds.
+//! Durations of IEEE 802.15.4: the only place where they are calculated, exact in nanoseconds.
 
 use std::time::Duration;
 
@@ -35,7 +35,7 @@ pub enum Phy {
     Oqpsk915,
 }
 
-/// What the spans of one physical layer are made of.
+/// The numbers from which the spans of a physical layer follow.
 struct Numbers {
     /// Length of a symbol [ns].
     symbol_ns: u64,
@@ -95,7 +95,7 @@ impl Phy {
         self.symbols(self.numbers().shr_symbols)
     }
 
-    /// Synchronisation header and PHY header: what comes before the first bit of the MPDU.
+    /// Synchronisation header and PHY header: the time before the first bit of the MPDU.
     #[must_use]
     pub const fn header(self) -> Duration {
         let n = self.numbers();
@@ -117,7 +117,7 @@ impl Phy {
         self.airtime(ACK_MPDU_OCTETS)
     }
 
-    /// From receiving to transmitting or back, and from the end of a frame to the start of its
+    /// Time from receiving to transmitting or back, and from the end of a frame to the start of its
     /// acknowledgement (aTurnaroundTime, 12 symbols).
     #[must_use]
     pub const fn turnaround(self) -> Duration {
@@ -136,8 +136,8 @@ impl Phy {
         self.symbols(20)
     }
 
-    /// How long after the end of a frame its acknowledgement is waited for (macAckWaitDuration:
-    /// one backoff period, one turnaround, the synchronisation header and six octets, these
+    /// How long after the end of a frame a station waits for its acknowledgement (macAckWaitDuration:
+    /// one backoff period, one turnaround, the synchronisation header and six octets, the octets
     /// rounded up to whole symbols).
     #[must_use]
     pub const fn ack_wait(self) -> Duration {
@@ -157,7 +157,7 @@ impl Phy {
         self.symbols(40)
     }
 
-    /// Silence that a sender owes after a frame of `mpdu_octets`, or after its acknowledgement.
+    /// Interframe spacing that a sender must keep after a frame of `mpdu_octets`, or after its acknowledgement.
     #[must_use]
     pub const fn interframe_spacing(self, mpdu_octets: u8) -> Duration {
         if mpdu_octets <= MAX_SIFS_MPDU_OCTETS { self.short_spacing() } else { self.long_spacing() }

@@ -59,7 +59,7 @@ fn a_beacon_starts_a_turnaround_later_and_the_radio_is_deaf_until_a_turnaround_a
 }
 
 #[test]
-fn beacons_are_the_octets_of_the_standard_and_count_up() {
+fn beacons_have_the_octets_of_the_standard_and_ascending_numbers() {
     let mut coordinator = coordinator(6, 4, &[]).expect("good settings");
     let mut mpdu = Vec::new();
     coordinator.prepare(&mut Script::default());

@@ -1,21 +1,21 @@
-//! What a machine of channel access takes in and gives out: frames, events, its radio, reports.
+//! The interface of a channel access machine: frames, events, its radio, reports.
 
 use std::time::Duration;
 
 use crate::{Class, RadioState};
 
-/// A frame to send, as far as channel access cares.
+/// A frame to send: the properties that channel access needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutgoingFrame {
     /// Size of the MPDU [octets], FCS included: 5 to 127.
     pub mpdu_octets: u8,
-    /// Whether the frame asks for an acknowledgement. A broadcast must not.
+    /// Whether the frame requests an acknowledgement. A broadcast must not.
     pub ack_request: bool,
     /// Sequence number of the frame: its acknowledgement carries the same.
     pub sequence: u8,
 }
 
-/// What happened.
+/// An event of channel access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The backoff is over: the CCA starts now.
@@ -27,23 +27,23 @@ pub enum Event {
     },
     /// The turnaround to transmitting is over: the first bit goes out now.
     TransmitReady,
-    /// The last bit of the own frame is out.
+    /// The last bit of the frame of this station is out.
     TransmissionEnded,
     /// The turnaround to receiving is over: from now on an acknowledgement can be heard.
     ReceiveReady,
-    /// The last bit of an acknowledgement was received, whoever it was meant for.
+    /// The last bit of an acknowledgement was received, for this station or for another one.
     AckReceived {
         /// Its sequence number.
         sequence: u8,
     },
     /// No acknowledgement came in time.
     AckWaitExpired,
-    /// The silence owed after a frame is over.
+    /// The interframe spacing after a frame is over.
     InterframeSpaceEnded,
 }
 
 impl Event {
-    /// Where the event stands among those of the same instant.
+    /// Class of the event among those of the same instant.
     #[must_use]
     pub const fn class(self) -> Class {
         match self {
@@ -56,16 +56,16 @@ impl Event {
     }
 }
 
-/// All that the machine knows of the world.
+/// The interface of the machine to its timer and its radio.
 pub trait Radio {
-    /// A number drawn uniformly from `0..=max_inclusive`: backoff periods to wait.
+    /// Number of backoff periods to wait, drawn uniformly from `0..=max_inclusive`.
     fn backoff_periods(&mut self, max_inclusive: u32) -> u32;
 
-    /// Sets the timer: `event` is due `span` from now, by [`Event::class`] among its instant.
+    /// Sets the timer: `event` is due `span` from now, ordered by [`Event::class`] among events of the same instant.
     /// `span` may be zero. Never called while the timer is pending.
     fn after(&mut self, span: Duration, event: Event);
 
-    /// Takes the pending timer back.
+    /// Cancels the pending timer.
     fn cancel_timer(&mut self);
 
     /// The radio changes its state now; called whenever the state changes, and before
@@ -74,23 +74,24 @@ pub trait Radio {
     fn enter(&mut self, state: RadioState);
 
     /// Starts to sense the channel; [`Event::CcaEnded`] is due [`Phy::cca`](crate::Phy::cca) from now. A station
-    /// that is sending an acknowledgement, or is about to, reads busy.
+    /// that sends an acknowledgement, or is about to, reads busy.
     fn start_cca(&mut self);
 
-    /// Puts the first bit on the air; [`Event::TransmissionEnded`] is due [`Phy::airtime`](crate::Phy::airtime) from now.
+    /// Puts the first bit on the air; [`Event::TransmissionEnded`] is due [`Phy::airtime`](crate::Phy::airtime) from
+    /// now.
     fn start_transmission(&mut self, frame: OutgoingFrame);
 }
 
 /// How a frame ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It went out and asked for no acknowledgement.
+    /// It was sent and requested no acknowledgement.
     Sent,
-    /// It went out and was acknowledged.
+    /// It was sent and acknowledged.
     Acknowledged,
-    /// It went out as often as allowed and was never acknowledged.
+    /// It was sent as often as allowed and was never acknowledged.
     NoAck,
-    /// The channel was busy too often; with acknowledgements, perhaps after earlier transmissions.
+    /// The channel was busy too often; with acknowledgements, possibly after earlier transmissions.
     ChannelAccessFailure,
 }
 
@@ -101,9 +102,9 @@ pub struct Report {
     pub frame: OutgoingFrame,
     /// How it ended.
     pub outcome: Outcome,
-    /// Clear channel assessments made for it.
+    /// Number of clear channel assessments.
     pub ccas: u32,
-    /// Times that it was transmitted.
+    /// Number of transmissions.
     pub transmissions: u32,
 }
 
@@ -111,7 +112,7 @@ pub struct Report {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Attempt {
     pub(crate) frame: OutgoingFrame,
-    /// Busy CCAs of this access to the channel: NB of the standard.
+    /// Busy CCAs of this channel access: NB of the standard.
     pub(crate) busy: u8,
     /// Backoff exponent: BE of the standard.
     pub(crate) exponent: u8,

@@ -1,10 +1,10 @@
-//! A frame from the end of its access to the channel to its end, or to that of its acknowledgement: the same whether
-//! the access was slotted or not (IEEE 802.15.4-2006, 7.5.6.4).
+//! A frame from the end of its channel access to its end, or to the end of its acknowledgement: the same for slotted
+//! and unslotted access (IEEE 802.15.4-2006, 7.5.6.4).
 
 use super::port::{Attempt, Event, Outcome, Radio};
 use crate::{Phy, RadioState};
 
-/// How far the frame is.
+/// Progress of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sending {
     TurningToTransmit,
@@ -13,10 +13,10 @@ pub(crate) enum Sending {
     AwaitingAck,
 }
 
-/// What an event changes.
+/// Result of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// The frame goes on.
+    /// The frame is still under way.
     On(Attempt, Sending),
     /// It is over.
     Ended(Attempt, Outcome),
@@ -25,17 +25,17 @@ pub(crate) enum Step {
 }
 
 impl Sending {
-    /// The channel is won: the radio turns round.
+    /// The channel is won: the radio starts its turnaround.
     pub(crate) fn begin(phy: Phy, radio: &mut impl Radio) -> Self {
         radio.enter(RadioState::Turnaround);
         radio.after(phy.turnaround(), Event::TransmitReady);
         Self::TurningToTransmit
     }
 
-    /// Takes note of what happened. An acknowledgement that is not waited for changes nothing.
+    /// Handles an event. An acknowledgement that the machine does not wait for changes nothing.
     ///
     /// # Panics
-    /// If the event cannot happen now: it was never asked for.
+    /// If the event is impossible in the current state: the machine did not ask for it.
     pub(crate) fn handle(self, attempt: Attempt, event: Event, phy: Phy, radio: &mut impl Radio) -> Step {
         match (self, event) {
             (Self::TurningToTransmit, Event::TransmitReady) => {

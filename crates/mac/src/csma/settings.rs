@@ -14,9 +14,9 @@ pub struct CsmaConfig {
     pub min_be: u8,
     /// Largest backoff exponent (macMaxBE): 3 to 8.
     pub max_be: u8,
-    /// Further backoffs after a first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
+    /// Further backoffs after the first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
     pub max_backoffs: u8,
-    /// Further transmissions of a frame whose acknowledgement does not come (macMaxFrameRetries): 0 to 7.
+    /// Further transmissions of a frame without acknowledgement (macMaxFrameRetries): 0 to 7.
     pub max_retries: u8,
     /// Whether the receiver stays on between frames and during backoff (macRxOnWhenIdle).
     pub rx_on_when_idle: bool,
@@ -51,13 +51,13 @@ impl CsmaSettings {
         self.max_be
     }
 
-    /// Busy channels that are borne with; one more ends the frame.
+    /// Number of busy channels that are tolerated; one more ends the frame.
     #[must_use]
     pub const fn max_backoffs(&self) -> u8 {
         self.max_backoffs
     }
 
-    /// Transmissions after the first.
+    /// Number of transmissions after the first.
     #[must_use]
     pub const fn max_retries(&self) -> u8 {
         self.max_retries
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn each_setting_is_held_to_the_range_of_the_standard() {
+    fn settings_outside_the_range_of_the_standard_are_rejected() {
         let good = CsmaConfig::default();
         let key = |config: CsmaConfig| CsmaSettings::try_from(config).err().map(|error| error.key);
         assert_eq!(key(CsmaConfig { min_be: 6, ..good }).as_deref(), Some("min_be"));

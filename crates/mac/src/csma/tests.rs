@@ -1,4 +1,4 @@
-//! Laws of the machine, with a scripted radio.
+//! Tests of the machine with a scripted radio.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -19,18 +19,18 @@ enum Step {
     Enter(RadioState),
 }
 
-/// A radio whose draws, channel and acknowledgements are given beforehand. When a list is at its
-/// end, draws are 0, the channel is idle and no acknowledgement comes.
+/// A radio with given draws, channel states and acknowledgements. After the end of a list, draws
+/// are 0, the channel is idle and no acknowledgement comes.
 struct Script {
     phy: Phy,
     now: SimTime,
     draws: VecDeque<u32>,
     busy: VecDeque<bool>,
-    /// For each transmission the sequence number of the acknowledgement that follows, if any.
+    /// For each transmission, the sequence number of the acknowledgement that follows, if any.
     acks: VecDeque<Option<u8>>,
     timer: Option<(SimTime, Event)>,
     air: Vec<(SimTime, Event)>,
-    /// What was commanded, and when [us].
+    /// The commands and their instants [us].
     log: Vec<(u64, Step)>,
     meter: EnergyMeter,
 }
@@ -58,7 +58,7 @@ impl Script {
         self.log.push((self.now_us(), step));
     }
 
-    /// Goes to the next event; `None` if nothing is pending.
+    /// Advances to the next event; `None` if nothing is pending.
     fn next(&mut self) -> Option<Event> {
         let due = |&(at, event): &(SimTime, Event)| (at, event.class());
         let from_air = self.air.iter().copied().min_by_key(due);
@@ -83,7 +83,7 @@ impl Script {
         }
     }
 
-    /// When [us] this step was commanded.
+    /// The instants [us] of this command.
     fn instants(&self, step: Step) -> Vec<u64> {
         self.log.iter().filter(|entry| entry.1 == step).map(|entry| entry.0).collect()
     }
@@ -180,7 +180,7 @@ fn a_busy_channel_is_given_up_after_five_ccas() {
     assert_eq!(radio.now_us(), 16_192 + 128);
     let outcome = Outcome::ChannelAccessFailure;
     assert_eq!(report, Report { frame: BROADCAST, outcome, ccas: 5, transmissions: 0 });
-    // Nothing was sent, so no silence is owed.
+    // Nothing was sent, so there is no interframe spacing.
     csma.start(BROADCAST, &mut radio);
     assert_eq!(radio.windows().len(), 6);
     assert_eq!(radio.report(&mut csma).outcome, Outcome::Sent);
@@ -265,7 +265,7 @@ fn an_acknowledgement_of_another_frame_does_not_count() {
 }
 
 #[test]
-fn an_acknowledgement_that_nobody_waits_for_changes_nothing() {
+fn an_unexpected_acknowledgement_changes_nothing() {
     let stray = Event::AckReceived { sequence: 7 };
     let mut radio = Script::new(&[], &[], &[]);
     let mut csma = machine();

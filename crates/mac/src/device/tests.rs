@@ -1,4 +1,4 @@
-//! Laws of the machine, with a scripted radio. Instants are counted in symbols of 16 us.
+//! Tests of the machine with a scripted radio. Instants are counted in symbols of 16 us.
 
 use super::*;
 use crate::csma::Outcome;
@@ -6,7 +6,7 @@ use crate::frame::Superframe;
 use crate::superframe::{BeaconEnabledConfig, GtsConfig};
 
 const PHY: Phy = Phy::Oqpsk2450;
-/// Octets of a beacon with no guaranteed slot, and its symbols on air.
+/// Octets of a beacon without guaranteed slots, and its symbols on air.
 const OCTETS: u8 = 13;
 const BEACON: u64 = 38;
 /// Turnaround and the longest beacon.
@@ -20,7 +20,7 @@ fn symbols(time: SimTime) -> u64 {
     time.as_nanos() / 16_000
 }
 
-/// Draws 0, never busy, never acknowledged; both timers and the state can be looked at.
+/// Draws are always 0, the channel is never busy, no frame is acknowledged; both timers and the state can be read.
 #[derive(Default)]
 struct Script {
     now: SimTime,
@@ -70,14 +70,14 @@ impl Radio for Script {
 }
 
 impl Script {
-    /// A beacon that starts at `start` is received whole.
+    /// The device receives a complete beacon that starts at `start`.
     fn hear(&mut self, device: &mut Device, start: u64, beacon: &Beacon<'_>) {
         self.run(device, start + BEACON);
         self.now = at(start + BEACON);
         device.receive_beacon(self.now, OCTETS, beacon, self);
     }
 
-    /// Runs all that is due before `end`.
+    /// Runs all events that are due before `end`.
     fn run(&mut self, device: &mut Device, end: u64) -> Option<Report> {
         let mut report = None;
         loop {
@@ -171,7 +171,7 @@ fn the_owner_of_a_guaranteed_slot_sends_at_its_start_and_never_contends() {
     device.start(at(0), FRAME, &mut radio);
     radio.hear(&mut device, 1000, &beacon(&settings));
     assert_eq!(radio.pending(), Some((1000 + 14 * 60 - 12, Event::GuaranteedSlotNear)));
-    // 120 symbols: frame and spacing take 140, so that it waits in vain.
+    // 120 symbols: frame and spacing take 140, so the frame is not sent.
     assert_eq!(radio.run(&mut device, 2900), None);
     assert!(radio.transmissions.is_empty() && device.is_busy());
 
@@ -243,8 +243,8 @@ fn a_wait_for_an_acknowledgement_beyond_the_active_part_ends_in_sleep() {
     let mut beacon = beacon(&settings);
     (beacon.superframe.final_cap_slot, beacon.guaranteed) = (15, Vec::new());
     radio.hear(&mut device, 1000, &beacon);
-    // 8 octets have 28 symbols: CCAs on 1840 and 1860, frame from 1880 to 1908, acknowledgement due on 1920, end of the
-    // spacing 1954, in time; but the wait lasts until 1962.
+    // 8 octets have 28 symbols: CCAs on 1840 and 1860, frame from 1880 to 1908, acknowledgement due on 1920, end of
+    // the spacing 1954, in time; but the wait lasts until 1962.
     radio.now = at(1840);
     device.start(radio.now, OutgoingFrame { mpdu_octets: 8, ack_request: true, sequence: 1 }, &mut radio);
     assert_eq!(radio.run(&mut device, 2900), None);

@@ -8,7 +8,7 @@ use super::cursor::Cursor;
 /// PAN identifier of all PANs.
 pub const BROADCAST_PAN: u16 = 0xFFFF;
 
-/// Largest short address of a station: 0xFFFE says that there is none, 0xFFFF is the broadcast.
+/// Largest short address of a station: 0xFFFE means no short address, 0xFFFF is the broadcast address.
 const MAX_SHORT: u32 = 0xFFFD;
 
 /// Address within a PAN.
@@ -29,7 +29,7 @@ pub struct Endpoint {
     pub address: Address,
 }
 
-/// How much room an address takes.
+/// Size of an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Width {
     Short,
@@ -40,10 +40,10 @@ impl Address {
     /// Every station.
     pub const BROADCAST: Self = Self::Short(0xFFFF);
 
-    /// What stands for the short address of a station that has none.
+    /// The value that means that a station has no short address.
     pub const NONE: u16 = 0xFFFE;
 
-    /// The address of a node: short as far as short addresses go (n0 to n65533), extended beyond.
+    /// The address of a node: short for n0 to n65533, extended for later nodes.
     #[must_use]
     pub fn of(node: NodeId) -> Self {
         match u16::try_from(node.0) {
@@ -52,7 +52,7 @@ impl Address {
         }
     }
 
-    /// The node that has this address; `None` if no node has.
+    /// The node that has this address; `None` if no node has it.
     #[must_use]
     pub fn node(self) -> Option<NodeId> {
         let node = match self {
@@ -62,7 +62,7 @@ impl Address {
         (Self::of(node) == self).then_some(node)
     }
 
-    /// Room that the address takes [octets].
+    /// Size of the address [octets].
     #[must_use]
     pub const fn octets(self) -> u8 {
         match self {

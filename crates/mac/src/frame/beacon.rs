@@ -7,7 +7,7 @@ const BATTERY_LIFE_EXTENSION: u16 = 1 << 12;
 const PAN_COORDINATOR: u16 = 1 << 14;
 const ASSOCIATION_PERMIT: u16 = 1 << 15;
 const GTS_PERMIT: u8 = 1 << 7;
-/// Most guaranteed slots, and most pending addresses of either kind.
+/// Largest number of guaranteed slots, and of pending addresses of each kind.
 const MAX_LISTED: usize = 7;
 
 /// The superframe that a beacon opens (superframe specification field).
@@ -19,7 +19,7 @@ pub struct Superframe {
     pub superframe_order: u8,
     /// Last slot of the contention access period, 0 to 15.
     pub final_cap_slot: u8,
-    /// Whether contention starts at once after the beacon, to save batteries.
+    /// Whether contention is only possible directly after the beacon, to save batteries (battery life extension).
     pub battery_life_extension: bool,
     /// Whether the sender is the coordinator of the whole PAN.
     pub pan_coordinator: bool,
@@ -36,16 +36,16 @@ pub struct GuaranteedSlot {
     pub first_slot: u8,
     /// Length in slots, 0 to 15.
     pub slots: u8,
-    /// Whether the device receives in it; otherwise it transmits.
+    /// Whether the device receives in the slot; otherwise it transmits.
     pub receive_only: bool,
 }
 
-/// What a beacon carries.
+/// Content of a beacon.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Beacon<'a> {
     /// The superframe that it opens.
     pub superframe: Superframe,
-    /// Whether guaranteed slots may be asked for.
+    /// Whether devices may request guaranteed slots.
     pub gts_permit: bool,
     /// Guaranteed slots, at most 7.
     pub guaranteed: Vec<GuaranteedSlot>,

@@ -25,7 +25,7 @@ pub(super) struct Control {
     pub(super) kind: Kind,
     pub(super) frame_pending: bool,
     pub(super) ack_request: bool,
-    /// The source PAN is left out: it is the destination's.
+    /// The source PAN is omitted: it is the same as the destination PAN.
     pub(super) pan_id_compression: bool,
     pub(super) destination: Option<Width>,
     pub(super) version: Version,
@@ -58,7 +58,7 @@ impl Control {
             | mode(self.source) << SOURCE_MODE
     }
 
-    /// Bits 7 to 9 are reserved and, as the standard says, not looked at.
+    /// Bits 7 to 9 are reserved and ignored, as the standard says.
     pub(super) fn from_bits(bits: u16) -> Result<Self, ParseError> {
         let is_set = |bit| bits & bit != 0;
         let version = match bits >> VERSION & 3 {

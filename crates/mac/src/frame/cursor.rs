@@ -2,7 +2,7 @@
 
 use super::ParseError;
 
-/// What is left of a frame.
+/// The rest of a frame.
 pub(super) struct Cursor<'a> {
     rest: &'a [u8],
     /// Size of the whole frame, FCS included.
@@ -10,7 +10,7 @@ pub(super) struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// The start of a frame whose FCS was taken off.
+    /// The start of a frame without its FCS.
     pub(super) const fn new(covered: &'a [u8]) -> Self {
         Self { rest: covered, octets: covered.len() + 2 }
     }
@@ -35,7 +35,7 @@ impl<'a> Cursor<'a> {
         self.take(part).map(u64::from_le_bytes)
     }
 
-    /// All that is left.
+    /// All remaining octets.
     pub(super) fn rest(&mut self) -> &'a [u8] {
         std::mem::take(&mut self.rest)
     }

@@ -7,10 +7,10 @@ use crate::timing::MAX_MPDU_OCTETS;
 
 /// Octets that are neither payload nor address: frame control, sequence number, PAN, FCS.
 const OVERHEAD_OCTETS: u8 = 2 + 1 + 2 + 2;
-/// First octet of the payload: no dispatch value of 6LoWPAN, nor of anything else that analysers guess.
+/// First octet of the payload: not a dispatch value of 6LoWPAN or of another protocol that analysers guess.
 const MAGIC: u8 = 0x3F;
 
-/// What a node sends: a data frame of a given size within its PAN. Payload: 0x3F, then zeros.
+/// The frame of a node: a data frame of a given size within its PAN. Payload: 0x3F, then zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeFrame {
     source: Endpoint,
@@ -22,16 +22,16 @@ impl NodeFrame {
     /// The broadcast of `node` in `pan`, with an MPDU of `mpdu_octets`, FCS included.
     ///
     /// # Errors
-    /// If `mpdu_octets` has no room for the header or is more than a radio can send: 11 to 127, and
-    /// from 17 for nodes beyond n65533, which have extended addresses.
+    /// If `mpdu_octets` is too small for the header or larger than a radio can send. Allowed: 11 to 127;
+    /// 17 to 127 for nodes beyond n65533, which have extended addresses.
     pub fn broadcast(pan: u16, node: NodeId, mpdu_octets: u8) -> Result<Self, SettingError> {
         Self::new(pan, node, Address::BROADCAST, mpdu_octets)
     }
 
-    /// A frame of `node` to one station in `pan`, which is to acknowledge it.
+    /// A frame of `node` to one station in `pan`, which must acknowledge it.
     ///
     /// # Errors
-    /// As [`NodeFrame::broadcast`]; six octets more for a station beyond n65533.
+    /// As for [`NodeFrame::broadcast`]; the minimum is six octets larger for a station beyond n65533.
     pub fn acknowledged(pan: u16, node: NodeId, to: NodeId, mpdu_octets: u8) -> Result<Self, SettingError> {
         Self::new(pan, node, Address::of(to), mpdu_octets)
     }
@@ -58,7 +58,7 @@ impl NodeFrame {
         OVERHEAD_OCTETS + self.source.address.octets() + self.destination.address.octets()
     }
 
-    /// Writes the MPDU in place of what `mpdu` holds; see [`Frame::write`].
+    /// Replaces the content of `mpdu` with the MPDU; see [`Frame::write`].
     pub fn write(&self, sequence: u8, mpdu: &mut Vec<u8>) {
         let mut payload = [0; MAX_MPDU_OCTETS as usize];
         payload[0] = MAGIC;

@@ -1,4 +1,4 @@
-//! Laws of frames: published octets both ways, errors, round trips.
+//! Tests of frames: published octets in both directions, errors, round trips.
 
 use proptest::prelude::*;
 use sextant_kernel::NodeId;
@@ -24,7 +24,7 @@ fn written(frame: &Frame<'_>) -> Vec<u8> {
     mpdu
 }
 
-/// The octets with their FCS set right.
+/// The octets with their correct FCS.
 fn with_fcs(mut covered: Vec<u8>) -> Vec<u8> {
     covered.extend(fcs(&covered).to_le_bytes());
     covered
@@ -112,13 +112,13 @@ fn a_beacon_request_names_a_destination_and_no_source() {
 }
 
 #[test]
-fn two_pans_are_both_named() {
+fn a_frame_between_two_pans_names_both() {
     let frame = Frame::data(1, short(0x1111, 1), short(0x2222, 2), &[]);
     assert_eq!(written(&frame)[..11], [0x01, 0x88, 1, 0x22, 0x22, 2, 0, 0x11, 0x11, 1, 0]);
 }
 
 #[test]
-fn a_frame_that_is_none_is_refused_with_the_reason() {
+fn an_invalid_frame_is_rejected_with_the_reason() {
     let reason = |hex: &str| Frame::parse(&with_fcs(octets(hex))).expect_err("no frame");
     assert_eq!(Frame::parse(&[1]), Err(ParseError::Truncated { octets: 1, part: "FCS" }));
     assert_eq!(Frame::parse(&[0; 128]), Err(ParseError::Oversized(128)));
@@ -243,7 +243,7 @@ fn any_body(payload: &'static [u8]) -> impl Strategy<Value = FrameBody<'static>>
 
 proptest! {
     #[test]
-    fn every_frame_is_read_as_it_was_written(
+    fn every_written_frame_is_parsed_to_the_same_frame(
         body in (0..=30_usize).prop_flat_map(|size| {
             any_body(&b"a payload of up to 30 octets.."[..size])
         }),
@@ -260,7 +260,7 @@ proptest! {
     #[test]
     fn no_octets_make_the_parser_panic(covered in proptest::collection::vec(any::<u8>(), 0..140)) {
         let _ = Frame::parse(&covered);
-        // With a right FCS they get further.
+        // With a correct FCS, the parser gets further.
         let mpdu = with_fcs(covered);
         if let Ok(frame) = Frame::parse(&mpdu) {
             let again = written(&frame);
@@ -269,7 +269,7 @@ proptest! {
     }
 
     #[test]
-    fn a_frame_cut_short_is_refused_or_has_less_payload(cut in 0..24_usize) {
+    fn a_truncated_frame_is_rejected_or_has_less_payload(cut in 0..24_usize) {
         let whole = octets("61cc073412000102030405060708090a0b0c0d0e0f786ef3");
         let mpdu = with_fcs(whole[..cut.saturating_sub(2)].to_vec());
         let parsed = Frame::parse(&mpdu);

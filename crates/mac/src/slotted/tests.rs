@@ -1,5 +1,5 @@
-//! Laws of the machine, with a scripted radio. Instants are counted in symbols of 16 us after the start of the beacon;
-//! a backoff period has 20.
+//! Tests of the machine with a scripted radio. Instants are counted in symbols of 16 us after the start of the
+//! beacon; a backoff period has 20.
 
 use std::collections::VecDeque;
 
@@ -17,8 +17,8 @@ enum Step {
     Enter(RadioState),
 }
 
-/// A radio whose draws, channel and acknowledgements are given beforehand. When a list is at its end, draws are 0, the
-/// channel is idle and no acknowledgement comes.
+/// A radio with given draws, channel states and acknowledgements. After the end of a list, draws are 0, the channel
+/// is idle and no acknowledgement comes.
 #[derive(Default)]
 struct Script {
     now: SimTime,
@@ -126,7 +126,7 @@ impl Radio for Script {
         let end = self.now + PHY.airtime(frame.mpdu_octets);
         self.air.push((end, Event::TransmissionEnded));
         if self.acks.pop_front().unwrap_or(false) {
-            // On the first boundary a turnaround away.
+            // On the first boundary that is at least a turnaround away.
             let ack = at((symbols(end) + 12).next_multiple_of(20));
             self.air.push((ack + PHY.ack_airtime(), Event::AckReceived { sequence: frame.sequence }));
         }
@@ -157,7 +157,7 @@ fn a_frame_goes_out_after_its_backoff_and_two_idle_ccas_all_on_boundaries() {
     let mut radio = Script::new(&[3], &[], &[]);
     let mut csma = machine();
     radio.open(&mut csma, 0, until(10_000));
-    // Handed over within a backoff period: counting starts at its end.
+    // The frame comes within a backoff period: counting starts at its end.
     radio.start(&mut csma, 7, FRAME);
     let report = radio.run(&mut csma);
     let expected = [
@@ -176,7 +176,7 @@ fn a_frame_goes_out_after_its_backoff_and_two_idle_ccas_all_on_boundaries() {
 }
 
 #[test]
-fn a_frame_that_comes_on_a_boundary_counts_from_it() {
+fn a_frame_that_comes_on_a_boundary_counts_from_this_boundary() {
     let mut radio = Script::new(&[0], &[], &[]);
     let mut csma = machine();
     radio.open(&mut csma, 0, until(10_000));
@@ -229,7 +229,7 @@ fn outside_windows_a_frame_waits_without_touching_the_radio() {
 }
 
 #[test]
-fn backoff_periods_that_are_left_at_the_end_of_a_window_are_counted_in_the_next() {
+fn backoff_periods_that_remain_at_the_end_of_a_window_are_counted_in_the_next() {
     let mut radio = Script::new(&[6], &[], &[]);
     let mut csma = machine();
     radio.open(&mut csma, 0, until(1000));
@@ -245,7 +245,7 @@ fn backoff_periods_that_are_left_at_the_end_of_a_window_are_counted_in_the_next(
 }
 
 #[test]
-fn what_does_not_fit_after_the_backoff_draws_anew_with_the_same_exponent_in_the_next_window() {
+fn a_frame_that_does_not_fit_after_its_backoff_draws_again_with_the_same_exponent_in_the_next_window() {
     // Busy once, so that the exponent has grown. CCAs, frame and spacing take 40 + 100 + 40 symbols.
     let mut radio = Script::new(&[0, 2, 9], &[true], &[]);
     let mut csma = machine();
@@ -312,11 +312,11 @@ fn a_frame_without_acknowledgement_is_sent_four_times() {
 }
 
 #[test]
-fn a_retry_that_finds_no_room_goes_on_in_the_next_window() {
+fn a_retry_that_does_not_fit_continues_in_the_next_window() {
     let mut radio = Script::new(&[0, 3], &[], &[false, true]);
     let mut csma = machine();
-    // The frame ends at 140, its acknowledgement would at 182, the spacing does at 222. The wait ends at 194; of three
-    // periods one is left from 200 on.
+    // The frame ends at 140, its acknowledgement would at 182, the spacing does at 222. The wait ends at 194; of
+    // three periods one is left from 200 on.
     radio.open(&mut csma, 0, until(222));
     radio.start(&mut csma, 0, UNICAST);
     assert_eq!(radio.run(&mut csma), None);
@@ -390,7 +390,7 @@ fn a_second_copy_goes_out_in_the_same_guaranteed_slot_if_it_fits() {
     let mut radio = Script::new(&[], &[], &[]);
     let mut csma = machine();
     radio.start(&mut csma, 0, UNICAST);
-    // Frame and wait take 154 symbols, the turnaround 12, the second copy with all that belongs to it 174.
+    // Frame and wait take 154 symbols, the turnaround 12, the second copy with acknowledgement and spacing 174.
     radio.open(&mut csma, 888, Window::Guaranteed { end: at(900 + 154 + 12 + 174) });
     assert_eq!(radio.run(&mut csma), None);
     assert_eq!(radio.instants(Step::Transmit), [900, 1066]);
@@ -408,7 +408,7 @@ fn a_frame_that_comes_within_a_guaranteed_slot_still_uses_it() {
     radio.start(&mut csma, 950, FRAME);
     radio.run(&mut csma);
     assert_eq!(radio.instants(Step::Transmit), [962]);
-    // The spacing after it is kept, and too little is left then.
+    // The spacing after it must pass, and then the rest of the slot is too short.
     radio.start(&mut csma, 1070, FRAME);
     assert_eq!(radio.run(&mut csma).map(|report| report.outcome), Some(Outcome::Sent));
     assert_eq!(radio.instants(Step::Transmit), [962, 962 + 100 + LIFS + 12]);
@@ -417,7 +417,7 @@ fn a_frame_that_comes_within_a_guaranteed_slot_still_uses_it() {
 }
 
 #[test]
-fn an_acknowledgement_that_nobody_waits_for_changes_nothing() {
+fn an_unexpected_acknowledgement_changes_nothing() {
     let stray = Event::AckReceived { sequence: 7 };
     let mut radio = Script::new(&[2], &[], &[]);
     let mut csma = machine();

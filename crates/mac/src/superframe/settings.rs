@@ -8,9 +8,9 @@ use super::{MAX_GUARANTEED, MAX_ORDER, SLOTS};
 use crate::RadioState;
 use crate::csma::{CsmaConfig, CsmaSettings};
 
-/// A beacon-enabled PAN of IEEE 802.15.4 whose coordinator is the first robot, as written in a scenario: it sends beacons
-/// while it stands and listens, and nodes that heard one answer in its superframe by slotted CSMA-CA or in a slot of
-/// their own. Defaults are the standard's where it has one.
+/// A beacon-enabled PAN of IEEE 802.15.4 whose coordinator is the first robot, as written in a scenario. The robot
+/// sends beacons while it stands and listens. Nodes that heard a beacon answer in its superframe, by slotted CSMA-CA
+/// or in a guaranteed slot. Defaults are those of the standard where it has them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BeaconEnabledConfig {
@@ -29,9 +29,9 @@ pub struct BeaconEnabledConfig {
     pub min_be: u8,
     /// Largest backoff exponent (macMaxBE): 3 to 8.
     pub max_be: u8,
-    /// Further backoffs after a first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
+    /// Further backoffs after the first busy channel, before the frame is given up (macMaxCSMABackoffs): 0 to 5.
     pub max_backoffs: u8,
-    /// Further transmissions of a frame whose acknowledgement does not come (macMaxFrameRetries): 0 to 7.
+    /// Further transmissions of a frame without acknowledgement (macMaxFrameRetries): 0 to 7.
     pub max_retries: u8,
     /// Whether the receiver stays on between frames in the active part (macRxOnWhenIdle).
     pub rx_on_when_idle: bool,
@@ -109,14 +109,14 @@ impl BeaconEnabled {
         self.battery_life_extension
     }
 
-    /// Guaranteed slots, at most 7, at most one a node, together at most 15 slots; the first is the last of the
-    /// superframe.
+    /// Guaranteed slots: at most 7, at most one per node, together at most 15 slots of the superframe; the first of
+    /// them is the last of the superframe.
     #[must_use]
     pub fn gts(&self) -> &[Gts] {
         &self.gts
     }
 
-    /// Contention.
+    /// Settings of contention.
     #[must_use]
     pub const fn csma(&self) -> CsmaSettings {
         self.csma
@@ -167,10 +167,10 @@ fn checked(configs: &[GtsConfig]) -> Result<Vec<Gts>, SettingError> {
     for (i, GtsConfig { node, slots }) in configs.iter().enumerate() {
         let refusal = |key, found, allowed| Err(SettingError::new(key, found, allowed).within(format!("gts[{i}]")));
         if configs[..i].iter().any(|other| other.node == *node) {
-            return refusal("node", format!("`{node}`, as of a slot before"), "one slot a node".to_owned());
+            return refusal("node", format!("`{node}`, which has a slot already"), "one slot per node".to_owned());
         }
         if !(1..=left).contains(slots) {
-            let allowed = format!("1 to {left}: the slots before leave no more, and one is for contention");
+            let allowed = format!("1 to {left}: the other slots take the rest, and one slot is for contention");
             return refusal("slots", slots.to_string(), allowed);
         }
         left -= slots;
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn each_setting_is_held_to_the_range_of_the_standard() {
+    fn settings_outside_the_range_of_the_standard_are_rejected() {
         assert_eq!(refused(|_| ()), None);
         assert_eq!(refused(|c| c.beacon_order = 15).as_deref(), Some("beacon_order"));
         assert_eq!(refused(|c| c.superframe_order = 7).as_deref(), Some("superframe_order"));
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn there_are_at_most_seven_guaranteed_slots_one_a_node_that_leave_a_slot_for_contention() {
+    fn at_most_seven_guaranteed_slots_one_per_node_leave_a_slot_for_contention() {
         assert_eq!(refused(|c| c.gts = gts(&[1; 7])), None);
         assert_eq!(refused(|c| c.gts = gts(&[1; 8])).as_deref(), Some("gts"));
         assert_eq!(refused(|c| c.gts = gts(&[8, 7])), None);
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_node_sleeps_when_inactive_unless_it_is_told_otherwise() {
+    fn a_node_sleeps_when_inactive_by_default() {
         let state = |sleep_when_inactive, rx_on_when_idle| {
             let config = BeaconEnabledConfig { sleep_when_inactive, rx_on_when_idle, ..Default::default() };
             BeaconEnabled::try_from(config).expect("good settings").inactive_state()

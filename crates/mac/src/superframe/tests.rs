@@ -38,7 +38,7 @@ fn superframes_have_the_lengths_of_the_standard() {
         assert!((span_us(whole.beacon_interval()) - 1e3 * ms).abs() < 1e-9, "order {order}");
         assert_eq!((whole.active(), whole.cap_end()), (whole.beacon_interval(), whole.beacon_interval()));
         assert!(!whole.has_inactive_part());
-        // Sixteen slots of 60 symbols each, doubled as often.
+        // Sixteen slots of 60 symbols each, doubled once per order.
         assert_eq!(whole.slot_start(1) * 16, whole.active());
         assert_eq!(whole.slot_start(1), PHY.symbols(60) * (1 << order));
         let short = timing(14, order, 15);
@@ -102,7 +102,7 @@ fn battery_life_extension_leaves_six_backoff_periods_after_beacon_and_spacing() 
 }
 
 #[test]
-fn what_must_fit_is_two_assessments_frame_acknowledgement_and_spacing() {
+fn two_assessments_frame_acknowledgement_and_spacing_must_fit() {
     let contention = Contention::new(PHY, at(0), at(96_000));
     let fits_until = |octets, ack| (0..300).filter(|&k| contention.fits(at(320 * k), octets, ack)).max();
     // 2 * 320 + (6 + 20) * 32 + 640 = 2112 us: 6.6 periods before the end, which is at boundary 300.
@@ -122,7 +122,7 @@ fn an_acknowledgement_starts_on_a_boundary_in_contention_and_after_a_turnaround_
     }
     assert_eq!(timing.ack_gap(us(8640)), us(192));
     assert_eq!(timing.ack_gap(us(9001)), us(192));
-    // Whatever the end, it is 12 to 31 symbols later on whole symbols.
+    // For every end of a frame on whole symbols, it is 12 to 31 symbols later.
     for symbol in 0..500 {
         let gap = timing.ack_gap(PHY.symbols(symbol));
         assert!(gap >= PHY.symbols(12) && gap <= PHY.symbols(31), "{gap:?}");
@@ -131,7 +131,7 @@ fn an_acknowledgement_starts_on_a_boundary_in_contention_and_after_a_turnaround_
 
 #[test]
 fn the_longest_transaction_fits_in_the_shortest_contention() {
-    // Beacons of every size: with no guaranteed slot to seven, and an extended source address.
+    // Beacons of every size: with zero to seven guaranteed slots, and an extended source address.
     for beacon_octets in 13..=41 {
         let start = at(777);
         let end = start + PHY.airtime(beacon_octets) + PHY.symbols(MIN_CAP_SYMBOLS);

@@ -91,7 +91,7 @@ fn two_stations_collide_exactly_if_their_first_draws_are_equal() {
 }
 
 #[test]
-fn two_stations_have_the_probabilities_of_the_enumeration_as_fractions() {
+fn two_stations_have_the_exact_fractions_of_the_enumeration() {
     for (octets, numerator) in [(44, 7_339_941.0), (114, 7_336_021.0), (127, 7_334_369.0)] {
         assert_close(exact(Medium::new(2, octets)).received, numerator / 8_388_608.0, 0.0);
     }
@@ -109,7 +109,7 @@ fn three_and_four_stations_have_the_probabilities_of_the_enumeration() {
     for (stations, octets, delivered, failed) in table {
         let rounds = simulate(Medium::new(stations, octets), ROUNDS);
         received(&rounds).assert_is(delivered, 0.0);
-        // The error is that of the reference: it is so rare that none may be seen.
+        // The error is that of the reference: the event is so rare that it may not occur.
         let failures = ended(&rounds, Outcome::ChannelAccessFailure);
         assert_close(failures.mean, failed, 4.0 * (failed / (ROUNDS * stations as usize) as f64).sqrt());
     }
@@ -160,8 +160,8 @@ fn delivered_ms(fate: &Fate) -> Option<f64> {
 }
 
 #[test]
-fn acknowledged_frames_fare_as_in_another_simulation() {
-    // Stations, octets; received, channel access failures, no acknowledgement, transmissions a station.
+fn acknowledged_frames_agree_with_another_simulation() {
+    // Stations, octets; received, channel access failures, no acknowledgement, transmissions per station.
     // Printed to 4 digits with a standard error of at most 0.0007.
     let table = [
         (2, 20, [0.9998, 0.0000, 0.0003, 1.145]),

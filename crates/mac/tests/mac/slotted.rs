@@ -1,5 +1,5 @@
-//! Slotted CSMA-CA of stations that hear each other, against reference values: exact ones, those of a slot simulation that
-//! shares no code with this crate, and the fixed point of independent stations.
+//! Slotted CSMA-CA of stations that hear each other, against reference values: exact ones, those of a slot simulation
+//! that shares no code with this crate, and the fixed point of independent stations.
 
 mod medium;
 
@@ -41,8 +41,8 @@ impl Estimate {
         Self { mean, error: (variance / count).sqrt() }
     }
 
-    /// Within 4.5 standard errors of both sides together, one false alarm in 150 000 comparisons, and the rounding of the
-    /// reference.
+    /// Within 4.5 standard errors of both sides together, one false alarm in 150 000 comparisons, and the rounding of
+    /// the reference.
     #[track_caller]
     fn assert_is(self, reference: f64, reference_error: f64, digit: f64, what: &str) {
         let allowed = 4.5 * self.error.hypot(reference_error) + digit / 2.0;
@@ -75,7 +75,7 @@ fn a_lone_station_takes_the_mean_of_its_backoff_two_assessments_and_its_frame() 
 }
 
 #[test]
-fn one_frame_each_fares_as_in_a_slot_simulation() {
+fn one_frame_each_agrees_with_a_slot_simulation() {
     // Stations; received, collided, channel access failure, mean end of the received frames [ms]; 5 periods.
     let table = [
         (2, [0.8755, 0.1245, 0.0000, 5.188]),
@@ -111,13 +111,13 @@ fn one_frame_each_fares_as_in_a_slot_simulation() {
         ] {
             estimate.assert_is(reference, 7e-4, 1e-4, &format!("{stations} stations: {what}"));
         }
-        // Frames of a round depend on each other, which a few per cent on top of the error make up for.
+        // Frames of a round depend on each other; a few per cent more than the error allow for this.
         let allowed = 0.01 * expected[3];
         assert!((ends.mean - expected[3]).abs() < allowed, "{stations} stations: {} ms", ends.mean);
     }
 }
 
-/// Batches of a saturated run; their means are as good as independent.
+/// Batches of a saturated run; their means are practically independent.
 fn saturated(stations: usize, periods: u8) -> Vec<Accounts> {
     const BATCHES: usize = 40;
     let mut draws = Seed(stations as u64).stream(Purpose::new(3), periods.into());
@@ -127,8 +127,8 @@ fn saturated(stations: usize, periods: u8) -> Vec<Accounts> {
 }
 
 #[test]
-fn saturated_stations_fare_as_in_a_slot_simulation() {
-    // Stations, periods; throughput, first CCAs a station and slot, share of busy first and second CCAs, share of
+fn saturated_stations_agree_with_a_slot_simulation() {
+    // Stations, periods; throughput, first CCAs per station and slot, share of busy first and second CCAs, share of
     // collided frames, share of frames given up. Printed to three or four digits.
     let table = [
         (1, 7, [0.5600, f64::NAN, 0.0, 0.0, 0.0, 0.0]),
@@ -163,7 +163,8 @@ fn saturated_stations_fare_as_in_a_slot_simulation() {
         let names = ["throughput", "first CCAs", "alpha", "beta", "collided", "given up"];
         let digits = [1e-4, 1e-4, 1e-3, 1e-3, 1e-3, 1e-3];
         for (i, (estimate, reference)) in found.iter().zip(expected).enumerate().filter(|(_, (_, r))| r.is_finite()) {
-            // The reference has an error of its own, not stated, and a run as long as this one: the same.
+            // The error of the reference is not stated; its run is as long as this one, so the error is taken as
+            // equal.
             let case = format!("{stations} stations, {periods} periods: {}", names[i]);
             estimate.assert_is(reference, estimate.error, digits[i], &case);
         }
@@ -172,9 +173,9 @@ fn saturated_stations_fare_as_in_a_slot_simulation() {
 
 #[test]
 fn first_assessments_agree_with_the_fixed_point_of_independent_stations() {
-    // Pollin et al. 2008: phi first CCAs a station and slot, alpha and beta the chances that the first and the second
-    // find the channel busy, solved by damped iteration. The model takes stations as independent, so that it is good to
-    // some per cent for phi and alpha, and for many stations only.
+    // Pollin et al. 2008: phi is the number of first CCAs per station and slot, alpha and beta are the probabilities
+    // that the first and the second CCA find the channel busy; solved by damped iteration. The model assumes
+    // independent stations, so phi and alpha are accurate to a few per cent, and only for many stations.
     for (stations, periods) in [(5, 7), (10, 7), (20, 7), (50, 7), (5, 12), (10, 12), (20, 12), (50, 12)] {
         let (n, l) = (stations as f64, f64::from(periods));
         let (mut phi, mut alpha) = (0.05_f64, 0.5_f64);

@@ -1,4 +1,4 @@
-//! An ideal medium: stations with one frame each for a robot, no delay, no noise, overlap destroys.
+//! An ideal medium: stations with one frame each for a robot, no delay, no noise; overlapping frames are lost.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use sextant_mac::{Class, Phy, RadioState};
 
 const PHY: Phy = Phy::Oqpsk2450;
 
-/// What a CCA reads that starts exactly when a signal ends.
+/// Result of a CCA that starts exactly when a signal ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tie {
     Idle,
@@ -35,7 +35,7 @@ pub(crate) struct Medium {
     pub(crate) range: Range,
 }
 
-/// How it went for one station.
+/// Result for one station.
 #[derive(Clone, Copy)]
 pub(crate) struct Fate {
     /// End of the first copy that the robot received.
@@ -64,7 +64,7 @@ struct Air {
     queue: EventQueue<Event>,
     signals: Vec<Signal>,
     timers: Vec<Option<EventKey>>,
-    /// Stations in a CCA, and whether they heard something in it.
+    /// For stations in a CCA: whether they heard something in it.
     sensing: Vec<Option<bool>>,
 }
 
@@ -156,7 +156,7 @@ impl Medium {
         Self { stations, mpdu_octets, ack_request: false, tie: Tie::Idle, range: Range::Everybody }
     }
 
-    /// Runs until nothing is pending; `draw` gives a station a number from zero to the one it is told.
+    /// Runs until nothing is pending; `draw` gives a station a number from zero to the given maximum.
     pub(crate) fn run(self, mut draw: impl FnMut(usize, u32) -> u32) -> Vec<Fate> {
         let stations = usize::from(self.stations);
         let endpoint = |address| Endpoint { pan: 1, address };

@@ -1,4 +1,5 @@
-//! An ideal medium in one contention access period: stations that hear each other, no delay, no noise, overlap destroys.
+//! An ideal medium in one contention access period: stations that hear each other, no delay, no noise; overlapping
+//! frames are lost.
 
 use std::time::Duration;
 
@@ -19,16 +20,16 @@ pub(crate) struct Medium {
     pub(crate) mpdu_octets: u8,
 }
 
-/// How it went for the frame of one station.
+/// Result for the frame of one station.
 #[derive(Clone, Copy)]
 pub(crate) struct Fate {
     pub(crate) received: bool,
-    /// When the station was done with it [ms].
+    /// When the station finished the frame [ms].
     pub(crate) end_ms: f64,
     pub(crate) report: Report,
 }
 
-/// What happened in a batch of slots.
+/// Counts over a batch of slots.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Accounts {
     pub(crate) slots: f64,
@@ -46,21 +47,21 @@ struct Signal {
     is_clean: bool,
 }
 
-/// What is due at a station.
+/// An event that is due at a station.
 #[derive(Clone, Copy)]
 enum Due {
     Mac(csma::Event),
-    /// Its CCA is over; what it sensed stands in the air.
+    /// Its CCA is over; the result is stored in the air.
     CcaEnded,
 }
 
-/// What the stations act on.
+/// The shared state of the stations.
 struct Air<D> {
     now: SimTime,
     queue: EventQueue<(usize, Due)>,
     signals: Vec<Signal>,
     timers: Vec<Option<EventKey>>,
-    /// Stations in a CCA, and whether they heard something in it.
+    /// For stations in a CCA: whether they heard something in it.
     sensing: Vec<Option<bool>>,
     draw: D,
 }
@@ -85,7 +86,7 @@ impl<D> Air<D> {
         }
     }
 
-    /// The frame of a station is over: whether nothing disturbed it.
+    /// Ends the frame of a station; returns whether no other frame disturbed it.
     fn end(&mut self, station: usize) -> bool {
         let at = self.signals.iter().position(|signal| signal.from == station).expect("it is on air");
         self.signals.swap_remove(at).is_clean
@@ -159,7 +160,7 @@ impl Medium {
         machine
     }
 
-    /// Each station has one frame; `draw` gives a station a number from zero to the one it is told.
+    /// Each station has one frame; `draw` gives a station a number from zero to the given maximum.
     pub(crate) fn one_shot(&self, draw: impl FnMut(usize, u32) -> u32) -> Vec<Fate> {
         let mut air = self.air(draw);
         let mut machines: Vec<_> = (0..self.stations).map(|station| self.station(&mut air, station)).collect();
@@ -176,8 +177,8 @@ impl Medium {
         fates.into_iter().map(|fate| fate.expect("every frame ends")).collect()
     }
 
-    /// A new station takes the place of each that is done with its frame, at once and without interframe spacing: the
-    /// accounts of `batches` batches of `slots` backoff periods, after one batch that is thrown away.
+    /// A new station replaces each station that has finished its frame, at once and without interframe spacing.
+    /// Returns the accounts of `batches` batches of `slots` backoff periods; the first batch is discarded.
     pub(crate) fn saturated(&self, batches: usize, slots: u64, draw: impl FnMut(usize, u32) -> u32) -> Vec<Accounts> {
         let mut air = self.air(draw);
         let mut machines: Vec<_> = (0..self.stations).map(|station| self.station(&mut air, station)).collect();
