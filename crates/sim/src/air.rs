@@ -14,11 +14,11 @@ use crate::receiver::{Receiver, ReceptionRules};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transmission {
     signal: Signal,
-    /// Receivers beyond the radius of communication listened when it began.
+    /// Whether receivers beyond the radius of communication listened when it began.
     beyond: bool,
 }
 
-/// What became of a transmission at one receiver.
+/// The outcome of a transmission at one receiver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
     pub(crate) station: NodeId,
@@ -26,7 +26,8 @@ pub(crate) struct Arrival {
     pub(crate) outcome: FrameOutcome,
 }
 
-/// The air between the stations, and all radios that listen to it. Stations from `first_robot` on are robots.
+/// The air between the stations, and all radios that listen to it. Stations numbered from `first_robot` on are
+/// robots.
 pub(crate) struct Air {
     medium: Medium,
     receivers: Vec<Receiver>,
@@ -39,7 +40,7 @@ pub(crate) struct Air {
     near: Vec<(NodeId, Position)>,
 }
 
-/// What the air is made of.
+/// Settings of the air.
 pub(crate) struct AirSettings {
     pub(crate) channel: Channel,
     pub(crate) power: Dbm,
@@ -48,7 +49,7 @@ pub(crate) struct AirSettings {
     pub(crate) rules: ReceptionRules,
     /// Window of carrier sense.
     pub(crate) sensing: Duration,
-    /// Number of the first packet: draws of one packet are not those of another.
+    /// Number of the first packet; each packet has its own number and so its own draws.
     pub(crate) first_packet: u64,
     pub(crate) seed: Seed,
 }
@@ -78,7 +79,7 @@ impl Air {
         station.0 >= self.first_robot
     }
 
-    /// The radio of a station starts to listen, at a place that it keeps until [`Air::deafen`].
+    /// The radio of a station starts to listen; the station stays at `place` until [`Air::deafen`].
     pub(crate) fn listen(&mut self, now: SimTime, station: NodeId, place: Position) {
         if self.receivers[station.index()].is_listening() {
             return;
@@ -95,7 +96,7 @@ impl Air {
         }
     }
 
-    /// The radio of a station stops to listen.
+    /// The radio of a station stops listening.
     pub(crate) fn deafen(&mut self, station: NodeId, place: Position) {
         if self.receivers[station.index()].is_listening() {
             self.robots_listening -= usize::from(self.is_robot(station));
@@ -116,7 +117,7 @@ impl Air {
         self.medium.sensed(station, place, from, to) >= threshold
     }
 
-    /// A station puts a frame on air.
+    /// A station starts to send a frame.
     pub(crate) fn begin(&mut self, now: SimTime, source: NodeId, place: Position, airtime: Duration) -> Transmission {
         let signal = Signal {
             packet: self.packets,
@@ -141,8 +142,8 @@ impl Air {
         Transmission { signal, beyond: self.robots_listening > robots_reached }
     }
 
-    /// A frame is over: fills `arrivals` with what became of it at each radio that it reached, by station, and
-    /// returns the best that became of it at any robot.
+    /// A frame ends: fills `arrivals` with its outcome at each radio that it reached, by station, and
+    /// returns its best outcome at any robot.
     pub(crate) fn end(
         &mut self,
         now: SimTime,
@@ -171,12 +172,12 @@ impl Air {
 }
 
 impl Transmission {
-    /// Who sends it.
+    /// The station that sends it.
     pub(crate) fn source(&self) -> NodeId {
         self.signal.source
     }
 
-    /// When its first symbol was on air.
+    /// Start of its first symbol on air.
     pub(crate) fn start(&self) -> SimTime {
         self.signal.start
     }

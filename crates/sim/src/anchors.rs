@@ -1,4 +1,4 @@
-//! Which nodes know their place.
+//! The nodes that know their positions.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use sextant_kernel::{NodeId, Seed, SettingError};
 use crate::layout::PlacedNode;
 use crate::purpose;
 
-/// The nodes that know their place, as written in a scenario. Only maps that say so use them.
+/// The nodes that know their positions, as written in a scenario. Only maps that need anchors use them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AnchorsConfig {
@@ -16,22 +16,23 @@ pub enum AnchorsConfig {
     Share(f64),
     /// This many nodes, at random.
     Count(usize),
-    /// The nodes of these names.
+    /// The nodes with these names.
     Names(Vec<String>),
 }
 
 impl Default for AnchorsConfig {
-    /// A fifth of the nodes.
+    /// One fifth of the nodes.
     fn default() -> Self {
         Self::Share(0.2)
     }
 }
 
 impl AnchorsConfig {
-    /// The anchors among `nodes`, by node. Whether a node is drawn before another depends on the two alone.
+    /// The anchors among `nodes`, by node. Which of two nodes is drawn first does not depend on other nodes.
     ///
     /// # Errors
-    /// If a share is outside 0 to 1, there are fewer nodes than anchors wanted, or a name is unknown or named twice.
+    /// If a share is outside 0 to 1, there are fewer nodes than requested anchors, or a name is unknown or given
+    /// twice.
     pub fn choose(&self, nodes: &[PlacedNode], seed: Seed) -> Result<Vec<Anchor>, SettingError> {
         let anchor = |i: usize| Anchor { node: NodeId::from_index(i), position: nodes[i].position };
         let mut chosen = match self {
@@ -48,7 +49,11 @@ impl AnchorsConfig {
             }
             Self::Count(count) => {
                 if *count > nodes.len() {
-                    return Err(SettingError::new("count", count, format!("at most the {} nodes", nodes.len())));
+                    return Err(SettingError::new(
+                        "count",
+                        count,
+                        format!("at most {}, the number of nodes", nodes.len()),
+                    ));
                 }
                 drawn(nodes.len(), seed).take(*count).collect()
             }
@@ -105,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn further_anchors_leave_the_first_in_place() {
+    fn more_anchors_keep_the_first_ones() {
         let few = AnchorsConfig::Count(5).choose(&nodes(40), Seed(2)).unwrap();
         let many = AnchorsConfig::Count(9).choose(&nodes(40), Seed(2)).unwrap();
         assert!(few.iter().all(|anchor| many.contains(anchor)));
@@ -113,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_numbers_that_do_not_fit_are_refused() {
+    fn invalid_names_and_numbers_are_rejected() {
         let names = |names: &[&str]| AnchorsConfig::Names(names.iter().map(|&name| name.to_owned()).collect());
         let refused = |config: AnchorsConfig| config.choose(&nodes(3), Seed(1)).unwrap_err().key;
         assert_eq!(names(&["n2", "n0"]).choose(&nodes(3), Seed(1)).unwrap().len(), 2);

@@ -1,9 +1,9 @@
-//! A spatial index: things filed by the cell of the space that they are in.
+//! A spatial index: objects stored by the cell of space that they are in.
 
 use sextant_channel::{CellGrid, Position};
 
-/// Things filed under cubic cells at least as wide as the reach of a look-up, so that all within reach
-/// of a place are found in its own and the adjacent cells. Places outside the bounds belong to the nearest cell.
+/// Objects in cubic cells that are at least as wide as the reach of a look-up, so that all objects within reach
+/// of a place are in its own cell and the adjacent cells. Places outside the bounds belong to the nearest cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells<T> {
     grid: CellGrid,
@@ -13,18 +13,18 @@ pub(crate) struct Cells<T> {
 impl<T> Cells<T> {
     /// Empty cells over the bounds of `places` for look-ups within `reach_m`.
     pub(crate) fn covering(places: impl Iterator<Item = Position>, reach_m: f64) -> Self {
-        // A little wider, so that rounding moves nothing out of reach.
+        // A little wider, so that rounding moves no object out of reach.
         let grid = CellGrid::covering(places, (reach_m * (1.0 + 1e-9)).max(f64::MIN_POSITIVE));
         let items = (0..grid.cell_count()).map(|_| Vec::new()).collect();
         Self { grid, items }
     }
 
-    /// The things in the cell of `place`.
+    /// The objects in the cell of `place`.
     pub(crate) fn at(&mut self, place: Position) -> &mut Vec<T> {
         &mut self.items[self.grid.cell(self.grid.layers_of(place))]
     }
 
-    /// The cells that hold all things within reach of `place`, in a fixed order.
+    /// The cells that hold all objects within reach of `place`, in a fixed order.
     pub(crate) fn near(&mut self, place: Position, mut visit: impl FnMut(&mut Vec<T>)) {
         let centre = self.grid.layers_of(place);
         let range = |axis: usize| centre[axis].saturating_sub(1)..(centre[axis] + 2).min(self.grid.layers(axis));
@@ -50,7 +50,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_look_up_finds_all_within_reach_also_from_outside(
+        fn a_look_up_finds_all_objects_within_reach_even_from_outside(
             places in places(), from in [-70.0..70.0, -70.0..70.0, -9.0..9.0_f64], reach in 0.5..90.0_f64,
         ) {
             let places: Vec<Position> = places.into_iter().map(Position::from).collect();

@@ -1,50 +1,50 @@
-//! The port through which a robot is driven.
+//! The interface through which a controller drives a robot.
 
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{NodeId, SimTime};
 
-/// What one listening slot brought of one node.
+/// What a robot heard of one node during a listening slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
     /// The node that was heard.
     pub node: NodeId,
     /// Packets received during the slot.
     pub packets: u32,
-    /// Packets that the node sent from the first to the last one received, both counted: their sequence numbers tell.
+    /// Packets that the node sent from the first to the last one received, both included, by their sequence numbers.
     pub sent: u32,
     /// Mean received signal strength [dBm].
     pub rssi_dbm: f64,
 }
 
-/// How the command before ended.
+/// How the last command ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CommandOutcome<'a> {
-    /// Nothing was commanded yet.
+    /// There was no command yet.
     Started,
-    /// The robot is where it was sent.
+    /// The robot is at its destination.
     Arrived,
-    /// An obstacle is in the way: the robot stands before it. The point of the obstacle that was met [m].
+    /// An obstacle is in the way, and the robot has stopped in front of it. The point of contact on the obstacle [m].
     Blocked(Position),
-    /// A slot of listening is over: the nodes heard, by node.
+    /// A listening slot is over: the nodes heard, by node.
     Listened(&'a [Heard]),
 }
 
-/// All that a robot knows when it must decide.
+/// Everything that a robot knows when it must decide.
 pub struct Situation<'a> {
-    /// Now.
+    /// Current time.
     pub time: SimTime,
-    /// Where the robot stands [m].
+    /// Position of the robot [m].
     pub position: Position,
-    /// How the command before ended.
+    /// How the last command ended.
     pub outcome: CommandOutcome<'a>,
-    /// Number of nodes in the network: all that the robot knows of it beforehand (thesis, chapter 3).
+    /// Number of nodes in the network: the only thing that the robot knows about it in advance (thesis, chapter 3).
     pub node_count: usize,
     pub(crate) obstacles: &'a ObstacleField,
     pub(crate) radius_m: f64,
 }
 
 impl<'a> Situation<'a> {
-    /// A situation for tests of controllers: what a robot of `radius_m` would know among `obstacles`.
+    /// A situation for tests of controllers: what a robot with the radius `radius_m` would know among `obstacles`.
     #[must_use]
     pub fn new(
         time: SimTime,
@@ -57,7 +57,7 @@ impl<'a> Situation<'a> {
         Self { time, position, outcome, node_count, obstacles, radius_m }
     }
 
-    /// How far the robot could drive straight in `direction` (any length above zero) before its hull meets
+    /// How far the robot could drive straight in `direction` (of any length above zero) before its hull touches
     /// an obstacle [m], at most `range_m`: the reading of its range sensors.
     #[must_use]
     pub fn clearance_m(&self, direction: Position, range_m: f64) -> f64 {
@@ -65,12 +65,12 @@ impl<'a> Situation<'a> {
     }
 }
 
-/// What a robot is told to do next.
+/// The next command for a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RobotCommand {
-    /// Drive straight to this place [m]; ends [`CommandOutcome::Arrived`] or [`CommandOutcome::Blocked`].
+    /// Drive straight to this place [m]; ends with [`CommandOutcome::Arrived`] or [`CommandOutcome::Blocked`].
     Drive(Position),
-    /// Listen for one slot: a stop of the reception log; ends [`CommandOutcome::Listened`].
+    /// Listen for one slot: a stop of the reception log; ends with [`CommandOutcome::Listened`].
     Listen,
     /// The survey is over.
     Finish(Ending),
@@ -79,22 +79,22 @@ pub enum RobotCommand {
 /// Why a survey is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// All of the path was driven, or each node was heard as often as wanted.
+    /// The whole path was driven, or each node was heard as often as requested.
     Complete,
-    /// The cap on steps was reached first.
+    /// The limit on steps was reached first.
     StepsExhausted,
-    /// There is nowhere left to go.
+    /// No place to go is left.
     Stuck,
 }
 
-/// Drives one robot: asked once at the start and after each command.
+/// Drives one robot: asked for a command at the start and after each command.
 pub trait Controller: Duplicate + Send + Sync {
     /// The next command.
     fn decide(&mut self, situation: &Situation<'_>) -> RobotCommand;
 }
 
-/// Copies a controller behind its port, so that a planned path can be driven more than once. Whatever can be cloned has
-/// it.
+/// Copies a boxed controller, so that a planned path can be driven more than once. Implemented for every controller
+/// that is `Clone`.
 pub trait Duplicate {
     /// A controller in the same state.
     fn duplicate(&self) -> Box<dyn Controller>;

@@ -1,4 +1,4 @@
-//! Neighbour discovery: nodes broadcast hello packets for a while, and all others listen.
+//! Neighbour discovery: nodes broadcast hello packets for some time, and all other nodes listen.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -20,10 +20,11 @@ use crate::receiver::ReceptionRules;
 use crate::simulation::{NEGLECTED_BELOW_NOISE, PAN};
 use crate::{BeaconConfig, Setup, Traffic, TrafficConfig};
 
-/// Packets of the survey, at most: the packets of discovery are numbered from here on, so that no two share a draw.
+/// Largest number of packets of a survey. The packets of discovery are numbered from here on, so that no two packets
+/// share a draw.
 const FIRST_PACKET: u64 = 1 << 40;
 
-/// Neighbour discovery, as written in a scenario. It runs only if a map needs what it brings.
+/// Neighbour discovery, as written in a scenario. It runs only if a map needs its results.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DiscoveryConfig {
@@ -31,11 +32,11 @@ pub struct DiscoveryConfig {
     pub packets: u32,
     /// Mean time between two hello packets of a node [s].
     pub interval_s: f64,
-    /// Length of a hello packet, header and check sequence included [octets]: 11 to 127.
+    /// Length of a hello packet, header and frame check sequence included [octets]: 11 to 127.
     pub mpdu_octets: u8,
-    /// Radius within which nodes hear each other's hello packets [m], as if they were sent with less power; the
-    /// channel's own if absent or greater. Packets of anchors, which are to be heard far away, go as far as the channel
-    /// lets them.
+    /// Radius within which nodes hear each other's hello packets [m], as if they were sent with less power; that of
+    /// the channel if absent or larger. Packets of anchors, which must be heard far away, are limited only by the
+    /// channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_m: Option<f64>,
 }
@@ -72,37 +73,38 @@ impl TryFrom<DiscoveryConfig> for Discovery {
     }
 }
 
-/// Who broadcasts in a round of discovery.
+/// The nodes that broadcast in a round of discovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Round<'a> {
     /// All nodes, within the hop radius of the settings.
     Neighbours,
-    /// These nodes, as far as the channel lets them; all others only listen.
+    /// These nodes, limited only by the channel; all others only listen.
     Beacons(&'a [NodeId]),
 }
 
-/// What a round of discovery brought.
+/// The result of a round of discovery.
 #[derive(Clone, Debug)]
 pub struct Discovered {
     /// What the nodes heard of each other.
     pub log: NeighbourLog,
-    /// Packets put on air.
+    /// Number of packets sent.
     pub sent: u64,
-    /// Packets given up because the channel was busy, or replaced before they were sent.
+    /// Number of packets that were given up because the channel was busy, or replaced before they were sent.
     pub unsent: u64,
-    /// What the radios of all nodes spent together, receivers always on.
+    /// Energy of the radios of all nodes together, receivers always on.
     pub energy: EnergySpent,
-    /// When the last packet was over.
+    /// End of the last packet.
     pub end: SimTime,
-    /// Events that happened.
+    /// Number of events.
     pub events: u64,
 }
 
-/// Runs a round of discovery in the world of `setup`, over its channel, with its radios and its channel access, before
-/// any robot moves; without a coordinator, a beacon-enabled MAC contends unslotted. Receivers are always on. Shadowing that belongs to places is that of the survey.
+/// Runs a round of discovery in the world of `setup`, over its channel, with its radios and its channel access,
+/// before any robot moves. A beacon-enabled MAC has no coordinator then, so it contends unslotted. Receivers are
+/// always on. Shadowing that depends on places is the same as in the survey.
 ///
 /// # Errors
-/// If the packets have no room for the addresses.
+/// If the packets are too small for the addresses.
 pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Discovered, SettingError> {
     let mut run = Run::new(setup, discovery, round)?;
     run.begin();
@@ -116,7 +118,7 @@ pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Resul
                 let busy = run.network.senses_busy(node);
                 run.handle_mac(node, csma::Event::CcaEnded { busy });
             }
-            // No robot takes part, and nobody coordinates.
+            // No robot takes part, and there is no coordinator.
             Event::Robot(..) | Event::Tracking(..) => {}
         }
     }
@@ -130,10 +132,10 @@ struct Run {
     sends: Vec<bool>,
     traffic: Traffic,
     packets: u64,
-    /// Packets that each node has put on air.
+    /// Number of packets that each node has sent.
     sent: Vec<u32>,
     unsent: u64,
-    /// Packets that each node has received of each other, and the sum of their powers [dBm].
+    /// Number of packets that each node has received from each other node, and the sum of their powers [dBm].
     heard: Vec<BTreeMap<NodeId, (u32, f64)>>,
     arrivals: Vec<Arrival>,
     events: u64,
@@ -220,7 +222,7 @@ impl Run {
         }
     }
 
-    /// The next packet of a node is due in its time, if it has one left.
+    /// Schedules the next packet of a node, if one is left.
     fn schedule(&mut self, node: NodeId) {
         let count = self.network.nodes[node.index()].frames;
         if count < self.packets
@@ -257,7 +259,7 @@ impl Run {
         self.unsent += u64::from(report.is_some_and(|report| report.transmissions == 0));
     }
 
-    /// The last symbol of a packet is on air: who got it?
+    /// A packet ends: counts it at the nodes that received it.
     fn end_packet(&mut self, sender: NodeId) {
         let transmission = self.network.nodes[sender.index()].transmission.take();
         let transmission = transmission.expect("only a packet on air ends");
@@ -299,7 +301,7 @@ impl Run {
 }
 
 impl Discovered {
-    /// How long the round took.
+    /// Duration of the round.
     #[must_use]
     pub fn duration(&self) -> Duration {
         self.end - SimTime::ZERO
@@ -311,7 +313,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_that_cannot_be_are_refused_by_their_key() {
+    fn invalid_settings_are_rejected_with_their_key() {
         let good = DiscoveryConfig::default();
         let key = |config: DiscoveryConfig| Discovery::try_from(config).err().map(|error| error.key);
         assert_eq!(key(good), None);

@@ -1,47 +1,47 @@
-//! What happens in a simulation.
+//! Events of a simulation.
 
 use sextant_kernel::{NodeId, Rank};
 use sextant_mac::{Class, coordinator, csma, device, responder};
 
-/// What happens in a simulation.
+/// An event of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Event {
     /// A node's application has a frame to send.
     FrameDue(NodeId),
-    /// Something happened to the MAC of a node.
+    /// An event of the MAC of a node.
     Mac(NodeId, csma::Event),
     /// The CCA of a node is over.
     CcaEnded(NodeId),
-    /// Something happened to a node that follows beacons.
+    /// An event of a node that follows beacons.
     Tracking(NodeId, device::Event),
-    /// Something happened to a robot.
+    /// An event of a robot.
     Robot(u32, RobotEvent),
 }
 
-/// What happens to a robot.
+/// An event of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RobotEvent {
-    /// It is where it drove to, or starts.
+    /// It has arrived at its destination, or starts.
     Arrived,
     /// It has listened long enough.
     SlotEnded,
-    /// Something happened to its acknowledgement.
+    /// An event of its acknowledgement.
     Responder(responder::Event),
-    /// A beacon of it is due one turnaround from now.
+    /// Its next beacon is due one turnaround from now.
     BeaconDue,
-    /// Something happened to its beacon.
+    /// An event of its beacon.
     Coordinator(coordinator::Event),
     /// The active part of its superframe is over.
     ActivePartEnded,
 }
 
 impl Event {
-    /// What happens to robot number `robot`.
+    /// The event of robot number `robot`.
     pub(crate) fn of_robot(robot: usize, event: RobotEvent) -> Self {
         Self::Robot(NodeId::from_index(robot).0, event)
     }
 
-    /// Where the event stands among those of the same instant; robots are numbered after the `nodes`.
+    /// Rank of the event among those of the same instant; robots are numbered after the `nodes`.
     pub(crate) fn rank(self, nodes: u32) -> Rank {
         match self {
             Self::FrameDue(node) => Class::Application.rank(node),

@@ -1,13 +1,13 @@
-//! What became of a frame.
+//! The outcome of a frame.
 
-/// What became of a frame at a receiver, from the least to the best: of several receivers the greatest counts.
+/// The outcome of a frame at a receiver, from the worst to the best: if there are several receivers, the best counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FrameOutcome {
-    /// Nobody listened when it started, or not until its end.
+    /// No receiver listened from its start to its end.
     NotListened,
     /// The receiver was beyond the radius of communication.
     OutOfRange,
-    /// Too weak, or drowned by noise alone.
+    /// Too weak, or lost to noise alone.
     Weak,
     /// Lost to another signal.
     Collided,

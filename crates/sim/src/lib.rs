@@ -1,10 +1,10 @@
 //! The simulator: world, medium, robots, and the event loops of surveys and of neighbour discovery.
 //!
-//! Goes in: a [`Setup`] (world, channel, radios, channel access, traffic, robots, seed). Comes out: a [`Survey`]: what
-//! the robots heard and where, and what became of the packets. An [`Observer`] watches while it runs. [`discover`]
-//! tells what the nodes hear of each other over the same medium, before any robot moves.
+//! Goes in: a [`Setup`] (world, channel, radios, channel access, traffic, robots, seed). Comes out: a [`Survey`]:
+//! what the robots heard and where, and the outcomes of the packets. An [`Observer`] watches while it runs.
+//! [`discover`] finds what the nodes hear of each other over the same medium, before any robot moves.
 //!
-//! The same setup gives the same survey: events of one instant have a stated order (end of a signal, end of carrier
+//! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
 //! has an address.
 

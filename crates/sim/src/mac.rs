@@ -15,8 +15,8 @@ use sextant_mac::{Phy, RadioState};
 pub enum MacConfig {
     /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
     CsmaUnslotted(CsmaConfig),
-    /// The first robot coordinates: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in slots of
-    /// their own (IEEE 802.15.4 at 2.4 GHz).
+    /// The first robot is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
+    /// guaranteed slots (IEEE 802.15.4 at 2.4 GHz).
     BeaconEnabled(BeaconEnabledConfig),
 }
 
@@ -51,7 +51,7 @@ impl TryFrom<MacConfig> for Mac {
 }
 
 impl Mac {
-    /// Contention, whether slotted or not.
+    /// Settings of contention, slotted or unslotted.
     pub(crate) fn csma(&self) -> CsmaSettings {
         match self {
             Self::CsmaUnslotted(csma) => *csma,
@@ -59,7 +59,7 @@ impl Mac {
         }
     }
 
-    /// The state of a node's radio at first.
+    /// The initial state of a node's radio.
     pub(crate) fn initial_state(&self) -> RadioState {
         match self {
             Self::CsmaUnslotted(csma) => csma.resting_state(),
@@ -119,7 +119,7 @@ impl NodeMac {
         }
     }
 
-    /// Takes note of what happened as the node follows beacons.
+    /// Handles an event of following beacons.
     pub(crate) fn track(&mut self, now: SimTime, event: device::Event, radio: &mut impl device::Radio) {
         match self {
             Self::Unslotted(_) => unreachable!("only devices follow beacons"),
@@ -127,7 +127,7 @@ impl NodeMac {
         }
     }
 
-    /// A beacon of `octets` was received; a node without superframes takes no note.
+    /// A beacon of `octets` was received; a node without superframes ignores it.
     pub(crate) fn receive_beacon(
         &mut self,
         now: SimTime,

@@ -1,4 +1,4 @@
-//! The air between the stations: signals on it, and who can hear them.
+//! The air between the stations: the signals on it, and the stations that can hear them.
 
 use std::time::Duration;
 
@@ -20,14 +20,14 @@ pub(crate) struct Signal {
 
 /// The air between the stations.
 ///
-/// A signal costs nothing until somebody asks what reaches a place: a station that senses the carrier, or a radio
-/// that listens. Both look only at signals and listeners within reach, so the cost of a frame grows with its
-/// neighbours and not with the network.
+/// A signal takes no computing time until a station needs the power at its place: a station that senses the carrier,
+/// or a radio that listens. Both look only at signals and listeners within reach, so the time for a frame grows with
+/// the number of neighbours and not with the size of the network.
 pub(crate) struct Medium {
     channel: Channel,
     signals: Cells<Signal>,
     listeners: Cells<(NodeId, Position)>,
-    /// How long a signal is remembered after its end: the window of carrier sense.
+    /// How long a signal is kept after its end: the window of carrier sense.
     memory: Duration,
 }
 
@@ -47,7 +47,7 @@ impl Medium {
         Self { channel, signals, listeners, memory }
     }
 
-    /// Puts a frame on air.
+    /// Starts a signal.
     pub(crate) fn begin(&mut self, signal: Signal) {
         let forgotten = signal.start.saturating_sub(self.memory);
         let cell = self.signals.at(signal.position);
@@ -87,12 +87,12 @@ impl Medium {
         signals
     }
 
-    /// Files a station among those that listen; it stays where it is until [`Medium::leave`].
+    /// Adds a station to those that listen; it stays at `place` until [`Medium::leave`].
     pub(crate) fn join(&mut self, station: NodeId, place: Position) {
         self.listeners.at(place).push((station, place));
     }
 
-    /// Takes a station out of those that listen.
+    /// Removes a station from those that listen.
     pub(crate) fn leave(&mut self, station: NodeId, place: Position) {
         self.listeners.at(place).retain(|&(listener, _)| listener != station);
     }

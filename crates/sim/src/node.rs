@@ -1,4 +1,4 @@
-//! The nodes: each with a MAC, a radio and a frame now and then.
+//! The nodes: each has a MAC, a radio and frames to send.
 
 use std::time::Duration;
 
@@ -15,13 +15,13 @@ use crate::purpose;
 pub(crate) struct Node {
     pub(crate) position: Position,
     pub(crate) meter: EnergyMeter,
-    /// Frames that its application has handed to the MAC so far.
+    /// Number of frames that its application has given to the MAC so far.
     pub(crate) frames: u64,
     /// Sequence number of the frame under way.
     pub(crate) sequence: u8,
-    /// What is on air.
+    /// The transmission on air.
     pub(crate) transmission: Option<Transmission>,
-    /// The best that became of the frame under way.
+    /// The best outcome so far of the frame under way.
     pub(crate) outcome: FrameOutcome,
     timer: Option<EventKey>,
     /// The pending event of following beacons.
@@ -45,7 +45,7 @@ impl Node {
     }
 }
 
-/// What the MACs of all nodes act on.
+/// The state that the MACs of all nodes share.
 pub(crate) struct Network {
     pub(crate) now: SimTime,
     pub(crate) queue: EventQueue<Event>,
@@ -54,7 +54,8 @@ pub(crate) struct Network {
     pub(crate) phy: Phy,
     pub(crate) seed: Seed,
     pub(crate) cca_threshold: Milliwatts,
-    /// Whether nodes can receive whenever their receiver is on; otherwise only while they wait for an acknowledgement.
+    /// Whether nodes can receive whenever their receiver is on; otherwise only while they wait for an
+    /// acknowledgement.
     pub(crate) hears_always: bool,
     /// The acknowledgement that each robot has on air, with its sequence number.
     pub(crate) acknowledgements: Vec<Option<(Transmission, u8)>>,
@@ -63,13 +64,13 @@ pub(crate) struct Network {
 }
 
 impl Network {
-    /// An event is due `span` from now.
+    /// Schedules an event `span` from now.
     pub(crate) fn after(&mut self, span: Duration, event: Event) -> EventKey {
         let nodes = NodeId::from_index(self.nodes.len()).0;
         self.queue.push(self.now + span, event.rank(nodes), event)
     }
 
-    /// The radio of `node`, as its MAC sees it; `awaits_ack` from the end of a frame to its acknowledgement.
+    /// The radio of `node`, as its MAC sees it; `awaits_ack` is true from the end of a frame to its acknowledgement.
     pub(crate) fn radio(&mut self, node: NodeId, awaits_ack: bool) -> NodeRadio<'_> {
         NodeRadio { network: self, node, awaits_ack }
     }
@@ -120,8 +121,8 @@ impl csma::Radio for NodeRadio<'_> {
         let (now, node, awaits_ack) = (self.network.now, self.node, self.awaits_ack);
         let place = self.state().position;
         self.state().meter.enter(state, now);
-        // A node that rests deaf hears frames only while it waits for an acknowledgement: its short listening
-        // during carrier sense can catch no whole frame.
+        // A node whose receiver is off at rest hears frames only while it waits for an acknowledgement: carrier sense
+        // is too short for a whole frame.
         let listens = state == RadioState::Receive && (awaits_ack || self.network.hears_always);
         if listens {
             self.network.air.listen(now, node, place);

@@ -1,4 +1,4 @@
-//! Who watches a simulation.
+//! Observers of a simulation.
 
 use std::time::Duration;
 
@@ -14,13 +14,13 @@ pub struct FrameOnAir<'a> {
     pub start: SimTime,
     /// Time on air.
     pub airtime: Duration,
-    /// Who sent it; robots are numbered after the nodes.
+    /// The station that sent it; robots are numbered after the nodes.
     pub source: NodeId,
-    /// The MAC frame (MPDU), check sequence included.
+    /// The MAC frame (MPDU), frame check sequence included.
     pub bytes: &'a [u8],
-    /// The best that became of it at any robot; of a frame that a robot sent, at any node.
+    /// Its best outcome at any robot; for a frame from a robot, at any node.
     pub outcome: FrameOutcome,
-    /// Power at that station [dBm], where a signal was measured.
+    /// Power at that station [dBm], if a signal was measured.
     pub power: Option<Dbm>,
     /// The robots that received it, by number.
     pub heard: &'a [HeardFrame],
@@ -29,15 +29,16 @@ pub struct FrameOnAir<'a> {
 /// A frame at a robot that received it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeardFrame {
-    /// Which robot.
+    /// Index of the robot.
     pub robot: usize,
-    /// Power there [dBm].
+    /// Power at the robot [dBm].
     pub power: Dbm,
 }
 
-/// Watches a simulation while it runs: a recording, a progress bar. What it does not override is not told.
+/// Watches a simulation while it runs, for example as a recording or a progress bar. By default, an observer
+/// ignores everything and the simulation continues.
 pub trait Observer {
-    /// A robot is at `position` at `time`: where a drive begins or ends.
+    /// A robot is at `position` at `time`: the start or the end of a drive.
     fn moved(&mut self, _robot: usize, _time: SimTime, _position: Position) {}
 
     /// A robot met an obstacle.
@@ -46,10 +47,10 @@ pub trait Observer {
     /// A robot has listened at stop `index` of the log, from `stop.time` until `end`, and heard `receptions`.
     fn stopped(&mut self, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
 
-    /// A frame was on air; told at its end, and only if [`Observer::wants_frames`].
+    /// A frame was on air; called at its end, and only if [`Observer::wants_frames`].
     fn framed(&mut self, _frame: FrameOnAir<'_>) {}
 
-    /// Whether frames are to be told.
+    /// Whether [`Observer::framed`] is called.
     fn wants_frames(&self) -> bool {
         false
     }
@@ -60,20 +61,20 @@ pub trait Observer {
     }
 }
 
-/// How far a simulation is.
+/// Progress of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// Now.
+    /// Current time.
     pub time: SimTime,
-    /// Stops so far, of all robots.
+    /// Number of stops so far, of all robots.
     pub stops: usize,
-    /// Nodes heard at least once.
+    /// Number of nodes heard at least once.
     pub nodes_heard: usize,
-    /// All nodes.
+    /// Number of all nodes.
     pub nodes: usize,
 }
 
-/// Watches nothing.
+/// Ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unobserved;
 

@@ -1,4 +1,4 @@
-//! Robots under way: they drive, stop, listen for a slot, and drive on.
+//! Robots on their survey: they drive, stop, listen for a slot, and continue.
 
 use std::time::Duration;
 
@@ -9,13 +9,13 @@ use sextant_mac::responder::Responder;
 use crate::survey::RobotRecord;
 use crate::{CommandOutcome, Ending, Heard, Robot, RobotCommand, Situation};
 
-/// How near to an obstacle a blocked robot halts, beyond the radius of its hull [m].
+/// Gap between the hull of a blocked robot and the obstacle [m].
 const HALT_M: f64 = 1e-3;
 
-/// Commands in a row that take no time, at most: a controller that gives more is stuck.
+/// Largest number of commands in a row that take no time; a controller that gives more is stuck.
 const IDLE_COMMANDS: u32 = 1000;
 
-/// What a robot does.
+/// Current activity of a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Activity {
     Driving { to: Position, blocked_at: Option<Position> },
@@ -23,10 +23,10 @@ enum Activity {
     Finished,
 }
 
-/// What a robot decided: what it does now, and until when.
+/// The decision of a robot: what it does next, and until when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Decision {
-    /// It drives; met an obstacle ahead if `contact`.
+    /// It drives; `contact` is the point of contact if an obstacle is ahead.
     Drive { span: Duration, contact: Option<Position> },
     /// It listens.
     Listen { span: Duration },
@@ -34,7 +34,7 @@ pub(crate) enum Decision {
     Finish,
 }
 
-/// A robot under way.
+/// A robot on its survey.
 pub(crate) struct Pilot {
     id: RobotId,
     robot: Robot,
@@ -48,15 +48,15 @@ pub(crate) struct Pilot {
     ending: Option<(Ending, SimTime)>,
 }
 
-/// What was heard in a slot, by node.
+/// Packets heard in a slot, by node.
 struct Tally {
     slot: Vec<Slot>,
     heard: Vec<NodeId>,
-    /// Packets of all slots before.
+    /// Number of packets of all earlier slots.
     total: Vec<u32>,
 }
 
-/// What was heard of one node in a slot.
+/// Packets heard of one node in a slot.
 #[derive(Clone, Copy, Debug, Default)]
 struct Slot {
     packets: u32,
@@ -96,14 +96,14 @@ impl Pilot {
         self.activity == Activity::Finished
     }
 
-    /// The packet `sequence` of `node` was received in this slot.
+    /// Counts the packet `sequence` of `node`, which was received in this slot.
     pub(crate) fn note(&mut self, node: NodeId, sequence: u8, power: Milliwatts) {
         let slot = &mut self.tally.slot[node.index()];
         if slot.packets == 0 {
             self.tally.heard.push(node);
             slot.sent = 1;
         } else {
-            // Sequence numbers count modulo 256: a gap of 256 packets or more would look shorter.
+            // Sequence numbers are modulo 256: a gap of 256 packets or more looks shorter.
             slot.sent += u32::from(sequence.wrapping_sub(slot.last_sequence)).max(1);
         }
         slot.packets += 1;
@@ -111,7 +111,7 @@ impl Pilot {
         slot.last_sequence = sequence;
     }
 
-    /// The drive is over: the robot is where it was sent, or before an obstacle.
+    /// The drive is over: the robot is at its destination, or in front of an obstacle.
     pub(crate) fn arrive(&mut self, now: SimTime, obstacles: &ObstacleField, first: bool) -> Decision {
         let Activity::Driving { to, blocked_at } = self.activity else {
             unreachable!("a robot arrives only from a drive");
@@ -126,7 +126,7 @@ impl Pilot {
         self.decide(now, outcome, obstacles)
     }
 
-    /// The slot is over: the stop, what was heard, and what comes next.
+    /// The slot is over: the stop, what was heard, and the next decision.
     pub(crate) fn end_slot(
         &mut self,
         now: SimTime,
@@ -186,7 +186,7 @@ impl Pilot {
         Decision::Finish
     }
 
-    /// How far towards `to` the robot gets, and the point of the obstacle that it meets there.
+    /// The place that the robot reaches on the way to `to`, and the point of contact on the obstacle there, if any.
     fn way(&self, to: Position, obstacles: &ObstacleField) -> (Position, Option<Position>) {
         let length_m = self.position.distance_m(to);
         if length_m <= 0.0 {
@@ -215,7 +215,7 @@ impl Pilot {
 }
 
 impl Tally {
-    /// What was heard, by node; the tally is empty afterwards.
+    /// Returns what was heard, by node, and empties the tally.
     fn take(&mut self) -> Vec<Heard> {
         self.heard.sort_unstable();
         let heard = self.heard.drain(..).map(|node| {

@@ -1,4 +1,5 @@
-//! What a simulation draws random numbers for. Never renumber: each number belongs to one purpose of the whole program.
+//! What a simulation draws random numbers for. Never renumber: each number belongs to one purpose of the whole
+//! program.
 
 use sextant_kernel::Purpose;
 
@@ -12,7 +13,7 @@ pub(crate) const BACKOFF: Purpose = Purpose::new(3);
 pub(crate) const RECEPTION: Purpose = Purpose::new(5);
 /// First sequence number of a node.
 pub(crate) const SEQUENCE: Purpose = Purpose::new(6);
-/// Which nodes know their place.
+/// Choice of anchors.
 pub(crate) const ANCHORS: Purpose = Purpose::new(9);
 /// Phases, backoffs and losses of neighbour discovery.
 pub(crate) const DISCOVERY: Purpose = Purpose::new(10);

@@ -1,4 +1,4 @@
-//! The radios of the stations: what they send with and from which power on they hear.
+//! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::SettingError;
 use sextant_mac::oqpsk;
 
-/// From the sensitivity up to the threshold of carrier sense (IEEE 802.15.4-2006, 6.9.9: at most 10 dB).
+/// Threshold of carrier sense above the sensitivity (IEEE 802.15.4-2006, 6.9.9: at most 10 dB).
 const CCA_MARGIN: Db = Db(10.0);
 
 /// The radios of all stations, as written in a scenario.
@@ -15,9 +15,9 @@ const CCA_MARGIN: Db = Db(10.0);
 pub struct RadioConfig {
     /// Transmit power, as received at the reference distance of the path loss without shadowing [dBm].
     pub tx_power_dbm: f64,
-    /// Least power of a frame that can be received [dBm].
+    /// Minimum power of a frame that can be received [dBm].
     pub sensitivity_dbm: f64,
-    /// Mean power over the window of carrier sense from which on the channel is busy [dBm];
+    /// Mean power over the window of carrier sense at or above which the channel is busy [dBm];
     /// 10 dB above the sensitivity if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cca_threshold_dbm: Option<f64>,
@@ -61,13 +61,13 @@ impl Radio {
         self.tx_power
     }
 
-    /// Least power of a frame that can be received.
+    /// Minimum power of a frame that can be received.
     #[must_use]
     pub fn sensitivity(&self) -> Dbm {
         self.sensitivity
     }
 
-    /// Power from which on carrier sense finds the channel busy.
+    /// Power at or above which carrier sense finds the channel busy.
     #[must_use]
     pub fn cca_threshold(&self) -> Dbm {
         self.cca_threshold

@@ -1,9 +1,9 @@
-//! One radio that listens: which signals are at its antenna, which of them it follows, what survives.
+//! One radio that listens: the signals at its antenna, the signal that it follows, and the outcome.
 //!
-//! Rules of the `lock` receiver (ns-3 `lr-wpan` has the same): a signal above the sensitivity that starts while the
-//! radio is free is tracked; at the end of its preamble, if the radio is still free and the signal stands
-//! out by more than -5 dB, the radio locks on to it until its end. Whatever else arrives is interference.
-//! Interference is constant between changes, so the receiver settles its accounts at each change only.
+//! Rules of the `lock` receiver (the same as ns-3 `lr-wpan`): a signal above the sensitivity that starts while the
+//! radio is free is tracked. At the end of its preamble, if the radio is still free and the ratio of signal to
+//! interference and noise is above -5 dB, the radio locks on to the signal until its end. All other signals are
+//! interference. Interference is constant between changes, so the receiver updates its state only at changes.
 
 use std::time::Duration;
 
@@ -13,10 +13,10 @@ use sextant_mac::oqpsk;
 
 use crate::{FrameOutcome, ReceptionModel};
 
-/// Least ratio of signal to interference and noise at the end of the preamble.
+/// Minimum ratio of signal to interference and noise at the end of the preamble.
 const LOCK_THRESHOLD: Db = Db(-5.0);
 
-/// What every receiver of a simulation has in common.
+/// Rules of all receivers of a simulation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReceptionRules {
     pub(crate) model: ReceptionModel,
@@ -32,13 +32,13 @@ struct Incoming {
     packet: u64,
     power: Milliwatts,
     preamble_end: SimTime,
-    /// Began while the receiver listened and was free, strong enough to be followed.
+    /// Whether it began while the receiver listened and was free, and is strong enough to be followed.
     tracked: bool,
-    /// Began while the receiver listened.
+    /// Whether it began while the receiver listened.
     whole: bool,
-    /// Shared the antenna with another audible signal (model `overlap`) or any other signal.
+    /// Whether it overlapped with another signal; with the model `overlap`, with another audible signal.
     disturbed: bool,
-    /// Least ratio of signal to interference and noise so far, as a factor.
+    /// Smallest ratio of signal to interference and noise so far, as a factor.
     least_sinr: f64,
     /// Natural logarithm of the probability that no bit is wrong so far.
     log_intact: f64,
@@ -59,20 +59,20 @@ impl Receiver {
         self.listening
     }
 
-    /// Starts to listen; signals that are on air already are added with [`Receiver::begin`] as not `whole`.
+    /// Starts to listen; signals that are already on air are added with [`Receiver::begin`] as not `whole`.
     pub(crate) fn start(&mut self, now: SimTime) {
         self.listening = true;
         self.settled = now;
     }
 
-    /// Stops to listen; what was being received is lost.
+    /// Stops listening; a frame that is being received is lost.
     pub(crate) fn stop(&mut self) {
         self.listening = false;
         self.signals.clear();
         self.locked = None;
     }
 
-    /// A signal of `power` is at the antenna from `now` on; `whole` if its start was not missed.
+    /// A signal of `power` is at the antenna from `now` on; `whole` if the receiver was on at its start.
     pub(crate) fn begin(
         &mut self,
         now: SimTime,
@@ -105,7 +105,7 @@ impl Receiver {
         });
     }
 
-    /// The signal of `packet` ends at `now`: its power and what became of it, or `None` if it never was at the
+    /// The signal of `packet` ends at `now`: returns its power and its outcome, or `None` if it was never at the
     /// antenna while the radio listened. `luck` is uniform in (0, 1).
     pub(crate) fn end(
         &mut self,
@@ -144,7 +144,7 @@ impl Receiver {
         Some((signal.power, fate))
     }
 
-    /// Brings the accounts of all tracked signals up to `now`, under the signals present until now.
+    /// Updates all tracked signals until `now`, with the signals present until now.
     fn settle(&mut self, now: SimTime, rules: &ReceptionRules) {
         let since = std::mem::replace(&mut self.settled, now);
         if now == since || matches!(rules.model, ReceptionModel::Overlap) {
@@ -204,7 +204,7 @@ mod tests {
         SimTime::ZERO + Duration::from_micros(us)
     }
 
-    /// What becomes of frames of 832 us, each (start in us, power in dBm), at one receiver that listens throughout.
+    /// Outcomes of frames of 832 us, each (start in us, power in dBm), at one receiver that always listens.
     fn fates(model: ReceptionModel, luck: f64, frames: &[(u64, f64)]) -> Vec<FrameOutcome> {
         let rules = rules(model);
         let mut receiver = Receiver::default();
@@ -231,7 +231,7 @@ mod tests {
     const CAPTURE: ReceptionModel = ReceptionModel::SinrThreshold { least: 1.995 };
 
     #[test]
-    fn alone_a_frame_is_received_if_it_is_strong_enough() {
+    fn a_frame_without_interference_is_received_if_it_is_strong_enough() {
         for model in [ReceptionModel::Overlap, CAPTURE, ReceptionModel::Ber] {
             assert_eq!(fates(model, 0.5, &[(0, -80.0)]), [FrameOutcome::Received], "{model:?}");
             assert_eq!(fates(model, 0.5, &[(0, -90.1)]), [FrameOutcome::Weak], "{model:?}");
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn overlap_destroys_both_whatever_their_powers_but_not_if_one_is_inaudible() {
+    fn overlap_destroys_both_frames_at_any_power_unless_one_is_inaudible() {
         let both = [FrameOutcome::Collided, FrameOutcome::Collided];
         assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (831, -80.0)]), both);
         assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (832, -80.0)]), [FrameOutcome::Received; 2]);
@@ -264,12 +264,12 @@ mod tests {
     }
 
     #[test]
-    fn a_receiver_that_is_locked_does_not_change_over_to_a_stronger_frame() {
+    fn a_locked_receiver_does_not_switch_to_a_stronger_frame() {
         assert_eq!(
             fates(CAPTURE, 0.5, &[(0, -80.0), (129, -50.0)]),
             [FrameOutcome::Collided, FrameOutcome::Collided]
         );
-        // Within the preamble of a much weaker frame it still does: that frame never gets the lock.
+        // During the preamble of a much weaker frame it does: the receiver has not locked on to that frame.
         assert_eq!(
             fates(CAPTURE, 0.5, &[(0, -80.0), (127, -50.0)]),
             [FrameOutcome::Collided, FrameOutcome::Received]
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn what_began_before_the_receiver_listened_is_interference_only() {
+    fn a_frame_that_began_before_the_receiver_listened_is_only_interference() {
         let rules = rules(CAPTURE);
         let mut receiver = Receiver::default();
         receiver.start(at(100));

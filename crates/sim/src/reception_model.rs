@@ -1,11 +1,11 @@
-//! When a frame that arrives is received.
+//! The rules that decide whether a frame is received.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Db;
 use sextant_kernel::SettingError;
 
-/// When a frame that arrives is received, as written in a scenario.
+/// The rule that decides whether a frame is received, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum ReceptionConfig {
@@ -15,8 +15,8 @@ pub enum ReceptionConfig {
     /// The ratio of signal to interference and noise stays at or above a threshold during the whole frame
     /// (capture).
     SinrThreshold(SinrThresholdConfig),
-    /// Bits are lost at the rate of O-QPSK with DSSS (IEEE 802.15.4-2006 annex E); the frame survives with
-    /// the probability that none is.
+    /// Bit errors occur at the rate of O-QPSK with DSSS (IEEE 802.15.4-2006 annex E); the frame is received with
+    /// the probability that it has no bit error.
     Ber {},
 }
 
@@ -24,7 +24,7 @@ pub enum ReceptionConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SinrThresholdConfig {
-    /// Least ratio of the signal to interference and noise [dB].
+    /// Minimum ratio of signal to interference and noise [dB].
     #[serde(default = "default_threshold_db")]
     pub threshold_db: f64,
 }
@@ -39,14 +39,14 @@ impl Default for ReceptionConfig {
     }
 }
 
-/// When a frame that arrives is received.
+/// The rule that decides whether a frame is received.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReceptionModel {
     /// Two audible signals that overlap destroy each other.
     Overlap,
-    /// Received if signal over interference and noise never falls below this factor.
+    /// Received if the ratio of signal to interference and noise never falls below a threshold.
     SinrThreshold {
-        /// Least ratio, as a factor.
+        /// Minimum ratio, as a factor.
         least: f64,
     },
     /// Received with the probability that no bit is wrong.

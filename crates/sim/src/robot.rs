@@ -9,18 +9,18 @@ use sextant_kernel::SettingError;
 
 use crate::Controller;
 
-/// A robot, as written in a scenario; `C` says what drives it.
+/// A robot, as written in a scenario; `C` is the configuration of its controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotConfig<C> {
-    /// Name, also of its topics in the recording.
+    /// Name, also used in its topics of the recording.
     pub name: String,
     /// Where it starts [m].
     pub start_m: Position,
     /// How fast it drives [m/s].
     #[serde(default = "default_speed_m_per_s")]
     pub speed_m_per_s: f64,
-    /// Radius of its hull: how near it comes to obstacles [m].
+    /// Radius of its hull: its minimum distance from obstacles [m].
     #[serde(default = "default_radius_m")]
     pub radius_m: f64,
     /// How long it listens at each stop [s].

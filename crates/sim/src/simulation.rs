@@ -1,4 +1,4 @@
-//! The only event loop.
+//! The event loop.
 
 mod coordination;
 mod frames;
@@ -26,10 +26,10 @@ use crate::{FrameOutcome, HeardFrame, Mac, Observer, Radio, ReceptionModel, Robo
 
 use robots::RobotRadio;
 
-/// PAN that all stations belong to.
+/// PAN of all stations.
 pub(crate) const PAN: u16 = 0x5E87;
 
-/// How far below the noise a signal may be neglected.
+/// Signals this far below the noise may be neglected.
 pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
 
 /// Everything that a simulation needs.
@@ -37,19 +37,19 @@ pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
 pub struct Setup {
     /// The world.
     pub world: World,
-    /// What links do to power.
+    /// The law of the radio channel.
     pub channel: ChannelLaw,
     /// The radios.
     pub radio: Radio,
-    /// When frames are received.
+    /// The rule that decides whether a frame is received.
     pub reception: ReceptionModel,
     /// The physical layer.
     pub phy: Phy,
     /// Channel access of the nodes.
     pub mac: Mac,
-    /// What the nodes send, and when.
+    /// Traffic of the nodes.
     pub traffic: Traffic,
-    /// What the nodes' radios draw.
+    /// Energy model of the nodes' radios.
     pub radio_states: RadioStates,
     /// The robots.
     pub robots: Vec<Robot>,
@@ -57,12 +57,12 @@ pub struct Setup {
     pub seed: Seed,
 }
 
-/// A simulation: it runs once, to its end.
+/// A simulation that runs once, to its end.
 pub struct Simulation {
     world: World,
     network: Network,
     macs: Vec<NodeMac>,
-    /// The first robot's, if it coordinates.
+    /// The state machine of the first robot as coordinator, with a beacon-enabled MAC.
     coordinator: Option<Coordinator>,
     pilots: Vec<Pilot>,
     traffic: Traffic,
@@ -85,14 +85,16 @@ impl Simulation {
     /// A simulation, ready to run.
     ///
     /// # Errors
-    /// If the frames have no room for the addresses, several robots are to
-    /// hear frames that are sent to one, or superframes do not fit world, robots and traffic.
+    /// If the frames are too small for the addresses, there are several robots but frames are sent to one of them,
+    /// or the superframes do not fit the world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
         let Setup { world, channel, radio, reception, phy, mac, traffic, radio_states, robots, seed } = setup;
         let nodes = world.nodes.len();
         if traffic.is_acknowledged() && robots.len() > 1 {
-            let allowed =
-                format!("one robot with `{}`: nodes send to the first, and no other hears them", traffic.key());
+            let allowed = format!(
+                "one robot with `{}`: nodes send to the first robot, and the others do not hear them",
+                traffic.key()
+            );
             return Err(SettingError::new("robots", format!("a list of {}", robots.len()), allowed));
         }
         let last = NodeId::from_index((nodes + robots.len()).saturating_sub(1));
@@ -174,7 +176,7 @@ impl Simulation {
         })
     }
 
-    /// Runs until the last robot has finished, or the observer ends it.
+    /// Runs until the last robot has finished, or the observer ends the simulation.
     pub fn run(mut self, observer: &mut impl Observer) -> Survey {
         self.begin();
         let mut interrupted = false;
@@ -213,7 +215,7 @@ impl Simulation {
         }
     }
 
-    /// The next frame of a node's application is due in its time.
+    /// Schedules the next frame of a node's application.
     fn schedule_frame(&mut self, node: NodeId) {
         let count = self.network.nodes[node.index()].frames;
         if let Some(due) = self.traffic.due(self.network.seed, node, count) {
@@ -221,7 +223,7 @@ impl Simulation {
         }
     }
 
-    /// A node's application hands a frame to its MAC.
+    /// A node's application gives a frame to its MAC.
     fn offer(&mut self, node: NodeId) {
         let state = &mut self.network.nodes[node.index()];
         state.frames += 1;
@@ -254,7 +256,7 @@ impl Simulation {
         }
     }
 
-    /// The last symbol of a node's frame is on air: who got it?
+    /// A node's frame ends: finds its outcome at the robots.
     fn end_frame(&mut self, node: NodeId, observer: &mut impl Observer) {
         let state = &mut self.network.nodes[node.index()];
         let transmission = state.transmission.take().expect("only a frame on air ends");

@@ -1,4 +1,4 @@
-//! When the nodes have something to send.
+//! Traffic: when the nodes have frames to send.
 
 use std::time::Duration;
 
@@ -12,12 +12,13 @@ use crate::purpose;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum TrafficConfig {
-    /// Each node broadcasts a short frame once an interval, at a phase of its own. With a beacon-enabled MAC the frame waits
-    /// for the next superframe of which the node hears the beacon, and one that comes meanwhile is lost; an interval near
-    /// the beacon interval gives each superframe about one frame a node.
+    /// Each node broadcasts a short frame once per interval, with its own phase. With a beacon-enabled MAC the frame
+    /// waits for the next superframe whose beacon the node hears; another frame that comes in the meantime is lost.
+    /// An interval near the beacon interval gives about one frame per node in each superframe.
     Beacon(BeaconConfig),
-    /// All nodes have one frame at the same instant, as if a robot had asked. With a beacon-enabled MAC each sends it once, in
-    /// the first superframe of which it hears the beacon: for studies of contention, too little for surveys.
+    /// All nodes have one frame at the same instant, as if a robot had asked. With a beacon-enabled MAC each node
+    /// sends it once, in the first superframe whose beacon it hears. For studies of contention; not enough for
+    /// surveys.
     Query(QueryConfig),
 }
 
@@ -25,28 +26,28 @@ pub enum TrafficConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BeaconConfig {
-    /// Length of the frame, header and check sequence included [octets]: 11 to 127.
+    /// Length of the frame, header and frame check sequence included [octets]: 11 to 127.
     #[serde(default = "default_mpdu_octets")]
     pub mpdu_octets: u8,
     /// Mean time between two broadcasts of a node [s].
     #[serde(default = "default_interval_s")]
     pub interval_s: f64,
-    /// Each broadcast is early or late by up to this share of the interval, uniformly: 0 to 0.5.
+    /// Each broadcast is early or late by up to this share of the interval, uniformly distributed: 0 to 0.5.
     #[serde(default = "default_jitter")]
     pub jitter: f64,
 }
 
-/// One frame a node, as written in a scenario.
+/// One frame per node, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QueryConfig {
-    /// Length of the frame, header and check sequence included [octets]: 11 to 127.
+    /// Length of the frame, header and frame check sequence included [octets]: 11 to 127.
     #[serde(default = "default_mpdu_octets")]
     pub mpdu_octets: u8,
     /// When all nodes get their frame [s].
     #[serde(default)]
     pub at_s: f64,
-    /// Whether the frame is sent to the first robot and asks for an acknowledgement; else it is broadcast.
+    /// Whether the frame is sent to the first robot and requests an acknowledgement; otherwise it is broadcast.
     #[serde(default)]
     pub acknowledged: bool,
 }
@@ -63,7 +64,7 @@ fn default_jitter() -> f64 {
     0.1
 }
 
-/// When the nodes have something to send, and what.
+/// The traffic of the nodes: their frames, and when these are due.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traffic {
     mpdu_octets: u8,
@@ -111,19 +112,19 @@ impl TryFrom<TrafficConfig> for Traffic {
 }
 
 impl Traffic {
-    /// Length of each frame, header and check sequence included [octets].
+    /// Length of each frame, header and frame check sequence included [octets].
     #[must_use]
     pub fn mpdu_octets(&self) -> u8 {
         self.mpdu_octets
     }
 
-    /// Whether frames go to the first robot and ask for an acknowledgement.
+    /// Whether frames go to the first robot and request an acknowledgement.
     #[must_use]
     pub fn is_acknowledged(&self) -> bool {
         self.acknowledged
     }
 
-    /// The key of the table that says so in a scenario.
+    /// The key of its table in a scenario.
     pub(crate) fn key(&self) -> &'static str {
         match self.schedule {
             Schedule::Periodic { .. } => "traffic.beacon",
@@ -133,8 +134,9 @@ impl Traffic {
 
     /// When `node` gets its frame number `count` (from zero); `None` if it gets no such frame.
     ///
-    /// Broadcast k is due at (k + phase + jitter u) intervals, the phase drawn once a node and u in (-1, 1) once a
-    /// broadcast: jitter does not add up, so each window of (1 + 2 jitter) intervals holds at least one.
+    /// Broadcast k is due at (k + phase + jitter u) intervals. The phase is drawn once per node, u in (-1, 1) once
+    /// per broadcast. Jitter does not accumulate, so each window of (1 + 2 jitter) intervals has at least one
+    /// broadcast.
     #[must_use]
     pub fn due(&self, seed: Seed, node: NodeId, count: u64) -> Option<SimTime> {
         match self.schedule {
@@ -142,7 +144,7 @@ impl Traffic {
             Schedule::Periodic { interval, jitter } => {
                 let phase = seed.uniform(purpose::TRAFFIC, [node.0.into(), 0, 0]);
                 let shift = 2.0 * seed.uniform(purpose::TRAFFIC, [node.0.into(), 1, count]) - 1.0;
-                // The first interval is skipped by as much as the jitter may come early.
+                // The start is later by the jitter, so that the first broadcast is not before zero.
                 let periods = interval * u32::try_from(count).ok()?;
                 let offset = interval.mul_f64(phase + jitter * (1.0 + shift));
                 Some(SimTime::ZERO + periods + offset)
@@ -156,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_window_of_an_interval_and_twice_the_jitter_holds_a_broadcast() {
+    fn each_window_of_an_interval_and_twice_the_jitter_has_a_broadcast() {
         let traffic =
             Traffic::try_from(TrafficConfig::Beacon(BeaconConfig { mpdu_octets: 20, interval_s: 1.0, jitter: 0.1 }))
                 .unwrap();
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_traffic_is_refused() {
+    fn invalid_traffic_is_rejected() {
         let beacon = |mpdu_octets, interval_s, jitter| {
             Traffic::try_from(TrafficConfig::Beacon(BeaconConfig { mpdu_octets, interval_s, jitter }))
                 .map_err(|error| error.key)

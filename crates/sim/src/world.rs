@@ -1,4 +1,4 @@
-//! The world as it is, which no robot and no mapper knows.
+//! The true world, which robots and mappers do not know.
 
 use std::path::{Path, PathBuf};
 
@@ -13,17 +13,17 @@ use crate::layout::{NodesConfig, PlacedNode};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WorldConfig {
-    /// Where the nodes are.
+    /// The layout of the nodes.
     pub nodes: NodesConfig,
-    /// What stands in the way of radio and robots.
+    /// The obstacles to radio and robots.
     #[serde(default)]
     pub obstacles: Vec<ObstacleConfig>,
 }
 
-/// The world as it is.
+/// The true world.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The nodes; the index is the identity.
+    /// The nodes; the index is the [`NodeId`](sextant_kernel::NodeId).
     pub nodes: Vec<PlacedNode>,
     /// The obstacles.
     pub obstacles: ObstacleField,
@@ -42,7 +42,7 @@ impl WorldConfig {
     /// Sets up the world: the obstacles first, the nodes between them. Paths are relative to `folder`.
     ///
     /// # Errors
-    /// If an obstacle has no volume, a node stands in an obstacle, or the nodes do not fit.
+    /// If an obstacle has no volume, a node is in an obstacle, or the nodes do not fit.
     pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
         let obstacles = Self::set_up_obstacles(&self.obstacles, folder)?;
         let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;

@@ -13,7 +13,8 @@ use super::placed::{PlacedNode, fault, twin};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CsvConfig {
-    /// A CSV file with the columns `node`, `x_m`, `y_m` and, optional, `z_m`; relative to the scenario's folder.
+    /// A CSV file with the columns `node`, `x_m`, `y_m` and, optionally, `z_m`; its path is relative to the
+    /// scenario's folder.
     pub file: PathBuf,
 }
 
@@ -54,7 +55,7 @@ impl CsvConfig {
             return Err(refuse(
                 1,
                 format!("no column `{column}`"),
-                "the columns `node`, `x_m`, `y_m`, and optional `z_m`",
+                "the columns `node`, `x_m`, `y_m` and, optionally, `z_m`",
             ));
         }
         let (mut nodes, mut lines) = (Vec::new(), Vec::new());
@@ -82,7 +83,7 @@ impl CsvConfig {
             return Err(refuse(lines[i], what, "a name that no other node has"));
         }
         if nodes.is_empty() {
-            let found = format!("`{}`, without a row", self.file.display());
+            let found = format!("`{}`, without any rows", self.file.display());
             return Err(SettingError::new("file", found, "at least one node"));
         }
         Ok(nodes)
@@ -97,11 +98,11 @@ fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
     (before.matches('\n').count() + skipped + 1) as u64
 }
 
-/// What is wrong with a row that is not one.
+/// What is wrong with a row that cannot be read.
 fn row_fault(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("{len} cells below {expected_len} columns")
+            format!("{len} cells for {expected_len} columns")
         }
         _ => error.to_string(),
     }
@@ -136,14 +137,14 @@ mod tests {
     }
 
     #[test]
-    fn a_bad_row_is_named_by_its_line() {
+    fn an_error_in_a_row_names_its_line() {
         let line = |text| parse(text).unwrap_err();
         assert_eq!(line("node,x_m,y_m\na,0,0\nb,zero,0\n"), "`nodes.csv`, line 3: `zero` in the column `x_m`");
-        assert_eq!(line("node,x_m,y_m\n\n# b\na,0\n"), "`nodes.csv`, line 4: 2 cells below 3 columns");
+        assert_eq!(line("node,x_m,y_m\n\n# b\na,0\n"), "`nodes.csv`, line 4: 2 cells for 3 columns");
         assert_eq!(line("node,x_m,y_m\na,NaN,0\n"), "`nodes.csv`, line 2: node `a` at [NaN, 0, 0]");
         assert_eq!(line("node,x_m,y_m\na,0,0\nb,1,1\na,2,2\n"), "`nodes.csv`, line 4: node `a` again, as in line 2");
         assert_eq!(line("node,x_m,height\na,0,0\n"), "`nodes.csv`, line 1: column `height`");
         assert_eq!(line("node,x_m\na,0\n"), "`nodes.csv`, line 1: no column `y_m`");
-        assert_eq!(line("node,x_m,y_m\n"), "`nodes.csv`, without a row");
+        assert_eq!(line("node,x_m,y_m\n"), "`nodes.csv`, without any rows");
     }
 }

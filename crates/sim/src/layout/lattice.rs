@@ -9,7 +9,7 @@ use crate::purpose;
 
 use super::{Region, RegionConfig};
 
-/// Sites of a lattice, at most; more are refused before they are visited.
+/// Largest number of sites of a lattice; more sites are rejected before they are visited.
 const MAX_SITES: f64 = 4e6;
 
 /// Nodes on a jittered lattice, as written in a scenario.
@@ -21,29 +21,29 @@ pub struct LatticeConfig {
     /// Each node is moved from its site by up to this much along each axis, uniform at random [m].
     #[serde(default)]
     pub jitter_m: f64,
-    /// Number of nodes. If more sites fit, a random choice of them is taken; all of them if absent.
+    /// Number of nodes. If more sites fit, that many are chosen at random; all sites if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<usize>,
-    /// A site of the lattice [m]; half a spacing from the least corner of the region's bounds if absent.
+    /// A site of the lattice [m]; half a spacing from the smallest corner of the region's bounds if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin_m: Option<Position>,
-    /// Distance of each node from all obstacles, at least [m].
+    /// Minimum distance of each node from all obstacles [m].
     #[serde(default)]
     pub clearance_m: f64,
-    /// Where the nodes are.
+    /// The region of the nodes.
     pub region: RegionConfig,
 }
 
-/// A site that a node fits on.
+/// A site that has room for a node.
 struct Site {
-    /// Place of the site in the random order of choice.
+    /// Position of the site in the random order of choice.
     lot: u64,
     position: Position,
 }
 
 impl LatticeConfig {
-    /// The places: row by row, or, if a `count` is chosen, in the order of choice, so that a greater count leaves
-    /// those chosen before unchanged.
+    /// The places: row by row or, if there is a `count`, in the order of choice, so that a larger count keeps the
+    /// places of a smaller one.
     pub(super) fn place(&self, obstacles: &ObstacleField, seed: Seed) -> Result<Vec<Position>, SettingError> {
         let region = Region::try_from(&self.region).map_err(|error| error.within("region"))?;
         SettingError::positive("spacing_m", self.spacing_m)?;
@@ -58,11 +58,11 @@ impl LatticeConfig {
         }
         let sites = site_count(&region, self.spacing_m);
         if sites > MAX_SITES {
-            let found = format!("{}, which makes {sites:.0} sites", self.spacing_m);
+            let found = format!("{}, which gives {sites:.0} sites", self.spacing_m);
             return Err(SettingError::new(
                 "spacing_m",
                 found,
-                format!("a spacing that makes at most {MAX_SITES:.0} sites"),
+                format!("a spacing that gives at most {MAX_SITES:.0} sites"),
             ));
         }
         let mut sites = self.sites(self.spacing_m, &region, obstacles, seed);
@@ -86,7 +86,7 @@ impl LatticeConfig {
         Ok(sites.into_iter().map(|site| site.position).collect())
     }
 
-    /// The sites that a node fits on, row by row.
+    /// The sites that have room for a node, row by row.
     fn sites(&self, spacing_m: f64, region: &Region, obstacles: &ObstacleField, seed: Seed) -> Vec<Site> {
         let Bounds { min, max } = region.bounds();
         let half = if region.is_planar() { 0.0 } else { 0.5 * spacing_m };
@@ -102,7 +102,8 @@ impl LatticeConfig {
         for k in heights {
             for j in indices(origin.y_m, min.y_m, max.y_m) {
                 for i in indices(origin.x_m, min.x_m, max.x_m) {
-                    // The address is the site's place in the lattice, whatever the region and its other sites.
+                    // The address is the index of the site in the lattice, independent of the region and of other
+                    // sites.
                     let address = [i.cast_unsigned(), j.cast_unsigned(), k.cast_unsigned() << 2];
                     let shift = |axis: u64| {
                         let uniform = seed.uniform(purpose::LAYOUT, [address[0], address[1], address[2] | axis]);
@@ -124,7 +125,7 @@ impl LatticeConfig {
         sites
     }
 
-    /// The error that `count` nodes are more than `fit`, with a spacing at which they would.
+    /// The error that `count` nodes are more than `fit`, with a spacing at which they would fit.
     fn too_many(
         &self,
         count: usize,
@@ -153,7 +154,7 @@ impl LatticeConfig {
     }
 }
 
-/// Number of sites in the bounds of the region, about.
+/// Approximate number of sites in the bounds of the region.
 fn site_count(region: &Region, spacing_m: f64) -> f64 {
     let Bounds { min, max } = region.bounds();
     let size = max - min;

@@ -1,7 +1,7 @@
-//! Where the nodes are: layouts, from a list, a lattice, at random, or from a file.
+//! Layouts of nodes: from a list, on a lattice, at random, or from a file.
 //!
 //! Goes in: a [`NodesConfig`] and the obstacles. Comes out: a name and a place for each node. Each place
-//! is drawn at an address of its own, so that further nodes move nobody.
+//! is drawn at its own address, so that more nodes do not move the others.
 
 mod explicit;
 mod file;

@@ -13,7 +13,7 @@ use super::lattice::LatticeConfig;
 use super::placed::PlacedNode;
 use super::random::RandomConfig;
 
-/// Where the nodes are, as written in a scenario.
+/// The layout of the nodes, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum NodesConfig {
@@ -36,12 +36,11 @@ impl NodesConfig {
         }
     }
 
-    /// Places the nodes among `obstacles`; a relative path is looked up from `base_dir`. The same seed gives the
-    /// same places.
+    /// Places the nodes among `obstacles`; paths are relative to `base_dir`. The same seed gives the same places.
     ///
     /// # Errors
-    /// If a value is outside its domain, a node stands in an obstacle, two have one name, there is no node at all,
-    /// fewer fit than wanted, or a file cannot be read. The key is relative to the table of the nodes.
+    /// If a value is invalid, a node is in an obstacle, two nodes have the same name, there is no node at all,
+    /// fewer nodes fit than requested, or a file cannot be read. The key is relative to the table of the nodes.
     pub fn place(
         &self,
         obstacles: &ObstacleField,

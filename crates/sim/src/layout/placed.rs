@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 
 use sextant_channel::{ObstacleField, Position};
 
-/// A node that has its place.
+/// A node with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedNode {
-    /// Its name: unique in the network.
+    /// Its name, unique in the network.
     pub name: String,
     /// Where it is [m].
     pub position: Position,
 }
 
-/// What is wrong with a node at `position`, if anything: what was found, and what is allowed.
+/// What is wrong with a node at `position`, if anything: the value found, and the values allowed.
 pub(super) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
     let [x, y, z] = position.into();
     if !position.is_finite() {

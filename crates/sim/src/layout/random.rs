@@ -11,10 +11,10 @@ use crate::purpose;
 
 use super::{Region, RegionConfig};
 
-/// Draws for one node, at most, before the region counts as full.
+/// Largest number of draws for one node before the region counts as full.
 const DRAWS: u64 = 10_000;
 
-/// Nodes, at most.
+/// Largest number of nodes.
 const MAX_COUNT: usize = 4_000_000;
 
 /// Nodes uniform at random, as written in a scenario.
@@ -23,19 +23,19 @@ const MAX_COUNT: usize = 4_000_000;
 pub struct RandomConfig {
     /// Number of nodes.
     pub count: usize,
-    /// Distance between any two nodes, at least [m].
+    /// Minimum distance between any two nodes [m].
     #[serde(default)]
     pub min_distance_m: f64,
-    /// Distance of each node from all obstacles, at least [m].
+    /// Minimum distance of each node from all obstacles [m].
     #[serde(default)]
     pub clearance_m: f64,
-    /// Where the nodes are.
+    /// The region of the nodes.
     pub region: RegionConfig,
 }
 
 impl RandomConfig {
-    /// The places. Each node draws at addresses of its own until its place fits those before it, so that a greater
-    /// count leaves the first nodes where they are.
+    /// The places. Each node draws at its own addresses until its place fits the places before it, so that a larger
+    /// count does not move the first nodes.
     pub(super) fn place(&self, obstacles: &ObstacleField, seed: Seed) -> Result<Vec<Position>, SettingError> {
         let region = Region::try_from(&self.region).map_err(|error| error.within("region"))?;
         SettingError::not_negative("min_distance_m", self.min_distance_m)?;
@@ -71,7 +71,7 @@ impl RandomConfig {
     }
 }
 
-/// The nodes placed so far, in cells as wide as the distance that they keep.
+/// The nodes placed so far, in cells as wide as their minimum distance.
 struct Placed {
     min_distance_m: f64,
     positions: Vec<Position>,

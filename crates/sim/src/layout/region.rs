@@ -1,4 +1,4 @@
-//! The region that nodes are placed in.
+//! The region of the nodes.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,14 +18,14 @@ pub enum RegionConfig {
     },
     /// An upright rectangle of the plane.
     Rectangle {
-        /// Corner with the least x and y [m].
+        /// Corner with the smallest x and y [m].
         min_m: Position,
-        /// Corner opposite, at the same height [m].
+        /// Opposite corner, at the same height [m].
         max_m: Position,
     },
     /// A polygon of the plane, convex or not.
     Polygon {
-        /// Corners in order, either way round; the sides do not cross [m].
+        /// Corners in order, clockwise or counterclockwise; the sides do not cross [m].
         corners_m: Vec<[f64; 2]>,
         /// Height of the plane [m].
         #[serde(default)]
@@ -40,9 +40,9 @@ pub enum RegionConfig {
     },
     /// An upright box of space.
     Box {
-        /// Corner with the least x, y and z [m].
+        /// Corner with the smallest x, y and z [m].
         min_m: Position,
-        /// Corner opposite [m].
+        /// Opposite corner [m].
         max_m: Position,
     },
     /// An upright cylinder.
@@ -65,7 +65,7 @@ pub struct Region {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
-    /// All of the bounds.
+    /// The whole box of the bounds.
     Bounds,
     /// Within `radius_m` of the upright axis through `center`.
     Round {
@@ -117,7 +117,7 @@ impl Region {
             }
     }
 
-    /// The least upright box round the region.
+    /// The smallest upright box around the region.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         self.bounds
@@ -153,7 +153,7 @@ fn ball(center: Position, radius_m: f64) -> Result<Region, SettingError> {
     Ok(Region { shape: Shape::Ball { center, radius_m }, bounds })
 }
 
-/// All between two corners. A rectangle has them at one height.
+/// The rectangle between two corners, both at the same height.
 fn rectangle(min: Position, max: Position) -> Result<Region, SettingError> {
     let (min, max) = (finite("min_m", min)?, finite("max_m", max)?);
     let size = max - min;
@@ -164,7 +164,7 @@ fn rectangle(min: Position, max: Position) -> Result<Region, SettingError> {
     Err(SettingError::new("max_m", format!("[{x}, {y}, {z}]"), "more than `min_m` in x and y, at the same z"))
 }
 
-/// All between two corners, one above the other.
+/// The box between two corners, one above the other.
 fn upright_box(min: Position, max: Position) -> Result<Region, SettingError> {
     let (min, max) = (finite("min_m", min)?, finite("max_m", max)?);
     let size = max - min;
@@ -204,22 +204,22 @@ fn polygon(corners: &[[f64; 2]], z_m: f64) -> Result<Region, SettingError> {
     }
     if let Some((a, b)) = crossing_sides(corners) {
         let found = format!("a polygon whose sides {a} and {b} cross");
-        return Err(SettingError::new("corners_m", found, "corners in order, so that no two sides cross"));
+        return Err(SettingError::new("corners_m", found, "corners in order, without crossing sides"));
     }
     let area_m2 = 0.5 * sides(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>().abs();
     if area_m2 <= 0.0 {
-        return Err(SettingError::new("corners_m", "a polygon without area", "corners that are not in one line"));
+        return Err(SettingError::new("corners_m", "a polygon without area", "corners that are not on one line"));
     }
     let bounds = Bounds::of(corners.iter().map(|&[x, y]| Position::new(x, y, z_m))).expect("at least 3 corners");
     Ok(Region { shape: Shape::Polygon(corners.to_vec()), bounds })
 }
 
-/// The sides, each from a corner to the next.
+/// The sides, each from one corner to the next.
 fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
-/// Twice the area of the triangle a, b, c: above 0 if it turns left.
+/// Twice the area of the triangle a, b, c: positive if it turns left.
 fn turn([ax, ay]: [f64; 2], [bx, by]: [f64; 2], [cx, cy]: [f64; 2]) -> f64 {
     (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 }
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn regions_have_the_measure_of_their_formulas() {
+    fn regions_have_the_area_or_volume_of_their_formulas() {
         use std::f64::consts::PI;
         let center_m = Position::new(3.0, -1.0, 2.0);
         let disc = region(RegionConfig::Disc { center_m, radius_m: 2.0 }).unwrap();
@@ -278,7 +278,7 @@ mod tests {
         assert!((share(&ball, 80) - PI / 6.0).abs() < 2e-3);
         let cylinder = region(RegionConfig::Cylinder { base_m: center_m, radius_m: 2.0, height_m: 5.0 }).unwrap();
         assert!((share(&cylinder, 80) - PI / 4.0).abs() < 4e-3);
-        // A U: the square of side 4 less a slot of 2 by 3.
+        // A U: a square of side 4 without a slot of 2 by 3.
         let corners_m = vec![[0., 0.], [4., 0.], [4., 4.], [3., 4.], [3., 1.], [1., 1.], [1., 4.], [0., 4.]];
         let letter_u = region(RegionConfig::Polygon { corners_m, z_m: 0.0 }).unwrap();
         assert!((share(&letter_u, 400) - 10.0 / 16.0).abs() < 1e-12);
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn regions_without_measure_are_refused_by_their_key() {
+    fn regions_without_area_or_volume_are_rejected_with_their_key() {
         let key = |config| region(config).unwrap_err().key;
         let origin = Position::ORIGIN;
         assert_eq!(key(RegionConfig::Disc { center_m: origin, radius_m: 0.0 }), "disc.radius_m");

@@ -5,7 +5,7 @@ use sextant_kernel::{Seed, SettingError};
 
 use super::*;
 
-/// A box of 4 by 6 m round the origin, called `shed`.
+/// A box of 4 by 6 m around the origin, called `shed`.
 fn shed() -> ObstacleField {
     let shape = BoxConfig { center_m: Position::ORIGIN, size_m: [4.0, 6.0, 3.0], yaw_deg: 0.0 };
     let shape = ShapeConfig::Box(shape);
@@ -34,7 +34,7 @@ fn random(count: usize) -> RandomConfig {
 }
 
 #[test]
-fn exactly_as_many_nodes_as_wanted_are_inside_the_region_and_clear_of_obstacles() {
+fn the_requested_number_of_nodes_is_inside_the_region_and_clear_of_obstacles() {
     let region = Region::try_from(&disc(8.0)).unwrap();
     for seed in 0..20 {
         for (nodes, clearance_m) in
@@ -78,14 +78,14 @@ fn a_lattice_fills_a_rectangle_with_its_cells() {
 }
 
 #[test]
-fn further_nodes_leave_the_others_where_they_are() {
+fn more_nodes_do_not_move_the_others() {
     let few = positions(&NodesConfig::Lattice(lattice(Some(80))), 3);
     let many = positions(&NodesConfig::Lattice(lattice(Some(130))), 3);
     assert_eq!(many[..80], few);
     let few = positions(&NodesConfig::Random(random(80)), 3);
     let many = positions(&NodesConfig::Random(random(130)), 3);
     assert_eq!(many[..80], few);
-    // A greater region adds sites and moves none.
+    // A larger region adds sites and moves none.
     let origin_m = Some(Position::ORIGIN);
     let small = positions(&NodesConfig::Lattice(LatticeConfig { origin_m, ..lattice(None) }), 3);
     let great = positions(&NodesConfig::Lattice(LatticeConfig { origin_m, region: disc(9.0), ..lattice(None) }), 3);
@@ -107,13 +107,13 @@ fn random_nodes_keep_their_distance_and_spread_evenly() {
     for (i, p) in positions.iter().enumerate() {
         assert!(positions[..i].iter().all(|q| p.distance_m(*q) >= 0.3));
     }
-    // East and west are alike: binomial, five standard deviations are 50 of 400.
+    // East and west have equal chances: binomial, five standard deviations are 50 of 400.
     let east = positions.iter().filter(|p| p.x_m > 0.0).count();
     assert!(east.abs_diff(200) < 50, "{east} in the east");
 }
 
 #[test]
-fn too_many_nodes_are_refused_with_how_many_fit_and_a_spacing_that_would_do() {
+fn too_many_nodes_are_rejected_with_the_number_that_fits_and_a_spacing_that_works() {
     let error = place(&NodesConfig::Lattice(lattice(Some(400))), &shed(), 1).unwrap_err();
     assert_eq!((error.key.as_str(), error.found.as_str()), ("lattice.count", "400"));
     let spacing = error.allowed.rsplit(' ').next().unwrap();
@@ -125,7 +125,7 @@ fn too_many_nodes_are_refused_with_how_many_fit_and_a_spacing_that_would_do() {
 }
 
 #[test]
-fn settings_outside_their_domain_are_refused_by_their_key() {
+fn invalid_settings_are_rejected_with_their_key() {
     let key = |nodes: NodesConfig| place(&nodes, &shed(), 1).unwrap_err().key;
     let on_lattice = |config| key(NodesConfig::Lattice(config));
     assert_eq!(on_lattice(lattice(Some(0))), "lattice.count");
@@ -141,7 +141,7 @@ fn settings_outside_their_domain_are_refused_by_their_key() {
 }
 
 #[test]
-fn listed_nodes_are_refused_in_obstacles_and_without_distinct_names() {
+fn listed_nodes_are_rejected_in_obstacles_and_without_distinct_names() {
     let explicit = |positions_m: Vec<Position>, names: Option<Vec<&str>>| {
         let names = names.map(|names| names.into_iter().map(Into::into).collect());
         place(&NodesConfig::Explicit(ExplicitConfig { positions_m, names }), &shed(), 1)

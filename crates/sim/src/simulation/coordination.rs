@@ -1,4 +1,4 @@
-//! The first robot as coordinator: it sends beacons while it stands and listens, and nodes follow them.
+//! The first robot as coordinator: it sends beacons while it stands and listens, and nodes follow the beacons.
 
 use std::time::Duration;
 
@@ -15,13 +15,13 @@ use crate::event::{Event, RobotEvent};
 use crate::mac::short_address;
 use crate::{Observer, Robot, Traffic, World};
 
-/// The robot that coordinates.
+/// Index of the robot that is the coordinator.
 pub(super) const COORDINATOR: usize = 0;
 
 /// The key of the table of the settings.
 const KEY: &str = "mac.beacon_enabled";
 
-/// The coordinator, its settings checked against world, robots and traffic.
+/// The coordinator, with settings checked against world, robots and traffic.
 pub(super) fn coordinator(
     settings: &BeaconEnabled,
     phy: sextant_mac::Phy,
@@ -49,12 +49,13 @@ pub(super) fn coordinator(
     let (octets, ack) = (traffic.mpdu_octets(), traffic.is_acknowledged());
     for (i, gts) in settings.gts().iter().enumerate() {
         if !coordinator.slot_carries(i, octets, ack) {
-            let allowed = format!("as many as a frame of {octets} octets and what follows it take");
+            let allowed = format!("enough slots for a frame of {octets} octets and what must follow it");
             return Err(SettingError::new(format!("{KEY}.gts[{i}].slots"), gts.slots, allowed));
         }
     }
     if !coordinator.contention_carries(octets, ack) {
-        let allowed = "a size that fits into the contention access period with all that belongs to it";
+        let allowed =
+            "a size that fits into the contention access period with assessments, acknowledgement and spacing";
         return Err(SettingError::new(format!("{}.mpdu_octets", traffic.key()), octets, allowed));
     }
     let interval = coordinator.timing().beacon_interval();
@@ -70,8 +71,8 @@ pub(super) fn coordinator(
 }
 
 impl Simulation {
-    /// A beacon is due one turnaround from now. The clock of beacons never stops; the robot sends those that are due while
-    /// it listens, and opens no superframe when its time at a stop is over.
+    /// A beacon is due one turnaround from now. The schedule of beacons never stops. The robot sends the beacons that
+    /// are due while it listens, and opens no superframe after the end of its time at a stop.
     pub(super) fn prepare_beacon(&mut self) {
         let Some(coordinator) = &mut self.coordinator else { return };
         let interval = coordinator.timing().beacon_interval();
@@ -98,7 +99,7 @@ impl Simulation {
         }
     }
 
-    /// The last symbol of a beacon is on air: the nodes that got it follow it.
+    /// A beacon ends: the nodes that received it follow it.
     fn end_beacon(&mut self, observer: &mut impl Observer) {
         let transmission = self.network.beacon.take().expect("only a beacon on air ends");
         self.network.air.end(self.network.now, &transmission, &mut self.arrivals);
@@ -117,13 +118,14 @@ impl Simulation {
         }
     }
 
-    /// Something happened to a node as it follows beacons.
+    /// Handles an event of a node that follows beacons.
     pub(super) fn handle_tracking(&mut self, node: NodeId, event: device::Event) {
         let now = self.network.now;
         self.macs[node.index()].track(now, event, &mut self.network.radio(node, true));
     }
 
-    /// Whether a robot that has listened long enough may leave: no acknowledgement, no beacon, no superframe is under way.
+    /// Whether a robot that has listened long enough may leave: no acknowledgement, beacon or superframe is under
+    /// way.
     pub(super) fn may_leave(&self, robot: usize) -> bool {
         let superframe_is_over = match &self.coordinator {
             Some(coordinator) if robot == COORDINATOR => {
@@ -134,7 +136,7 @@ impl Simulation {
         superframe_is_over && !self.pilots[robot].responder.is_responding()
     }
 
-    /// From a frame that ends now at `robot` to its acknowledgement.
+    /// Time from a frame that ends now at `robot` to its acknowledgement.
     pub(super) fn ack_gap(&self, robot: usize) -> Duration {
         match &self.coordinator {
             Some(coordinator) if robot == COORDINATOR => coordinator.ack_gap(self.network.now),

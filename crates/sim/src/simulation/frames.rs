@@ -1,4 +1,4 @@
-//! What an observer is told of frames.
+//! Frames for observers.
 
 use sextant_kernel::NodeId;
 
@@ -7,7 +7,7 @@ use crate::air::{Arrival, Transmission};
 use crate::{FrameOnAir, FrameOutcome, HeardFrame, Observer};
 
 impl Simulation {
-    /// Tells of the frame in `mpdu`, which ends now and has arrived as `arrivals` say; `best` became of it.
+    /// Tells the observer of the frame in `mpdu`, which ends now, with its `arrivals` and its `best` outcome.
     pub(super) fn tell_frame(
         &mut self,
         transmission: &Transmission,
@@ -37,7 +37,7 @@ impl Simulation {
         });
     }
 
-    /// The best that became at any node of a robot's frame, which has arrived as `arrivals` say.
+    /// The best outcome of a robot's frame at any node, by `arrivals`.
     pub(super) fn best_at_nodes(&self) -> FrameOutcome {
         let is_at_node = |arrival: &&Arrival| arrival.station < NodeId::from_index(self.macs.len());
         self.arrivals

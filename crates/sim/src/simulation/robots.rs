@@ -1,4 +1,4 @@
-//! What happens to robots: they arrive, listen, acknowledge, send beacons, and are told what to do next.
+//! Events of robots: they arrive, listen, acknowledge, send beacons, and get the next command.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use crate::pilot::Decision;
 use crate::{Observer, Progress};
 
 impl Simulation {
-    /// Whether the simulation goes on.
+    /// Handles an event of a robot; returns whether the simulation continues.
     pub(super) fn handle_robot(&mut self, robot: usize, event: RobotEvent, observer: &mut impl Observer) -> bool {
         let now = self.network.now;
         match event {
@@ -115,7 +115,7 @@ impl RobotRadio<'_> {
         NodeId::from_index(self.network.nodes.len() + self.robot)
     }
 
-    /// It hears while it receives, and is deaf otherwise.
+    /// The robot hears while its radio receives, and is deaf otherwise.
     fn change_to(&mut self, state: RadioState) {
         let (now, station) = (self.network.now, self.station());
         if state == RadioState::Receive {

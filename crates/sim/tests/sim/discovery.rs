@@ -63,13 +63,13 @@ fn without_shadowing_links_are_the_pairs_within_the_hop_radius() {
 }
 
 #[test]
-fn a_lone_pair_hears_everything_but_overlaps_and_listens_all_the_time() {
+fn two_nodes_alone_lose_only_overlaps_and_listen_all_the_time() {
     let places = [Position::ORIGIN, Position::new(3.0, 0.0, 0.0)];
     let found = run(&setup(&places, 0.0, Vec::new(), 2), &discovery(50, None), Round::Neighbours);
     assert_eq!(found.log.links().len(), 2);
-    // Two packets of 0.8 ms and a backoff of at most 2.2 ms meet in a second with a chance of about 1 %.
+    // Two packets of 0.8 ms with a backoff of at most 2.2 ms meet within a second with a probability of about 1 %.
     assert!(found.log.links().iter().all(|link| link.received >= 45 && link.sent == 50));
-    // Two receivers at 56.4 mW, less the time on air.
+    // Two receivers at 56.4 mW, except during the time on air.
     let seconds = found.duration().as_secs_f64();
     assert!((found.energy.rx_j / (2.0 * seconds * 0.0564) - 1.0).abs() < 0.01, "{:?}", found.energy);
 }
@@ -87,7 +87,7 @@ fn only_the_senders_of_beacons_are_heard_and_beyond_the_hop_radius() {
 }
 
 #[test]
-fn an_obstacle_keeps_neighbours_from_hearing_each_other() {
+fn neighbours_behind_an_obstacle_do_not_hear_each_other() {
     let wall = Obstacle::try_from(ObstacleConfig {
         name: None,
         shape: ShapeConfig::Box(BoxConfig {
@@ -106,8 +106,8 @@ fn an_obstacle_keeps_neighbours_from_hearing_each_other() {
 
 #[test]
 fn the_mean_strength_of_many_packets_is_that_of_the_path_loss() {
-    // At 2 m the median is 32 dB above the sensitivity, so nothing is cut off. Standard error of the mean of two links
-    // of 400 packets: 9.6 dB / sqrt(800) = 0.34 dB; five of them: a false alarm in 1.7 million seeds.
+    // At 2 m the median is 32 dB above the sensitivity, so no packet is too weak. Standard error of the mean of two
+    // links of 400 packets: 9.6 dB / sqrt(800) = 0.34 dB; five of them: a false alarm in 1.7 million seeds.
     let places = [Position::ORIGIN, Position::new(2.0, 0.0, 0.0)];
     let found = run(&setup(&places, 9.6, Vec::new(), 5), &discovery(400, None), Round::Neighbours);
     let sum_dbm: f64 = found.log.links().iter().filter_map(|link| link.rssi_dbm).sum();
@@ -116,7 +116,7 @@ fn the_mean_strength_of_many_packets_is_that_of_the_path_loss() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_links_and_another_seed_others() {
+fn the_same_seed_gives_the_same_links_and_another_seed_different_ones() {
     let discovered = |seed| run(&setup(&grid(8), 9.6, Vec::new(), seed), &discovery(5, Some(3.0)), Round::Neighbours);
     let (first, again, other) = (discovered(6), discovered(6), discovered(7));
     assert_eq!(first.log, again.log);

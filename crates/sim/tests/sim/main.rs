@@ -1,4 +1,4 @@
-//! Networks from end to end, against closed forms and references of other simulators.
+//! Complete networks, against closed forms and reference values of other simulators.
 
 mod discovery;
 mod network;

@@ -10,7 +10,7 @@ use sextant_sim::{FrameOnAir, FrameOutcome, Observer, QueryConfig, Setup, Simula
 
 use crate::network;
 
-/// Sums up when received frames ended.
+/// Collects the ends of received frames.
 #[derive(Default)]
 struct Ends {
     received: f64,
@@ -82,7 +82,7 @@ fn without_acknowledgement_success_failure_and_delay_match_the_references() {
         (2, 44, 0.874_989_2, 1.085e-5, f64::NAN, 0.0),
         (2, 114, 0.874_521_9, 4.781e-4, f64::NAN, 0.0),
         (3, 20, 0.798_362_6, 1.34e-5, f64::NAN, 0.0),
-        // The rule for ties shows here: 0.8312 if a CCA that starts as a frame ends reads busy.
+        // The rule for ties matters here: the value would be 0.8312 if a CCA that starts when a frame ends read busy.
         (3, 44, 0.824_819_2, 2.437e-4, f64::NAN, 0.0),
         (3, 45, 0.831_196_7, 2.424e-4, f64::NAN, 0.0),
         (4, 44, 0.770_527_5, 1.430e-3, f64::NAN, 0.0),
@@ -155,7 +155,7 @@ fn with_acknowledgement_and_retries_delivery_and_failures_match_the_references()
 }
 
 #[test]
-fn one_node_alone_sends_after_its_backoff_and_nothing_else() {
+fn one_node_alone_sends_one_frame_after_its_backoff() {
     let mut counts = [0_u32; 8];
     for round in 0..4000 {
         let mut starts = Starts::default();

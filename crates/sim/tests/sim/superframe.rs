@@ -1,5 +1,5 @@
-//! A robot as coordinator of a beacon-enabled PAN, over the medium: instants, references of slotted CSMA-CA, guaranteed
-//! slots, lost beacons, energy.
+//! A robot as coordinator of a beacon-enabled PAN, over the medium: instants, references of slotted CSMA-CA,
+//! guaranteed slots, lost beacons, energy.
 
 use std::time::Duration;
 
@@ -103,9 +103,9 @@ fn a_stop_that_ends_between_superframes_ends_at_once() {
 }
 
 #[test]
-fn one_frame_each_after_a_beacon_fares_as_in_the_reference() {
-    // Nodes; received, collided, channel access failure, mean end after the first boundary [ms]; frames of five backoff
-    // periods. From a slot simulation independent of this one.
+fn one_frame_each_after_a_beacon_agrees_with_the_reference() {
+    // Nodes; received, collided, channel access failure, mean end after the first boundary [ms]; frames of five
+    // backoff periods. From a slot simulation independent of this one.
     for (nodes, received, collided, failed, end_ms) in [
         (2, 0.8755, 0.1245, 0.0000, 5.188),
         (3, 0.8382, 0.1617, 0.0001, 6.845),
@@ -134,7 +134,7 @@ fn one_frame_each_after_a_beacon_fares_as_in_the_reference() {
         for (share, reference) in shares.iter().zip([received, collided, failed]) {
             let mean = share.iter().sum::<f64>() / rounds as f64;
             let variance = share.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / rounds as f64;
-            // 4.5 standard errors of both sides, one false alarm in 150 000, and half a digit.
+            // 4.5 standard errors of both sides (one false alarm in 150 000), plus half of the last digit.
             let allowed = 4.5 * (variance / rounds as f64).sqrt().hypot(7e-4) + 5e-5;
             assert!(
                 (mean - reference).abs() <= allowed,
@@ -147,7 +147,7 @@ fn one_frame_each_after_a_beacon_fares_as_in_the_reference() {
 }
 
 #[test]
-fn every_frame_keeps_to_the_grid_and_to_the_superframe_of_a_beacon() {
+fn every_frame_is_on_the_backoff_grid_and_inside_a_superframe() {
     let gts = vec![GtsConfig { node: "n3".into(), slots: 2 }, GtsConfig { node: "n5".into(), slots: 1 }];
     let mac = BeaconEnabledConfig { gts, ..orders(3, 1) };
     let mut setup = setup(12, mac, periodic(0.05), 3);
@@ -173,7 +173,7 @@ fn every_frame_keeps_to_the_grid_and_to_the_superframe_of_a_beacon() {
         seen[usize::from(matches!(frame.source, 3 | 5))] += 1;
     }
     assert!(seen[0] > 100 && seen[1] > 30, "{seen:?}");
-    // In a slot of one's own nothing collides.
+    // There are no collisions in a guaranteed slot.
     let owners = frames.iter().filter(|frame| frame.kind == 1 && matches!(frame.source, 3 | 5));
     assert!(owners.into_iter().all(|frame| frame.outcome == FrameOutcome::Received));
 }
@@ -205,7 +205,7 @@ fn nodes_that_hear_no_beacon_stay_silent() {
     let mut setup = setup(3, orders(3, 2), periodic(0.1), 1);
     setup.channel = setup.channel.within_m(5.0);
     setup.world.nodes[2].position = Position::new(-30.0, 0.0, 0.0);
-    // Node 2 hears node 1's neighbour at most; the robot goes to it at last.
+    // Node 2 hears at most the neighbour of node 1; the robot goes to node 2 last.
     let places = vec![Position::ORIGIN, Position::new(-29.0, 0.0, 0.0)];
     setup.robots = vec![robot(places, Duration::from_millis(500))];
     let (survey, frames) = run(setup);
@@ -222,9 +222,9 @@ fn nodes_that_hear_no_beacon_stay_silent() {
 
 #[test]
 fn a_node_follows_beacons_through_a_short_drive_and_searches_after_a_long_one() {
-    // Beacons 0 to 4 at the first stop, one every 122.88 ms. A drive of 0.3 s costs beacons 5 to 7; those from 8 to 11 are
-    // heard. A drive of 0.9 s costs beacons 5 to 12: the fourth of them that does not come is searched for until beacon
-    // 13, and 14 to 16 are heard.
+    // Beacons 0 to 4 at the first stop, one every 122.88 ms. During a drive of 0.3 s beacons 5 to 7 are missed; 8 to
+    // 11 are heard. During a drive of 0.9 s beacons 5 to 12 are missed: after the fourth of them the node searches
+    // until beacon 13, and 14 to 16 are heard.
     let (heard_us, missed_us) = (192 + 608, 192 + 4256);
     let searched_us = (13 - 8) * 122_880 + heard_us;
     for (metres, receiving_us) in
@@ -245,7 +245,7 @@ fn a_node_follows_beacons_through_a_short_drive_and_searches_after_a_long_one() 
 }
 
 #[test]
-fn a_synchronised_node_takes_the_energy_of_its_duty_cycle() {
+fn a_synchronised_node_uses_the_energy_of_its_duty_cycle() {
     // Beacon interval 245.76 ms, active 30.72 ms, nothing to send. Four beacons at 0.192 + k * 245.76 ms; the node
     // searches for the first, then wakes up 192 us before each of the others; the end is after four active parts.
     let mut setup = setup(
@@ -271,7 +271,7 @@ fn a_synchronised_node_takes_the_energy_of_its_duty_cycle() {
 }
 
 #[test]
-fn every_packet_ends_in_one_account_and_the_same_seed_gives_the_same_survey() {
+fn every_packet_is_counted_once_and_the_same_seed_gives_the_same_survey() {
     let survey = |seed| {
         let mut setup = setup(30, orders(3, 2), periodic(0.15), seed);
         for (i, node) in setup.world.nodes.iter_mut().enumerate() {
@@ -289,7 +289,7 @@ fn every_packet_ends_in_one_account_and_the_same_seed_gives_the_same_survey() {
     let p = first.packets;
     assert_eq!(network::ended(&p), p.offered, "{p:?}");
     assert!(p.received > 100 && p.lost_queue > 0, "{p:?}");
-    // Nobody sends while the robot is away.
+    // No node sends while the robot is away.
     assert_eq!(p.not_listened, 0, "{p:?}");
 }
 
@@ -300,7 +300,7 @@ fn refusal(change: impl FnOnce(&mut Setup), mac: BeaconEnabledConfig, octets: u8
 }
 
 #[test]
-fn superframes_that_do_not_fit_world_traffic_or_robot_are_refused_by_key() {
+fn superframes_that_do_not_fit_world_traffic_or_robot_are_rejected_with_their_key() {
     let with = |gts: &[(&str, u8)], order| {
         let gts = gts.iter().map(|&(node, slots)| GtsConfig { node: node.into(), slots }).collect();
         BeaconEnabledConfig { gts, ..orders(order, order) }

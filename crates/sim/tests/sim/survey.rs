@@ -1,4 +1,4 @@
-//! Surveys from end to end: accounts that add up, hidden nodes, obstacles, robots that are stopped, reproducibility.
+//! Complete surveys: counts of packets, hidden nodes, obstacles, blocked robots, reproducibility.
 
 use std::time::Duration;
 
@@ -44,7 +44,7 @@ fn survey(seed: u64) -> Survey {
 }
 
 #[test]
-fn every_packet_ends_in_one_account() {
+fn every_packet_is_counted_once() {
     for model in [ReceptionModel::Overlap, ReceptionModel::SinrThreshold { least: 2.0 }, ReceptionModel::Ber] {
         let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
         let robot = tour(stops, Duration::from_secs(1));
@@ -60,7 +60,7 @@ fn every_packet_ends_in_one_account() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_survey_and_another_seed_another() {
+fn the_same_seed_gives_the_same_survey_and_another_seed_a_different_one() {
     let (first, again, other) = (survey(1), survey(1), survey(2));
     assert_eq!(first.log, again.log);
     assert_eq!((first.packets, first.events, first.end), (again.packets, again.events, again.end));
@@ -68,7 +68,7 @@ fn the_same_seed_gives_the_same_survey_and_another_seed_another() {
 }
 
 #[test]
-fn nodes_that_cannot_hear_each_other_collide_as_their_backoffs_say() {
+fn hidden_nodes_collide_at_the_rate_that_their_backoffs_imply() {
     // Of two hidden nodes that contend at once with 8 backoff slots each, the frames of 20 octets (832 us) overlap if
     // the slots differ by at most 2: (8 + 14 + 12) of 64; those of 45 octets (1632 us) by at most 5: 58 of 64.
     for (mpdu_octets, overlap) in [(20, 34.0 / 64.0), (45, 58.0 / 64.0)] {
@@ -119,7 +119,7 @@ fn a_block_of_concrete_silences_the_node_behind_it() {
 }
 
 #[test]
-fn a_robot_halts_before_an_obstacle_and_reports_the_contact() {
+fn a_robot_stops_in_front_of_an_obstacle_and_reports_the_contact() {
     let wall = ObstacleConfig {
         name: None,
         shape: ShapeConfig::Box(BoxConfig {
@@ -158,7 +158,7 @@ impl Observer for Impatient {
 }
 
 #[test]
-fn an_observer_can_end_a_simulation_and_keeps_what_was_heard() {
+fn an_observer_can_end_a_simulation_and_the_log_is_kept() {
     let stops = (0..12).map(|i| Position::new(f64::from(i), 0.0, 0.0)).collect();
     let mut observer = Impatient(Vec::new());
     let robot = tour(stops, Duration::from_secs(1));
@@ -170,7 +170,7 @@ fn an_observer_can_end_a_simulation_and_keeps_what_was_heard() {
     assert_eq!(survey.robots[0].ending, None);
 }
 
-/// Two robots that listen for a while at the same time; the second is `late` on its way.
+/// Two robots that listen at the same time; the second starts later by `late`.
 fn two_tours(late: Duration, listen: Duration) -> [Robot; 2] {
     let stops = |y_m: f64| (1..9).map(|i| Position::new(f64::from(i), y_m, 0.0)).collect::<Vec<_>>();
     let mut second = tour(stops(6.0), listen);
@@ -180,10 +180,10 @@ fn two_tours(late: Duration, listen: Duration) -> [Robot; 2] {
 }
 
 #[test]
-fn a_second_robot_changes_nothing_of_what_the_first_hears() {
+fn a_second_robot_does_not_change_what_the_first_hears() {
     let [first, _] = two_tours(Duration::ZERO, Duration::from_secs(1));
     let alone = Simulation::new(setup(&field_of(9), first, 4)).unwrap().run(&mut Unobserved);
-    // In step with the first, half a slot late, and with slots of another length.
+    // At the same times as the first, half a slot later, and with slots of another length.
     for (late_ms, listen_ms) in [(0, 1000), (500, 1000), (300, 1700)] {
         let [first, second] = two_tours(Duration::from_millis(late_ms), Duration::from_millis(listen_ms));
         let mut setup = setup(&field_of(9), first, 4);
@@ -202,7 +202,7 @@ fn a_second_robot_changes_nothing_of_what_the_first_hears() {
         };
         let all: Vec<u32> = (0..8).collect();
         assert_eq!(receptions(&both, &of_first), receptions(&alone, &all));
-        // The union is the log: each stop is heard at by one robot, and where it listened.
+        // The log is the union: each stop belongs to one robot, at the place where it listened.
         let heard: u64 = both.robots.iter().flat_map(|robot| &robot.packets).map(|&n| u64::from(n)).sum();
         assert!(heard >= both.log.receptions().len() as u64 && both.robots[1].packets.iter().sum::<u32>() > 0);
         for reception in both.log.receptions().iter() {
@@ -221,7 +221,7 @@ fn a_second_robot_changes_nothing_of_what_the_first_hears() {
 }
 
 #[test]
-fn several_robots_are_refused_where_nodes_send_to_one() {
+fn several_robots_are_rejected_if_nodes_send_to_one() {
     let [first, second] = two_tours(Duration::ZERO, Duration::from_secs(1));
     let mut setup = setup(&field_of(2), first, 1);
     setup.robots.push(second);
