@@ -11,7 +11,7 @@ use super::options::{Format, Printing, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::summary::{Measure, measures};
-use crate::sweep::{Column, Mean, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
+use crate::sweep::{Column, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
 use crate::text::{Align, columns, counted};
 
 /// What `sextant sweep` is told.
@@ -115,13 +115,8 @@ impl Results<'_> {
     /// The mean of a measure with its interval, in the unit for people: `6.0 ± 0.3 %`.
     fn written(&self, cell: usize, measure: Measure<'_>) -> String {
         let (factor, unit) = measure.unit().for_people();
-        match self.plan.mean(self.rows, cell, measure) {
-            None => "-".to_owned(),
-            Some(Mean { mean, half_width_95: None, .. }) => format!("{:.2} {unit}", factor * mean),
-            Some(Mean { mean, half_width_95: Some(half_width_95), .. }) => {
-                format!("{:.2} ± {:.2} {unit}", factor * mean, factor * half_width_95)
-            }
-        }
+        let mean = self.plan.mean(self.rows, cell, measure);
+        mean.map_or_else(|| "-".to_owned(), |mean| mean.times(factor).text(unit))
     }
 
     fn failed(&self, cell: Option<usize>) -> usize {
@@ -161,12 +156,8 @@ impl Results<'_> {
                 cell.settings.iter().map(|setting| (setting.key.clone(), json!(setting.value))).collect();
             let mut means = Map::new();
             for measure in self.plan.measures() {
-                if let Some(Mean { mean, half_width_95, runs }) = self.plan.mean(self.rows, i, measure) {
-                    let mut value = json!({"mean": mean, "runs": runs});
-                    if let Some(half_width_95) = half_width_95 {
-                        value["half_width_95"] = json!(half_width_95);
-                    }
-                    means.insert(measure.column(), value);
+                if let Some(mean) = self.plan.mean(self.rows, i, measure) {
+                    means.insert(measure.column(), mean.json().into());
                 }
             }
             json!({"cell": i, "settings": settings, "failed": self.failed(Some(i)), "measures": means})

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::finding::Finding;
 use super::published::Published;
@@ -46,15 +46,13 @@ impl Line {
     /// What, published, where, ours: as they stand in a table for people.
     pub(crate) fn cells(&self) -> [String; 4] {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        let mean = |mean: &Mean| match mean.half_width_95 {
-            Some(half_width) => format!("{:.2} ± {half_width:.2}{unit}", mean.mean),
-            None => format!("{:.2}{unit}", mean.mean),
-        };
         let ours = match &self.ours {
-            Ours::Mean(value) => mean(value),
+            Ours::Mean(mean) => mean.text(self.unit),
             Ours::Exact(value) => format!("{value:.4}{unit}"),
             Ours::Text(text) => text.clone(),
-            Ours::Finding(finding) => format!("{}, margin {}", finding.verdict.words(), mean(&finding.margin)),
+            Ours::Finding(finding) => {
+                format!("{}, margin {}", finding.verdict.words(), finding.margin.text(self.unit))
+            }
             Ours::Missing => "no run succeeded".to_owned(),
         };
         let (published, source) = match &self.published {
@@ -67,22 +65,26 @@ impl Line {
 
     /// The line as a JSON object.
     pub(crate) fn json(&self) -> Value {
-        let mut json = json!({"what": self.what, "unit": self.unit});
+        let mut json = Map::new();
+        json.insert("what".to_owned(), json!(self.what));
+        json.insert("unit".to_owned(), json!(self.unit));
         if let Some(Published { value, source }) = &self.published {
-            (json["published"], json["source"]) = (json!(value), json!(source));
+            json.insert("published".to_owned(), json!(value));
+            json.insert("source".to_owned(), json!(source));
         }
         match &self.ours {
-            Ours::Mean(mean) => add(&mut json, mean),
-            Ours::Exact(value) => json["mean"] = json!(value),
-            Ours::Text(text) => json["result"] = json!(text),
-            Ours::Finding(finding) => {
-                json["result"] = json!(finding.verdict.words());
-                json["margin"] = json!({});
-                add(&mut json["margin"], &finding.margin);
+            Ours::Mean(mean) => json.extend(mean.json()),
+            Ours::Exact(value) => json.extend([("mean".to_owned(), json!(value))]),
+            Ours::Text(text) => json.extend([("result".to_owned(), json!(text))]),
+            Ours::Finding(Finding { verdict, margin, .. }) => {
+                json.extend([
+                    ("result".to_owned(), json!(verdict.words())),
+                    ("margin".to_owned(), margin.json().into()),
+                ]);
             }
-            Ours::Missing => json["runs"] = json!(0),
+            Ours::Missing => json.extend([("runs".to_owned(), json!(0))]),
         }
-        json
+        Value::Object(json)
     }
 
     fn record(&self) -> [String; 8] {
@@ -104,13 +106,6 @@ impl Line {
         };
         let [mean, half_width, runs] = numbers;
         [self.what.clone(), published, self.unit.to_owned(), mean, half_width, runs, result, source.to_owned()]
-    }
-}
-
-fn add(json: &mut Value, Mean { mean, half_width_95, runs }: &Mean) {
-    (json["mean"], json["runs"]) = (json!(mean), json!(runs));
-    if let Some(half_width_95) = half_width_95 {
-        json["half_width_95"] = json!(half_width_95);
     }
 }
 

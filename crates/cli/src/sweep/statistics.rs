@@ -1,5 +1,6 @@
 //! Means of few runs, with intervals.
 
+use serde_json::{Map, Value};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A mean over independent runs.
@@ -28,6 +29,28 @@ impl Mean {
         let student = StudentsT::new(0.0, 1.0, n - 1.0).ok();
         let half_width_95 = student.map(|t| t.inverse_cdf(0.975) * (variance / n).sqrt());
         Some(Self { mean, half_width_95, runs })
+    }
+
+    /// The mean with its interval for people: `6.01 ± 0.28 %`.
+    #[must_use]
+    pub fn text(&self, unit: &str) -> String {
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        match self.half_width_95 {
+            Some(half_width) => format!("{:.2} ± {half_width:.2}{unit}", self.mean),
+            None => format!("{:.2}{unit}", self.mean),
+        }
+    }
+
+    /// The keys `mean`, `runs` and, if there is an interval, `half_width_95`.
+    #[must_use]
+    pub fn json(&self) -> Map<String, Value> {
+        let mut json = Map::new();
+        json.insert("mean".to_owned(), self.mean.into());
+        json.insert("runs".to_owned(), self.runs.into());
+        if let Some(half_width_95) = self.half_width_95 {
+            json.insert("half_width_95".to_owned(), half_width_95.into());
+        }
+        json
     }
 
     /// The mean of the same values in another unit, `factor` of which are one of this.
