@@ -23,7 +23,9 @@ struct Exact {
 fn exact(medium: Medium) -> Exact {
     let [received, failed] = enumeration::enumerate(|draw| {
         let fates = medium.run(|_, max| draw(max));
-        let count = |is: &dyn Fn(&Fate) -> bool| u32::try_from(fates.iter().filter(|fate| is(fate)).count()).unwrap();
+        let count = |is: &dyn Fn(&Fate) -> bool| {
+            u32::try_from(fates.iter().filter(|fate| is(fate)).count()).expect("few stations")
+        };
         [count(&|fate| fate.delivered.is_some()), count(&|fate| fate.report.outcome == Outcome::ChannelAccessFailure)]
     });
     let stations = f64::from(medium.stations);

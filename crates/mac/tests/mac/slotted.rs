@@ -20,7 +20,9 @@ fn octets(periods: u8) -> u8 {
 fn exact(medium: Medium) -> [f64; 2] {
     let counts = enumeration::enumerate(|draw| {
         let fates = medium.one_shot(|_, max| draw(max));
-        let count = |is: &dyn Fn(&Fate) -> bool| u32::try_from(fates.iter().filter(|fate| is(fate)).count()).unwrap();
+        let count = |is: &dyn Fn(&Fate) -> bool| {
+            u32::try_from(fates.iter().filter(|fate| is(fate)).count()).expect("few stations")
+        };
         [count(&|fate| fate.received), count(&|fate| fate.report.outcome == Outcome::ChannelAccessFailure)]
     });
     counts.map(|count| count / medium.stations as f64)
