@@ -49,7 +49,7 @@ impl Input {
             });
         }
         let run = recording::read_log(path)?;
-        let scenario = run.attachments.iter().rfind(|attachment| attachment.name == SCENARIO_ATTACHMENT);
+        let scenario = run.attachment(SCENARIO_ATTACHMENT);
         let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
         let mut notes = Vec::new();
         if run.cut_stops > 0 {

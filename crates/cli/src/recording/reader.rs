@@ -31,6 +31,14 @@ pub struct RecordedRun {
     pub attachments: Vec<Attachment>,
 }
 
+impl RecordedRun {
+    /// The attachment `name`, the last one of this name.
+    #[must_use]
+    pub fn attachment(&self, name: &str) -> Option<&Attachment> {
+        self.attachments.iter().rfind(|attachment| attachment.name == name)
+    }
+}
+
 /// A file within a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
@@ -121,24 +129,6 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
         Ok((name.clone(), position))
     });
     named.collect::<Result<_, _>>().map(Some)
-}
-
-/// The attachment `name` of the recording `path`, the last one of this name.
-///
-/// # Errors
-/// If the file cannot be read or is damaged.
-pub fn read_attachment(path: &Path, name: &str) -> Result<Option<Attachment>, RecordingError> {
-    let mut found = None;
-    sound(path, &mut |piece| {
-        if let Piece::Attachment { name: this, media_type, data } = piece
-            && this == name
-        {
-            found =
-                Some(Attachment { name: name.to_owned(), media_type: media_type.to_owned(), data: data.to_vec() });
-        }
-        Ok(())
-    })?;
-    Ok(found)
 }
 
 /// Scans a file that must be whole.

@@ -32,4 +32,4 @@ mod truth;
 pub use error::RobotLogError;
 pub use folder::{read, write};
 pub use map::write_map;
-pub use truth::{read_truth, write_truth};
+pub use truth::read_truth;

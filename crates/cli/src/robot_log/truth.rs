@@ -6,7 +6,6 @@ use std::path::Path;
 use sextant_channel::Position;
 
 use super::error::RobotLogError;
-use super::output::Output;
 use super::table::Table;
 
 /// The places in the file `path` (`node,x_m,y_m[,z_m]`) by name of node [m].
@@ -29,16 +28,4 @@ pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogErr
         Ok(())
     })?;
     Ok(places)
-}
-
-/// Writes `places` as a file that [`read_truth`] reads.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_truth(path: &Path, places: &BTreeMap<String, Position>) -> Result<(), RobotLogError> {
-    let mut nodes = Output::new(&["node", "x_m", "y_m", "z_m"]);
-    for (name, &position) in places {
-        nodes.text(name).position(position).end();
-    }
-    nodes.save(path)
 }

@@ -28,9 +28,6 @@ pub struct Summary {
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,
-    /// What was done with the maps.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub applications: Vec<ApplicationSummary>,
     /// What it cost on this machine: the only part that differs from run to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
@@ -66,19 +63,6 @@ pub struct SimulationSummary {
     pub obstacles: usize,
 }
 
-/// What was done with a map.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct ApplicationSummary {
-    /// The algorithm.
-    pub algorithm: String,
-    /// Whether the target was captured.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub captured: Option<bool>,
-    /// How long it took [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_s: Option<f64>,
-}
-
 impl Summary {
     /// The object as indented JSON with a line break at the end.
     ///
@@ -96,12 +80,6 @@ impl Summary {
     pub fn write(&self, path: &Path) -> Result<(), Failure> {
         write_file(path, self.to_json()?.as_bytes())
     }
-
-    /// The same without what differs from run to run: the form that a recording carries.
-    #[must_use]
-    pub fn without_timing(&self) -> Self {
-        Self { timing: None, ..self.clone() }
-    }
 }
 
 #[cfg(test)]
@@ -115,11 +93,5 @@ mod tests {
         let json = Summary { maps: vec![map], ..Summary::default() }.to_json().unwrap();
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!(json, serde_json::json!({"maps": [{"algorithm": "ml-tm", "mapped": 3, "unmapped": 0}]}));
-    }
-
-    #[test]
-    fn timing_can_be_left_out() {
-        let summary = Summary { timing: Some(Timing { wall_s: 1.0, ..Timing::default() }), ..Summary::default() };
-        assert_eq!(summary.without_timing(), Summary::default());
     }
 }

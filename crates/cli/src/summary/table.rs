@@ -36,11 +36,6 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         heights(&summary.maps, out)?;
         writeln!(out)?;
     }
-    for application in &summary.applications {
-        let captured = if application.captured == Some(true) { "captured" } else { "not captured" };
-        let time = application.time_s.map(|time_s| format!(" after {time_s:.1} s")).unwrap_or_default();
-        writeln!(out, "{}: {captured}{time}", application.algorithm)?;
-    }
     if let Some(timing) = &summary.timing {
         writeln!(out, "{}", timing_line(timing))?;
     }

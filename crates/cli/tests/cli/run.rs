@@ -58,7 +58,8 @@ fn the_hash_of_a_scenario_is_that_of_the_text_in_its_recording() {
         let (mcap, json) = (folder.path().join(format!("{name}.mcap")), folder.path().join(format!("{name}.json")));
         let output = run(&[arguments, &["--summary", json.to_str().unwrap()]].concat(), &mcap);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let attached = recording::read_attachment(&mcap, "scenario.toml").unwrap().expect("the scenario");
+        let recorded = recording::read_log(&mcap).unwrap();
+        let attached = recorded.attachment("scenario.toml").expect("the scenario");
         let hash = summary(&json)["scenario"]["sha256"].as_str().unwrap().to_owned();
         assert_eq!(hash, digest(&attached.data), "{name}");
         hashes.push(hash);

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use sextant::recording::{
-    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_attachment, read_known,
-    read_log, read_truth,
+    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_known, read_log, read_truth,
 };
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::NodeId;
@@ -25,8 +24,8 @@ fn a_reception_log_comes_back_equal_with_its_unheard_nodes() {
         assert_eq!(run.metadata[ORIGIN_METADATA]["version"], "1.2.3");
         let names: Vec<&str> = run.attachments.iter().map(|attachment| attachment.name.as_str()).collect();
         assert_eq!(names, [SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT]);
-        assert_eq!(read_attachment(&path, SCENARIO_ATTACHMENT).unwrap().unwrap().data, b"name = \"sample\"\n");
-        assert_eq!(read_attachment(&path, "other").unwrap(), None);
+        assert_eq!(run.attachment(SCENARIO_ATTACHMENT).unwrap().data, b"name = \"sample\"\n");
+        assert_eq!(run.attachment("other"), None);
     }
 }
 
