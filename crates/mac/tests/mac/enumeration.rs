@@ -1,14 +1,14 @@
 //! All outcomes of a round of random draws, each with its probability.
 
-/// The sum of the probabilities, over all sequences of draws, may have so many binary digits.
+/// Probabilities are sums in units of one over 2 to this power, fine enough for every sequence of draws.
 const WEIGHT_BITS: u32 = 100;
 
 /// Runs a round for each sequence of draws and adds up the counts that it gives, weighted with the probability of the
-/// sequence, without rounding. A draw is uniform from 0 to a largest number one below a power of two.
+/// sequence, without rounding. A draw is uniform from 0 to a maximum, which is one below a power of two.
 pub(crate) fn enumerate<const N: usize>(mut round: impl FnMut(&mut dyn FnMut(u32) -> u32) -> [u32; N]) -> [f64; N] {
     let mut sums = [0_u128; N];
-    // The draws of the round before, each with the largest that it could be. The next round counts up the last that can
-    // be.
+    // The draws of the last round, each with its largest possible value. The next round increments the last draw that
+    // can still grow.
     let mut draws: Vec<(u32, u32)> = Vec::new();
     loop {
         let mut used = 0;

@@ -1,4 +1,4 @@
-//! A node that has its place, and what can be wrong with it.
+//! A node with its place, and the checks of names and places.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! What the tests set up: a network on the air of the suburbs, and a robot that drives to places and listens there.
+//! Setups of the tests: a network in a suburban area, and a robot that drives to places and listens there.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use sextant_sim::{
     RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
 };
 
-/// Drives to each place and listens there, or before the obstacle that stops it.
+/// Drives to each place and listens there, or in front of the obstacle that blocks it.
 #[derive(Clone)]
 struct Tour {
     places: Vec<Position>,
@@ -47,13 +47,13 @@ pub(crate) fn nodes(places: &[Position]) -> Vec<PlacedNode> {
     places.iter().enumerate().map(node).collect()
 }
 
-/// So many places near the origin, all within reach of each other.
+/// This many places near the origin, all within reach of each other.
 pub(crate) fn cluster(count: usize) -> Vec<Position> {
     (0..count).map(|i| Position::new(1.0 + 0.01 * i as f64, 0.0, 0.0)).collect()
 }
 
-/// Nodes at `places` without obstacles that send with `tx_power_dbm` by unslotted CSMA-CA, under `channel`, any overlap
-/// destroying; nobody listens.
+/// Nodes at `places` without obstacles that send with `tx_power_dbm` by unslotted CSMA-CA over `channel`. Overlapping
+/// frames are lost. No robot listens.
 pub(crate) fn setup(
     places: &[Position],
     tx_power_dbm: f64,
@@ -76,7 +76,7 @@ pub(crate) fn setup(
     }
 }
 
-/// Packets that ended in one of the accounts that share out those offered.
+/// Number of packets over all outcomes; must equal the number offered.
 pub(crate) fn ended(packets: &Packets) -> u64 {
     let Packets { lost_channel_access, lost_queue, pending, received, .. } = packets;
     let Packets { lost_collision, lost_signal, out_of_range, not_listened, .. } = packets;
