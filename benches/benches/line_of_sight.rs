@@ -19,7 +19,7 @@ fn uniform(index: u64, axis: u64, low: f64, high: f64) -> f64 {
     low + (high - low) * SEED.uniform(Purpose::new(1), [index, axis, 0])
 }
 
-/// Side of the square town that `count` obstacles make [m].
+/// Side of the square town that `count` obstacles make (m).
 fn side_m(count: u32) -> f64 {
     SPACING_M * f64::from(count).sqrt()
 }

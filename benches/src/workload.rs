@@ -13,17 +13,17 @@ pub struct Workload {
     pub name: &'static str,
     /// What the robot heard.
     pub log: ReceptionLog,
-    /// Distance beyond which nothing was heard [m].
+    /// Distance beyond which nothing was heard (m).
     pub range_m: f64,
-    /// Distance of neighbouring grid vertices [m].
+    /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
 }
 
-/// Transmit power less sensitivity [dB], path-loss exponent and shadowing [dB] of the suburban environment
+/// Transmit power less sensitivity (dB), path-loss exponent and shadowing (dB) of the suburban environment
 /// (Gunathillake 2018, table 3.4).
 const SUBURBAN: (f64, f64, f64) = (40.0, 2.7, 9.6);
 
-/// Side of the square of `plane` [m].
+/// Side of the square of `plane` (m).
 const SIDE_M: f64 = 30.0;
 
 /// Lanes of the S path of `plane`, and its stops.

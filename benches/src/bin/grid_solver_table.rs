@@ -226,7 +226,7 @@ fn peer(folder: &Path, version: &str) -> Option<(f64, Vec<u64>)> {
     Some((seconds.parse().ok()?, best))
 }
 
-/// Most memory that the process has had [MB], where the system tells.
+/// Most memory that the process has had (MB), where the system tells.
 fn peak_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -25,11 +25,11 @@ pub struct HilbertConfig {
     /// `spacing_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<u32>,
-    /// Side of the cells, which is the distance between stops [m]: the order is the least with which the curve covers
+    /// Side of the cells, which is the distance between stops (m): the order is the least with which the curve covers
     /// the region, and the curve leads beyond it on all sides alike. Either this or `order`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing_m: Option<f64>,
-    /// Height of the path [m]; that of the robot's start if absent.
+    /// Height of the path (m); that of the robot's start if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
 }

@@ -7,9 +7,9 @@ use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
 use crate::route::Search;
 use crate::surroundings::Surroundings;
 
-/// How much farther from obstacles a planned path keeps than the hull needs [m]: robots halt this near.
+/// How much farther from obstacles a planned path keeps than the hull needs (m): robots halt this near.
 const MARGIN_M: f64 = 5e-3;
-/// Step of the lattice on which ways are looked for [m].
+/// Step of the lattice on which ways are looked for (m).
 const LATTICE_M: f64 = 0.25;
 /// How far beyond the obstacles a way may lead round them, in radii of the hull and steps of the lattice.
 const DETOUR: f64 = 4.0;

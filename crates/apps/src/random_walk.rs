@@ -23,7 +23,7 @@ const REFLECTIONS: [[f64; 3]; 5] =
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomWalkConfig {
-    /// Length of a step [m]; the robot listens after each.
+    /// Length of a step (m); the robot listens after each.
     #[serde(default = "default_step_m")]
     pub step_m: f64,
     /// The walk stays in this region, which holds the robot's start: at its border it is reflected. In a region of space

@@ -19,9 +19,9 @@ const UNKNOWN: u64 = u64::MAX;
 pub(crate) struct Search {
     /// The way stays within these bounds, in x and y; grown to hold both ends.
     pub(crate) bounds: Bounds,
-    /// Step of the lattice [m].
+    /// Step of the lattice (m).
     pub(crate) step_m: f64,
-    /// The way ends with a straight drive to the goal from a vertex no farther from it [m].
+    /// The way ends with a straight drive to the goal from a vertex no farther from it (m).
     pub(crate) reach_m: f64,
 }
 

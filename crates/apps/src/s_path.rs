@@ -20,15 +20,15 @@ const ROUNDING: f64 = 1e-9;
 pub struct SPathConfig {
     /// The path covers the bounds of this region.
     pub region: RegionConfig,
-    /// Distance between lanes [m].
+    /// Distance between lanes (m).
     pub lane_spacing_m: f64,
-    /// Distance between stops along the path [m].
+    /// Distance between stops along the path (m).
     #[serde(default = "default_stop_spacing_m")]
     pub stop_spacing_m: f64,
-    /// How far the path leads beyond the bounds on each side [m].
+    /// How far the path leads beyond the bounds on each side (m).
     #[serde(default)]
     pub overshoot_m: f64,
-    /// Height of the path [m]; that of the robot's start if absent.
+    /// Height of the path (m); that of the robot's start if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
 }
@@ -38,7 +38,7 @@ fn default_stop_spacing_m() -> f64 {
 }
 
 impl SPathConfig {
-    /// A path over `region` with the given distance between lanes [m]; all else as by default.
+    /// A path over `region` with the given distance between lanes (m); all else as by default.
     #[must_use]
     pub fn new(region: RegionConfig, lane_spacing_m: f64) -> Self {
         let stop_spacing_m = default_stop_spacing_m();

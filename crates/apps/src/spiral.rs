@@ -23,12 +23,12 @@ pub struct SpiralConfig {
     /// The spiral runs round the middle of this region's bounds, where it is no farther than half the lane spacing from
     /// the region: beyond, the robot drives straight on to where it is again, with stops on the way.
     pub region: RegionConfig,
-    /// Distance between neighbouring turns [m].
+    /// Distance between neighbouring turns (m).
     pub lane_spacing_m: f64,
-    /// Distance between stops along the path [m].
+    /// Distance between stops along the path (m).
     #[serde(default = "default_stop_spacing_m")]
     pub stop_spacing_m: f64,
-    /// Height of the path [m]; that of the robot's start if absent.
+    /// Height of the path (m); that of the robot's start if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
 }
@@ -97,7 +97,7 @@ struct Arm {
 }
 
 impl Arm {
-    /// Length from the middle to the angle θ [m]: b/2 (θ √(1 + θ²) + arsinh θ).
+    /// Length from the middle to the angle θ (m): b/2 (θ √(1 + θ²) + arsinh θ).
     fn length_m(self, angle_rad: f64) -> f64 {
         let b = self.spacing_m / TAU;
         0.5 * b * (angle_rad * angle_rad.hypot(1.0) + libm::asinh(angle_rad))

@@ -9,9 +9,9 @@ use sextant_kernel::Seed;
 pub struct Surroundings<'a> {
     /// The obstacles.
     pub obstacles: &'a ObstacleField,
-    /// Where the robot starts [m].
+    /// Where the robot starts (m).
     pub start: Position,
-    /// Radius of its hull [m].
+    /// Radius of its hull (m).
     pub radius_m: f64,
     /// Seed of the run.
     pub seed: Seed,

@@ -13,7 +13,7 @@ use crate::surroundings::Surroundings;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaypointsConfig {
-    /// The places where the robot listens, in this order [m].
+    /// The places where the robot listens, in this order (m).
     pub places_m: Vec<Position>,
 }
 

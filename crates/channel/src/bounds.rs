@@ -5,9 +5,9 @@ use crate::Position;
 /// A box whose edges are parallel to the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Corner with the smallest coordinates [m].
+    /// Corner with the smallest coordinates (m).
     pub min: Position,
-    /// Corner with the largest coordinates [m].
+    /// Corner with the largest coordinates (m).
     pub max: Position,
 }
 
@@ -34,7 +34,7 @@ impl Bounds {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
-    /// Middle of the box [m].
+    /// Middle of the box (m).
     #[must_use]
     pub fn center(self) -> Position {
         (self.min + self.max) * 0.5
@@ -51,7 +51,7 @@ impl Bounds {
             && p.z_m <= self.max.z_m
     }
 
-    /// Distance from `p` to the box [m], 0 inside.
+    /// Distance from `p` to the box (m), 0 inside.
     #[must_use]
     pub fn distance_m(self, p: Position) -> f64 {
         let (below, above) = (self.min - p, p - self.max);

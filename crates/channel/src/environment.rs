@@ -31,7 +31,7 @@ impl Environment {
         }
     }
 
-    /// Standard deviation of shadowing σ [dB].
+    /// Standard deviation of shadowing σ (dB).
     #[must_use]
     pub const fn sigma_db(self) -> f64 {
         match self {

@@ -10,7 +10,7 @@ use crate::{Bounds, Db, Obstacle, Position};
 pub struct Crossing {
     /// Index of the obstacle in its field.
     pub obstacle: usize,
-    /// Length of the line inside it [m], above 0.
+    /// Length of the line inside it (m), above 0.
     pub length_m: f64,
 }
 
@@ -28,7 +28,7 @@ pub struct ObstacleField {
 /// 10 log10(e): decibels of one neper of power.
 const DB_PER_NEPER: f64 = 10.0 * std::f64::consts::LOG10_E;
 
-/// Smallest radius of a ball for [`ObstacleField::clearance_m`] [m].
+/// Smallest radius of a ball for [`ObstacleField::clearance_m`] (m).
 const LEAST_RADIUS_M: f64 = 1e-6;
 
 impl ObstacleField {
@@ -94,7 +94,7 @@ impl ObstacleField {
     }
 
     /// How far a ball of `radius_m` with its centre at `from` can travel straight in `direction` (of any length above
-    /// 0) before it touches an obstacle [m], at most `range_m`: the range sensor of a robot.
+    /// 0) before it touches an obstacle (m), at most `range_m`: the range sensor of a robot.
     ///
     /// Each cast by the geometry library is checked against exact distances and, if it is wrong, replaced by
     /// bisection, so that no obstacle is missed. A ball that touches an obstacle at the start may slide along it or
@@ -119,7 +119,7 @@ impl ObstacleField {
             .fold(range_m, f64::min)
     }
 
-    /// Distance from `p` to the nearest obstacle [m]: 0 inside an obstacle, infinite without obstacles.
+    /// Distance from `p` to the nearest obstacle (m): 0 inside an obstacle, infinite without obstacles.
     #[must_use]
     pub fn distance_m(&self, p: Position) -> f64 {
         self.tree.nearest_m(p, |obstacle| self.obstacles[obstacle].shape().distance_m(p))

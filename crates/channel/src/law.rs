@@ -19,7 +19,7 @@ pub struct ChannelConfig {
     /// Shadowing. If absent: that of the environment, per packet; no shadowing without an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shadowing: Option<ShadowingConfig>,
-    /// Hard communication radius [m]: the longest possible link, this length included; unlimited if absent.
+    /// Hard communication radius (m): the longest possible link, this length included; unlimited if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
     /// Whether obstacles absorb power.
@@ -86,7 +86,7 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
 }
 
 impl ChannelLaw {
-    /// The same law with a hard radius of at most `range_m` [m].
+    /// The same law with a hard radius of at most `range_m` (m).
     #[must_use]
     pub fn within_m(self, range_m: f64) -> Self {
         Self { max_range_m: self.max_range_m.min(range_m), ..self }
@@ -104,7 +104,7 @@ impl ChannelLaw {
         &self.shadowing
     }
 
-    /// Hard communication radius [m]; infinite if unlimited.
+    /// Hard communication radius (m); infinite if unlimited.
     #[must_use]
     pub fn max_range_m(&self) -> f64 {
         self.max_range_m
@@ -116,7 +116,7 @@ impl ChannelLaw {
         self.obstacles_attenuate
     }
 
-    /// Distance beyond which even a power four standard deviations above the mean is below `floor` [m], at most the
+    /// Distance beyond which even a power four standard deviations above the mean is below `floor` (m), at most the
     /// hard radius: the range that a spatial index must search.
     #[must_use]
     pub fn reach_m(&self, tx: Dbm, floor: Dbm) -> f64 {

@@ -5,7 +5,7 @@
 pub struct Material {
     /// Name in scenarios.
     pub name: &'static str,
-    /// Absorption coefficient α of the Lambert-Bouguer law at 2.45 GHz [1/m]; the loss is 4.343 α dB per metre.
+    /// Absorption coefficient α of the Lambert-Bouguer law at 2.45 GHz (1/m); the loss is 4.343 α dB per metre.
     /// Absorption only: reflection at the surfaces is not included.
     pub absorption_per_m: f64,
     /// How the coefficient was obtained, and from which source.
@@ -57,7 +57,7 @@ impl Material {
         Self::ALL.iter().find(|material| material.name == name)
     }
 
-    /// Loss of power per metre [dB].
+    /// Loss of power per metre (dB).
     #[must_use]
     pub fn loss_db_per_m(&self) -> f64 {
         10.0 * self.absorption_per_m * std::f64::consts::LOG10_E

@@ -9,7 +9,7 @@ use crate::Position;
 pub struct Anchor {
     /// The node.
     pub node: NodeId,
-    /// Where it is, in the world frame [m].
+    /// Where it is, in the world frame (m).
     pub position: Position,
 }
 
@@ -24,7 +24,7 @@ pub struct Link {
     pub received: u32,
     /// Packets that the sender put on air.
     pub sent: u32,
-    /// Mean received signal strength of the packets [dBm], if it was measured.
+    /// Mean received signal strength of the packets (dBm), if it was measured.
     pub rssi_dbm: Option<f64>,
 }
 

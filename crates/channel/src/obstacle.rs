@@ -19,7 +19,7 @@ pub struct ObstacleConfig {
     /// Name of a known material.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Absorption coefficient α of the Lambert-Bouguer law [1/m]: 10 α log10(e) = 4.343 α dB per metre.
+    /// Absorption coefficient α of the Lambert-Bouguer law (1/m): 10 α log10(e) = 4.343 α dB per metre.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<f64>,
 }
@@ -89,13 +89,13 @@ impl Obstacle {
         &self.shape
     }
 
-    /// Absorption coefficient α [1/m].
+    /// Absorption coefficient α (1/m).
     #[must_use]
     pub fn absorption_per_m(&self) -> f64 {
         self.absorption_per_m
     }
 
-    /// Its surface for drawing: vertices [m], and triangles whose corners run counterclockwise seen from outside.
+    /// Its surface for drawing: vertices (m), and triangles whose corners run counterclockwise seen from outside.
     #[must_use]
     pub fn mesh(&self) -> (Vec<Position>, Vec<[u32; 3]>) {
         self.shape.mesh()

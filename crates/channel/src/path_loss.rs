@@ -21,10 +21,10 @@ pub struct LogDistanceConfig {
     /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// Distance to which the transmit power refers: the loss there is 0 dB [m].
+    /// Distance to which the transmit power refers: the loss there is 0 dB (m).
     #[serde(default = "default_reference_distance_m")]
     pub reference_distance_m: f64,
-    /// Distance below which the loss is constant [m].
+    /// Distance below which the loss is constant (m).
     #[serde(default = "default_min_distance_m")]
     pub min_distance_m: f64,
 }
@@ -80,13 +80,13 @@ impl LogDistance {
         self.exponent
     }
 
-    /// Distance to which the transmit power refers [m].
+    /// Distance to which the transmit power refers (m).
     #[must_use]
     pub fn reference_distance_m(&self) -> f64 {
         self.reference_distance_m
     }
 
-    /// Distance below which the loss is constant [m].
+    /// Distance below which the loss is constant (m).
     #[must_use]
     pub fn min_distance_m(&self) -> f64 {
         self.min_distance_m
@@ -98,7 +98,7 @@ impl LogDistance {
         Db(10.0 * self.exponent * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
     }
 
-    /// The largest distance at which the loss is at most `loss` [m]; 0 if the loss is larger everywhere.
+    /// The largest distance at which the loss is at most `loss` (m); 0 if the loss is larger everywhere.
     #[must_use]
     pub fn distance_m(&self, loss: Db) -> f64 {
         if loss < self.loss(0.0) {

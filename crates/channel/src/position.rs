@@ -6,17 +6,17 @@ use std::ops::{Add, Mul, Sub};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A place, or a displacement between two places, in the world frame [m]: x east, y north, z up.
+/// A place, or a displacement between two places, in the world frame (m): x east, y north, z up.
 /// A planar scene has z = 0. Written as `[x, y]` or `[x, y, z]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "Written", into = "[f64; 3]")]
 #[schemars(with = "Vec<f64>", extend("minItems" = 2, "maxItems" = 3))]
 pub struct Position {
-    /// East [m].
+    /// East (m).
     pub x_m: f64,
-    /// North [m].
+    /// North (m).
     pub y_m: f64,
-    /// Up [m].
+    /// Up (m).
     pub z_m: f64,
 }
 
@@ -52,7 +52,7 @@ impl Position {
     /// The origin of the world frame.
     pub const ORIGIN: Self = Self::new(0.0, 0.0, 0.0);
 
-    /// The place (x, y, z) [m].
+    /// The place (x, y, z) (m).
     #[must_use]
     pub const fn new(x_m: f64, y_m: f64, z_m: f64) -> Self {
         Self { x_m, y_m, z_m }
@@ -74,19 +74,19 @@ impl Position {
         )
     }
 
-    /// Length of the displacement [m].
+    /// Length of the displacement (m).
     #[must_use]
     pub fn length_m(self) -> f64 {
         self.dot(self).sqrt()
     }
 
-    /// Distance to `other` [m].
+    /// Distance to `other` (m).
     #[must_use]
     pub fn distance_m(self, other: Self) -> f64 {
         (self - other).length_m()
     }
 
-    /// Largest coordinate of any place in a network, as an absolute value [m].
+    /// Largest coordinate of any place in a network, as an absolute value (m).
     pub const FARTHEST_M: f64 = 1e9;
 
     /// Whether all coordinates are numbers and at most [`FARTHEST_M`](Self::FARTHEST_M) from zero.

@@ -6,7 +6,7 @@ use std::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A power level [dBm]. Two levels do not add: sum [`Milliwatts`] instead.
+/// A power level (dBm). Two levels do not add: sum [`Milliwatts`] instead.
 ///
 /// ```compile_fail
 /// use sextant_channel::Dbm;
@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 #[serde(transparent)]
 pub struct Dbm(pub f64);
 
-/// A power ratio [dB]: a gain if positive, a loss where a name says so.
+/// A power ratio (dB): a gain if positive, a loss where a name says so.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Db(pub f64);
 
-/// A power [mW], not negative.
+/// A power (mW), not negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Milliwatts(pub f64);
 

@@ -22,7 +22,7 @@ pub struct Stop {
     pub robot: RobotId,
     /// Start of listening.
     pub time: SimTime,
-    /// Where the robot stood, in its own odometry frame [m].
+    /// Where the robot stood, in its own odometry frame (m).
     pub position: Position,
 }
 
@@ -41,7 +41,7 @@ pub struct Reception {
     pub sent: u32,
     /// Identity of the antenna sector with the best reception, if the listener has sectors (0-based).
     pub sector: Option<u8>,
-    /// Mean received signal strength of the packets [dBm], if it was measured.
+    /// Mean received signal strength of the packets (dBm), if it was measured.
     pub rssi_dbm: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ pub struct Contact {
     pub robot: RobotId,
     /// Time of the contact.
     pub time: SimTime,
-    /// The point of contact on the obstacle [m].
+    /// The point of contact on the obstacle (m).
     pub position: Position,
 }
 
@@ -155,11 +155,11 @@ pub enum LogError {
     NotFinite {
         /// Index of the stop.
         stop: usize,
-        /// East [m].
+        /// East (m).
         x_m: f64,
-        /// North [m].
+        /// North (m).
         y_m: f64,
-        /// Up [m].
+        /// Up (m).
         z_m: f64,
     },
 }

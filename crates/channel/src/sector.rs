@@ -15,15 +15,15 @@ use sextant_kernel::SettingError;
 pub struct SectorConfig {
     /// Identity of the sector in the log, 0 to 255.
     pub sector: u8,
-    /// Azimuth at which the sector begins [degrees].
+    /// Azimuth at which the sector begins (degrees).
     pub azimuth_from_deg: f64,
-    /// Azimuth at which it ends, counterclockwise from its beginning [degrees]; 360 more than the beginning is a full
+    /// Azimuth at which it ends, counterclockwise from its beginning (degrees); 360 more than the beginning is a full
     /// circle.
     pub azimuth_to_deg: f64,
-    /// Lowest elevation [degrees], −90 (straight down) if absent.
+    /// Lowest elevation (degrees), −90 (straight down) if absent.
     #[serde(default = "nadir")]
     pub elevation_from_deg: f64,
-    /// Highest elevation [degrees], 90 (straight up) if absent.
+    /// Highest elevation (degrees), 90 (straight up) if absent.
     #[serde(default = "zenith")]
     pub elevation_to_deg: f64,
 }
@@ -35,10 +35,10 @@ pub struct SectorConfig {
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.
     pub azimuth_sectors: u8,
-    /// Azimuth of the middle of sector 0 [degrees], 0 (along x) if absent. The other sectors follow counterclockwise.
+    /// Azimuth of the middle of sector 0 (degrees), 0 (along x) if absent. The other sectors follow counterclockwise.
     #[serde(default)]
     pub first_azimuth_deg: f64,
-    /// Lowest and highest elevation of each ring [degrees]; one ring from −90 to 90 if absent.
+    /// Lowest and highest elevation of each ring (degrees); one ring from −90 to 90 if absent.
     #[serde(default = "one_ring")]
     pub elevations_deg: Vec<[f64; 2]>,
 }
@@ -58,11 +58,11 @@ fn one_ring() -> Vec<[f64; 2]> {
 /// The directions of one sector, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wedge {
-    /// Azimuth at which it begins [rad].
+    /// Azimuth at which it begins (rad).
     pub azimuth_from_rad: f64,
-    /// Its width counterclockwise [rad], above 0, at most 2π.
+    /// Its width counterclockwise (rad), above 0, at most 2π.
     pub azimuth_width_rad: f64,
-    /// Lowest and highest elevation [rad], in [−π/2, π/2].
+    /// Lowest and highest elevation (rad), in [−π/2, π/2].
     pub elevation_rad: [f64; 2],
 }
 

@@ -14,7 +14,7 @@ use crate::{Db, Position};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShadowingConfig {
-    /// Standard deviation [dB]; 0 for no shadowing. May be absent if the channel names an environment.
+    /// Standard deviation (dB); 0 for no shadowing. May be absent if the channel names an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_db: Option<f64>,
     /// Which packets and links share one draw.
@@ -39,7 +39,7 @@ pub enum CorrelationConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpatialConfig {
-    /// Distance over which the correlation falls to 1/e [m].
+    /// Distance over which the correlation falls to 1/e (m).
     pub distance_m: f64,
 }
 
@@ -79,7 +79,7 @@ impl TryFrom<ShadowingConfig> for ShadowingLaw {
 }
 
 impl ShadowingLaw {
-    /// Standard deviation [dB].
+    /// Standard deviation (dB).
     #[must_use]
     pub fn sigma_db(&self) -> f64 {
         self.sigma_db
@@ -92,7 +92,7 @@ impl ShadowingLaw {
     }
 }
 
-/// Log-normal shadowing of zero mean [dB]. Both directions of a link have the same value, bit for bit.
+/// Log-normal shadowing of zero mean (dB). Both directions of a link have the same value, bit for bit.
 ///
 /// - Per packet: independent for each (pair of stations, packet number).
 /// - Per link: independent for each (pair of stations, both places to 1 mm). A robot that moves
@@ -185,9 +185,9 @@ struct PairField {
 
 #[derive(Clone, Copy, Debug)]
 struct Wave {
-    /// (k + q) / 2 [rad/m].
+    /// (k + q) / 2 (rad/m).
     sum: Position,
-    /// (k - q) / 2 [rad/m].
+    /// (k - q) / 2 (rad/m).
     difference: Position,
     phase: f64,
 }

@@ -10,7 +10,7 @@ pub(crate) struct Span {
     reach: Position,
 }
 
-/// Tolerance of the box test [m]: a line outside by up to this much still counts as meeting the box.
+/// Tolerance of the box test (m): a line outside by up to this much still counts as meeting the box.
 const SLACK_M: f64 = 1e-9;
 
 impl Span {

@@ -44,7 +44,7 @@ pub struct EventKey {
 /// of equal rank in the order in which they were pushed.
 ///
 /// Time goes forward only: an event may be pushed at the instant of the last one that left, or later.
-/// An entry moves at most once per bit of its distance in time [ns], apart from moves in a small heap of the next
+/// An entry moves at most once per bit of its distance in time (ns), apart from moves in a small heap of the next
 /// events. No event allocates once the queue has reached its greatest size.
 ///
 /// ```

@@ -8,7 +8,7 @@ use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
 
 #[derive(Clone, Debug)]
 enum Step {
-    /// Span from now [ns], class, node.
+    /// Span from now (ns), class, node.
     Push(u64, u8, u32),
     Pop,
     Peek,

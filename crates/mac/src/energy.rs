@@ -39,15 +39,15 @@ pub enum EnergyConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CustomRadioConfig {
-    /// Supply voltage [V].
+    /// Supply voltage (V).
     pub supply_v: f64,
-    /// Current while transmitting [mA], at any power.
+    /// Current while transmitting (mA), at any power.
     pub tx_ma: f64,
-    /// Current while receiving or listening [mA].
+    /// Current while receiving or listening (mA).
     pub rx_ma: f64,
-    /// Current while idle, oscillator on [mA].
+    /// Current while idle, oscillator on (mA).
     pub idle_ma: f64,
-    /// Current while asleep [mA].
+    /// Current while asleep (mA).
     pub sleep_ma: f64,
 }
 
@@ -104,7 +104,7 @@ impl RadioStates {
         }
     }
 
-    /// Power drawn in `state` [W]. Transmitting at `tx_power` uses the lowest level of the radio that
+    /// Power drawn in `state` (W). Transmitting at `tx_power` uses the lowest level of the radio that
     /// reaches it, or else its highest.
     #[must_use]
     pub fn power_w(&self, state: RadioState, tx_power: Dbm) -> f64 {
@@ -149,21 +149,21 @@ impl TryFrom<CustomRadioConfig> for RadioStates {
     }
 }
 
-/// Energy that a radio used, by activity [J].
+/// Energy that a radio used, by activity (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergySpent {
-    /// Transmitting [J].
+    /// Transmitting (J).
     pub tx_j: f64,
-    /// Receiving, listening, sensing, turning around [J].
+    /// Receiving, listening, sensing, turning around (J).
     pub rx_j: f64,
-    /// Idle [J].
+    /// Idle (J).
     pub idle_j: f64,
-    /// Asleep [J].
+    /// Asleep (J).
     pub sleep_j: f64,
 }
 
 impl EnergySpent {
-    /// Total energy [J].
+    /// Total energy (J).
     #[must_use]
     pub fn total_j(&self) -> f64 {
         self.tx_j + self.rx_j + self.idle_j + self.sleep_j
@@ -236,7 +236,7 @@ mod tests {
 
     const PHY: Phy = Phy::Oqpsk2450;
 
-    /// Energy of `span` in `state` [uJ].
+    /// Energy of `span` in `state` (uJ).
     fn microjoules(radio: &RadioStates, state: RadioState, tx_dbm: f64, span: Duration) -> f64 {
         1e6 * radio.power_w(state, Dbm(tx_dbm)) * span.as_secs_f64()
     }

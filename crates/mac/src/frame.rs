@@ -121,7 +121,7 @@ pub enum ParseError {
     /// The frame ends too early.
     #[error("the frame ends after {octets} octets, within its {part}")]
     Truncated {
-        /// Size of the frame [octets].
+        /// Size of the frame (octets).
         octets: usize,
         /// The part that is not complete.
         part: &'static str,

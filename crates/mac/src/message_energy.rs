@@ -8,9 +8,9 @@ use crate::{Phy, RadioState, RadioStates};
 /// carrier sense, no retries. [`EnergyMeter`](crate::EnergyMeter) counts those.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MessageEnergy {
-    /// Transmitting a packet [J].
+    /// Transmitting a packet (J).
     pub tx_j: f64,
-    /// Receiving a packet [J].
+    /// Receiving a packet (J).
     pub rx_j: f64,
 }
 
@@ -23,21 +23,21 @@ impl MessageEnergy {
     }
 
     /// Maximum-likelihood maps: each of `nodes` transmits a packet at each of `samples` time samples, and only the
-    /// robot receives: `E = N n E_tx` (eq. 3.17) [J].
+    /// robot receives: `E = N n E_tx` (eq. 3.17) (J).
     #[must_use]
     pub fn ml_tm_j(&self, nodes: f64, samples: f64) -> f64 {
         nodes * samples * self.tx_j
     }
 
     /// Localisation by signal strengths: each of `anchors` transmits a packet, and each other node receives those of
-    /// the `heard` anchors in its neighbourhood: `E = M E_tx + (N − M) m E_rx` (eq. 3.18) [J].
+    /// the `heard` anchors in its neighbourhood: `E = M E_tx + (N − M) m E_rx` (eq. 3.18) (J).
     #[must_use]
     pub fn rssi_j(&self, nodes: f64, anchors: f64, heard: f64) -> f64 {
         anchors * self.tx_j + (nodes - anchors) * heard * self.rx_j
     }
 
     /// Maps of hop counts: for each of `anchors` each of `nodes` transmits `transmitted` packets and receives
-    /// `received`: `E = N M (p E_tx + q E_rx)` (eq. 3.19) [J]. A flood in which each node repeats what it hears first
+    /// `received`: `E = N M (p E_tx + q E_rx)` (eq. 3.19) (J). A flood in which each node repeats what it hears first
     /// has p = 1 and q the number of neighbours.
     #[must_use]
     pub fn tpm_j(&self, nodes: f64, anchors: f64, transmitted: f64, received: f64) -> f64 {

@@ -3,10 +3,10 @@
 use sextant_channel::{Db, Dbm};
 
 /// Signal-to-noise ratio at which 1 % of frames of 20 octets are lost, the standard's definition of
-/// sensitivity, by the bit error rate of this file [dB].
+/// sensitivity, by the bit error rate of this file (dB).
 const SNR_AT_SENSITIVITY: Db = Db(0.403);
 
-/// Noise power in the channel of a receiver with this sensitivity [dBm].
+/// Noise power in the channel of a receiver with this sensitivity (dBm).
 #[must_use]
 pub fn noise_floor(sensitivity: Dbm) -> Dbm {
     sensitivity - SNR_AT_SENSITIVITY
@@ -60,7 +60,7 @@ mod tests {
         (value / reference - 1.0).abs()
     }
 
-    /// Ratio at which `octets` are lost with probability `loss` [dB].
+    /// Ratio at which `octets` are lost with probability `loss` (dB).
     fn sinr_db(octets: f64, loss: f64) -> f64 {
         let (mut low, mut high) = (-10.0, 10.0);
         for _ in 0..60 {

@@ -23,9 +23,9 @@ pub use settings::{BeaconEnabled, BeaconEnabledConfig, Gts, GtsConfig};
 pub(crate) const MAX_ORDER: u8 = 14;
 /// Slots of the active part (aNumSuperframeSlots).
 pub(crate) const SLOTS: u8 = 16;
-/// Length of a slot of order 0 [symbols] (aBaseSlotDuration).
+/// Length of a slot of order 0 (symbols) (aBaseSlotDuration).
 const BASE_SLOT_SYMBOLS: u64 = 60;
-/// Minimum length of the contention access period [symbols] (aMinCAPLength).
+/// Minimum length of the contention access period (symbols) (aMinCAPLength).
 pub(crate) const MIN_CAP_SYMBOLS: u64 = 440;
 /// Largest number of guaranteed slots of a superframe (7.5.7).
 pub(crate) const MAX_GUARANTEED: usize = 7;

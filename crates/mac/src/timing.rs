@@ -5,11 +5,11 @@ use std::time::Duration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Largest MPDU [octets], FCS included (aMaxPHYPacketSize; IEEE 802.15.4-2011, 9.2).
+/// Largest MPDU (octets), FCS included (aMaxPHYPacketSize; IEEE 802.15.4-2011, 9.2).
 pub const MAX_MPDU_OCTETS: u8 = 127;
-/// Size of an acknowledgement's MPDU [octets]: frame control, sequence number, FCS.
+/// Size of an acknowledgement's MPDU (octets): frame control, sequence number, FCS.
 pub const ACK_MPDU_OCTETS: u8 = 5;
-/// Largest MPDU that is followed by the short interframe spacing [octets] (aMaxSIFSFrameSize).
+/// Largest MPDU that is followed by the short interframe spacing (octets) (aMaxSIFSFrameSize).
 const MAX_SIFS_MPDU_OCTETS: u8 = 18;
 
 /// A physical layer of IEEE 802.15.4: band and modulation (IEEE 802.15.4-2006, clause 6).
@@ -37,13 +37,13 @@ pub enum Phy {
 
 /// The numbers from which the spans of a physical layer follow.
 struct Numbers {
-    /// Length of a symbol [ns].
+    /// Length of a symbol (ns).
     symbol_ns: u64,
-    /// Preamble and start-of-frame delimiter [symbols].
+    /// Preamble and start-of-frame delimiter (symbols).
     shr_symbols: u64,
-    /// PHY header [tenths of a symbol].
+    /// PHY header (tenths of a symbol).
     phr_tenths: u64,
-    /// One octet [tenths of a symbol].
+    /// One octet (tenths of a symbol).
     octet_tenths: u64,
 }
 

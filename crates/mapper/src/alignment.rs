@@ -38,7 +38,7 @@ pub struct Similarity {
     pub scale: f64,
     /// Orthogonal matrix by rows; its determinant is −1 for a mirror image.
     pub rotation: [[f64; 3]; 3],
-    /// Translation [m].
+    /// Translation (m).
     pub translation: Position,
 }
 

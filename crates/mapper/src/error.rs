@@ -12,13 +12,13 @@ pub enum MapError {
     GridTooLarge {
         /// Vertices of the whole lattice (beyond 2⁵³ rounded).
         vertices: f64,
-        /// Memory that the window of one node needs at most [octets].
+        /// Memory that the window of one node needs at most (octets).
         bytes: u64,
-        /// Memory allowed [octets].
+        /// Memory allowed (octets).
         allowed_bytes: u64,
-        /// The step asked for [m].
+        /// The step asked for (m).
         step_m: f64,
-        /// A step that fits [m].
+        /// A step that fits (m).
         suggested_step_m: f64,
     },
     /// A lattice round no stops.

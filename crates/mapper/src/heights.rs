@@ -9,9 +9,9 @@ const UNEVEN: f64 = 0.05;
 /// The heights at which the nodes of a map were sought, and why these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoughtHeights {
-    /// The lowest height [m].
+    /// The lowest height (m).
     pub low_m: f64,
-    /// The highest height [m]; the lowest one again for a map in a plane.
+    /// The highest height (m); the lowest one again for a map in a plane.
     pub high_m: f64,
     /// Why.
     pub reason: HeightReason,
@@ -24,7 +24,7 @@ pub enum HeightReason {
     Settings,
     /// All stops have this height.
     LevelStops,
-    /// The heights of the stops differ by so little [m] that they tell nothing of the heights of nodes: the map is in the
+    /// The heights of the stops differ by so little (m) that they tell nothing of the heights of nodes: the map is in the
     /// plane half way between the lowest stop and the highest.
     UnevenStops(f64),
     /// Nodes are heard as far below the lowest stop and as far above the highest.
@@ -59,14 +59,14 @@ impl SoughtHeights {
 /// Where nodes may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Heights {
-    /// All at one height [m].
+    /// All at one height (m).
     Level(f64),
-    /// Anywhere between two heights [m], which may be infinite.
+    /// Anywhere between two heights (m), which may be infinite.
     Between(f64, f64),
 }
 
 impl Heights {
-    /// The height that is allowed and nearest to `z_m` [m].
+    /// The height that is allowed and nearest to `z_m` (m).
     pub(crate) fn clamp(self, z_m: f64) -> f64 {
         match self {
             Self::Level(level_m) => level_m,
@@ -81,7 +81,7 @@ pub(crate) fn are_level(stops: &[Stop], reach_m: f64) -> bool {
     extremes(stops).is_none_or(|[lowest, highest]| highest - lowest <= UNEVEN * reach_m)
 }
 
-/// The lowest and the highest height of the stops [m]; `None` if there are none.
+/// The lowest and the highest height of the stops (m); `None` if there are none.
 fn extremes(stops: &[Stop]) -> Option<[f64; 2]> {
     let heights = stops.iter().map(|stop| stop.position.z_m);
     let extremes = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z_m| [low.min(z_m), high.max(z_m)]);

@@ -88,7 +88,7 @@ impl Lattice {
         self.origin
     }
 
-    /// Distance of neighbouring vertices [m].
+    /// Distance of neighbouring vertices (m).
     #[must_use]
     pub fn step_m(&self) -> f64 {
         self.step_m
@@ -112,7 +112,7 @@ impl Lattice {
         self.len() == 0
     }
 
-    /// Half the diagonal of a cell [m]: no place within the lattice is farther from a vertex.
+    /// Half the diagonal of a cell (m): no place within the lattice is farther from a vertex.
     #[must_use]
     pub fn half_diagonal_m(&self) -> f64 {
         let axes = self.counts.iter().filter(|&&count| count > 1).count();
@@ -140,7 +140,7 @@ impl Lattice {
         [(index % nx) as usize, (index / nx % ny) as usize, (index / nx / ny) as usize]
     }
 
-    /// Coordinate of the `i`-th vertex along an axis [m].
+    /// Coordinate of the `i`-th vertex along an axis (m).
     #[expect(clippy::cast_precision_loss, reason = "indices are far below 2^53")]
     pub(crate) fn coordinate(&self, axis: usize, i: usize) -> f64 {
         <[f64; 3]>::from(self.origin)[axis] + self.step_m * i as f64

@@ -7,15 +7,15 @@ use crate::heights::Heights;
 /// Places with their posterior probabilities, and how far they spread.
 #[derive(Clone, Debug)]
 pub(crate) struct LocalPosterior {
-    /// Places [m] with probabilities that sum to 1.
+    /// Places (m) with probabilities that sum to 1.
     pub(crate) places: Vec<(Position, f64)>,
-    /// Their mean [m].
+    /// Their mean (m).
     pub(crate) mean: Position,
-    /// Standard deviation along each axis [m].
+    /// Standard deviation along each axis (m).
     pub(crate) spread_m: [f64; 3],
 }
 
-/// Covariance [m²] of places with probabilities, each given by how far it is from their mean.
+/// Covariance (m²) of places with probabilities, each given by how far it is from their mean.
 pub(crate) fn covariance(places: impl Iterator<Item = (Position, f64)>) -> [[f64; 3]; 3] {
     let mut covariance = [[0.0; 3]; 3];
     for (apart, probability) in places {

@@ -19,7 +19,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MlTmConfig {
-    /// Distance of neighbouring grid vertices [m].
+    /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
     /// How likely a packet is received over a distance.
     pub profile: ProfileConfig,
@@ -33,7 +33,7 @@ pub struct MlTmConfig {
     /// Which place `argmax` takes if several vertices have the highest likelihood.
     #[serde(default)]
     pub ties: TieRule,
-    /// Lowest and highest height of a node [m]. Without it a log whose stops share one height, or differ by no more than
+    /// Lowest and highest height of a node (m). Without it a log whose stops share one height, or differ by no more than
     /// a twentieth of `range_m`, is mapped in the plane of the stops, any other from `range_m` below to `range_m` above
     /// them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -41,12 +41,12 @@ pub struct MlTmConfig {
     /// What is made of the antenna sectors in which nodes were heard. If absent, those that the log tells of are evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sectors: Option<SectorsConfig>,
-    /// Memory that the grid window of one node may need [MB]; 512 if absent.
+    /// Memory that the grid window of one node may need (MB); 512 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_memory_mb: Option<u32>,
 }
 
-/// Memory allowed for the window of one node [MB].
+/// Memory allowed for the window of one node (MB).
 const DEFAULT_MEMORY_MB: u32 = 512;
 
 /// What a reception of several packets counts for.
@@ -134,7 +134,7 @@ impl MlTm {
         Self { grid_step_m, profile, ..self.clone() }
     }
 
-    /// Distance of neighbouring vertices [m].
+    /// Distance of neighbouring vertices (m).
     #[must_use]
     pub fn grid_step_m(&self) -> f64 {
         self.grid_step_m

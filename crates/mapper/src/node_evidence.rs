@@ -12,7 +12,7 @@ pub(crate) struct NodeEvidence {
 
 impl NodeEvidence {
     /// What tells of `node` at places within a few metres of `near`: the stops that heard it, and those within one and a half
-    /// times `reach_m`, beyond which nothing is heard [m]. `None` if it was never heard.
+    /// times `reach_m`, beyond which nothing is heard (m). `None` if it was never heard.
     pub(crate) fn near(log: &ReceptionLog, node: NodeId, near: Position, reach_m: f64) -> Option<Self> {
         if log.of(node).iter().all(|reception| reception.received == 0) {
             return None;

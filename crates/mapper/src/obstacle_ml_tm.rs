@@ -26,12 +26,12 @@ pub struct ObstacleMlTm {
     z_range_m: Option<[f64; 2]>,
 }
 
-/// First guess of how far a posterior spreads [m].
+/// First guess of how far a posterior spreads (m).
 const SPREAD_M: f64 = 0.3;
 /// Step of the coarse scan, as a share of the reach, and steps to each side of the start in the plane and in space.
 const SCAN_STEP: f64 = 0.05;
 const SCAN: [i32; 2] = [6, 4];
-/// Least step of a node's grid [m].
+/// Least step of a node's grid (m).
 const LEAST_STEP_M: f64 = 0.01;
 
 impl ObstacleMlTm {

@@ -13,23 +13,23 @@ use crate::node_evidence::NodeEvidence;
 pub struct TrueModel<'a, P> {
     /// Probability that a node at the place, if it sends once, is heard at the stop of the index: `|stop, place|`.
     pub probability: P,
-    /// A place near which each node is known to be [m]: where its posterior is looked for.
+    /// A place near which each node is known to be (m): where its posterior is looked for.
     pub near: &'a [Position],
-    /// Distance from a stop beyond which the probability is the same everywhere, or zero [m].
+    /// Distance from a stop beyond which the probability is the same everywhere, or zero (m).
     pub reach_m: f64,
-    /// Lowest and highest height of a node [m]; the same for a planar network.
+    /// Lowest and highest height of a node (m); the same for a planar network.
     pub z_range_m: [f64; 2],
 }
 
 /// Nodes that are looked at, at most.
 const MOST_NODES: usize = 1000;
-/// First guess of how far a posterior spreads [m].
+/// First guess of how far a posterior spreads (m).
 const SPREAD_M: f64 = 0.15;
-/// Least step of the grid [m].
+/// Least step of the grid (m).
 const LEAST_STEP_M: f64 = 0.01;
 
 /// The mean over the heard nodes of the expected distance between a node and the mean of its posterior under the true
-/// model, for a uniform prior [m]: no estimator that starts from the same log has a smaller mean squared error. `None` if no
+/// model, for a uniform prior (m): no estimator that starts from the same log has a smaller mean squared error. `None` if no
 /// node was heard. Each posterior is computed on a grid of its own, in steps of about half its spread, round the place near
 /// which the node is; probability elsewhere is left out. Of more than a thousand nodes, only so many are looked at, evenly
 /// chosen. The same bits for any number of threads.

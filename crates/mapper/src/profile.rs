@@ -35,9 +35,9 @@ pub enum ProfileConfig {
 pub struct TrapezoidConfig {
     /// Reception probability next to the node, above 0, at most 1.
     pub p0: f64,
-    /// Distance up to which the probability is `p0` [m], below `range_m`.
+    /// Distance up to which the probability is `p0` (m), below `range_m`.
     pub plateau_m: f64,
-    /// Distance from which on nothing is received [m].
+    /// Distance from which on nothing is received (m).
     pub range_m: f64,
     /// Lowest probability of a reception, at any distance; 0 for the literal profile of the thesis.
     #[serde(default = "default_floor")]
@@ -111,7 +111,7 @@ impl ReceptionProfile {
         }
     }
 
-    /// The distance from which on a reception is impossible (or left to the floor) [m].
+    /// The distance from which on a reception is impossible (or left to the floor) (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         match self {
@@ -151,13 +151,13 @@ impl Trapezoid {
         self.p0
     }
 
-    /// The plateau r [m].
+    /// The plateau r (m).
     #[must_use]
     pub fn plateau_m(&self) -> f64 {
         self.plateau_m
     }
 
-    /// The range R [m].
+    /// The range R (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         self.range_m

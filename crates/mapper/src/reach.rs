@@ -10,13 +10,13 @@ const COMMON: f64 = 0.95;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HeardNode {
     pub(crate) node: NodeId,
-    /// The middle of the stops that heard it, weighted by packets [m].
+    /// The middle of the stops that heard it, weighted by packets (m).
     pub(crate) middle: Position,
-    /// Distance from the middle to the farthest of these stops [m].
+    /// Distance from the middle to the farthest of these stops (m).
     pub(crate) farthest_m: f64,
     /// Number of these stops.
     pub(crate) stops: u32,
-    /// Corners of the box that holds these stops [m].
+    /// Corners of the box that holds these stops (m).
     pub(crate) corners: [[f64; 3]; 2],
 }
 
@@ -50,7 +50,7 @@ fn heard_node(log: &ReceptionLog, node: NodeId) -> Option<HeardNode> {
 }
 
 /// The distance from the middle of the stops that heard a node to the farthest of them which 95 % of the nodes do not
-/// exceed [m]: about the range of the radios where the survey is larger than that, less where it is smaller. The usual
+/// exceed (m): about the range of the radios where the survey is larger than that, less where it is smaller. The usual
 /// gap between stops if each node was heard at one place only, 1 m if there is no gap.
 pub(crate) fn reach_m(log: &ReceptionLog, heard: &[HeardNode]) -> f64 {
     let mut farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
@@ -61,7 +61,7 @@ pub(crate) fn reach_m(log: &ReceptionLog, heard: &[HeardNode]) -> f64 {
     if reach_m > 0.0 { reach_m } else { gap_m(log).unwrap_or(1.0) }
 }
 
-/// The median distance from a stop of a robot to its next one, of those that differ [m]; `None` if no robot moved.
+/// The median distance from a stop of a robot to its next one, of those that differ (m); `None` if no robot moved.
 pub(crate) fn gap_m(log: &ReceptionLog) -> Option<f64> {
     let mut gaps: Vec<f64> = log.drives().map(|drive| drive.length_m()).filter(|&gap| gap > 0.0).collect();
     if gaps.is_empty() { None } else { Some(median(&mut gaps)) }

@@ -5,7 +5,7 @@ use sextant_channel::Position;
 
 use crate::Estimate;
 
-/// Below this variance along the height a map is planar [m²].
+/// Below this variance along the height a map is planar (m²).
 const FLAT_M2: f64 = 1e-12;
 /// 95 % quantile of the chi-squared law with two and with three degrees of freedom.
 const CHI_SQUARED_95: [f64; 2] = [5.991_464_547_107_982, 7.814_727_903_251_178];
@@ -16,15 +16,15 @@ const CHI_SQUARED_95: [f64; 2] = [5.991_464_547_107_982, 7.814_727_903_251_178];
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     mean: Position,
-    /// Inverse of the covariance, two or three rows [1/m²].
+    /// Inverse of the covariance, two or three rows (1/m²).
     precision: DMatrix<f64>,
-    /// Square root of the determinant of the covariance [m² or m³].
+    /// Square root of the determinant of the covariance (m² or m³).
     volume: f64,
 }
 
 impl Region {
     /// The region that holds the node with 95 %; `None` for an estimate without a covariance. `grid_step_m` is the step
-    /// of the grid on which it was computed [m], 0 if there was none.
+    /// of the grid on which it was computed (m), 0 if there was none.
     #[must_use]
     pub fn of_95(estimate: &Estimate, grid_step_m: f64) -> Option<Self> {
         let covariance = estimate.covariance?;
@@ -52,7 +52,7 @@ impl Region {
         self.precision.nrows()
     }
 
-    /// Area of the ellipse [m²] or volume of the ellipsoid [m³].
+    /// Area of the ellipse (m²) or volume of the ellipsoid (m³).
     #[must_use]
     pub fn size(&self) -> f64 {
         let squared = CHI_SQUARED_95[self.dimensions() - 2];

@@ -66,7 +66,7 @@ impl TableProfile {
         s.clamp(self.floor, self.ceiling)
     }
 
-    /// Distance of neighbouring values [m].
+    /// Distance of neighbouring values (m).
     #[must_use]
     pub fn step_m(&self) -> f64 {
         self.step_m
@@ -78,7 +78,7 @@ impl TableProfile {
         &self.probabilities
     }
 
-    /// The distance from which on a reception is impossible (or left to the floor) [m].
+    /// The distance from which on a reception is impossible (or left to the floor) (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         self.range_m

@@ -12,7 +12,7 @@ pub struct TopologyMap {
     pub algorithm: &'static str,
     /// One entry a node of the log; `None` for a node that was never heard, which is not placed.
     pub estimates: Vec<Option<Estimate>>,
-    /// Distance of neighbouring grid vertices, if the algorithm has a grid [m].
+    /// Distance of neighbouring grid vertices, if the algorithm has a grid (m).
     pub grid_step_m: Option<f64>,
     /// Grid vertices whose likelihood was computed, summed over the nodes; 0 without a grid.
     pub vertices_evaluated: u64,
@@ -38,13 +38,13 @@ pub enum CoordinateFrame {
 /// Where one node is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// The place [m].
+    /// The place (m).
     pub position: Position,
     /// Natural logarithm of the highest likelihood on the grid; `None` for an algorithm without a likelihood.
     pub log_likelihood: Option<f64>,
     /// Number of vertices with the highest likelihood (within 10⁻⁹ in its logarithm); 1 if it is unique.
     pub ties: u32,
-    /// Posterior covariance of x, y, z [m²]: present for a posterior mean.
+    /// Posterior covariance of x, y, z (m²): present for a posterior mean.
     pub covariance: Option<[[f64; 3]; 3]>,
     /// Whether no vertex explains all that was heard, so that outliers had to be admitted.
     pub infeasible: bool,
@@ -94,7 +94,7 @@ impl TopologyMap {
         places.chunk_by(|a, b| a == b).map(<[_]>::len).filter(|&count| count > 1).sum()
     }
 
-    /// Places of the nodes [m], `None` where a node is not mapped.
+    /// Places of the nodes (m), `None` where a node is not mapped.
     #[must_use]
     pub fn positions(&self) -> Vec<Option<Position>> {
         self.estimates.iter().map(|estimate| estimate.as_ref().map(|e| e.position)).collect()

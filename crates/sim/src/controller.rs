@@ -12,7 +12,7 @@ pub struct Heard {
     pub packets: u32,
     /// Packets that the node sent from the first to the last one received, both included, by their sequence numbers.
     pub sent: u32,
-    /// Mean received signal strength [dBm].
+    /// Mean received signal strength (dBm).
     pub rssi_dbm: f64,
 }
 
@@ -23,7 +23,7 @@ pub enum CommandOutcome<'a> {
     Started,
     /// The robot is at its destination.
     Arrived,
-    /// An obstacle is in the way, and the robot has stopped in front of it. The point of contact on the obstacle [m].
+    /// An obstacle is in the way, and the robot has stopped in front of it. The point of contact on the obstacle (m).
     Blocked(Position),
     /// A listening slot is over: the nodes heard, by node.
     Listened(&'a [Heard]),
@@ -33,7 +33,7 @@ pub enum CommandOutcome<'a> {
 pub struct Situation<'a> {
     /// Current time.
     pub time: SimTime,
-    /// Position of the robot [m].
+    /// Position of the robot (m).
     pub position: Position,
     /// How the last command ended.
     pub outcome: CommandOutcome<'a>,
@@ -58,7 +58,7 @@ impl<'a> Situation<'a> {
     }
 
     /// How far the robot could drive straight in `direction` (of any length above zero) before its hull touches
-    /// an obstacle [m], at most `range_m`: the reading of its range sensors.
+    /// an obstacle (m), at most `range_m`: the reading of its range sensors.
     #[must_use]
     pub fn clearance_m(&self, direction: Position, range_m: f64) -> f64 {
         self.obstacles.clearance_m(self.position, direction, range_m, self.radius_m)
@@ -68,7 +68,7 @@ impl<'a> Situation<'a> {
 /// The next command for a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RobotCommand {
-    /// Drive straight to this place [m]; ends with [`CommandOutcome::Arrived`] or [`CommandOutcome::Blocked`].
+    /// Drive straight to this place (m); ends with [`CommandOutcome::Arrived`] or [`CommandOutcome::Blocked`].
     Drive(Position),
     /// Listen for one slot: a stop of the reception log; ends with [`CommandOutcome::Listened`].
     Listen,

@@ -30,11 +30,11 @@ const FIRST_PACKET: u64 = 1 << 40;
 pub struct DiscoveryConfig {
     /// Hello packets that each node broadcasts: 1 to 10000.
     pub packets: u32,
-    /// Mean time between two hello packets of a node [s].
+    /// Mean time between two hello packets of a node (s).
     pub interval_s: f64,
-    /// Length of a hello packet, header and frame check sequence included [octets]: 11 to 127.
+    /// Length of a hello packet, header and frame check sequence included (octets): 11 to 127.
     pub mpdu_octets: u8,
-    /// Radius within which nodes hear each other's hello packets [m], as if they were sent with less power; that of
+    /// Radius within which nodes hear each other's hello packets (m), as if they were sent with less power; that of
     /// the channel if absent or larger. Packets of anchors, which must be heard far away, are limited only by the
     /// channel.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -135,7 +135,7 @@ struct Run {
     /// Number of packets that each node has sent.
     sent: Vec<u32>,
     unsent: u64,
-    /// Number of packets that each node has received from each other node, and the sum of their powers [dBm].
+    /// Number of packets that each node has received from each other node, and the sum of their powers (dBm).
     heard: Vec<BTreeMap<NodeId, (u32, f64)>>,
     arrivals: Vec<Arrival>,
     events: u64,

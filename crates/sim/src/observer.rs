@@ -20,7 +20,7 @@ pub struct FrameOnAir<'a> {
     pub bytes: &'a [u8],
     /// Its best outcome at any robot; for a frame from a robot, at any node.
     pub outcome: FrameOutcome,
-    /// Power at that station [dBm], if a signal was measured.
+    /// Power at that station (dBm), if a signal was measured.
     pub power: Option<Dbm>,
     /// The robots that received it, by number.
     pub heard: &'a [HeardFrame],
@@ -31,7 +31,7 @@ pub struct FrameOnAir<'a> {
 pub struct HeardFrame {
     /// Index of the robot.
     pub robot: usize,
-    /// Power at the robot [dBm].
+    /// Power at the robot (dBm).
     pub power: Dbm,
 }
 

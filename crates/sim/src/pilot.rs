@@ -9,7 +9,7 @@ use sextant_mac::responder::Responder;
 use crate::survey::RobotRecord;
 use crate::{CommandOutcome, Ending, Heard, Robot, RobotCommand, Situation};
 
-/// Gap between the hull of a blocked robot and the obstacle [m].
+/// Gap between the hull of a blocked robot and the obstacle (m).
 const HALT_M: f64 = 1e-3;
 
 /// Largest number of commands in a row that take no time; a controller that gives more is stuck.

@@ -13,15 +13,15 @@ const CCA_MARGIN: Db = Db(10.0);
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RadioConfig {
-    /// Transmit power, as received at the reference distance of the path loss without shadowing [dBm].
+    /// Transmit power, as received at the reference distance of the path loss without shadowing (dBm).
     pub tx_power_dbm: f64,
-    /// Minimum power of a frame that can be received [dBm].
+    /// Minimum power of a frame that can be received (dBm).
     pub sensitivity_dbm: f64,
-    /// Mean power over the window of carrier sense at or above which the channel is busy [dBm];
+    /// Mean power over the window of carrier sense at or above which the channel is busy (dBm);
     /// 10 dB above the sensitivity if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cca_threshold_dbm: Option<f64>,
-    /// Noise in the bandwidth of the receiver [dBm]; 0.403 dB below the sensitivity if absent.
+    /// Noise in the bandwidth of the receiver (dBm); 0.403 dB below the sensitivity if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_floor_dbm: Option<f64>,
 }

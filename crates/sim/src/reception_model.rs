@@ -24,7 +24,7 @@ pub enum ReceptionConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SinrThresholdConfig {
-    /// Minimum ratio of signal to interference and noise [dB].
+    /// Minimum ratio of signal to interference and noise (dB).
     #[serde(default = "default_threshold_db")]
     pub threshold_db: f64,
 }

@@ -15,15 +15,15 @@ use crate::Controller;
 pub struct RobotConfig<C> {
     /// Name, also used in its topics of the recording.
     pub name: String,
-    /// Where it starts [m].
+    /// Where it starts (m).
     pub start_m: Position,
-    /// How fast it drives [m/s].
+    /// How fast it drives (m/s).
     #[serde(default = "default_speed_m_per_s")]
     pub speed_m_per_s: f64,
-    /// Radius of its hull: its minimum distance from obstacles [m].
+    /// Radius of its hull: its minimum distance from obstacles (m).
     #[serde(default = "default_radius_m")]
     pub radius_m: f64,
-    /// How long it listens at each stop [s].
+    /// How long it listens at each stop (s).
     #[serde(default = "default_listen_s")]
     pub listen_s: f64,
     /// What drives it.
@@ -47,11 +47,11 @@ fn default_listen_s() -> f64 {
 pub struct RobotBody {
     /// Name.
     pub name: String,
-    /// Where it starts [m].
+    /// Where it starts (m).
     pub start: Position,
-    /// How fast it drives [m/s].
+    /// How fast it drives (m/s).
     pub speed_m_per_s: f64,
-    /// Radius of its hull [m].
+    /// Radius of its hull (m).
     pub radius_m: f64,
     /// How long it listens at each stop.
     pub listen: Duration,

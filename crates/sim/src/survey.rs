@@ -32,7 +32,7 @@ pub struct RobotRecord {
     pub name: String,
     /// Number of stops to listen.
     pub stops: usize,
-    /// Length of its path [m].
+    /// Length of its path (m).
     pub path_length_m: f64,
     /// Why it finished; `None` if it was interrupted.
     pub ending: Option<Ending>,

@@ -26,10 +26,10 @@ pub enum TrafficConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BeaconConfig {
-    /// Length of the frame, header and frame check sequence included [octets]: 11 to 127.
+    /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
     #[serde(default = "default_mpdu_octets")]
     pub mpdu_octets: u8,
-    /// Mean time between two broadcasts of a node [s].
+    /// Mean time between two broadcasts of a node (s).
     #[serde(default = "default_interval_s")]
     pub interval_s: f64,
     /// Each broadcast is early or late by up to this share of the interval, uniformly distributed: 0 to 0.5.
@@ -41,10 +41,10 @@ pub struct BeaconConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QueryConfig {
-    /// Length of the frame, header and frame check sequence included [octets]: 11 to 127.
+    /// Length of the frame, header and frame check sequence included (octets): 11 to 127.
     #[serde(default = "default_mpdu_octets")]
     pub mpdu_octets: u8,
-    /// When all nodes get their frame [s].
+    /// When all nodes get their frame (s).
     #[serde(default)]
     pub at_s: f64,
     /// Whether the frame is sent to the first robot and requests an acknowledgement; otherwise it is broadcast.
@@ -112,7 +112,7 @@ impl TryFrom<TrafficConfig> for Traffic {
 }
 
 impl Traffic {
-    /// Length of each frame, header and frame check sequence included [octets].
+    /// Length of each frame, header and frame check sequence included (octets).
     #[must_use]
     pub fn mpdu_octets(&self) -> u8 {
         self.mpdu_octets

@@ -12,7 +12,7 @@ use crate::route::Search;
 struct Acquaintance {
     /// Packets heard in all.
     packets: u32,
-    /// Where it was heard loudest: signal strength [dBm] and stop.
+    /// Where it was heard loudest: signal strength (dBm) and stop.
     best: Option<(f64, usize)>,
     /// Times that the robot came back there for it.
     returns: u32,
@@ -22,7 +22,7 @@ struct Acquaintance {
 #[derive(Clone, Copy, Debug)]
 struct Opening {
     place: Position,
-    /// The stop nearest to it, and how far that is [m].
+    /// The stop nearest to it, and how far that is (m).
     nearest: (usize, f64),
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Knowledge {
     openings: Vec<Opening>,
     /// Points of obstacles.
     contacts: Vec<Position>,
-    /// Radius of the robot's own hull, as its first contact showed [m].
+    /// Radius of the robot's own hull, as its first contact showed (m).
     hull_m: f64,
 }
 

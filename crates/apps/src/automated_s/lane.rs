@@ -14,7 +14,7 @@ pub(super) struct Lane {
     pub(super) first_stop: usize,
     pub(super) hearing_stops: u32,
     pub(super) silent_run: u32,
-    /// Least and greatest y of its stops that heard somebody [m].
+    /// Least and greatest y of its stops that heard somebody (m).
     audible_m: Option<(f64, f64)>,
     /// The same of the lane before.
     audible_before_m: Option<(f64, f64)>,
@@ -63,7 +63,7 @@ impl Lane {
         self.silent_run += 1;
     }
 
-    /// How far this lane, or the one before, heard somebody beyond `y_m` towards `heading` [m].
+    /// How far this lane, or the one before, heard somebody beyond `y_m` towards `heading` (m).
     pub(super) fn left_of_network_m(&self, y_m: f64, heading: f64) -> f64 {
         let beyond_m = |(south, north): (f64, f64)| if heading > 0.0 { north - y_m } else { y_m - south };
         let audible = [self.audible_m, self.audible_before_m];

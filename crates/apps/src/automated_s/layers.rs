@@ -10,9 +10,9 @@ use super::view::View;
 /// The layer that is being swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layer {
-    /// Its height [m].
+    /// Its height (m).
     z_m: f64,
-    /// The height of the first one [m].
+    /// The height of the first one (m).
     first_z_m: f64,
     /// Where the next one lies: 1 above, -1 below.
     up: f64,

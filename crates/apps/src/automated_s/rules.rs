@@ -24,17 +24,17 @@ impl Rules {
             && self.area.as_ref().is_none_or(|area| area.contains(place))
     }
 
-    /// The length of the next step of `left_m` [m]: no step is a sliver.
+    /// The length of the next step of `left_m` (m): no step is a sliver.
     pub(super) fn stride_m(&self, left_m: f64) -> f64 {
         if left_m < 1.5 * self.settings.step_m { left_m } else { self.settings.step_m }
     }
 
-    /// How far from a stop the lane behind an obstacle counts as covered [m].
+    /// How far from a stop the lane behind an obstacle counts as covered (m).
     pub(super) fn covered_lane_m(&self) -> f64 {
         COVERED * self.settings.lane_spacing_m
     }
 
-    /// How far from a stop a place counts as covered, first at a glance, then on a closer look [m]: shares of the
+    /// How far from a stop a place counts as covered, first at a glance, then on a closer look (m): shares of the
     /// distance between lanes, or between layers if that is more.
     pub(super) fn covered_m(&self) -> [f64; 2] {
         let lane_m = self.settings.lane_spacing_m;

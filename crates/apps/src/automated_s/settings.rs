@@ -9,10 +9,10 @@ use sextant_sim::layout::RegionConfig;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AutomatedSConfig {
-    /// Distance between stops along a lane [m].
+    /// Distance between stops along a lane (m).
     #[serde(default = "default_step_m")]
     pub step_m: f64,
-    /// Distance between lanes [m]: half the radius of communication, never more than all of it.
+    /// Distance between lanes (m): half the radius of communication, never more than all of it.
     #[serde(default = "default_lane_spacing_m")]
     pub lane_spacing_m: f64,
     /// Packets wanted from each node (N_p of the thesis).
@@ -49,13 +49,13 @@ pub struct AutomatedSConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LayersConfig {
-    /// Height between layers [m].
+    /// Height between layers (m).
     #[serde(default = "default_lane_spacing_m")]
     pub spacing_m: f64,
-    /// The robot goes no lower [m].
+    /// The robot goes no lower (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub floor_m: Option<f64>,
-    /// The robot goes no higher [m].
+    /// The robot goes no higher (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling_m: Option<f64>,
 }

@@ -4,13 +4,13 @@ use sextant_channel::Position;
 
 use super::visit::Visit;
 
-/// Places whose heights differ by less are in one layer [m].
+/// Places whose heights differ by less are in one layer (m).
 const LEVEL_M: f64 = 1e-3;
 /// A place is in the midst of a layer if it heard this share of the most nodes that any place there heard.
 const IN_THE_MIDST: f64 = 0.75;
 
 /// Where a robot with these `visits` leaves the layer at `z_m` by a climb of `climb_m` in the direction of `up`, 1 or -1:
-/// the stop nearest to `here`, of those in the midst of the layer, from which the way is free, and how far [m]. If it is
+/// the stop nearest to `here`, of those in the midst of the layer, from which the way is free, and how far (m). If it is
 /// free from none of them, from any other stop that hears somebody, or at least half-way from the one from which it is
 /// farthest.
 pub(super) fn shaft(

@@ -23,7 +23,7 @@ pub(super) struct Sweep {
     pub(super) lane: Lane,
     /// Direction of the lanes' order along x: 1 east, -1 west.
     pub(super) direction: f64,
-    /// Where the first lane of the layer began [m].
+    /// Where the first lane of the layer began (m).
     pub(super) start: Position,
     /// Sweeps of this layer that are finished.
     pub(super) finished: u32,

@@ -26,7 +26,7 @@ pub(super) enum Goal {
     OtherSide,
     /// To listen at a place passed by, or again.
     Check,
-    /// To climb from there to another layer, at this height [m].
+    /// To climb from there to another layer, at this height (m).
     Climb { to_z_m: f64 },
 }
 

@@ -23,7 +23,7 @@ pub(super) struct View<'a> {
 }
 
 impl View<'_> {
-    /// Where the robot is [m].
+    /// Where the robot is (m).
     pub(super) fn here(&self) -> Position {
         self.situation.position
     }

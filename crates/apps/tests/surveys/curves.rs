@@ -40,7 +40,7 @@ fn s_path(region: RegionConfig, lane_spacing_m: f64) -> ControllerConfig {
     ControllerConfig::SPath(SPathConfig::new(region, lane_spacing_m))
 }
 
-/// The greatest distance from a place of the region, of many, to the nearest stop [m].
+/// The greatest distance from a place of the region, of many, to the nearest stop (m).
 fn greatest_gap_m(region: &RegionConfig, trace: &Trace) -> f64 {
     const PLACES: u64 = 3000;
     let region = Region::try_from(region).expect("a region");

@@ -6,16 +6,16 @@ use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
 use sextant_sim::layout::NodesConfig;
 use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
-/// How near to an obstacle a blocked robot halts [m].
+/// How near to an obstacle a blocked robot halts (m).
 const HALT_M: f64 = 1e-3;
 
 pub(crate) struct World {
     pub(crate) field: ObstacleField,
     pub(crate) nodes: Vec<Position>,
     pub(crate) robot_radius_m: f64,
-    /// Nobody farther is heard [m].
+    /// Nobody farther is heard (m).
     pub(crate) reach_m: f64,
-    /// Exponent of path loss, and standard deviation of shadowing [dB]; always heard within reach if absent.
+    /// Exponent of path loss, and standard deviation of shadowing (dB); always heard within reach if absent.
     pub(crate) fading: Option<(f64, f64)>,
 }
 
@@ -34,7 +34,7 @@ impl Trace {
         self.path.windows(2).map(|drive| drive[0].distance_m(drive[1])).sum()
     }
 
-    /// Distance from a place to the nearest stop [m].
+    /// Distance from a place to the nearest stop (m).
     pub(crate) fn nearest_stop_m(&self, place: Position) -> f64 {
         self.stops.iter().map(|stop| stop.distance_m(place)).fold(f64::INFINITY, f64::min)
     }

@@ -136,7 +136,7 @@ impl Default for Packets {
     }
 }
 
-/// The bits of a received signal strength [dBm]; the bits of NaN if it was not measured.
+/// The bits of a received signal strength (dBm); the bits of NaN if it was not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Strength(u64);
 

@@ -9,14 +9,14 @@ use crate::Position;
 pub struct Drive {
     /// The robot that drove.
     pub robot: RobotId,
-    /// The earlier stop [m].
+    /// The earlier stop (m).
     pub from: Position,
-    /// The later stop [m].
+    /// The later stop (m).
     pub to: Position,
 }
 
 impl Drive {
-    /// Length of the line [m].
+    /// Length of the line (m).
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.from.distance_m(self.to)

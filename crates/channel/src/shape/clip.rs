@@ -1,6 +1,6 @@
 //! Clipping a straight line by the faces of a convex solid.
 
-/// Depth below which a line counts as running along a face, not inside [m]. Solids are open sets: a line that only
+/// Depth below which a line counts as running along a face, not inside (m). Solids are open sets: a line that only
 /// touches a solid does not cross it, so that stations on a wall see each other along it.
 pub(crate) const GRAZE_M: f64 = 1e-9;
 

@@ -13,11 +13,11 @@ use crate::Position;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxConfig {
-    /// Middle of the box [m].
+    /// Middle of the box (m).
     pub center_m: Position,
-    /// Length, width and height [m].
+    /// Length, width and height (m).
     pub size_m: [f64; 3],
-    /// Rotation about the vertical axis, counterclockwise seen from above [degrees].
+    /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
     #[serde(default)]
     pub yaw_deg: f64,
 }
@@ -60,7 +60,7 @@ impl Cuboid {
         Position::new(self.cos * d.x_m + self.sin * d.y_m, self.cos * d.y_m - self.sin * d.x_m, d.z_m)
     }
 
-    /// Length of the line inside [m]: a clip by the six faces.
+    /// Length of the line inside (m): a clip by the six faces.
     pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         let (a, b, h) = (self.local(from), self.local(to), self.half);
         let clip = Clip::WHOLE
@@ -73,7 +73,7 @@ impl Cuboid {
         clip.share() * from.distance_m(to)
     }
 
-    /// How far `p` is outside along each axis [m], negative inside.
+    /// How far `p` is outside along each axis (m), negative inside.
     fn excess(&self, p: Position) -> Position {
         let local = self.local(p);
         Position::new(local.x_m.abs(), local.y_m.abs(), local.z_m.abs()) - self.half

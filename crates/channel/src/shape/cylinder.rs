@@ -13,11 +13,11 @@ use crate::Position;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderConfig {
-    /// Middle of the bottom face [m].
+    /// Middle of the bottom face (m).
     pub base_m: Position,
-    /// Radius [m].
+    /// Radius (m).
     pub radius_m: f64,
-    /// Height [m].
+    /// Height (m).
     pub height_m: f64,
 }
 
@@ -45,7 +45,7 @@ impl TryFrom<CylinderConfig> for Cylinder {
 const SIDES: u32 = 48;
 
 impl Cylinder {
-    /// Length of the line inside [m]: a clip by the two end faces and the chord of the circle.
+    /// Length of the line inside (m): a clip by the two end faces and the chord of the circle.
     pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         let (a, d) = (from - self.base, to - from);
         let bottom = Clip::WHOLE.behind(-a.z_m, -(a.z_m + d.z_m));
@@ -68,7 +68,7 @@ impl Cylinder {
         clip.share() * from.distance_m(to)
     }
 
-    /// How far `p` is outside sideways and in height [m], negative inside.
+    /// How far `p` is outside sideways and in height (m), negative inside.
     fn excess(&self, p: Position) -> (f64, f64) {
         let d = p - self.base;
         (libm::hypot(d.x_m, d.y_m) - self.radius_m, (-d.z_m).max(d.z_m - self.height_m))

@@ -15,7 +15,7 @@ use crate::glam::{position, vector};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConvexConfig {
-    /// Points whose hull is the obstacle [m].
+    /// Points whose hull is the obstacle (m).
     pub points_m: Vec<Position>,
 }
 

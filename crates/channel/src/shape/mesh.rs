@@ -25,7 +25,7 @@ pub struct MeshConfig {
     /// A Wavefront .obj file in metres, z up.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Vertices [m].
+    /// Vertices (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vertices_m: Option<Vec<Position>>,
     /// Corners of the triangles, as indices of vertices from 0.
@@ -107,7 +107,7 @@ impl Mesh {
         Ok(Self { surface, bounds, tree })
     }
 
-    /// Length of the line inside [m]: the sum over all crossings of the infinite line and the mesh, exits minus
+    /// Length of the line inside (m): the sum over all crossings of the infinite line and the mesh, exits minus
     /// entries, each clipped to the line. If the line passes within a nanometre of an edge, or along a face,
     /// crossings might count twice or not at all. Then, for each piece between two crossings, its middle is tested
     /// instead.

@@ -122,7 +122,7 @@ impl Shape {
         }
     }
 
-    /// Distance from `p` [m], 0 inside.
+    /// Distance from `p` (m), 0 inside.
     #[must_use]
     pub fn distance_m(&self, p: Position) -> f64 {
         match &self.form {
@@ -133,7 +133,7 @@ impl Shape {
         }
     }
 
-    /// Length of the straight line from `from` to `to` inside [m]. A line that only runs along a face or touches an
+    /// Length of the straight line from `from` to `to` inside (m). A line that only runs along a face or touches an
     /// edge or a corner is not inside.
     #[must_use]
     pub fn length_inside_m(&self, from: Position, to: Position) -> f64 {
@@ -145,7 +145,7 @@ impl Shape {
         }
     }
 
-    /// Its surface for drawing: vertices [m], and triangles whose corners run counterclockwise seen from outside.
+    /// Its surface for drawing: vertices (m), and triangles whose corners run counterclockwise seen from outside.
     /// A cylinder is drawn with 48 sides.
     #[must_use]
     pub fn mesh(&self) -> (Vec<Position>, Vec<[u32; 3]>) {
@@ -158,7 +158,7 @@ impl Shape {
         (surface.vertices, surface.triangles)
     }
 
-    /// How far the ball of `sweep` travels before it touches the shape [m]; `None` if it does not within range.
+    /// How far the ball of `sweep` travels before it touches the shape (m); `None` if it does not within range.
     pub(crate) fn touch_m(&self, sweep: &Sweep) -> Option<f64> {
         if let Form::Mesh(mesh) = &self.form {
             if mesh.contains(sweep.from) {
@@ -175,7 +175,7 @@ impl Shape {
     }
 }
 
-/// Smallest extent of a solid [m]; a smaller one is treated as a mistake in the scenario.
+/// Smallest extent of a solid (m); a smaller one is treated as a mistake in the scenario.
 const LEAST_SIZE_M: f64 = 1e-6;
 
 /// `size_m` if it is a valid extent.

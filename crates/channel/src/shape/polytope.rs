@@ -12,7 +12,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Signed distance of `p` [m], positive outside.
+    /// Signed distance of `p` (m), positive outside.
     pub(crate) fn height_m(&self, p: Position) -> f64 {
         self.normal.dot(p) - self.offset_m
     }
@@ -31,7 +31,7 @@ impl Polytope {
         Self { planes, surface }
     }
 
-    /// Length of the line inside [m]: a clip by each plane.
+    /// Length of the line inside (m): a clip by each plane.
     pub(crate) fn length_inside_m(&self, from: Position, to: Position) -> f64 {
         let mut clip = Clip::WHOLE;
         for plane in &self.planes {

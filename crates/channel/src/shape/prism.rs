@@ -14,12 +14,12 @@ use crate::Position;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PrismConfig {
-    /// Corners of the convex footprint in order, clockwise or counterclockwise [m].
+    /// Corners of the convex footprint in order, clockwise or counterclockwise (m).
     pub corners_m: Vec<[f64; 2]>,
-    /// Height of the bottom face [m].
+    /// Height of the bottom face (m).
     #[serde(default)]
     pub bottom_m: f64,
-    /// Height of the prism [m].
+    /// Height of the prism (m).
     pub height_m: f64,
 }
 

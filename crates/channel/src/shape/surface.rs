@@ -26,7 +26,7 @@ impl Surface {
         Bounds::of(self.vertices.iter().copied())
     }
 
-    /// Enclosed volume [m³], negative if the normals point inwards; computed relative to the first vertex, so that no
+    /// Enclosed volume (m³), negative if the normals point inwards; computed relative to the first vertex, so that no
     /// precision is lost far from the origin.
     pub(crate) fn volume_m3(&self) -> f64 {
         let Some(&apex) = self.vertices.first() else {
@@ -41,7 +41,7 @@ impl Surface {
         self.volume_m3().abs() > 1e-9 * diagonal_m.powi(3)
     }
 
-    /// Distance from `p` to the nearest triangle [m].
+    /// Distance from `p` to the nearest triangle (m).
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
         self.corners().map(|corners| triangle::distance_m(corners, p)).fold(f64::INFINITY, f64::min)
     }

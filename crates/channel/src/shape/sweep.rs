@@ -76,7 +76,7 @@ impl Sweep {
         self.from + self.direction * travel_m
     }
 
-    /// How far the ball travels before it touches a convex solid [m]; `None` if it does not within range.
+    /// How far the ball travels before it touches a convex solid (m); `None` if it does not within range.
     ///
     /// `distance_m` is the exact distance of the solid from a place, 0 inside; `cast` is the result of an iterative
     /// cast. The gap between ball and solid is a convex function of the travel, because the solid is convex. So a

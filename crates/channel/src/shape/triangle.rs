@@ -3,15 +3,15 @@
 use super::clip::GRAZE_M;
 use crate::Position;
 
-/// Corners of a triangle [m], counterclockwise seen from the side that its normal points to.
+/// Corners of a triangle (m), counterclockwise seen from the side that its normal points to.
 pub(crate) type Triangle = [Position; 3];
 
-/// Normal of the triangle; its length is twice the area [m²].
+/// Normal of the triangle; its length is twice the area (m²).
 pub(crate) fn normal([a, b, c]: Triangle) -> Position {
     (b - a).cross(c - a)
 }
 
-/// Distance from `p` to the triangle [m] (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+/// Distance from `p` to the triangle (m) (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 pub(crate) fn distance_m([a, b, c]: Triangle, p: Position) -> f64 {
     let edges = || segment_distance_m(a, b, p).min(segment_distance_m(b, c, p)).min(segment_distance_m(c, a, p));
     let n = normal([a, b, c]);
@@ -31,7 +31,7 @@ fn segment_distance_m(a: Position, b: Position, p: Position) -> f64 {
     p.distance_m(a + d * t)
 }
 
-/// Signed solid angle of the triangle seen from `p` [sr], positive from the side its normal points away from
+/// Signed solid angle of the triangle seen from `p` (sr), positive from the side its normal points away from
 /// (van Oosterom and Strackee 1983).
 pub(crate) fn solid_angle([a, b, c]: Triangle, p: Position) -> f64 {
     let (a, b, c) = (a - p, b - p, c - p);
@@ -46,7 +46,7 @@ pub(crate) fn solid_angle([a, b, c]: Triangle, p: Position) -> f64 {
 pub(crate) enum Meeting {
     /// Not at all.
     Miss,
-    /// Through the middle, at this signed distance along the line [m], out of the solid if `leaves`.
+    /// Through the middle, at this signed distance along the line (m), out of the solid if `leaves`.
     Through { at_m: f64, leaves: bool },
     /// Within a nanometre of an edge, at this distance along the line, if the line is not in the plane.
     Edge { at_m: Option<f64> },

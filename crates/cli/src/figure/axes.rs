@@ -14,9 +14,9 @@ pub(super) const TITLE_TEXT: TextStyle = TextStyle { em: 16.0, weight: Weight::B
 pub(super) const NOTE_TEXT: TextStyle = TextStyle { em: 13.0, weight: Weight::Regular, color: FAINT_INK };
 /// Frames and ticks.
 pub(super) const FRAME: Stroke = Stroke::new(INK, 1.0);
-/// Length of a tick [px].
+/// Length of a tick (px).
 pub(super) const TICK: f64 = 5.0;
-/// Ticks of an axis are this far apart [px], or a little more.
+/// Ticks of an axis are this far apart (px), or a little more.
 const TICK_DISTANCE: f64 = 62.0;
 
 /// The range of an axis and its name.

@@ -6,7 +6,7 @@ use super::palette::{CURVES, PATTERNS};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
 
-/// Size of the plot [px].
+/// Size of the plot (px).
 const SIZE: (f64, f64) = (560.0, 360.0);
 
 /// A curve and its name.

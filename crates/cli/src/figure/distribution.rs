@@ -12,11 +12,11 @@ use super::sheet::{Entry, Sheet, Symbol};
 use super::source::Source;
 use crate::recording::Places;
 
-/// Size of the plot [px].
+/// Size of the plot (px).
 const SIZE: (f64, f64) = (560.0, 360.0);
 /// The line of half of the nodes.
 const HALF: Stroke = Stroke::new(FAINT_INK, 1.0);
-/// Radius of the neighbourhood whose errors are drawn [m].
+/// Radius of the neighbourhood whose errors are drawn (m).
 const NEIGHBOURHOOD_M: f64 = 5.0;
 
 /// An error that a node has on a map.

@@ -16,7 +16,7 @@ const DECADES: f64 = 12.0;
 /// Colours that are told apart.
 const SHADES: f64 = 48.0;
 
-/// World around the surface that is shown [m].
+/// World around the surface that is shown (m).
 const SURROUNDINGS_M: f64 = 1.0;
 
 const TRUTH: Stroke = Stroke::new(ACCENT, 2.2);

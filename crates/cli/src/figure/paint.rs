@@ -24,7 +24,7 @@ const SAMPLES: u32 = 3;
 struct Manner {
     /// Units of the backend in a pixel of the picture.
     units: f64,
-    /// How far below the middle of capital letters the backend takes the middle of a text to be [em].
+    /// How far below the middle of capital letters the backend takes the middle of a text to be (em).
     text_drop_em: f64,
     joints: Joints,
 }

@@ -30,7 +30,7 @@ pub(super) const CURVES: [RGBColor; 7] = [
     RGBColor(0x00, 0x00, 0x00),
 ];
 
-/// Strokes and gaps of several curves in turn [px].
+/// Strokes and gaps of several curves in turn (px).
 pub(super) const PATTERNS: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.0], &[9.0, 3.0, 2.5, 3.0]];
 
 /// Viridis (van der Walt and Smith, 2015) at equal steps, bright end first.

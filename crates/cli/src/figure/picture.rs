@@ -4,7 +4,7 @@ use std::sync::Once;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 
-/// A place on the picture [px], y downwards.
+/// A place on the picture (px), y downwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point {
     pub(super) x: f64,
@@ -25,7 +25,7 @@ impl Point {
     }
 }
 
-/// An upright rectangle [px].
+/// An upright rectangle (px).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -48,7 +48,7 @@ impl Area {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {
     pub(super) color: RGBColor,
-    /// Width [px].
+    /// Width (px).
     pub(super) width: f64,
 }
 
@@ -69,7 +69,7 @@ pub(super) enum Anchor {
 /// How a text is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TextStyle {
-    /// Height of an em [px].
+    /// Height of an em (px).
     pub(super) em: f64,
     pub(super) weight: Weight,
     pub(super) color: RGBColor,
@@ -102,9 +102,9 @@ pub(super) enum Mark {
 /// A picture: its size and its marks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Picture {
-    /// Width [px].
+    /// Width (px).
     pub(super) width: f64,
-    /// Height [px].
+    /// Height (px).
     pub(super) height: f64,
     pub(super) marks: Vec<Mark>,
 }
@@ -134,7 +134,7 @@ impl Picture {
         }
     }
 
-    /// A path drawn as dashes: lengths of strokes and gaps in turn [px]; an unbroken one if `pattern` is empty.
+    /// A path drawn as dashes: lengths of strokes and gaps in turn (px); an unbroken one if `pattern` is empty.
     pub(super) fn dashed(&mut self, points: &[Point], pattern: &[f64], stroke: Stroke) {
         if pattern.is_empty() {
             self.path(points.to_vec(), stroke);
@@ -162,7 +162,7 @@ impl Picture {
         self.path(corners.map(|(x, y)| Point::new(x, y)).into(), stroke);
     }
 
-    /// A square around `center` of the given side [px].
+    /// A square around `center` of the given side (px).
     pub(super) fn square(&mut self, center: Point, side: f64, fill: RGBColor) {
         let half = side / 2.0;
         self.rectangle(Area { left: center.x - half, top: center.y - half, width: side, height: side }, fill);
@@ -183,14 +183,14 @@ impl Picture {
         self.path((0..=PIECES + 1).map(at).collect(), stroke);
     }
 
-    /// An upright cross with arms of length `arm` [px].
+    /// An upright cross with arms of length `arm` (px).
     pub(super) fn plus(&mut self, center: Point, arm: f64, stroke: Stroke) {
         let Point { x, y } = center;
         self.line(Point::new(x - arm, y), Point::new(x + arm, y), stroke);
         self.line(Point::new(x, y - arm), Point::new(x, y + arm), stroke);
     }
 
-    /// A slanting cross with arms that reach `arm` to each side [px].
+    /// A slanting cross with arms that reach `arm` to each side (px).
     pub(super) fn cross(&mut self, center: Point, arm: f64, stroke: Stroke) {
         let Point { x, y } = center;
         self.line(Point::new(x - arm, y - arm), Point::new(x + arm, y + arm), stroke);
@@ -228,7 +228,7 @@ fn clipped(area: Area, [from, to]: [Point; 2]) -> Option<[Point; 2]> {
     (enter < leave).then(|| [from.toward(to, enter), from.toward(to, leave)])
 }
 
-/// The pieces of a path that remain when it is cut by `pattern`: strokes and gaps in turn [px].
+/// The pieces of a path that remain when it is cut by `pattern`: strokes and gaps in turn (px).
 fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     let mut pieces = Vec::new();
     let (mut step, mut left) = (0, pattern[0]);
@@ -274,14 +274,14 @@ pub(super) fn font(style: TextStyle, scale: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::SansSerif, style.em * 1.24 * scale, face)
 }
 
-/// Width of a text [px].
+/// Width of a text (px).
 pub(super) fn text_width(text: &str, style: TextStyle) -> f64 {
     const FINE: f64 = 16.0;
     let width = font(style, FINE).layout_box(text).map_or(0, |((left, _), (right, _))| right - left);
     f64::from(width) / FINE
 }
 
-/// `text` cut to at most `width` [px], with an ellipsis if anything is missing.
+/// `text` cut to at most `width` (px), with an ellipsis if anything is missing.
 pub(super) fn shortened(text: &str, width: f64, style: TextStyle) -> String {
     if text_width(text, style) <= width {
         return text.to_owned();

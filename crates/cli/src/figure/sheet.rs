@@ -7,21 +7,21 @@ use super::palette::Ramp;
 use super::picture::{Anchor, Area, Picture, Point, Stroke, shortened, text_width};
 use super::ticks::Ticks;
 
-/// Space around everything [px].
+/// Space around everything (px).
 const MARGIN: f64 = 14.0;
-/// Space left of a plot, for numbers and the name of its axis [px].
+/// Space left of a plot, for numbers and the name of its axis (px).
 const LEFT: f64 = 76.0;
-/// Space below the lowest plot, for numbers and the name of its axis [px].
+/// Space below the lowest plot, for numbers and the name of its axis (px).
 const BELOW: f64 = 46.0;
-/// Space between two plots [px].
+/// Space between two plots (px).
 const BETWEEN: f64 = 18.0;
-/// Space right of a plot for a colour bar [px].
+/// Space right of a plot for a colour bar (px).
 const BAR_SPACE: f64 = 88.0;
-/// Height of a row of the legend [px].
+/// Height of a row of the legend (px).
 const ROW: f64 = 22.0;
-/// From the symbol of a legend to its text [px].
+/// From the symbol of a legend to its text (px).
 const SYMBOL: f64 = 26.0;
-/// Longest title [px].
+/// Longest title (px).
 const LONGEST: f64 = 900.0;
 
 /// What explains the marks of a figure.
@@ -74,7 +74,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// A page with plots of the given widths and heights [px], one above the other, and where they are on it.
+    /// A page with plots of the given widths and heights (px), one above the other, and where they are on it.
     pub(super) fn lay_out(&self, plots: &[(f64, f64)]) -> (Picture, Vec<Area>) {
         let title = shortened(&self.title, LONGEST, TITLE_TEXT);
         let note = shortened(&self.note, LONGEST, NOTE_TEXT);
@@ -110,7 +110,7 @@ impl Sheet {
         (picture, areas)
     }
 
-    /// The legend in rows of at most `width` [px], each entry with the place where it begins.
+    /// The legend in rows of at most `width` (px), each entry with the place where it begins.
     fn rows(&self, width: f64) -> Vec<Vec<(f64, Entry)>> {
         const GAP: f64 = 20.0;
         let mut rows: Vec<Vec<(f64, Entry)>> = Vec::new();

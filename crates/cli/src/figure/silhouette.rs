@@ -35,7 +35,7 @@ pub(super) fn draw_rims(picture: &mut Picture, panel: &Panel, solids: &[Solid], 
     }
 }
 
-/// What an obstacle covers [m].
+/// What an obstacle covers (m).
 #[derive(Clone, Debug, PartialEq)]
 enum Silhouette {
     /// Its corners, counterclockwise.

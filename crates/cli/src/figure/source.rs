@@ -21,7 +21,7 @@ pub struct Source<'a> {
     pub drawn: &'a Drawn,
 }
 
-/// No map finds a place as exactly as this [m].
+/// No map finds a place as exactly as this (m).
 const TOLD_M: f64 = 1e-6;
 
 impl Source<'_> {
@@ -55,7 +55,7 @@ impl Source<'_> {
         &self.drawn.obstacles
     }
 
-    /// The distances of a map's places to the true ones, in the order of the nodes [m]. An anchor that stands at its very
+    /// The distances of a map's places to the true ones, in the order of the nodes (m). An anchor that stands at its very
     /// place was told it: it does not count.
     pub(super) fn errors(&self, places: &Places) -> Vec<(NodeId, f64)> {
         let error = |(&node, &place): (&NodeId, &Position)| {

@@ -5,11 +5,11 @@ use sextant_channel::Position;
 use super::axes::{Axes, Axis, Shown};
 use super::picture::{Area, Point};
 
-/// Widest plot [px].
+/// Widest plot (px).
 const WIDEST: f64 = 600.0;
-/// Plots one above the other are at most this high in all [px].
+/// Plots one above the other are at most this high in all (px).
 const HIGHEST: f64 = 760.0;
-/// Narrowest and lowest plot [px].
+/// Narrowest and lowest plot (px).
 const LEAST: f64 = 100.0;
 /// World between the outermost marks and the frame, as a share of the world's size.
 const BORDER: f64 = 0.03;
@@ -24,7 +24,7 @@ pub(super) enum View {
 }
 
 impl View {
-    /// A place as seen [m].
+    /// A place as seen (m).
     pub(super) fn project(self, place: Position) -> (f64, f64) {
         match self {
             Self::Top => (place.x_m, place.y_m),
@@ -51,7 +51,7 @@ impl Extent {
         }))
     }
 
-    /// With `by` more on each side [m].
+    /// With `by` more on each side (m).
     pub(super) fn widened(&self, by: f64) -> Self {
         let by = Position::new(by, by, by);
         Self { low: self.low - by, high: self.high + by }
@@ -68,7 +68,7 @@ impl Extent {
         self.high.z_m - self.low.z_m < 1e-6
     }
 
-    /// The range of what `view` shows across and upwards [m].
+    /// The range of what `view` shows across and upwards (m).
     fn ranges(&self, view: View) -> [(f64, f64); 2] {
         let (low, high) = (view.project(self.low), view.project(self.high));
         [(low.0, high.0), (low.1, high.1)]
@@ -109,7 +109,7 @@ impl Views {
         Self { panels, px_per_m }
     }
 
-    /// Widths and heights [px].
+    /// Widths and heights (px).
     pub(super) fn sizes(&self) -> Vec<(f64, f64)> {
         let size = |range: (f64, f64)| (range.1 - range.0) * self.px_per_m;
         self.panels.iter().map(|(_, [across, up])| (size(*across), size(*up))).collect()
@@ -132,7 +132,7 @@ impl Views {
         panels
     }
 
-    /// A radius for `count` dots that leaves space between them [px].
+    /// A radius for `count` dots that leaves space between them (px).
     pub(super) fn dot_radius(&self, count: usize) -> f64 {
         let (width, height) = self.sizes().first().copied().unwrap_or((WIDEST, WIDEST));
         #[expect(clippy::cast_precision_loss, reason = "a number of dots")]

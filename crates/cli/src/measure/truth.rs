@@ -14,7 +14,7 @@ use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSum
 /// What is really where.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth<'a> {
-    /// The true place of each node [m].
+    /// The true place of each node (m).
     pub places: &'a [Position],
     /// The nodes that know their place: what a map that uses anchors says of them is no estimate.
     pub anchors: &'a [Anchor],

@@ -15,11 +15,11 @@ use crate::output::{Draft, DraftError};
 const NANOSECOND_MAGIC: u32 = 0xA1B2_3C4D;
 /// Version of the format, major and minor.
 const VERSION: [u16; 2] = [2, 4];
-/// Longest record that a reader must be ready for [octets].
+/// Longest record that a reader must be ready for (octets).
 const SNAP_LENGTH: u32 = 65_535;
 /// LINKTYPE_IEEE802_15_4_TAP: frames with a header of fields that a sniffer knows.
 const LINK_TYPE: u32 = 283;
-/// Power above the sensitivity from which on a link has the best quality [dB]: the range that energy detection has
+/// Power above the sensitivity from which on a link has the best quality (dB): the range that energy detection has
 /// at least (IEEE 802.15.4-2006, 6.9.7 and 6.9.8).
 const QUALITY_RANGE_DB: f64 = 40.0;
 
@@ -51,9 +51,9 @@ pub struct CapturedFrame<'a> {
 /// How a frame was received.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Signal {
-    /// Received signal strength [dBm].
+    /// Received signal strength (dBm).
     pub power: Dbm,
-    /// Least power that this receiver can receive [dBm].
+    /// Least power that this receiver can receive (dBm).
     pub sensitivity: Dbm,
 }
 

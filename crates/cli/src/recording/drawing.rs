@@ -1,4 +1,4 @@
-//! What viewers draw: places and shapes as messages of the Foxglove schemas, in frame `world` [m].
+//! What viewers draw: places and shapes as messages of the Foxglove schemas, in frame `world` (m).
 
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{
@@ -21,7 +21,7 @@ const OBSTACLE_COLOR: Color = Color { r: 0.55, g: 0.53, b: 0.50, a: 0.85 };
 pub struct Solid {
     /// Name of the obstacle, unique in the world.
     pub name: String,
-    /// Corners of the surface [m].
+    /// Corners of the surface (m).
     pub vertices: Vec<Position>,
     /// Triangles: three indices into `vertices` each, counterclockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -42,18 +42,18 @@ impl Solid {
 pub struct PlacedNode {
     /// Which node.
     pub node: NodeId,
-    /// Where it is, or is thought to be [m].
+    /// Where it is, or is thought to be (m).
     pub position: Position,
-    /// Distance between map and truth [m], where it is known.
+    /// Distance between map and truth (m), where it is known.
     pub error_m: Option<f64>,
 }
 
 /// The likelihood of one node on a plane of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LikelihoodPlane {
-    /// The first vertex: lowest x, lowest y [m].
+    /// The first vertex: lowest x, lowest y (m).
     pub first: Position,
-    /// Distance of neighbouring vertices [m].
+    /// Distance of neighbouring vertices (m).
     pub step_m: f64,
     /// Vertices along x.
     pub columns: u32,
@@ -151,7 +151,7 @@ pub(super) fn scene(time: SimTime, solids: &[Solid]) -> SceneUpdate {
 /// Octets of a point of [`cloud`]: x, y, z and error of eight each, then node of four.
 pub(super) const POINT_OCTETS: u32 = 36;
 
-/// Nodes as points with fields x, y, z, error [m] and node (index); the error is not a number where it is unknown.
+/// Nodes as points with fields x, y, z, error (m) and node (index); the error is not a number where it is unknown.
 pub(super) fn cloud(time: SimTime, nodes: &[PlacedNode]) -> PointCloud {
     let mut data = Vec::with_capacity(nodes.len() * POINT_OCTETS as usize);
     for &PlacedNode { node, position: p, error_m } in nodes {

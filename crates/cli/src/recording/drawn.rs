@@ -14,7 +14,7 @@ use super::names::{ANCHORS_TOPIC, WORLD_NODES_TOPIC};
 use super::reader::sound;
 use super::scan::Piece;
 
-/// Node places by node [m].
+/// Node places by node (m).
 pub type Places = BTreeMap<NodeId, Position>;
 
 /// All that a recording shows in space; of each topic the last message.

@@ -65,7 +65,7 @@ pub enum RecordingError {
     Broken {
         /// The file.
         path: PathBuf,
-        /// How far the file was read [octets].
+        /// How far the file was read (octets).
         at_byte: u64,
         /// Messages before the damage.
         messages: u64,

@@ -14,7 +14,7 @@ use super::scan::{Damage, Piece, scan};
 pub struct Inspection {
     /// What wrote it.
     pub library: String,
-    /// Size of the file [octets].
+    /// Size of the file (octets).
     pub size_bytes: u64,
     /// Where it is broken; absent from a sound file.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -23,10 +23,10 @@ pub struct Inspection {
     pub topics: Vec<Topic>,
     /// Number of messages that can be read.
     pub messages: u64,
-    /// Earliest simulated time of a message [s]; absent without messages.
+    /// Earliest simulated time of a message (s); absent without messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// Latest simulated time of a message [s]; absent without messages.
+    /// Latest simulated time of a message (s); absent without messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end_s: Option<f64>,
     /// Attachments in the order of the file.
@@ -55,7 +55,7 @@ pub struct AttachmentInfo {
     pub name: String,
     /// Its media type.
     pub media_type: String,
-    /// Its size [octets].
+    /// Its size (octets).
     pub size_bytes: u64,
 }
 

@@ -23,16 +23,16 @@ pub struct StopMessage {
     /// Index of the stop in the recording, from 0 without gaps.
     #[prost(uint32, tag = "1")]
     pub stop: u32,
-    /// When listening began [ns of simulated time].
+    /// When listening began (ns of simulated time).
     #[prost(uint64, tag = "2")]
     pub time_ns: u64,
-    /// East [m].
+    /// East (m).
     #[prost(double, tag = "3")]
     pub x_m: f64,
-    /// North [m].
+    /// North (m).
     #[prost(double, tag = "4")]
     pub y_m: f64,
-    /// Up [m].
+    /// Up (m).
     #[prost(double, tag = "5")]
     pub z_m: f64,
     /// Name of the robot.
@@ -61,7 +61,7 @@ pub struct ReceptionMessage {
     /// Antenna sector of best reception, 0 to 255.
     #[prost(uint32, optional, tag = "5")]
     pub sector: Option<u32>,
-    /// Mean received signal strength [dBm].
+    /// Mean received signal strength (dBm).
     #[prost(double, optional, tag = "6")]
     pub rssi_dbm: Option<f64>,
 }
@@ -69,16 +69,16 @@ pub struct ReceptionMessage {
 /// A point of an obstacle that a robot's range sensor met.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct ContactMessage {
-    /// When [ns of simulated time].
+    /// When (ns of simulated time).
     #[prost(uint64, tag = "1")]
     pub time_ns: u64,
-    /// East [m].
+    /// East (m).
     #[prost(double, tag = "2")]
     pub x_m: f64,
-    /// North [m].
+    /// North (m).
     #[prost(double, tag = "3")]
     pub y_m: f64,
-    /// Up [m].
+    /// Up (m).
     #[prost(double, tag = "4")]
     pub z_m: f64,
 }
@@ -98,7 +98,7 @@ pub struct LinkMessage {
     /// Packets that the sender put on air.
     #[prost(uint32, tag = "4")]
     pub sent: u32,
-    /// Mean received signal strength [dBm].
+    /// Mean received signal strength (dBm).
     #[prost(double, optional, tag = "5")]
     pub rssi_dbm: Option<f64>,
 }
@@ -109,13 +109,13 @@ pub struct AnchorMessage {
     /// Index of the node.
     #[prost(uint32, tag = "1")]
     pub node: u32,
-    /// East [m].
+    /// East (m).
     #[prost(double, tag = "2")]
     pub x_m: f64,
-    /// North [m].
+    /// North (m).
     #[prost(double, tag = "3")]
     pub y_m: f64,
-    /// Up [m].
+    /// Up (m).
     #[prost(double, tag = "4")]
     pub z_m: f64,
 }
@@ -123,10 +123,10 @@ pub struct AnchorMessage {
 /// A frame that was on air.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct FrameMessage {
-    /// First symbol on air [ns of simulated time].
+    /// First symbol on air (ns of simulated time).
     #[prost(uint64, tag = "1")]
     pub start_ns: u64,
-    /// Time on air [ns].
+    /// Time on air (ns).
     #[prost(uint64, tag = "2")]
     pub airtime_ns: u64,
     /// Index of the station that sent it; robots are numbered after the nodes.
@@ -139,7 +139,7 @@ pub struct FrameMessage {
     /// `out_of_range`, `not_listened`.
     #[prost(string, tag = "5")]
     pub outcome: String,
-    /// Power at that station [dBm], where a signal was measured.
+    /// Power at that station (dBm), where a signal was measured.
     #[prost(double, optional, tag = "6")]
     pub power_dbm: Option<f64>,
 }
@@ -147,7 +147,7 @@ pub struct FrameMessage {
 /// One value of a time series.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct MetricMessage {
-    /// When [ns of simulated time].
+    /// When (ns of simulated time).
     #[prost(uint64, tag = "1")]
     pub time_ns: u64,
     /// Name, ending in its unit: `path_length_m`.

@@ -96,7 +96,7 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
     Ok(RecordedRun { log, paths: draft.paths, cut_stops, metadata, attachments })
 }
 
-/// Where the nodes of the recording `path` really are, by name [m]; `None` if it does not tell.
+/// Where the nodes of the recording `path` really are, by name (m); `None` if it does not tell.
 ///
 /// # Errors
 /// If the file cannot be read or is damaged.

@@ -37,7 +37,7 @@ pub struct Origin<'a> {
 }
 
 /// Writes a recording. Each call may fail, and after the first failure every call returns that failure again.
-/// Only [`Recorder::finish`] makes a recording whole; without it, what was written stays in `PATH.part`.
+/// Only [`FileRecorder::finish`] makes a recording whole; without it, what was written stays in `PATH.part`.
 pub struct Recorder<W: Write> {
     sink: Sink<W>,
     /// Channel and number of messages so far, by topic.
@@ -120,7 +120,7 @@ impl<W: Write> Recorder<W> {
         })
     }
 
-    /// The scenario as it was read, overrides applied [TOML].
+    /// The scenario as it was read, overrides applied (TOML).
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -128,7 +128,7 @@ impl<W: Write> Recorder<W> {
         self.attach(SCENARIO_ATTACHMENT, "application/toml", toml.as_bytes())
     }
 
-    /// The summary [JSON]. A recording is a function of scenario, seed and version only if the summary is: leave out
+    /// The summary (JSON). A recording is a function of scenario, seed and version only if the summary is: leave out
     /// its `timing`.
     ///
     /// # Errors
@@ -265,7 +265,7 @@ impl<W: Write> Recorder<W> {
         log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))
     }
 
-    /// Where `robot` is, and where it looks [rad, counterclockwise from x].
+    /// Where `robot` is, and where it looks (rad, counterclockwise from x).
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -279,7 +279,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, "/tf", &drawing::transform(time, robot, position, heading_rad))
     }
 
-    /// The places that `robot` has passed, from its start to now [m].
+    /// The places that `robot` has passed, from its start to now (m).
     ///
     /// # Errors
     /// If any write failed, now or before.

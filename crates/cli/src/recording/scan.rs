@@ -13,13 +13,13 @@ use serde::Serialize;
 
 use super::error::{RecordingError, cause};
 
-/// No record or chunk of a recording is longer [octets]; a damaged length is refused before memory is asked for.
+/// No record or chunk of a recording is longer (octets); a damaged length is refused before memory is asked for.
 const LONGEST_RECORD: usize = 1 << 29;
 
 /// Where and why the reading of a file ended before its end.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Damage {
-    /// How far the file was read [octets].
+    /// How far the file was read (octets).
     pub at_byte: u64,
     /// Messages before the damage.
     pub messages: u64,

@@ -17,7 +17,7 @@ const COVARIANCE: [(usize, usize, &str); 6] = [
     (2, 2, "cov_zz_m2"),
 ];
 
-/// Writes the nodes that `map` places to the file `path`: `node,x_m,y_m,z_m,ties,infeasible`, then the covariance [m²]
+/// Writes the nodes that `map` places to the file `path`: `node,x_m,y_m,z_m,ties,infeasible`, then the covariance (m²)
 /// if the map has one. Nodes that it does not place have no row. `names` are those of the log.
 ///
 /// # Errors

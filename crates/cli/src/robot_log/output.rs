@@ -46,12 +46,12 @@ impl Output {
         self.text(&number.to_string())
     }
 
-    /// A cell with an instant [s].
+    /// A cell with an instant (s).
     pub(super) fn instant(&mut self, time: SimTime) -> &mut Self {
         self.text(&instant::format(time))
     }
 
-    /// Three cells with a place [m].
+    /// Three cells with a place (m).
     pub(super) fn position(&mut self, position: Position) -> &mut Self {
         self.number(position.x_m).number(position.y_m).number(position.z_m)
     }

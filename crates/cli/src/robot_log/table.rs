@@ -27,7 +27,7 @@ pub(super) struct Column {
 pub(super) struct Row<'a> {
     table: &'a Table,
     record: csv::StringRecord,
-    /// Offset of the row in the file [octets].
+    /// Offset of the row in the file (octets).
     pub(super) offset: usize,
 }
 

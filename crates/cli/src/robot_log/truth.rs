@@ -8,7 +8,7 @@ use sextant_channel::Position;
 use super::error::RobotLogError;
 use super::table::Table;
 
-/// The places in the file `path` (`node,x_m,y_m[,z_m]`) by name of node [m].
+/// The places in the file `path` (`node,x_m,y_m[,z_m]`) by name of node (m).
 ///
 /// # Errors
 /// If the file cannot be read, or has a row that is wrong; the error names file, line and column.

@@ -7,7 +7,7 @@ use sextant_sim::{MacConfig, Survey};
 use crate::scenario::Scenario;
 
 /// The posterior bound of which slots heard a node, under the channel and the obstacles of the scenario, with collisions as losses that do not depend
-/// on the distance [m]. `None` if receptions at different stops are not independent, robots listen for spans of their own,
+/// on the distance (m). `None` if receptions at different stops are not independent, robots listen for spans of their own,
 /// a node must hear a beacon before it is heard, or nothing was heard.
 pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[Position]) -> Option<f64> {
     let known = scenario.known_channel();

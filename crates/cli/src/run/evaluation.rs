@@ -49,7 +49,7 @@ pub fn evaluate(
     Ok(Evaluation { map, learned, summary })
 }
 
-/// The posterior bound of all maps of `survey` [m]; `None` if the scenario has no maps, or where it does not apply.
+/// The posterior bound of all maps of `survey` (m); `None` if the scenario has no maps, or where it does not apply.
 #[must_use]
 pub fn bound_m(scenario: &Scenario, survey: &Survey) -> Option<f64> {
     if scenario.maps().is_empty() { None } else { bound::posterior_bound_m(scenario, survey, &truth(scenario)) }

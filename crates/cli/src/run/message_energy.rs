@@ -7,7 +7,7 @@ use sextant_sim::{Discovered, Survey};
 use super::discovery::Discoveries;
 use crate::scenario::Scenario;
 
-/// Energy by messages that `mapper` takes of the nodes (thesis, eq. 3.17 to 3.19) [J]; `None` for algorithms that the thesis
+/// Energy by messages that `mapper` takes of the nodes (thesis, eq. 3.17 to 3.19) (J); `None` for algorithms that the thesis
 /// does not count. Time samples are the stops; the anchors and neighbours that a node heard are the mean over the nodes.
 pub(super) fn message_energy_j(
     scenario: &Scenario,

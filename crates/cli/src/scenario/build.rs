@@ -173,7 +173,7 @@ impl Scenario {
     }
 }
 
-/// Nobody drives farther to a network [m].
+/// Nobody drives farther to a network (m).
 const FARTHEST_START_M: f64 = 1e5;
 
 /// Collects what is wrong.

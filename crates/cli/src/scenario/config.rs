@@ -73,7 +73,7 @@ fn default_seed() -> u64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MetricsConfig {
-    /// Radii of the neighbourhood of the connectivity error [m]; the first one goes into the table.
+    /// Radii of the neighbourhood of the connectivity error (m); the first one goes into the table.
     pub neighbourhood_m: Vec<f64>,
 }
 

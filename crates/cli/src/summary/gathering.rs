@@ -11,10 +11,10 @@ pub struct GatheringSummary {
     /// Pairs of a stop and a node of which at least one packet arrived there.
     pub receptions: usize,
     /// Length of the robots' paths, along all places that are known of them: where each turned, in a run and its
-    /// recording; its stops, in a log that has no more [m].
+    /// recording; its stops, in a log that has no more (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_length_m: Option<f64>,
-    /// From the start to the end of the last robot [s].
+    /// From the start to the end of the last robot (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
     /// Packets that nodes wanted to send.
@@ -87,14 +87,14 @@ impl GatheringSummary {
     }
 }
 
-/// Energy that all nodes' radios took [J].
+/// Energy that all nodes' radios took (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EnergySummary {
-    /// Transmitting [J].
+    /// Transmitting (J).
     pub tx: f64,
-    /// Receiving and listening [J].
+    /// Receiving and listening (J).
     pub rx: f64,
-    /// Idle or asleep [J].
+    /// Idle or asleep (J).
     pub idle: f64,
 }
 
@@ -120,7 +120,7 @@ pub struct RoundSummary {
     pub packets_unsent: u64,
     /// Pairs of a node and another that it heard.
     pub links: usize,
-    /// From the start to the end of the last packet [s].
+    /// From the start to the end of the last packet (s).
     pub duration_s: f64,
     /// Energy that all nodes' radios took, receivers always on.
     pub energy_j: EnergySummary,
@@ -133,12 +133,12 @@ pub struct RobotSummary {
     pub name: String,
     /// Places where it listened.
     pub stops: usize,
-    /// Length of its path, along all places that are known of it [m].
+    /// Length of its path, along all places that are known of it (m).
     pub path_length_m: f64,
     /// Why it finished: `complete`, `steps_exhausted`, `stuck`; absent if it was interrupted, or if only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ending: Option<&'static str>,
-    /// When it had finished [s]; absent if it was interrupted, or if only its log is known.
+    /// When it had finished (s); absent if it was interrupted, or if only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
     /// Nodes that all robots together heard less often than this one was to hear each.

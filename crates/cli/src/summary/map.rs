@@ -32,11 +32,11 @@ pub struct MapSummary {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coincident: Option<usize>,
     /// Distance between mapped and true places, of the nodes whose place the map had to find: anchors do not count if it
-    /// uses them [m].
+    /// uses them (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_m: Option<ErrorSummary>,
     /// Mean distance between a node and the mean of its posterior under the true channel and obstacles of the
-    /// simulation, which no map of this log can beat by much: the error is to be compared with it [m].
+    /// simulation, which no map of this log can beat by much: the error is to be compared with it (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior_bound_m: Option<f64>,
     /// Share of the mapped nodes that are within their 95 % region, if the map has such regions, 0 to 1.
@@ -54,10 +54,10 @@ pub struct MapSummary {
     /// At which heights nodes were sought, by an algorithm that has to search them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<HeightsSummary>,
-    /// The same after the best rotation, reflection, scale and shift [m].
+    /// The same after the best rotation, reflection, scale and shift (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_m: Option<ErrorSummary>,
-    /// The same without a reflection [m].
+    /// The same without a reflection (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_without_reflection_m: Option<ErrorSummary>,
     /// One-hop connectivity error: the first of `connectivity_errors`, 0 to 1.
@@ -72,14 +72,14 @@ pub struct MapSummary {
     /// Share of the pairs of nodes along lines of the network that stand on the map in another order, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topology_preservation_error: Option<f64>,
-    /// Energy that the nodes spend by the thesis' count of messages (eq. 3.17 to 3.19) [J]; what their radios took in the
+    /// Energy that the nodes spend by the thesis' count of messages (eq. 3.17 to 3.19) (J); what their radios took in the
     /// simulation is in `gathering` and `discovery`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message_energy_j: Option<f64>,
     /// Share of receptions whose sector is 0, 1, .. sectors off.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sector_displacement: Vec<f64>,
-    /// Distance between vertices of the grid [m].
+    /// Distance between vertices of the grid (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
     /// Vertices at which a likelihood was computed, of all nodes.
@@ -94,7 +94,7 @@ pub struct FittedProfileSummary {
     pub rounds: u32,
     /// Whether it converged.
     pub converged: bool,
-    /// Distance from which on receptions are outliers [m].
+    /// Distance from which on receptions are outliers (m).
     pub range_m: f64,
     /// Probability of a reception at 0, 1/8, 2/8, .. of the range.
     pub probability: Vec<f64>,
@@ -107,13 +107,13 @@ pub struct FittedProfileSummary {
 /// At which heights nodes were sought, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeightsSummary {
-    /// The lowest height [m].
+    /// The lowest height (m).
     pub low_m: f64,
-    /// The highest height [m]; the lowest one again for a map in a plane.
+    /// The highest height (m); the lowest one again for a map in a plane.
     pub high_m: f64,
     /// What says so.
     pub from: HeightsSource,
-    /// How much the heights of the stops differ, if that is too little to tell heights of nodes [m].
+    /// How much the heights of the stops differ, if that is too little to tell heights of nodes (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
 }
@@ -137,7 +137,7 @@ pub struct CalibrationSummary {
     pub rounds: u32,
     /// Whether it converged; it did not if a node or the curve is at its bound.
     pub converged: bool,
-    /// Distance beyond which less than one packet in a hundred arrives [m]; absent if the log is too poor to tell a curve.
+    /// Distance beyond which less than one packet in a hundred arrives (m); absent if the log is too poor to tell a curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_m: Option<f64>,
     /// Whether packets arrive even over the longest distance that the curve has, so that its range says little; absent if
@@ -153,23 +153,23 @@ pub struct CalibrationSummary {
     /// Knowledge of obstacles that was used: `none`, `from_receptions`, or `from_log` (receptions, where the robot
     /// drove, and what it met).
     pub obstacle_knowledge: &'static str,
-    /// Area that absorbs [m²]; absent if no obstacles were sought, or none explains what was heard.
+    /// Area that absorbs (m²); absent if no obstacles were sought, or none explains what was heard.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorbing_m2: Option<f64>,
 }
 
-/// How large an error is [m].
+/// How large an error is (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorSummary {
-    /// Mean [m].
+    /// Mean (m).
     pub mean: f64,
-    /// Median [m].
+    /// Median (m).
     pub median: f64,
-    /// Nine in ten are at most this [m].
+    /// Nine in ten are at most this (m).
     pub p90: f64,
-    /// Nineteen in twenty are at most this [m].
+    /// Nineteen in twenty are at most this (m).
     pub p95: f64,
-    /// The largest [m].
+    /// The largest (m).
     pub max: f64,
 }
 
@@ -179,7 +179,7 @@ pub const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0
 /// How well a map keeps who is whose neighbour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ConnectivitySummary {
-    /// Radius of the neighbourhood [m].
+    /// Radius of the neighbourhood (m).
     pub neighbourhood_m: f64,
     /// Neighbours outside the tolerance after the best affine map, over all neighbours: 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]

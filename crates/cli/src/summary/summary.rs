@@ -53,7 +53,7 @@ pub struct ScenarioSummary {
 /// The simulation as a whole.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SimulationSummary {
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub sim_time_s: f64,
     /// Events that happened.
     pub events: u64,

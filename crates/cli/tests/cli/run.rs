@@ -226,7 +226,7 @@ fn robots_that_listen_for_spans_of_their_own_have_no_bound_but_a_map() {
     assert_eq!((map["mapped"].as_u64(), map.get("posterior_bound_m")), (Some(496), None));
 }
 
-/// Takes out of a map what follows from the true channel, and from the radios [m, J].
+/// Takes out of a map what follows from the true channel, and from the radios (m, J).
 fn take_what_only_a_run_knows(map: &mut Value) -> [f64; 2] {
     let map = map.as_object_mut().expect("a map");
     ["posterior_bound_m", "message_energy_j"].map(|key| map.remove(key).and_then(|value| value.as_f64()).expect(key))

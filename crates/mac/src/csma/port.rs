@@ -7,7 +7,7 @@ use crate::{Class, RadioState};
 /// A frame to send: the properties that channel access needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutgoingFrame {
-    /// Size of the MPDU [octets], FCS included: 5 to 127.
+    /// Size of the MPDU (octets), FCS included: 5 to 127.
     pub mpdu_octets: u8,
     /// Whether the frame requests an acknowledgement. A broadcast must not.
     pub ack_request: bool,

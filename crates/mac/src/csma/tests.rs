@@ -30,7 +30,7 @@ struct Script {
     acks: VecDeque<Option<u8>>,
     timer: Option<(SimTime, Event)>,
     air: Vec<(SimTime, Event)>,
-    /// The commands and their instants [us].
+    /// The commands and their instants (us).
     log: Vec<(u64, Step)>,
     meter: EnergyMeter,
 }
@@ -83,7 +83,7 @@ impl Script {
         }
     }
 
-    /// The instants [us] of this command.
+    /// The instants (us) of this command.
     fn instants(&self, step: Step) -> Vec<u64> {
         self.log.iter().filter(|entry| entry.1 == step).map(|entry| entry.0).collect()
     }

@@ -62,7 +62,7 @@ impl Address {
         (Self::of(node) == self).then_some(node)
     }
 
-    /// Size of the address [octets].
+    /// Size of the address (octets).
     #[must_use]
     pub const fn octets(self) -> u8 {
         match self {

@@ -48,7 +48,7 @@ impl NodeFrame {
         Ok(frame)
     }
 
-    /// Size of its MPDU [octets].
+    /// Size of its MPDU (octets).
     #[must_use]
     pub const fn mpdu_octets(&self) -> u8 {
         self.mpdu_octets

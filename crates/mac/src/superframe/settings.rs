@@ -75,7 +75,7 @@ impl Default for BeaconEnabledConfig {
 pub struct Gts {
     /// Name of the node that transmits in it.
     pub node: String,
-    /// Its length [slots].
+    /// Its length (slots).
     pub slots: u8,
 }
 

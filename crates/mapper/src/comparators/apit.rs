@@ -16,7 +16,7 @@ use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ApitConfig {
-    /// Distance of the points that vote [m].
+    /// Distance of the points that vote (m).
     pub grid_step_m: f64,
     /// How many of the anchors heard are used, the strongest first: 3 to 20.
     pub strongest: usize,
@@ -150,7 +150,7 @@ impl Apit {
 }
 
 /// Whether a neighbour that hears three anchors as `theirs` stands nearer to, or farther from, all three than a node that
-/// hears them as `own` [dBm].
+/// hears them as `own` (dBm).
 fn departs(own: [f64; 3], theirs: [Option<f64>; 3]) -> bool {
     let [Some(a), Some(b), Some(c)] = theirs else { return false };
     let theirs = [a, b, c];

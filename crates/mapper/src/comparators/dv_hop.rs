@@ -87,7 +87,7 @@ impl DvHop {
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
-    /// Length of a hop as `anchor`, from which `hops` are counted, sees it [m]; `None` if it reaches no other.
+    /// Length of a hop as `anchor`, from which `hops` are counted, sees it (m); `None` if it reaches no other.
     fn length_m(&self, anchor: &Anchor, hops: &[u32], anchors: &[Anchor]) -> Option<f64> {
         let (mut above, mut below) = (0.0, 0.0);
         for other in anchors.iter().filter(|other| other.node != anchor.node) {

@@ -12,7 +12,7 @@ pub(super) struct HeardAnchor {
     pub(super) position: Position,
     /// Packets received.
     pub(super) packets: u32,
-    /// Their mean strength [dBm].
+    /// Their mean strength (dBm).
     pub(super) rssi_dbm: f64,
 }
 

@@ -12,13 +12,13 @@ pub struct RangingConfig {
     /// Path loss exponent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// Transmit power at the reference distance [dBm].
+    /// Transmit power at the reference distance (dBm).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tx_power_dbm: Option<f64>,
-    /// Distance at which the transmit power is given [m]; 1 if absent everywhere.
+    /// Distance at which the transmit power is given (m); 1 if absent everywhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_distance_m: Option<f64>,
-    /// Standard deviation of shadowing [dB].
+    /// Standard deviation of shadowing (dB).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma_db: Option<f64>,
 }
@@ -52,25 +52,25 @@ impl TryFrom<RangingConfig> for Ranging {
 }
 
 impl Ranging {
-    /// The distance at which `rssi_dbm` is the mean strength [m].
+    /// The distance at which `rssi_dbm` is the mean strength (m).
     #[must_use]
     pub fn distance_m(&self, rssi_dbm: f64) -> f64 {
         self.reference_distance_m * libm::pow(10.0, (self.tx_power_dbm - rssi_dbm) / (10.0 * self.exponent))
     }
 
-    /// Mean strength over `distance_m` [dBm].
+    /// Mean strength over `distance_m` (dBm).
     #[must_use]
     pub fn power_dbm(&self, distance_m: f64) -> f64 {
         self.tx_power_dbm - self.db_per_decade() * libm::log10(distance_m / self.reference_distance_m)
     }
 
-    /// What tenfold the distance costs [dB].
+    /// What tenfold the distance costs (dB).
     #[must_use]
     pub fn db_per_decade(&self) -> f64 {
         10.0 * self.exponent
     }
 
-    /// Standard deviation of shadowing [dB].
+    /// Standard deviation of shadowing (dB).
     #[must_use]
     pub fn sigma_db(&self) -> f64 {
         self.sigma_db

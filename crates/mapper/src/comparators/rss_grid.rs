@@ -17,21 +17,21 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RssGridConfig {
-    /// Distance of neighbouring grid vertices [m].
+    /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
     /// How power falls with distance, and how it scatters.
     #[serde(default)]
     pub ranging: RangingConfig,
-    /// Least power that is received [dBm]; in a scenario, that of its radio if absent.
+    /// Least power that is received (dBm); in a scenario, that of its radio if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity_dbm: Option<f64>,
-    /// Hard communication radius [m]; in a scenario, that of its channel if absent.
+    /// Hard communication radius (m); in a scenario, that of its channel if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
     /// Which place is taken from the likelihood.
     #[serde(default = "posterior_mean")]
     pub estimate: EstimateKind,
-    /// Lowest and highest height of a node [m]; as of `ml_tm` if absent.
+    /// Lowest and highest height of a node (m); as of `ml_tm` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
 }
@@ -82,16 +82,16 @@ impl TryFrom<RssGridConfig> for RssGrid {
     }
 }
 
-/// Memory that the shared surface may need [octets].
+/// Memory that the shared surface may need (octets).
 const ALLOWED_BYTES: u64 = 512_000_000;
-/// Distance below which the strength rises no further [m].
+/// Distance below which the strength rises no further (m).
 const LEAST_M: f64 = 0.1;
 /// Standard deviations above the mean that a reception without a hard radius is credited with.
 const REACH_SIGMAS: f64 = 3.0;
 /// Cells of the tables over distance.
 const CELLS: usize = 8192;
 
-/// What a stop tells at a distance, tabulated: mean strength [dBm] and log-probability of silence.
+/// What a stop tells at a distance, tabulated: mean strength (dBm) and log-probability of silence.
 struct Curves {
     per_m: f64,
     mean_dbm: Vec<f64>,
@@ -114,7 +114,7 @@ impl RssGrid {
     /// What it uses.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi, KnowledgeKind::PathLoss];
 
-    /// Distance within which nodes are heard [m].
+    /// Distance within which nodes are heard (m).
     fn range_m(&self) -> f64 {
         self.max_range_m
             .unwrap_or_else(|| self.ranging.distance_m(self.sensitivity_dbm - REACH_SIGMAS * self.ranging.sigma_db()))

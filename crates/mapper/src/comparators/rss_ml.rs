@@ -52,9 +52,9 @@ impl TryFrom<RssMlConfig> for RssMl {
     }
 }
 
-/// Distance below which two nodes count as this far apart [m].
+/// Distance below which two nodes count as this far apart (m).
 const LEAST_M: f64 = 1e-3;
-/// A step shorter than this is the last [m].
+/// A step shorter than this is the last (m).
 const SMALL_M: f64 = 1e-9;
 
 /// A measured link; ends are nodes.

@@ -39,7 +39,7 @@ impl Counts {
 /// A curve that never rises, at the middles 0, w, 2w, .. of bins of width w.
 #[derive(Clone, Debug)]
 pub(super) struct FittedCurve {
-    /// w [m].
+    /// w (m).
     bin_m: f64,
     /// Probabilities, the last one for everything further.
     values: Vec<f64>,
@@ -96,13 +96,13 @@ impl FittedCurve {
         self.bin_m
     }
 
-    /// Distance beyond which a reception is an outlier [m].
+    /// Distance beyond which a reception is an outlier (m).
     #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn range_m(&self) -> f64 {
         self.bin_m * self.in_range as f64
     }
 
-    /// Distance from which on everything is in the last bin [m].
+    /// Distance from which on everything is in the last bin (m).
     #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn reach_m(&self) -> f64 {
         self.bin_m * (self.values.len() as f64 - 1.5)

@@ -82,7 +82,7 @@ const NOISE: f64 = 0.2;
 const ROUNDS_BEFORE_TESTS: u32 = 6;
 
 impl Fitted {
-    /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes [m]; if
+    /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes (m); if
     /// absent they are at the height of the stops if these are level, and otherwise as far below and above them as
     /// packets reach.
     /// The same bits for any number of threads.

@@ -13,9 +13,9 @@ const STEPS: u32 = 100;
 /// A distance to a known place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The known place [m].
+    /// The known place (m).
     pub anchor: Position,
-    /// The distance to it [m].
+    /// The distance to it (m).
     pub distance_m: f64,
     /// Weight of its squared residual, above zero: the inverse of the variance of the distance, up to a factor.
     pub weight: f64,

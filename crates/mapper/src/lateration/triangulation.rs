@@ -8,7 +8,7 @@ use super::LaterationError;
 const LEAST_SINE: f64 = 1e-9;
 
 /// The place in the plane from which three anchors are seen in the directions `bearings_rad`, counter-clockwise from
-/// any common direction [rad]; only their differences count. The height is that of the first anchor.
+/// any common direction (rad); only their differences count. The height is that of the first anchor.
 ///
 /// All places that see two anchors P and Q under the directed angle θ lie on a circle through both, whose centre is
 /// `(P + Q)/2 + ½ cot θ · (Q − P) turned by 90°` (the inscribed angle; Gunathillake 2018, appendix A, gives its radius).

@@ -25,7 +25,7 @@ pub enum NeighbourhoodRule {
 /// How many neighbours are lost and gained on the map. Pairs are ordered: each pair of neighbours counts twice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConnectivityError {
-    /// Radius of the neighbourhood on the ground [m].
+    /// Radius of the neighbourhood on the ground (m).
     pub radius_m: f64,
     /// Pairs of neighbours on the ground.
     pub physical: u64,

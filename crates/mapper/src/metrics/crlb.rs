@@ -6,7 +6,7 @@ use sextant_channel::Position;
 /// Links between nodes whose signal strengths are known.
 #[derive(Clone, Copy, Debug)]
 pub struct RssLinks<'a> {
-    /// True places of all nodes [m].
+    /// True places of all nodes (m).
     pub places: &'a [Position],
     /// Whether each node is an anchor.
     pub is_anchor: &'a [bool],
@@ -14,12 +14,12 @@ pub struct RssLinks<'a> {
     pub links: &'a [(usize, usize, f64)],
     /// Path loss exponent.
     pub exponent: f64,
-    /// Standard deviation of shadowing of a packet [dB].
+    /// Standard deviation of shadowing of a packet (dB).
     pub sigma_db: f64,
 }
 
 /// Lower bound of the root mean square error of each node that is no anchor, of any unbiased estimator of all places
-/// from the strengths of `links` under log-normal shadowing [m] (Patwari et al. 2003): `sqrt(tr (F⁻¹)_ii)`, F having the
+/// from the strengths of `links` under log-normal shadowing (m) (Patwari et al. 2003): `sqrt(tr (F⁻¹)_ii)`, F having the
 /// blocks `F_ii = Σ g u uᵀ/d²`, `F_ij = −g u uᵀ/d²` with `g = k (10 n/(σ ln 10))²`, u the unit vector and d the length
 /// of a link of k packets. In two dimensions if all places share one height. `None` if the links leave the places of some
 /// nodes open; an anchor has no entry. Costs O(N³).

@@ -93,7 +93,7 @@ pub(super) struct Axes {
     dimensions: usize,
     /// Middle of the network on the ground.
     middle: Vector3<f64>,
-    /// Half its extent along each axis [m].
+    /// Half its extent along each axis (m).
     half_extent: Vector3<f64>,
     /// The place on the map nearest to all lines.
     crossing: Vector3<f64>,

@@ -3,19 +3,19 @@
 use serde::Serialize;
 use sextant_channel::Position;
 
-/// Distribution of the distance between true and mapped places [m]. Quantiles between two nodes are
+/// Distribution of the distance between true and mapped places (m). Quantiles between two nodes are
 /// interpolated linearly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PositionError {
-    /// Mean [m].
+    /// Mean (m).
     pub mean: f64,
-    /// Median [m].
+    /// Median (m).
     pub median: f64,
-    /// 90th percentile [m].
+    /// 90th percentile (m).
     pub p90: f64,
-    /// 95th percentile [m].
+    /// 95th percentile (m).
     pub p95: f64,
-    /// Maximum [m].
+    /// Maximum (m).
     pub max: f64,
 }
 

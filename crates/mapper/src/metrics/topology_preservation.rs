@@ -42,7 +42,7 @@ pub fn topology_preservation_error(truth: &[Position], map: &[Option<Position>])
     (compared > 0).then(share)
 }
 
-/// Median distance of a node to its nearest neighbour, if there is one elsewhere [m].
+/// Median distance of a node to its nearest neighbour, if there is one elsewhere (m).
 fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])]) -> Option<f64> {
     let places: Vec<Position> = pairs.iter().map(|pair| pair.0.into()).collect();
     let (first, rest) = places.split_first()?;
@@ -58,7 +58,7 @@ fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])]) -> Option<f64> {
     spacings.get(spacings.len() / 2).copied()
 }
 
-/// Distance from `node` to the nearest other place [m].
+/// Distance from `node` to the nearest other place (m).
 fn nearest_m(places: &[Position], index: &CellIndex, node: usize, extent_m: f64) -> Option<f64> {
     let mut radius_m = extent_m / 64.0;
     while radius_m <= 4.0 * extent_m {

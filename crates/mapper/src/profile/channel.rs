@@ -19,22 +19,22 @@ pub struct ChannelProfileConfig {
     /// Path loss exponent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// Standard deviation of shadowing [dB].
+    /// Standard deviation of shadowing (dB).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_db: Option<f64>,
-    /// Transmit power at the reference distance [dBm].
+    /// Transmit power at the reference distance (dBm).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tx_power_dbm: Option<f64>,
-    /// Least power that is received [dBm].
+    /// Least power that is received (dBm).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity_dbm: Option<f64>,
-    /// Hard communication radius [m]; none if absent.
+    /// Hard communication radius (m); none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
-    /// Distance at which the transmit power is given [m]; 1 if absent.
+    /// Distance at which the transmit power is given (m); 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_distance_m: Option<f64>,
-    /// Distance below which the loss stays what it is there [m]; 0.1 if absent.
+    /// Distance below which the loss stays what it is there (m); 0.1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_distance_m: Option<f64>,
     /// Share of the packets that are strong enough and also survive collisions, above 0, at most 1.
@@ -188,7 +188,7 @@ impl KnownLink {
         at_least_one(self.delivery * q, self.packets)
     }
 
-    /// Distance beyond which hardly anything is received [m].
+    /// Distance beyond which hardly anything is received (m).
     pub(crate) fn reach_m(&self) -> f64 {
         self.law.reach_m(self.tx, self.sensitivity)
     }
@@ -205,7 +205,7 @@ pub fn at_least_one(q: f64, packets: f64) -> f64 {
     1.0 - (1.0 - more) * none(few) - more * none(few + 1.0)
 }
 
-/// The distance at which a falling `probability` is negligible, at most `hard_m` [m]; `None` if it is everywhere.
+/// The distance at which a falling `probability` is negligible, at most `hard_m` (m); `None` if it is everywhere.
 fn range(probability: impl Fn(f64) -> f64, hard_m: f64) -> Option<f64> {
     let (mut near, mut far) = (1e-3, 1e-3);
     if probability(near) <= NEGLIGIBLE {

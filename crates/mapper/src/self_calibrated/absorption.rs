@@ -26,7 +26,7 @@ impl AbsorptionMap {
         Self { low, cell_m, counts, cells: vec![0.0; columns * rows], absorbing }
     }
 
-    /// Width of a cell [m].
+    /// Width of a cell (m).
     #[must_use]
     pub fn cell_m(&self) -> f64 {
         self.cell_m
@@ -38,7 +38,7 @@ impl AbsorptionMap {
         self.counts
     }
 
-    /// Centre of the cell in column `i` and row `j`, at height 0 [m].
+    /// Centre of the cell in column `i` and row `j`, at height 0 (m).
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "numbers of cells are far below 2^53")]
     pub fn centre(&self, [i, j]: [usize; 2]) -> Position {
@@ -47,7 +47,7 @@ impl AbsorptionMap {
         Position::new(x, y, 0.0)
     }
 
-    /// Absorption in the cell in column `i` and row `j` [standard deviations of the shadowing per metre].
+    /// Absorption in the cell in column `i` and row `j` (standard deviations of the shadowing per metre).
     ///
     /// # Panics
     /// If there is no such cell.
@@ -56,13 +56,13 @@ impl AbsorptionMap {
         self.cells[j * self.counts[0] + i] / self.cell_m
     }
 
-    /// Area of the cells that absorb [m²].
+    /// Area of the cells that absorb (m²).
     #[must_use]
     pub fn absorbing_m2(&self) -> f64 {
         f64::from(self.absorbing.last().copied().unwrap_or_default()) * self.cell_m * self.cell_m
     }
 
-    /// What the straight line between two places loses [standard deviations of the shadowing].
+    /// What the straight line between two places loses (standard deviations of the shadowing).
     #[must_use]
     pub fn absorbed(&self, from: Position, to: Position) -> f64 {
         self.absorbed_level(from, to) * slant(to - from)

@@ -22,7 +22,7 @@ pub(super) struct Beliefs {
 /// What a round did.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
-    /// How far the nodes moved on average [m].
+    /// How far the nodes moved on average (m).
     pub(super) shift_m: f64,
     pub(super) vertices: u64,
 }

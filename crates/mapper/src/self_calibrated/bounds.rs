@@ -15,7 +15,7 @@ const REACHES: f64 = 1.25;
 /// of the diagonal of the box of all stops if that is less.
 const BEYOND: [f64; 2] = [0.5, 0.1];
 
-/// The corners of the box that a node is sought in [m].
+/// The corners of the box that a node is sought in (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     pub(super) low: [f64; 3],

@@ -90,7 +90,7 @@ impl Model {
         index(distance_m * self.per_m).min(self.clear.len() - 1)
     }
 
-    /// Where the curve falls below `probability` for good [m].
+    /// Where the curve falls below `probability` for good (m).
     pub(super) fn reach_m(&self, probability: f64) -> f64 {
         let bin = self.clear.iter().rposition(|&clear| clear > probability).unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
@@ -98,14 +98,14 @@ impl Model {
         bin * self.bin_m
     }
 
-    /// Where the last bin begins [m].
+    /// Where the last bin begins (m).
     pub(super) fn last_bin_m(&self) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
         let bins = (self.clear.len() - 1) as f64;
         bins * self.bin_m
     }
 
-    /// Distance from which on receptions are outliers [m].
+    /// Distance from which on receptions are outliers (m).
     pub(super) fn range_m(&self) -> f64 {
         self.range_m
     }
@@ -247,13 +247,13 @@ impl CalibratedCurve {
         self.probabilities[bin.min(self.probabilities.len() - 1)]
     }
 
-    /// The distance beyond which less than one packet in a hundred arrives [m].
+    /// The distance beyond which less than one packet in a hundred arrives (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         self.range_m
     }
 
-    /// Width of the bins within which the curve is constant, the last of them without an end [m].
+    /// Width of the bins within which the curve is constant, the last of them without an end (m).
     #[must_use]
     pub fn bin_m(&self) -> f64 {
         self.bin_m

@@ -33,18 +33,18 @@ const PHASE: [f64; 3] = [0.381_966, 0.236_068, 0.145_898];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Belief {
     pub(super) node: NodeId,
-    /// Posterior mean [m].
+    /// Posterior mean (m).
     pub(super) mean: Position,
     /// Log-likelihood of the likeliest vertex.
     pub(super) highest: f64,
-    /// Posterior covariance [m²].
+    /// Posterior covariance (m²).
     pub(super) covariance: [[f64; 3]; 3],
     /// Whether places at the bounds of the node are about as likely as the likeliest.
     pub(super) at_bound: bool,
 }
 
 impl Belief {
-    /// Standard deviation along an axis [m].
+    /// Standard deviation along an axis (m).
     pub(super) fn spread_m(&self, axis: usize) -> f64 {
         self.covariance[axis][axis].max(0.0).sqrt()
     }
@@ -160,7 +160,7 @@ impl Surroundings<'_> {
         belief
     }
 
-    /// Sets the axes of the window; returns the distance from the last mean to its farthest vertex, at most [m].
+    /// Sets the axes of the window; returns the distance from the last mean to its farthest vertex, at most (m).
     fn lay_window(&self, scratch: &mut Scratch, bounds: &Bounds, before: &Belief) -> f64 {
         let mean: [f64; 3] = before.mean.into();
         let most = MOST[usize::from(!bounds.is_level())];

@@ -8,7 +8,7 @@ use sextant_kernel::SettingError;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SelfCalibratedConfig {
-    /// Distance of neighbouring grid vertices in the last stage [m]; if absent, a sixtieth of the range that the log shows,
+    /// Distance of neighbouring grid vertices in the last stage (m); if absent, a sixtieth of the range that the log shows,
     /// a fortieth in space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
@@ -19,7 +19,7 @@ pub struct SelfCalibratedConfig {
     /// Rounds of positions, curve and obstacles, at most, but for one of each stage; 1 or more.
     #[serde(default = "default_max_rounds")]
     pub max_rounds: u32,
-    /// Lowest and highest height of a node [m]. Without it a log whose stops share one height, or differ by no more than a
+    /// Lowest and highest height of a node (m). Without it a log whose stops share one height, or differ by no more than a
     /// twentieth of how far packets reach, is mapped in the plane of the stops, any other as far below and above them as
     /// packets reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -6,7 +6,7 @@ use sextant_channel::{Position, Stop};
 use super::absorption::AbsorptionMap;
 use super::normal::index;
 
-/// Memory for the tables, at most [values]; larger surveys get coarser tables.
+/// Memory for the tables, at most (values); larger surveys get coarser tables.
 const MOST_VALUES: f64 = 5e7;
 
 /// Absorption along level rays from each stop that something absorbs near.

@@ -13,7 +13,7 @@ const LEAST_RECEPTIONS: f64 = 6.0;
 pub(super) struct Start {
     /// The nodes that were heard.
     pub(super) nodes: Vec<HeardNode>,
-    /// The median, over the nodes, of the distance to the farthest stop that heard it; above 0 [m].
+    /// The median, over the nodes, of the distance to the farthest stop that heard it; above 0 (m).
     pub(super) range_m: f64,
     /// Whether the log is rich enough to tell a curve.
     pub(super) is_rich: bool,

@@ -25,14 +25,14 @@ const SHORTEST: f64 = 0.03;
 const MARGIN: f64 = 0.03;
 /// The end of the curve for this purpose.
 const FAINT: f64 = 0.02;
-/// Absorption of a cell, at most [standard deviations]: two such cells stop all that a clear link would bring.
+/// Absorption of a cell, at most (standard deviations): two such cells stop all that a clear link would bring.
 const OPAQUE: f64 = 4.0;
 /// What a cell must gain to absorb, in standard deviations of its gain by chance: the 95 % quantile of the normal
 /// distribution.
 const THRESHOLD: f64 = 1.645;
 /// The penalty of a difference between neighbours, as a share of that of absorption.
 const SMOOTHNESS: f64 = 0.25;
-/// Differences below this count less [standard deviations].
+/// Differences below this count less (standard deviations).
 const SOFT: f64 = 0.05;
 /// The threshold of a cell where the robot met an obstacle, as a share.
 const CONTACT: f64 = 0.2;

@@ -9,9 +9,9 @@ use crate::profile::DEFAULT_FLOOR;
 /// table `s(d)` of a profile.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
-    /// R [m].
+    /// R (m).
     pub(crate) range_m: f64,
-    /// R² [m²].
+    /// R² (m²).
     pub(crate) range_squared: f64,
     pub(super) slope: f64,
     pub(super) top: f64,
@@ -20,9 +20,9 @@ pub(crate) struct Curve {
     table: Vec<[f64; 2]>,
     /// The same in single precision.
     pub(super) table_single: Vec<[f32; 2]>,
-    /// Highest slope of the table, up or down [1/m].
+    /// Highest slope of the table, up or down (1/m).
     pub(super) steepest_per_m: f64,
-    /// Distance of neighbouring values of the table [m].
+    /// Distance of neighbouring values of the table (m).
     pub(super) step_m: f64,
     /// `ln(1 − floor)`: what a missed packet adds beyond R.
     pub(crate) ln_missed_afar: f64,
@@ -88,7 +88,7 @@ impl Curve {
         !self.table.is_empty()
     }
 
-    /// S at a squared distance [m²].
+    /// S at a squared distance (m²).
     #[inline(always)]
     pub(crate) fn at(&self, distance_squared: f64) -> f64 {
         let d = distance_squared.sqrt();

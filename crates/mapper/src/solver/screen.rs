@@ -18,7 +18,7 @@ const LANES: usize = 4;
 /// Factors, each at least [`LEAST`], whose product is a normal number.
 const GROUP: usize = 4;
 
-/// Where the stops are that fill up a vector [m]: beyond any range.
+/// Where the stops are that fill up a vector (m): beyond any range.
 const NOWHERE: f32 = 1e18;
 
 /// Bounds of a factor are at least this; to raise a factor keeps a bound.

@@ -14,7 +14,7 @@ use sextant_channel::{SectorTable, Wedge};
 use super::receiver::Receiver;
 use crate::{Lattice, SectorTolerance};
 
-/// What the tolerance is at least, so that rounding does not exclude an edge [m].
+/// What the tolerance is at least, so that rounding does not exclude an edge (m).
 const ROUNDING_M: f64 = 1e-9;
 
 /// The sectors of a survey.
@@ -24,7 +24,7 @@ pub(crate) struct Wedges {
     normals: Vec<[f64; 3]>,
     /// By the sector's identity.
     tests: Vec<Test>,
-    /// How far beyond an edge a vertex may lie [m].
+    /// How far beyond an edge a vertex may lie (m).
     tolerance_m: f64,
 }
 
@@ -124,7 +124,7 @@ impl Wedges {
         })
     }
 
-    /// Whether a vertex at `apart` from the stop is in the sector [m].
+    /// Whether a vertex at `apart` from the stop is in the sector (m).
     pub(crate) fn admits(&self, sector: u8, apart: [f64; 3]) -> bool {
         let Some(test) = self.tests.get(usize::from(sector)) else {
             return true;

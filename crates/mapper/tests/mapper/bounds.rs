@@ -4,7 +4,7 @@ use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{Calibration, SelfCalibrated, SelfCalibratedConfig, TopologyMap};
 
-/// Links whose margin over the sensitivity falls with the logarithm of distance [standard deviations of the fading].
+/// Links whose margin over the sensitivity falls with the logarithm of distance (standard deviations of the fading).
 #[derive(Clone, Copy)]
 struct Links {
     /// Margin at 1 m.

@@ -58,7 +58,7 @@ fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
     (ReceptionLog::new(names, stops, receptions, Vec::new()).expect("a log"), truth)
 }
 
-/// Share of the nodes in their 95 % regions, and the mean error [m], over `seeds` surveys.
+/// Share of the nodes in their 95 % regions, and the mean error (m), over `seeds` surveys.
 fn coverage(seeds: u64, tall_m: f64, grid_step_m: f64) -> (f64, f64) {
     let z_range_m = (tall_m > 0.0).then_some([0.0, tall_m]);
     let config = MlTmConfig {

@@ -6,7 +6,7 @@ use sextant_mapper::{
     AlgorithmConfig, EstimateKind, HeightReason, Mapper, MlTmConfig, ProfileConfig, SelfCalibratedConfig, TopologyMap,
 };
 
-/// Nothing is heard farther away [m].
+/// Nothing is heard farther away (m).
 const RANGE_M: f64 = 6.0;
 
 /// A survey of `nodes` nodes over 40 m by 40 m from stops 2 m apart whose heights differ by `uneven_m`.

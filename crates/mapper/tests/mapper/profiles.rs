@@ -157,7 +157,7 @@ fn ml_tm(grid_step_m: f64) -> MlTmConfig {
     MlTmConfig { estimate: EstimateKind::PosteriorMean, ..MlTmConfig::new(grid_step_m, profile) }
 }
 
-/// The map under a fitted profile, the profile, and the mean error [m].
+/// The map under a fitted profile, the profile, and the mean error (m).
 fn mapped(config: &MlTmConfig, survey: &Survey) -> (TopologyMap, Fit, f64) {
     let mapper = FittedMlTm::new(config.clone(), FittedConfig::default()).expect("good settings");
     let (map, fit) = mapper.map(&survey.log).expect("a small grid");

@@ -7,14 +7,14 @@ use sextant_mapper::{
     Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
 };
 
-/// Nothing is received farther away than this [m].
+/// Nothing is received farther away than this (m).
 const RANGE_M: f64 = 8.0;
-/// The obstacle is a square round the origin, half as wide [m].
+/// The obstacle is a square round the origin, half as wide (m).
 const HALF_M: f64 = 3.0;
 /// Standard deviations of the shadowing that a metre of the obstacle absorbs.
 const ABSORPTION_PER_M: f64 = 2.0;
 
-/// Step of the grids [m].
+/// Step of the grids (m).
 const STEP_M: f64 = 0.2;
 
 /// What a survey is like.
@@ -25,7 +25,7 @@ struct World {
     /// Packets of a node at a stop.
     packets: u32,
     has_obstacle: bool,
-    /// Height of the space that nodes are in [m]; 0 for a plane.
+    /// Height of the space that nodes are in (m); 0 for a plane.
     tall_m: f64,
     /// Whether the robot changes its height from lane to lane.
     climbs: bool,
@@ -42,7 +42,7 @@ fn normal(x: f64) -> f64 {
     if x >= 0.0 { 1.0 - tail } else { tail }
 }
 
-/// Length of the line within the obstacle [m].
+/// Length of the line within the obstacle (m).
 fn chord_m(from: Position, to: Position) -> f64 {
     let way = to - from;
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);

@@ -11,7 +11,7 @@ use super::placed::{PlacedNode, fault, twin};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExplicitConfig {
-    /// The places, each `[x, y]` or `[x, y, z]` [m].
+    /// The places, each `[x, y]` or `[x, y, z]` (m).
     pub positions_m: Vec<Position>,
     /// Their names, in the same order; `n0`, `n1` and so on if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

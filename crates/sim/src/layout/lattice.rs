@@ -16,18 +16,18 @@ const MAX_SITES: f64 = 4e6;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LatticeConfig {
-    /// Distance between neighbouring sites along x, y and, in a solid region, z [m].
+    /// Distance between neighbouring sites along x, y and, in a solid region, z (m).
     pub spacing_m: f64,
-    /// Each node is moved from its site by up to this much along each axis, uniform at random [m].
+    /// Each node is moved from its site by up to this much along each axis, uniform at random (m).
     #[serde(default)]
     pub jitter_m: f64,
     /// Number of nodes. If more sites fit, that many are chosen at random; all sites if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub count: Option<usize>,
-    /// A site of the lattice [m]; half a spacing from the smallest corner of the region's bounds if absent.
+    /// A site of the lattice (m); half a spacing from the smallest corner of the region's bounds if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin_m: Option<Position>,
-    /// Minimum distance of each node from all obstacles [m].
+    /// Minimum distance of each node from all obstacles (m).
     #[serde(default)]
     pub clearance_m: f64,
     /// The region of the nodes.

@@ -9,7 +9,7 @@ use sextant_channel::{ObstacleField, Position};
 pub struct PlacedNode {
     /// Its name, unique in the network.
     pub name: String,
-    /// Where it is [m].
+    /// Where it is (m).
     pub position: Position,
 }
 

@@ -23,10 +23,10 @@ const MAX_COUNT: usize = 4_000_000;
 pub struct RandomConfig {
     /// Number of nodes.
     pub count: usize,
-    /// Minimum distance between any two nodes [m].
+    /// Minimum distance between any two nodes (m).
     #[serde(default)]
     pub min_distance_m: f64,
-    /// Minimum distance of each node from all obstacles [m].
+    /// Minimum distance of each node from all obstacles (m).
     #[serde(default)]
     pub clearance_m: f64,
     /// The region of the nodes.

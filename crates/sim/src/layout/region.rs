@@ -11,47 +11,47 @@ use sextant_kernel::SettingError;
 pub enum RegionConfig {
     /// A disc at the height of its centre.
     Disc {
-        /// Centre [m].
+        /// Centre (m).
         center_m: Position,
-        /// Radius [m].
+        /// Radius (m).
         radius_m: f64,
     },
     /// An upright rectangle of the plane.
     Rectangle {
-        /// Corner with the smallest x and y [m].
+        /// Corner with the smallest x and y (m).
         min_m: Position,
-        /// Opposite corner, at the same height [m].
+        /// Opposite corner, at the same height (m).
         max_m: Position,
     },
     /// A polygon of the plane, convex or not.
     Polygon {
-        /// Corners in order, clockwise or counterclockwise; the sides do not cross [m].
+        /// Corners in order, clockwise or counterclockwise; the sides do not cross (m).
         corners_m: Vec<[f64; 2]>,
-        /// Height of the plane [m].
+        /// Height of the plane (m).
         #[serde(default)]
         z_m: f64,
     },
     /// A ball.
     Ball {
-        /// Centre [m].
+        /// Centre (m).
         center_m: Position,
-        /// Radius [m].
+        /// Radius (m).
         radius_m: f64,
     },
     /// An upright box of space.
     Box {
-        /// Corner with the smallest x, y and z [m].
+        /// Corner with the smallest x, y and z (m).
         min_m: Position,
-        /// Opposite corner [m].
+        /// Opposite corner (m).
         max_m: Position,
     },
     /// An upright cylinder.
     Cylinder {
-        /// Middle of the bottom face [m].
+        /// Middle of the bottom face (m).
         base_m: Position,
-        /// Radius [m].
+        /// Radius (m).
         radius_m: f64,
-        /// Height [m].
+        /// Height (m).
         height_m: f64,
     },
 }

@@ -15,7 +15,7 @@ use sextant_sim::{
 
 use crate::network;
 
-/// A frame as an observer sees it [us].
+/// A frame as an observer sees it (us).
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     source: usize,
@@ -79,7 +79,7 @@ fn run(setup: Setup) -> (Survey, Vec<Seen>) {
     (survey, log.0)
 }
 
-/// A turnaround after the robot has arrived, its first beacon starts [us].
+/// A turnaround after the robot has arrived, its first beacon starts (us).
 const FIRST_BEACON: u64 = 192;
 
 #[test]

@@ -10,7 +10,7 @@ use super::super::runs::Runs;
 /// The stop at which node p was heard, of six.
 const HEARD: usize = 2;
 
-/// Vertices with their printed distances to the six stops [m], and the printed likelihood.
+/// Vertices with their printed distances to the six stops (m), and the printed likelihood.
 const PRINTED: [(&str, [f64; 6], &str); 4] = [
     // The distance to the first stop is printed as 0, at which nothing that was sent could have been missed.
     ("(0, 0)", [0.0, 1.44, 2.64, 3.78, 4.68, 6.02], "0"),

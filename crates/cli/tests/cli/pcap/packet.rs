@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// A record of a capture.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Packet {
-    /// Stamp [ns].
+    /// Stamp (ns).
     pub(crate) stamp_ns: u64,
     /// Values of the TAP header by type, without padding.
     pub(crate) fields: BTreeMap<u16, Vec<u8>>,
@@ -77,7 +77,7 @@ impl Packet {
         (number(&value[..2]), value[2])
     }
 
-    /// First symbol and end of the last [ns].
+    /// First symbol and end of the last (ns).
     pub(crate) fn span_ns(&self) -> (u64, u64) {
         let [start, end] = [5, 6].map(|field| self.value(field).expect("a stamp"));
         assert_eq!((start.len(), end.len()), (8, 8));

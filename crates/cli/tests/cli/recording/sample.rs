@@ -23,7 +23,7 @@ impl Numbers {
         u32::try_from(self.below(u64::from(bound))).expect("below 2^32")
     }
 
-    /// A coordinate with no short decimal form [m].
+    /// A coordinate with no short decimal form (m).
     fn coordinate(&mut self) -> f64 {
         f64::from(self.small(1 << 30)) / 3.0e7 - 10.0
     }

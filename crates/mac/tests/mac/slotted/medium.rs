@@ -24,7 +24,7 @@ pub(crate) struct Medium {
 #[derive(Clone, Copy)]
 pub(crate) struct Fate {
     pub(crate) received: bool,
-    /// When the station finished the frame [ms].
+    /// When the station finished the frame (ms).
     pub(crate) end_ms: f64,
     pub(crate) report: Report,
 }

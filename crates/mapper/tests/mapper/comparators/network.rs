@@ -93,7 +93,7 @@ pub(crate) fn lattice([nx, ny, nz]: [u32; 3], jitter_m: f64) -> Vec<Position> {
         .collect()
 }
 
-/// Mean distance of the nodes that are no anchors from their places [m]; each of them must be mapped.
+/// Mean distance of the nodes that are no anchors from their places (m); each of them must be mapped.
 pub(crate) fn mean_error_m(network: &Network, map: &sextant_mapper::TopologyMap) -> f64 {
     let mut errors = Vec::new();
     for (i, (place, found)) in network.places.iter().zip(map.positions()).enumerate() {
