@@ -234,12 +234,10 @@ fn peak_mb() -> Option<f64> {
     Some(kib * 1024.0 / 1e6)
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a count of things in memory")]
 fn count(number: usize) -> f64 {
     number as f64
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a count of vertices")]
 fn map_vertices(number: u64) -> f64 {
     number as f64
 }

@@ -173,7 +173,6 @@ pub(crate) fn whole(number: f64) -> usize {
     number as usize
 }
 
-#[expect(clippy::cast_precision_loss, reason = "numbers of steps are far below 2^53")]
 pub(crate) fn number(steps: usize) -> f64 {
     steps as f64
 }

@@ -221,7 +221,6 @@ impl PairField {
             total += libm::cos(wave.sum.dot(sum) + wave.phase) * libm::cos(wave.difference.dot(difference));
         }
         // sqrt(2/M) * 2 * total / sqrt(2 + 2 c)
-        #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let count = self.waves.len() as f64;
         let c = libm::exp(-2.0 * difference.length_m() / self.distance_m);
         2.0 * SQRT_2 * total / (count * (2.0 + 2.0 * c)).sqrt()

@@ -75,7 +75,6 @@ fn mix(state: u64) -> u64 {
 }
 
 /// The upper 52 bits as a number in (0, 1), never an end point.
-#[expect(clippy::cast_precision_loss, reason = "52 bits are exact in f64")]
 fn open_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * (1.0 / (1_u64 << 52) as f64)
 }

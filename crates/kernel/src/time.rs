@@ -30,7 +30,6 @@ impl SimTime {
 
     /// Seconds since the start, for people and for formulas; never for comparing instants.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "2^53 ns are 104 days; beyond, 1 part in 2^53")]
     pub fn as_secs_f64(self) -> f64 {
         self.0 as f64 * 1e-9
     }

@@ -56,7 +56,6 @@ impl Similarity {
         if pairs.iter().any(|(from, onto)| !(from.is_finite() && onto.is_finite())) {
             return Err(AlignmentError::NotFinite);
         }
-        #[expect(clippy::cast_precision_loss, reason = "a number of places")]
         let share = 1.0 / pairs.len() as f64;
         let mut mean_from = Vector3::zeros();
         let mut mean_onto = Vector3::zeros();

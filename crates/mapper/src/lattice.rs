@@ -141,7 +141,6 @@ impl Lattice {
     }
 
     /// Coordinate of the `i`-th vertex along an axis (m).
-    #[expect(clippy::cast_precision_loss, reason = "indices are far below 2^53")]
     pub(crate) fn coordinate(&self, axis: usize, i: usize) -> f64 {
         <[f64; 3]>::from(self.origin)[axis] + self.step_m * i as f64
     }
@@ -174,7 +173,6 @@ fn extent(low: f64, high: f64, step: f64, axis: usize) -> (f64, f64) {
 }
 
 /// The lowest count not below `value`. Casts, because a processor may have no instruction for rounding.
-#[expect(clippy::cast_precision_loss, reason = "indices are far below 2^53")]
 fn ceiling(value: f64) -> usize {
     let below = whole(value);
     below + usize::from((below as f64) < value)
@@ -204,7 +202,6 @@ impl Size {
     }
 
     /// Whether the window fits the memory and the linear indices are exact.
-    #[expect(clippy::cast_precision_loss, reason = "a memory size")]
     fn fits(&self, allowed_bytes: u64) -> bool {
         self.bytes <= allowed_bytes as f64 && self.vertices < 9e15
     }

@@ -258,7 +258,6 @@ impl MlTm {
         if self.ties == TieRule::First || vertices.len() == 1 {
             return place(first);
         }
-        #[expect(clippy::cast_precision_loss, reason = "a number of vertices")]
         let share = 1.0 / vertices.len() as f64;
         let offset = vertices.iter().fold(Position::ORIGIN, |sum, &(index, _)| sum + (place(index) - place(first)));
         let mean = place(first) + offset * share;

@@ -55,7 +55,6 @@ fn heard_node(log: &ReceptionLog, node: NodeId) -> Option<HeardNode> {
 pub(crate) fn reach_m(log: &ReceptionLog, heard: &[HeardNode]) -> f64 {
     let mut farthest_m: Vec<f64> = heard.iter().map(|heard| heard.farthest_m).collect();
     farthest_m.sort_unstable_by(f64::total_cmp);
-    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
     let common = crate::lattice::whole(COMMON * farthest_m.len() as f64).min(farthest_m.len().saturating_sub(1));
     let reach_m = farthest_m.get(common).copied().unwrap_or(0.0);
     if reach_m > 0.0 { reach_m } else { gap_m(log).unwrap_or(1.0) }

@@ -45,7 +45,6 @@ impl TableProfile {
             let allowed = format!("at least one above the floor ({floor}) before the range");
             return Err(SettingError::new("probabilities", highest, allowed));
         }
-        #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
         let range_m = step_m * (probabilities.len() - 1) as f64;
         let probabilities = probabilities.into_iter().map(|p| if p < NOTHING { 0.0 } else { p }).collect();
         Ok(Self { step_m, probabilities, range_m, floor, ceiling })
@@ -53,7 +52,6 @@ impl TableProfile {
 
     /// Probability that a packet is received over `distance_m`.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
     pub fn probability(&self, distance_m: f64) -> f64 {
         let s = if distance_m < self.range_m {
             let along = distance_m / self.step_m;

@@ -39,7 +39,6 @@ impl AnchorsConfig {
             Self::Share(share) => {
                 SettingError::in_range("share", *share, 0.0, 1.0)?;
                 #[expect(
-                    clippy::cast_precision_loss,
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
                     reason = "a share of a number of nodes"

@@ -39,7 +39,6 @@ pub(super) fn shaft(
     (free_m >= 0.5 * climb_m).then_some((freest.place, free_m))
 }
 
-#[expect(clippy::cast_precision_loss, reason = "numbers of nodes are far below 2^53")]
 fn as_f64(nodes: usize) -> f64 {
     nodes as f64
 }

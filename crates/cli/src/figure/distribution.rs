@@ -127,7 +127,6 @@ pub(super) fn draw(source: &Source<'_>, what: NodeError) -> Option<Picture> {
 impl Curve {
     /// The share that is not above, as a staircase from 0 to the right end of the plot.
     fn steps(&self, axes: &Axes) -> Vec<Point> {
-        #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
         let share = |count: usize| count as f64 / self.errors.len() as f64;
         let mut points = vec![axes.at(0.0, 0.0)];
         for (i, &error) in self.errors.iter().enumerate() {

@@ -102,7 +102,6 @@ fn levels(plane: &LikelihoodPlane) -> Vec<f64> {
 /// Two opposite corners of the cells around all vertices.
 fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
     let rows = plane.log_likelihood.len() / plane.columns as usize;
-    #[expect(clippy::cast_precision_loss, reason = "a number of rows")]
     let (across, up) = (f64::from(plane.columns), rows as f64);
     let half = Position::new(0.5, 0.5, 0.0) * plane.step_m;
     let first = plane.first - half;

@@ -91,7 +91,6 @@ impl Sheet {
         }
         y += BELOW - BETWEEN;
         let rows = self.rows(width - 2.0 * MARGIN);
-        #[expect(clippy::cast_precision_loss, reason = "some rows")]
         let height = y + rows.len() as f64 * ROW + MARGIN;
         let mut picture = Picture::new(width, height);
         picture.text(Point::new(MARGIN, MARGIN + 9.0), &title, Anchor::Start, TITLE_TEXT);

@@ -135,7 +135,6 @@ impl Views {
     /// A radius for `count` dots that leaves space between them (px).
     pub(super) fn dot_radius(&self, count: usize) -> f64 {
         let (width, height) = self.sizes().first().copied().unwrap_or((WIDEST, WIDEST));
-        #[expect(clippy::cast_precision_loss, reason = "a number of dots")]
         let distance = (width * height / count.max(1) as f64).sqrt();
         (0.15 * distance).clamp(1.2, 3.6)
     }

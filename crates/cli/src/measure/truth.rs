@@ -79,7 +79,6 @@ pub fn measure(
 }
 
 /// Share of the nodes with a 95 % region that are in it.
-#[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
 fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
     let step_m = map.grid_step_m.unwrap_or(0.0);
     let regions = map.estimates.iter().map(|estimate| Region::of_95(estimate.as_ref()?, step_m));

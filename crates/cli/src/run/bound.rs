@@ -19,7 +19,6 @@ pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[P
     let channel = Channel::new(known.channel, obstacles, scenario.seed());
     let (tx, sensitivity) = (Dbm(known.radio.tx_power_dbm), Dbm(known.radio.sensitivity_dbm));
     let packets = survey.packets;
-    #[expect(clippy::cast_precision_loss, reason = "packet counts are below 2^53")]
     let delivery = packets.received as f64 / (packets.received + packets.lost_collision).max(1) as f64;
     let law = channel.law();
     let stops = survey.log.stops();

@@ -42,7 +42,6 @@ pub(super) fn message_energy_j(
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a number of nodes or links")]
 fn count(count: usize) -> f64 {
     count as f64
 }

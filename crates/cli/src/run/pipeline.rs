@@ -48,7 +48,6 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     let mut summary = sum_up(scenario, &survey, &discoveries, maps);
     recorder.summary(&summary.to_json()?)?;
     recorder.finish()?;
-    #[expect(clippy::cast_precision_loss, reason = "a rate for people")]
     let events_per_s = survey.events as f64 / gather_s;
     summary.timing = Some(Timing {
         wall_s: start.elapsed_s(),

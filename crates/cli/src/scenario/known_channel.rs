@@ -32,7 +32,6 @@ impl KnownChannel {
         };
         let least = robots.iter().map(packets).fold(f64::INFINITY, f64::min);
         let most = robots.iter().map(packets).fold(0.0, f64::max);
-        #[expect(clippy::cast_precision_loss, reason = "a number of robots")]
         let mean = robots.iter().map(packets).sum::<f64>() / robots.len() as f64;
         let packets_per_stop = if robots.is_empty() { 1.0 } else { mean };
         Self { radio, channel, packets_per_stop, is_alike_at_all_stops: least >= most }

@@ -17,7 +17,6 @@ pub struct Mean {
 impl Mean {
     /// The mean of `values`; `None` if there are none.
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "a number of runs")]
     pub fn of(values: &[f64]) -> Option<Self> {
         let runs = values.len();
         if runs == 0 {

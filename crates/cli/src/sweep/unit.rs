@@ -54,7 +54,6 @@ fn measured(
     Ok(plan.measures().iter().map(|measure| measure.of(&summary)).collect())
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "it is the argument of map_err")]
 fn message(errors: ScenarioErrors) -> String {
     errors.to_string()
 }

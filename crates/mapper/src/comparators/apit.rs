@@ -124,7 +124,6 @@ impl Apit {
         let low = corners().fold([f64::INFINITY; 2], |low, p| [low[0].min(p.x_m), low[1].min(p.y_m)]);
         let high = corners().fold([f64::NEG_INFINITY; 2], |high, p| [high[0].max(p.x_m), high[1].max(p.y_m)]);
         let counts = [0, 1].map(|axis| whole((high[axis] - low[axis]) / self.grid_step_m).min(MOST_POINTS) + 1);
-        #[expect(clippy::cast_precision_loss, reason = "a number of grid points")]
         let coordinate = |axis: usize, i: usize| {
             let step_m = ((high[axis] - low[axis]) / counts[axis] as f64).max(0.0);
             low[axis] + (i as f64 + 0.5) * step_m

@@ -101,7 +101,6 @@ struct Curves {
 impl Curves {
     fn at(table: &[f64], place: f64) -> f64 {
         let cell = whole(place).min(CELLS - 1);
-        #[expect(clippy::cast_precision_loss, reason = "a number of cells")]
         let within = place - cell as f64;
         table[cell] + within.min(1.0) * (table[cell + 1] - table[cell])
     }
@@ -121,7 +120,6 @@ impl RssGrid {
     }
 
     fn curves(&self, longest_m: f64) -> Curves {
-        #[expect(clippy::cast_precision_loss, reason = "a number of cells")]
         let distance_m = |cell: usize| longest_m * cell as f64 / CELLS as f64;
         let mean_dbm: Vec<f64> =
             (0..=CELLS).map(|cell| self.ranging.power_dbm(distance_m(cell).max(LEAST_M))).collect();
@@ -129,7 +127,6 @@ impl RssGrid {
             let margin = (mean_dbm - self.sensitivity_dbm) / self.ranging.sigma_db();
             log_normal_tail(margin)
         });
-        #[expect(clippy::cast_precision_loss, reason = "a number of cells")]
         let per_m = CELLS as f64 / longest_m;
         Curves { per_m, log_silence: log_silence.collect(), mean_dbm }
     }
@@ -151,7 +148,6 @@ impl RssGrid {
         let lattice = Lattice::covering(log.stops(), range_m, self.grid_step_m, self.z_range_m, ALLOWED_BYTES)?;
         let bytes = lattice.len().saturating_mul(8);
         if bytes > ALLOWED_BYTES {
-            #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
             let (vertices, excess) = (lattice.len() as f64, bytes as f64 / ALLOWED_BYTES as f64);
             return Err(MapError::GridTooLarge {
                 vertices,

@@ -176,7 +176,6 @@ fn stress(places: &DMatrix<f64>, pairs: &[Dissimilarity]) -> f64 {
 /// The matrix whose solutions are the Guttman transforms: `V + 1 1ᵀ/n`, V having −1 for each pair and its row sums made
 /// zero by the diagonal. `None` if the pairs leave a part of the nodes apart.
 fn factored(nodes: usize, pairs: &[Dissimilarity]) -> Option<Cholesky<f64, nalgebra::Dyn>> {
-    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
     let mut v = DMatrix::from_element(nodes, nodes, 1.0 / nodes as f64);
     for &Dissimilarity { a, b, .. } in pairs {
         v[(a, b)] -= 1.0;

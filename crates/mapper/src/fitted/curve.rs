@@ -97,13 +97,11 @@ impl FittedCurve {
     }
 
     /// Distance beyond which a reception is an outlier (m).
-    #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn range_m(&self) -> f64 {
         self.bin_m * self.in_range as f64
     }
 
     /// Distance from which on everything is in the last bin (m).
-    #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
     pub(super) fn reach_m(&self) -> f64 {
         self.bin_m * (self.values.len() as f64 - 1.5)
     }

@@ -149,7 +149,6 @@ impl Round<'_> {
                 let along = apart.dot(apart).sqrt() * per_m;
                 let below = whole(along).min(values.len() - 1);
                 let above = (below + 1).min(values.len() - 1);
-                #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
                 let share = (along - below as f64).min(1.0);
                 let mix = |i: usize| values[below][i] + share * (values[above][i] - values[below][i]);
                 sum += listener.received * mix(0) + listener.missed * mix(1);

@@ -140,7 +140,6 @@ impl Fit {
         let step_m = curve.step_m();
         let range_m = curve.range_m() + 0.5 * 3.0_f64.sqrt() * grid_step_m;
         let samples = crate::lattice::whole((range_m / step_m).ceil());
-        #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
         let averaged = (0..=samples)
             .map(|i| averaged_over_cell(|d| curve.probability(d), step_m * i as f64, grid_step_m).clamp(0.0, 1.0));
         let table = TableProfile::new(step_m, averaged.collect(), curve.floor(), curve.ceiling());

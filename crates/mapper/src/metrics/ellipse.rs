@@ -16,7 +16,6 @@ fn dimensions(pairs: &[(Position, Position)]) -> usize {
 }
 
 fn mean(places: impl ExactSizeIterator<Item = Position>) -> Position {
-    #[expect(clippy::cast_precision_loss, reason = "a number of places")]
     let share = 1.0 / places.len() as f64;
     places.fold(Position::ORIGIN, |sum, place| sum + place * share)
 }

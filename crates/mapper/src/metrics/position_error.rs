@@ -26,7 +26,6 @@ impl PositionError {
         let mut sorted = errors_m.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
         let &max = sorted.last()?;
-        #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
         let (count, last) = (sorted.len() as f64, (sorted.len() - 1) as f64);
         let quantile = |share: f64| {
             let place = share * last;

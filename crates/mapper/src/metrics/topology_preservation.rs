@@ -37,7 +37,6 @@ pub fn topology_preservation_error(truth: &[Position], map: &[Option<Position>])
             out_of_order += descents(&mut order);
         }
     }
-    #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
     let share = || out_of_order as f64 / compared as f64;
     (compared > 0).then(share)
 }

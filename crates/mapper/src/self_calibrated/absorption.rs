@@ -40,7 +40,6 @@ impl AbsorptionMap {
 
     /// Centre of the cell in column `i` and row `j`, at height 0 (m).
     #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "numbers of cells are far below 2^53")]
     pub fn centre(&self, [i, j]: [usize; 2]) -> Position {
         let [x, y] =
             [(0, i), (1, j)].map(|(axis, index): (usize, usize)| self.low[axis] + self.cell_m * (index as f64 + 0.5));
@@ -77,7 +76,6 @@ impl AbsorptionMap {
 
     /// Calls `visit` with each cell that the projection of the line on the plane crosses, in turn, and where along the
     /// projection it enters and leaves the cell, in widths of a cell.
-    #[expect(clippy::cast_precision_loss, reason = "numbers of cells are far below 2^53")]
     pub(super) fn crossings(&self, from: Position, to: Position, mut visit: impl FnMut(usize, f64, f64)) {
         let per_m = 1.0 / self.cell_m;
         let start = [(from.x_m - self.low[0]) * per_m, (from.y_m - self.low[1]) * per_m];

@@ -53,7 +53,6 @@ impl Beliefs {
             }
         }
         std::mem::swap(&mut self.nodes, &mut self.next);
-        #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
         let share = 1.0 / self.nodes.len() as f64;
         Progress { shift_m: shift_m * share, vertices }
     }

@@ -93,14 +93,12 @@ impl Model {
     /// Where the curve falls below `probability` for good (m).
     pub(super) fn reach_m(&self, probability: f64) -> f64 {
         let bin = self.clear.iter().rposition(|&clear| clear > probability).unwrap_or(0);
-        #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
         let bin = bin as f64;
         bin * self.bin_m
     }
 
     /// Where the last bin begins (m).
     pub(super) fn last_bin_m(&self) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
         let bins = (self.clear.len() - 1) as f64;
         bins * self.bin_m
     }
@@ -206,7 +204,6 @@ impl Model {
         self.score = self.clear.iter().map(|&clear| quantile(clear)).collect();
         self.floor = self.clear.last().copied().unwrap_or(FLOOR);
         let end = self.clear.iter().rposition(|&clear| clear > 3.0 * self.floor + NOTHING).map_or(1, |bin| bin + 1);
-        #[expect(clippy::cast_precision_loss, reason = "a few hundred bins")]
         let range_m = end as f64 * self.bin_m;
         self.range_m = range_m;
     }
@@ -218,7 +215,6 @@ impl Model {
 
     /// The curve for everybody.
     pub(super) fn curve(&self) -> CalibratedCurve {
-        #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
         let mean = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
         let probabilities = self.clear.iter().map(|&clear| (clear * mean).clamp(self.floor, CEILING)).collect();
         CalibratedCurve { bin_m: self.bin_m, probabilities, range_m: self.reach_m(RARE) + self.bin_m }

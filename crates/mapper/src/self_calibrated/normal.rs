@@ -24,7 +24,6 @@ impl Normal {
         let along = ((x + END) * PER_UNIT).clamp(0.0, f64::from(STEPS - 1));
         let index = index(along);
         let (low, high) = (self.values[index], self.values[index + 1]);
-        #[expect(clippy::cast_precision_loss, reason = "a small index")]
         let share = along - index as f64;
         low + (high - low) * share
     }

@@ -140,7 +140,6 @@ impl Surroundings<'_> {
             }
         });
         // Each of the other stops missed one packet, unless it has an entry.
-        #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
         let mut unseen = self.counts.log.stops().len() as f64 - seen;
         self.counts.recorded_beyond(record, before.mean, far_m, |link| {
             unseen -= 1.0;

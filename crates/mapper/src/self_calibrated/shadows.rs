@@ -36,7 +36,6 @@ impl Shadows {
         // Neighbouring rays are a cell apart at their ends, where a quarter turn is longest in even steps of the
         // pseudo-angle.
         let (mut rays, mut spans) = (2.0 * reach_m / map.cell_m(), reach_m / map.cell_m());
-        #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
         let coarser = (near.len() as f64 * 4.0 * rays * spans / MOST_VALUES).sqrt().max(1.0);
         (rays, spans) = ((rays / coarser).ceil().max(2.0), (spans / coarser).ceil().max(2.0));
         self.rays = count(rays);
@@ -69,13 +68,11 @@ impl Shadows {
     #[inline]
     pub(super) fn absorbed_level(&self, stop: u32, way: [f64; 2], level_m: f64) -> f64 {
         let Some(first) = self.first[stop as usize] else { return 0.0 };
-        #[expect(clippy::cast_precision_loss, reason = "small numbers")]
         let (rays, last) = (self.rays as f64, (self.stations - 1) as f64);
         let along = (level_m * self.stations_per_m).min(last - 1e-9);
         let across = turn(way) * rays;
         let (station, ray) = (index(along), index(across).min(4 * self.rays - 1));
         let next_ray = if ray + 1 < 4 * self.rays { ray + 1 } else { 0 };
-        #[expect(clippy::cast_precision_loss, reason = "small numbers")]
         let (u, v) = (along - station as f64, across - ray as f64);
         let at = |ray: usize| {
             let values = &self.absorbed[first + ray * self.stations + station..][..2];
@@ -89,7 +86,6 @@ impl Shadows {
 
 /// Fills in what is absorbed up to each station of a ray.
 fn trace_ray(map: &AbsorptionMap, from: Position, direction: [f64; 2], reach_m: f64, absorbed: &mut [f32]) {
-    #[expect(clippy::cast_precision_loss, reason = "a small number")]
     let gap = reach_m / (absorbed.len() - 1) as f64 / map.cell_m();
     let to = from + Position::new(direction[0], direction[1], 0.0) * reach_m;
     let mut station = 0;
@@ -116,7 +112,6 @@ fn trace_ray(map: &AbsorptionMap, from: Position, direction: [f64; 2], reach_m: 
 
 /// The direction of a ray: even steps of the pseudo-angle.
 fn direction(ray: usize, rays: usize) -> [f64; 2] {
-    #[expect(clippy::cast_precision_loss, reason = "a small number")]
     let share = (ray % rays) as f64 / rays as f64;
     let (a, b) = (1.0 - share, share);
     let [x, y] = [[a, b], [-b, a], [-a, -b], [b, -a]][ray / rays];

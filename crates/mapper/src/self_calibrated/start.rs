@@ -27,7 +27,6 @@ impl Start {
             return None;
         }
         let heard_at: f64 = nodes.iter().map(|heard| f64::from(heard.stops)).sum();
-        #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
         let is_rich = heard_at >= LEAST_RECEPTIONS * nodes.len() as f64;
         let mut farthest_m: Vec<f64> = nodes.iter().map(|heard| heard.farthest_m).collect();
         let range_m = median(&mut farthest_m);

@@ -225,7 +225,6 @@ fn share_of_lines(counts: &Counts<'_>, nodes: &[Belief], reach_m: f64, cell_m: f
     for belief in nodes.iter().step_by(every) {
         counts.within(&Record::default(), belief.mean, reach_m, |_| lines += 1.0);
     }
-    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
     let crossings = lines * every as f64 * reach_m / cell_m;
     (MOST_CROSSINGS / crossings.max(1.0)).min(1.0)
 }

@@ -98,7 +98,7 @@ impl Curve {
     }
 
     #[inline(always)]
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "an index of a table")]
+    #[expect(clippy::cast_possible_truncation, reason = "an index of a table")]
     #[expect(clippy::cast_sign_loss, reason = "distances are not negative")]
     fn interpolated(&self, d: f64) -> f64 {
         // To the bit what the profile itself gives, so that a probability of 0 or 1 is one here too.
@@ -113,7 +113,6 @@ impl Curve {
     /// from afar. At most all packets but one.
     pub(crate) fn most_outliers(&self, evidence: &Evidence, least: f64) -> u64 {
         let (ln_top, ln_floor) = (libm::log(self.top), libm::log(self.floor));
-        #[expect(clippy::cast_precision_loss, reason = "packet counts are far below 2^53")]
         let (heard, missed) = (evidence.heard_packets() as f64, evidence.missed_packets() as f64);
         let best = heard * ln_top + missed * self.ln_missed_afar;
         let outliers = (best - least) / (ln_top - ln_floor) + 1e-6;

@@ -156,7 +156,6 @@ impl Scorer<'_> {
                 }
             }
         }
-        #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
         let afar = (self.evidence.silent_stops() - silent.len()) as f64;
         afar * self.curve.ln_missed_afar
     }
@@ -292,7 +291,6 @@ impl<'v> Lanes<'v> {
 
     /// Moves the powers of two of the mantissas (normal numbers, or zero) to the exponents.
     #[inline(always)]
-    #[expect(clippy::cast_possible_wrap, reason = "an exponent has eleven bits")]
     fn normalise(&mut self) {
         const FRACTION: u64 = (1 << 52) - 1;
         const ONE: u64 = 1023 << 52;
@@ -308,7 +306,6 @@ impl<'v> Lanes<'v> {
         (0..LANES).map(|lane| self.log_likelihood(lane)).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    #[expect(clippy::cast_precision_loss, reason = "exponents are far below 2^53")]
     fn log_likelihood(&self, lane: usize) -> f64 {
         if self.mantissa[lane] > 0.0 {
             let exponent = self.exponent[lane] as f64;

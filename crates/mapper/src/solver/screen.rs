@@ -75,7 +75,6 @@ impl Places {
     }
 
     /// Stops that only fill up a vector.
-    #[expect(clippy::cast_precision_loss, reason = "at most three")]
     fn filling(&self) -> f64 {
         (self.coordinates.len() * LANES - self.count) as f64
     }
@@ -126,7 +125,7 @@ impl<'c> Moved<'c> {
     }
 
     #[inline(always)]
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "an index of a table")]
+    #[expect(clippy::cast_possible_truncation, reason = "an index of a table")]
     #[expect(clippy::cast_sign_loss, reason = "distances are not negative")]
     fn interpolated(&self, square: f32x4) -> f32x4 {
         let d = square.sqrt();
@@ -162,7 +161,6 @@ impl Screen {
         let (above, below) = (Moved::new(curve, apart_m), Moved::new(curve, -apart_m));
         let one = f32x4::splat(1.0 + ROUNDING);
         let packets = evidence.counts.iter().map(|count| count.received + count.missed).sum::<u32>();
-        #[expect(clippy::cast_precision_loss, reason = "a number of packets")]
         let factors = (self.heard.count + self.silent.count + packets as usize + 64) as f64;
         let nothing = f64::from(single(curve.floor));
         let filling = self.heard.filling() * libm::log2(nothing.max(f64::from(LEAST)))
@@ -262,7 +260,6 @@ impl Bound {
 
     /// Moves the powers of two of the mantissas, which are normal numbers, to the exponent.
     #[inline(always)]
-    #[expect(clippy::cast_possible_wrap, reason = "an exponent has eleven bits")]
     fn normalise(&mut self) {
         for mantissa in &mut self.mantissa {
             let bits = mantissa.to_bits();
@@ -272,7 +269,6 @@ impl Bound {
     }
 
     /// A number that grows with the product: its binary logarithm, linear between powers of two.
-    #[expect(clippy::cast_precision_loss, reason = "exponents are far below 2^53")]
     fn key(mut self) -> f64 {
         let [a, b, c, d] = self.mantissa;
         self.mantissa = [(a * b) * (c * d), 1.0, 1.0, 1.0];

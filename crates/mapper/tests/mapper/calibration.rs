@@ -110,7 +110,6 @@ fn the_posterior_bound_is_the_error_of_the_posterior_mean_under_the_true_model()
             let model = TrueModel { probability, near: &near, reach_m: 8.0, z_range_m: [0.0, tall_m] };
             bound_m += posterior_bound_m(&log, &model).expect("nodes were heard");
         }
-        #[expect(clippy::cast_precision_loss, reason = "a handful of seeds")]
         let bound_m = bound_m / seeds as f64;
         let (_, error_m) = coverage(seeds, tall_m, grid_step_m);
         // 1200 (240) nodes, each with a relative spread of the error of about one half: 1.5 % (3.3 %) standard deviation.

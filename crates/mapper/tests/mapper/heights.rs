@@ -52,7 +52,6 @@ fn map(config: AlgorithmConfig, log: &ReceptionLog) -> TopologyMap {
     Mapper::try_from(config).expect("good settings").map(log).expect("a small grid")
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
 fn mean_error_m(map: &TopologyMap, truth: &[Position]) -> f64 {
     let errors = map.positions().into_iter().zip(truth).filter_map(|(place, truth)| Some(place?.distance_m(*truth)));
     errors.sum::<f64>() / map.mapped() as f64

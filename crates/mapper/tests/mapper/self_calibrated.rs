@@ -149,7 +149,6 @@ fn fitted(log: &ReceptionLog) -> TopologyMap {
     mapper.map(log).expect("a small grid")
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
 fn mean_error_m(map: &TopologyMap, truth: &[Position]) -> f64 {
     let errors = map
         .positions()
@@ -159,7 +158,6 @@ fn mean_error_m(map: &TopologyMap, truth: &[Position]) -> f64 {
     errors.sum::<f64>() / truth.len() as f64
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
 fn coverage(map: &TopologyMap, truth: &[Position]) -> f64 {
     let step_m = map.grid_step_m.expect("there is a grid");
     let inside = map.estimates.iter().zip(truth).filter(|(estimate, truth)| {
@@ -197,7 +195,6 @@ fn curve_obstacle_and_places_are_recovered_from_the_log_alone() {
             assert!(beside < 0.5, "{beside} standard deviations beside it");
         }
     }
-    #[expect(clippy::cast_precision_loss, reason = "a handful of seeds")]
     let [error_m, fitted_m, covered] = [error_m, fitted_m, covered].map(|sum: f64| sum / surveys as f64);
     assert!(error_m < 0.8 * fitted_m, "{error_m} m, fitted profile {fitted_m} m");
     // 240 nodes: a coverage of 0.95 has a standard deviation of 0.014, and the model is estimated too.

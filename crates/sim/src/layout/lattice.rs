@@ -166,12 +166,10 @@ fn whole(index: f64) -> i64 {
     index as i64
 }
 
-#[expect(clippy::cast_precision_loss, reason = "indices are far below 2^53")]
 fn index_as_f64(index: i64) -> f64 {
     index as f64
 }
 
-#[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
 fn as_f64(count: usize) -> f64 {
     count as f64
 }

@@ -39,7 +39,6 @@ pub struct Number<T> {
     pub(super) read: fn(&T) -> Option<f64>,
 }
 
-#[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
 pub(super) fn count(count: u64) -> f64 {
     count as f64
 }
