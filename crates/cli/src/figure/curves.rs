@@ -1,7 +1,7 @@
 //! Curves of numbers over numbers.
 
 use super::axes::{Axes, Axis, Shown};
-use super::figure::Figure;
+use super::file::Figure;
 use super::palette::{CURVES, PATTERNS};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::distribution::{self, NodeError};
-use super::figure::Figure;
+use super::file::Figure;
 use super::source::Source;
 use super::{likelihood, map, network};
 

@@ -21,7 +21,7 @@
 mod axes;
 mod curves;
 mod distribution;
-mod figure;
+mod file;
 mod gallery;
 mod likelihood;
 mod map;
@@ -36,6 +36,6 @@ mod ticks;
 mod view;
 
 pub use curves::{Curves, Series};
-pub use figure::{Figure, FileFormat};
+pub use file::{Figure, FileFormat};
 pub use gallery::all;
 pub use source::Source;

@@ -6,7 +6,7 @@
 mod gathering;
 mod map;
 pub mod measures;
-mod summary;
+mod results;
 mod table;
 mod timing;
 
@@ -16,6 +16,6 @@ pub use map::{
     HeightsSummary, MapSummary, NODE_ERRORS,
 };
 pub use measures::{Measure, Number, Unit};
-pub use summary::{ScenarioSummary, SimulationSummary, Summary};
+pub use results::{ScenarioSummary, SimulationSummary, Summary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
-use super::summary::Summary;
+use super::results::Summary;
 use super::timing::Timing;
 use crate::text::{Align, columns, counted};
 
@@ -269,7 +269,7 @@ fn timing_line(timing: &Timing) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::summary::{ScenarioSummary, SimulationSummary};
+    use super::super::results::{ScenarioSummary, SimulationSummary};
     use super::*;
 
     #[test]
