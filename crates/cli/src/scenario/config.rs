@@ -84,7 +84,7 @@ impl Default for MetricsConfig {
 }
 
 impl MetricsConfig {
-    /// Refuses radii that are none.
+    /// Rejects radii that are not positive.
     pub(crate) fn check(&self) -> Result<(), SettingError> {
         for (i, &radius_m) in self.neighbourhood_m.iter().enumerate() {
             SettingError::positive(&format!("neighbourhood_m[{i}]"), radius_m)?;

@@ -36,7 +36,7 @@ pub(crate) fn deserialize<T: DeserializeOwned>(document: &Document) -> Result<T,
 struct Reader<'a>(&'a Value);
 
 impl<'a> Reader<'a> {
-    /// The value is none of those that are `allowed`.
+    /// The value is not one of those that are `allowed`.
     fn unfit(self, allowed: &str) -> Refused {
         let found = match self.0 {
             Value::Boolean(value) => found(Unexpected::Bool(*value)),

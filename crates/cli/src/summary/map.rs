@@ -66,7 +66,7 @@ pub struct MapSummary {
     /// Connectivity error at each neighbourhood asked for, and its variants.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub connectivity_errors: Vec<ConnectivitySummary>,
-    /// Share of the neighbours in the map that are none in the world, 0 to 1.
+    /// Share of the neighbours in the map that are not neighbours in the world, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
     /// Share of the pairs of nodes along lines of the network that stand on the map in another order, 0 to 1.
@@ -190,7 +190,7 @@ pub struct ConnectivitySummary {
     /// The same with an ellipse for each node (the thesis' formula to the letter, as far as it can be computed).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub connectivity_error_per_node: Option<f64>,
-    /// Share of the neighbours in the map that are none in the world.
+    /// Share of the neighbours in the map that are not neighbours in the world.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
     /// Share of the nodes that have lost at most a fifth of their neighbours, under the best affine map.

@@ -117,7 +117,7 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
 /// Writes the table of `rows` to the file at `path`, whole or not at all.
 ///
 /// # Errors
-/// If the extension is none that is known or the file cannot be written.
+/// If the extension is unknown or the file cannot be written.
 pub fn write_table(path: &Path, plan: &Plan, rows: &[Row]) -> Result<(), Failure> {
     let texts: Vec<_> = rows.iter().map(|row| plan.texts(row)).collect();
     table_file::write_table(path, &plan.columns(), &texts)

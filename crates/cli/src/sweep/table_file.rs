@@ -29,7 +29,7 @@ impl TableFormat {
     /// The form that the extension of `path` asks for.
     ///
     /// # Errors
-    /// If it is none of `.csv` and `.parquet`.
+    /// If it is neither `.csv` nor `.parquet`.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(OsStr::to_str) {
             Some("csv") => Ok(Self::Csv),
@@ -48,7 +48,7 @@ impl TableFormat {
 /// Writes `rows` of texts under `columns` to the file at `path`, whole or not at all.
 ///
 /// # Errors
-/// If the extension is none that is known or the file cannot be written.
+/// If the extension is unknown or the file cannot be written.
 pub(super) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), Failure> {
     let bytes = match TableFormat::of(path)? {
         TableFormat::Csv => csv(columns, rows),

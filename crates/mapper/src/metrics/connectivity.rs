@@ -31,7 +31,7 @@ pub struct ConnectivityError {
     pub physical: u64,
     /// Those that are no neighbours on the map, or have a node that is not mapped.
     pub lost: u64,
-    /// Pairs of neighbours on the map that are none on the ground.
+    /// Pairs of neighbours on the map that are not neighbours on the ground.
     pub gained: u64,
     /// Nodes without a neighbour on the ground.
     pub isolated: usize,
@@ -47,7 +47,7 @@ impl ConnectivityError {
         share(self.lost, self.physical)
     }
 
-    /// Share of the neighbours on the map that are none on the ground.
+    /// Share of the neighbours on the map that are not neighbours on the ground.
     #[must_use]
     pub fn false_neighbour_rate(&self) -> f64 {
         share(self.gained, self.physical - self.lost + self.gained)

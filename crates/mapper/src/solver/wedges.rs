@@ -140,7 +140,7 @@ impl Wedges {
     }
 
     /// Collects what all receptions demand: the tightest half-space of each direction, as normals with the least value
-    /// of the product with a place, and the conditions that are none.
+    /// of the product with a place, and the conditions that are not half-spaces.
     pub(crate) fn demand(&self, receivers: &[Receiver], planes: &mut Vec<Plane>, residuals: &mut Vec<Residual>) {
         planes.clear();
         planes.extend(self.normals.iter().map(|&normal| Plane { normal, least: f64::NEG_INFINITY }));
