@@ -1,7 +1,7 @@
 //! The kernel of Sextant: what all stages share. It knows nothing about radios.
 //!
 //! Goes in: instants, events, a seed. Comes out: events in a defined order ([`EventQueue`]),
-//! random numbers with an address ([`Seed`]), identities ([`NodeId`]).
+//! random numbers with an address ([`Seed`]), identities ([`NodeId`]); and how long work is watched ([`Watch`]).
 //!
 //! ```
 //! use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
@@ -20,6 +20,7 @@ mod random;
 mod robot;
 mod setting;
 mod time;
+mod watch;
 
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
@@ -27,3 +28,4 @@ pub use random::{Purpose, Seed, Stream};
 pub use robot::RobotId;
 pub use setting::SettingError;
 pub use time::SimTime;
+pub use watch::{Interrupted, Unwatched, Watch, Work};

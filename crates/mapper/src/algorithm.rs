@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
     ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge,
@@ -142,29 +142,34 @@ impl Mapper {
     /// # Errors
     /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
     pub fn map<'a>(&self, knowledge: impl Into<Knowledge<'a>>) -> Result<TopologyMap, MapError> {
-        self.map_and_learn(knowledge).map(|(map, _)| map)
+        self.map_and_learn(knowledge, &Unwatched).map(|(map, _)| map)
     }
 
     /// The map of the nodes in the log, and what was learned from the log beside it, if the algorithm learns anything.
+    /// `watch` is told how far the work is, and may end it within a fraction of a second.
     ///
     /// # Errors
-    /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
+    /// If the map would need more than the memory allowed, the algorithm lacks what it needs to know, or `watch` ends the
+    /// work.
     pub fn map_and_learn<'a>(
         &self,
         knowledge: impl Into<Knowledge<'a>>,
+        watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<Learned>), MapError> {
         let knowledge = knowledge.into();
         match self {
-            Self::MlTm(ml_tm) => ml_tm.map(knowledge.log).map(|map| (map, None)),
-            Self::FittedMlTm(fitted) => fitted.map(knowledge.log).map(|(map, fit)| (map, fit.map(Learned::Profile))),
+            Self::MlTm(ml_tm) => ml_tm.map(knowledge.log, watch).map(|map| (map, None)),
+            Self::FittedMlTm(fitted) => {
+                fitted.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile)))
+            }
             Self::ObstacleMlTm(ml_tm) => {
-                ml_tm.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?).map(|map| (map, None))
+                ml_tm.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?, watch).map(|map| (map, None))
             }
             Self::SelfCalibrated(algorithm) => {
-                let (map, calibration) = algorithm.map(knowledge.log);
+                let (map, calibration) = algorithm.map(knowledge.log, watch)?;
                 Ok((map, calibration.map(Learned::Calibration)))
             }
-            Self::Comparator(comparator) => comparator.map(&knowledge).map(|map| (map, None)),
+            Self::Comparator(comparator) => comparator.map(&knowledge, watch).map(|map| (map, None)),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Why a map cannot be computed.
 
+use sextant_kernel::Interrupted;
+
 /// Why a map or a likelihood surface cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapError {
@@ -46,15 +48,20 @@ pub enum MapError {
         /// Anchors needed.
         needed: usize,
     },
-    /// More nodes than an algorithm with pairs of all nodes can hold.
-    #[error("`{algorithm}` holds the hops between all pairs of nodes: {nodes} nodes; allowed: {allowed}")]
-    TooManyNodes {
+    /// More memory than allowed, nothing of it allocated.
+    #[error(
+        "`{algorithm}` needs {} MB for {what}; allowed: {} MB",
+        .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000
+    )]
+    TooMuchMemory {
         /// The algorithm.
         algorithm: &'static str,
-        /// Nodes of a connected part of the network.
-        nodes: usize,
-        /// Nodes allowed.
-        allowed: usize,
+        /// What it is for, and how many of these there are.
+        what: String,
+        /// Memory needed [octets].
+        bytes: u64,
+        /// Memory allowed [octets].
+        allowed_bytes: u64,
     },
     /// An algorithm of the plane in space.
     #[error("`{0}` is defined in the plane, but the anchors have different heights")]
@@ -70,6 +77,9 @@ pub enum MapError {
     /// The log and the settings do not agree.
     #[error("{0}")]
     Log(#[from] sextant_channel::LogError),
+    /// Whoever watches ended the work.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// A node without a likelihood: never heard, or heard only where no grid vertex is in range.
     #[error("node `{name}` cannot be placed: it was never heard within range of the grid")]
     NotHeard {

@@ -1,7 +1,7 @@
 //! ML-TM under a profile estimated from the log.
 
 use sextant_channel::ReceptionLog;
-use sextant_kernel::SettingError;
+use sextant_kernel::{Interrupted, SettingError, Watch};
 
 use crate::{Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap, TrapezoidConfig};
 
@@ -29,9 +29,11 @@ impl FittedMlTm {
     }
 
     /// The profile of `log`; `None` if no node was heard.
-    #[must_use]
-    pub fn fit(&self, log: &ReceptionLog) -> Option<Fit> {
-        self.fitted.fit(&self.ml_tm.counted(log), self.z_range_m)
+    ///
+    /// # Errors
+    /// If `watch` ends the work.
+    pub fn fit(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<Fit>, Interrupted> {
+        self.fitted.fit(&self.ml_tm.counted(log), self.z_range_m, watch)
     }
 
     /// The algorithm under a fitted profile, for the part of the log that is [evidence](Fit::evidence).
@@ -44,14 +46,14 @@ impl FittedMlTm {
     /// The map of the nodes in `log`, and the profile that it was made with.
     ///
     /// # Errors
-    /// [`MapError::GridTooLarge`].
-    pub fn map(&self, log: &ReceptionLog) -> Result<(TopologyMap, Option<Fit>), MapError> {
-        match self.fit(log) {
+    /// [`MapError::GridTooLarge`]; [`MapError::Interrupted`].
+    pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        match self.fit(log, watch)? {
             Some(fit) => {
-                let map = self.with_fit(&fit).map(&fit.evidence(log))?;
+                let map = self.with_fit(&fit).map(&fit.evidence(log), watch)?;
                 Ok((map, Some(fit)))
             }
-            None => Ok((self.ml_tm.map(log)?, None)),
+            None => Ok((self.ml_tm.map(log, watch)?, None)),
         }
     }
 }

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::reach::heard_nodes;
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
 use crate::{
@@ -158,8 +159,9 @@ impl MlTm {
     /// Nodes that were never heard are not placed; nor are nodes heard only where no vertex is in range.
     ///
     /// # Errors
-    /// [`MapError::GridTooLarge`]; [`MapError::Log`] if a sector of the log is not among those of the settings.
-    pub fn map(&self, log: &ReceptionLog) -> Result<TopologyMap, MapError> {
+    /// [`MapError::GridTooLarge`]; [`MapError::Log`] if a sector of the log is not among those of the settings;
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let mut map = TopologyMap {
             algorithm: Self::NAME,
             estimates: vec![None; log.node_count()],
@@ -173,16 +175,27 @@ impl MlTm {
         }
         let log = &*self.counted(log);
         let lattice = self.lattice(log)?;
-        let solver = self.solver(&lattice, log)?;
-        let solved: Vec<(Option<Estimate>, u64)> = (0..log.node_count())
+        let solver = self.solver(&lattice, log, watch)?;
+        watch.begin(Work {
+            name: Self::NAME,
+            unit: "node",
+            steps: log.node_count() as u64,
+            operations: heard_nodes(log).iter().map(|heard| solver.operations(heard)).sum(),
+        });
+        let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = (0..log.node_count())
             .into_par_iter()
             .with_min_len(32)
             .map_init(
                 || solver.scratch(),
-                |scratch, node| self.estimate(&solver, scratch, log, NodeId::from_index(node)),
+                |scratch, node| {
+                    let solved = self.estimate(&solver, scratch, log, NodeId::from_index(node));
+                    watch.check()?;
+                    watch.advance(1);
+                    Ok(solved)
+                },
             )
             .collect();
-        for (slot, (estimate, evaluated)) in map.estimates.iter_mut().zip(solved) {
+        for (slot, (estimate, evaluated)) in map.estimates.iter_mut().zip(solved?) {
             *slot = estimate;
             map.vertices_evaluated += evaluated;
         }
@@ -193,15 +206,16 @@ impl MlTm {
     ///
     /// # Errors
     /// [`MapError::UnknownNode`] and [`MapError::NotHeard`] if there is no such likelihood;
-    /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
-    pub fn surface(&self, log: &ReceptionLog, node: NodeId) -> Result<Surface, MapError> {
+    /// [`MapError::GridTooLarge`], [`MapError::NoStops`]; [`MapError::Interrupted`].
+    pub fn surface(&self, log: &ReceptionLog, node: NodeId, watch: &dyn Watch) -> Result<Surface, MapError> {
         let name =
             log.names().get(node.index()).ok_or(MapError::UnknownNode { node: node.0, nodes: log.node_count() })?;
         let log = &*self.counted(log);
         let lattice = self.lattice(log)?;
-        let solver = self.solver(&lattice, log)?;
+        let solver = self.solver(&lattice, log, watch)?;
         let mut vertices = Vec::new();
         let search = solver.search(&mut solver.scratch(), log.of(node), f64::INFINITY, &mut vertices);
+        watch.check()?;
         Surface::of_vertices(&lattice, &vertices, search.infeasible)
             .ok_or_else(|| MapError::NotHeard { name: name.clone() })
     }
@@ -214,9 +228,14 @@ impl MlTm {
         }
     }
 
-    fn solver<'a>(&'a self, lattice: &'a Lattice, log: &'a ReceptionLog) -> Result<Solver<'a>, MapError> {
+    fn solver<'a>(
+        &'a self,
+        lattice: &'a Lattice,
+        log: &'a ReceptionLog,
+        watch: &'a dyn Watch,
+    ) -> Result<Solver<'a>, MapError> {
         let sectors = self.sectors.table(log)?.map(|table| (table, self.sectors.tolerance));
-        Ok(Solver::new(lattice, log.stops(), &self.profile, sectors))
+        Ok(Solver::new(lattice, log.stops(), &self.profile, sectors, watch))
     }
 
     fn estimate(

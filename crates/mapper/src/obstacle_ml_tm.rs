@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
 use crate::heights::Heights;
 use crate::local_posterior::{LocalPosterior, covariance, local_posterior};
@@ -26,7 +26,16 @@ pub struct ObstacleMlTm {
     z_range_m: Option<[f64; 2]>,
 }
 
-/// First guess of how far a posterior spreads (m).
+/// What a node is placed among.
+#[derive(Clone, Copy)]
+struct Surroundings<'a> {
+    log: &'a ReceptionLog,
+    obstacles: &'a ObstacleField,
+    heights: Heights,
+    watch: &'a dyn Watch,
+}
+
+/// First guess of how far a posterior spreads [m].
 const SPREAD_M: f64 = 0.3;
 /// Step of the coarse scan, as a share of the reach, and steps to each side of the start in the plane and in space.
 const SCAN_STEP: f64 = 0.05;
@@ -49,33 +58,52 @@ impl ObstacleMlTm {
     /// The map of the nodes in `log`, which were heard among `obstacles`.
     ///
     /// # Errors
-    /// [`MapError::GridTooLarge`].
-    pub fn map(&self, log: &ReceptionLog, obstacles: &ObstacleField) -> Result<TopologyMap, MapError> {
-        let log = &*self.start.counted(log);
-        let start = self.start.map(log)?;
-        let Some(heights) = start.heights.map(SoughtHeights::heights) else { return Ok(start) };
-        let estimates = (start.estimates.par_iter().enumerate())
-            .map(|(node, start)| {
-                let start = start.as_ref()?;
-                let found = self.place(log, obstacles, NodeId::from_index(node), start.position, heights);
-                Some(found.unwrap_or_else(|| Estimate { infeasible: true, ..start.clone() }))
-            })
-            .collect();
-        Ok(TopologyMap { estimates, ..start })
-    }
-
-    fn place(
+    /// [`MapError::GridTooLarge`]; [`MapError::Interrupted`].
+    pub fn map(
         &self,
         log: &ReceptionLog,
         obstacles: &ObstacleField,
-        node: NodeId,
-        near: Position,
-        heights: Heights,
-    ) -> Option<Estimate> {
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
+        let log = &*self.start.counted(log);
+        let start = self.start.map(log, watch)?;
+        let Some(heights) = start.heights.map(SoughtHeights::heights) else { return Ok(start) };
+        watch.begin(self.work(log, &start, heights));
+        let estimates: Result<Vec<Option<Estimate>>, MapError> = (start.estimates.par_iter().enumerate())
+            .map(|(node, start)| {
+                watch.check()?;
+                let Some(start) = start else { return Ok(None) };
+                let among = Surroundings { log, obstacles, heights, watch };
+                let found = self.place(&among, NodeId::from_index(node), start.position);
+                watch.check()?;
+                watch.advance(1);
+                Ok(Some(found.unwrap_or_else(|| Estimate { infeasible: true, ..start.clone() })))
+            })
+            .collect();
+        Ok(TopologyMap { estimates: estimates?, ..start })
+    }
+
+    /// What it takes to look round each place of the map `start`, if all stops are in reach.
+    fn work(&self, log: &ReceptionLog, start: &TopologyMap, heights: Heights) -> Work {
+        let places = match heights {
+            Heights::Level(_) => (2 * SCAN[0] + 1).pow(2),
+            Heights::Between(..) => (2 * SCAN[1] + 1).pow(3),
+        };
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = start.mapped() as f64 * f64::from(2 * places) * log.stops().len() as f64;
+        Work { name: "ml-tm among obstacles", unit: "node", steps: start.mapped() as u64, operations }
+    }
+
+    /// The estimate of a node; anything if the work was ended meanwhile.
+    fn place(&self, among: &Surroundings<'_>, node: NodeId, near: Position) -> Option<Estimate> {
+        let Surroundings { log, obstacles, heights, watch } = *among;
         let evidence = NodeEvidence::near(log, node, near, self.link.reach_m())?;
         let stops = log.stops();
         let (floor, ceiling) = (self.channel.floor, self.channel.ceiling);
         let log_likelihood = |place: Position| {
+            if watch.is_stopped() {
+                return f64::NEG_INFINITY;
+            }
             evidence.log_likelihood(|stop| {
                 let stop = stops[stop as usize].position;
                 let loss = if obstacles.is_empty() { Db(0.0) } else { obstacles.loss(place, stop) };
@@ -130,7 +158,7 @@ impl PartialEq for ObstacleMlTm {
 #[cfg(test)]
 mod tests {
     use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, Reception, ShapeConfig, Stop};
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_kernel::{RobotId, SimTime, Unwatched};
 
     use super::*;
     use crate::{ObstacleUse, ProfileConfig};
@@ -196,7 +224,7 @@ mod tests {
         let (place, wall) = (Position::new(1.3, 0.4, 0.0), wall());
         let log = log(place, &wall);
         let error_m = |obstacles: &ObstacleField| {
-            let map = algorithm().map(&log, obstacles).expect("a map");
+            let map = algorithm().map(&log, obstacles, &Unwatched).expect("a map");
             map.estimates[0].as_ref().expect("the node was heard").position.distance_m(place)
         };
         let (told, untold) = (error_m(&wall), error_m(&ObstacleField::default()));
@@ -210,8 +238,8 @@ mod tests {
         let algorithm = algorithm();
         let place = |map: TopologyMap| map.estimates[0].as_ref().expect("the node was heard").position;
         let (own, shared) = (
-            place(algorithm.map(&log, &ObstacleField::default()).expect("a map")),
-            place(algorithm.start.map(&log).expect("a map")),
+            place(algorithm.map(&log, &ObstacleField::default(), &Unwatched).expect("a map")),
+            place(algorithm.start.map(&log, &Unwatched).expect("a map")),
         );
         // Half the diagonal of a cell of the shared grid, over which that takes the mean.
         assert!(own.distance_m(shared) < 0.18, "{own:?} {shared:?}");

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::NodeId;
+use sextant_kernel::{Interrupted, NodeId, Watch, Work};
 
 use crate::heights::Heights;
 use crate::local_posterior::local_posterior;
@@ -25,7 +25,9 @@ pub struct TrueModel<'a, P> {
 const MOST_NODES: usize = 1000;
 /// First guess of how far a posterior spreads (m).
 const SPREAD_M: f64 = 0.15;
-/// Least step of the grid (m).
+/// Vertices of the grids of a node, about.
+const VERTICES: f64 = 300.0;
+/// Least step of the grid [m].
 const LEAST_STEP_M: f64 = 0.01;
 
 /// The mean over the heard nodes of the expected distance between a node and the mean of its posterior under the true
@@ -33,30 +35,51 @@ const LEAST_STEP_M: f64 = 0.01;
 /// node was heard. Each posterior is computed on a grid of its own, in steps of about half its spread, round the place near
 /// which the node is; probability elsewhere is left out. Of more than a thousand nodes, only so many are looked at, evenly
 /// chosen. The same bits for any number of threads.
-#[must_use]
+///
+/// # Errors
+/// If `watch` ends the work.
 pub fn posterior_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
     log: &ReceptionLog,
     model: &TrueModel<'_, P>,
-) -> Option<f64> {
+    watch: &dyn Watch,
+) -> Result<Option<f64>, Interrupted> {
     let nodes: Vec<usize> = (0..log.node_count()).step_by(log.node_count().div_ceil(MOST_NODES).max(1)).collect();
-    let errors: Vec<Option<f64>> =
-        nodes.into_par_iter().map(|node| node_bound_m(log, model, NodeId::from_index(node))).collect();
+    #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+    let operations = nodes.len() as f64 * VERTICES * log.stops().len() as f64;
+    watch.begin(Work { name: "posterior bound", unit: "node", steps: nodes.len() as u64, operations });
+    let errors: Result<Vec<Option<f64>>, Interrupted> = nodes
+        .into_par_iter()
+        .map(|node| {
+            watch.check()?;
+            let error = node_bound_m(log, model, NodeId::from_index(node), watch);
+            watch.check()?;
+            watch.advance(1);
+            Ok(error)
+        })
+        .collect();
     let (mut sum, mut count) = (0.0, 0_u32);
-    for error in errors.into_iter().flatten() {
+    for error in errors?.into_iter().flatten() {
         sum += error;
         count += 1;
     }
-    (count > 0).then(|| sum / f64::from(count))
+    Ok((count > 0).then(|| sum / f64::from(count)))
 }
 
+/// The expected error of a node; anything if the work was ended meanwhile.
 fn node_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
     log: &ReceptionLog,
     model: &TrueModel<'_, P>,
     node: NodeId,
+    watch: &dyn Watch,
 ) -> Option<f64> {
     let near = *model.near.get(node.index())?;
     let evidence = NodeEvidence::near(log, node, near, model.reach_m)?;
-    let log_likelihood = |place: Position| evidence.log_likelihood(|stop| (model.probability)(stop, place));
+    let log_likelihood = |place: Position| {
+        if watch.is_stopped() {
+            return f64::NEG_INFINITY;
+        }
+        evidence.log_likelihood(|stop| (model.probability)(stop, place))
+    };
     let [low, high] = model.z_range_m;
     let heights = if high > low { Heights::Between(low, high) } else { Heights::Level(low) };
     let posterior = local_posterior(heights, near, [SPREAD_M; 3], LEAST_STEP_M, &log_likelihood)?;

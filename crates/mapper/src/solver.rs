@@ -23,8 +23,10 @@ mod sink;
 mod wedges;
 
 use sextant_channel::{Position, Receptions, SectorTable, Stop};
+use sextant_kernel::Watch;
 
 use crate::cells::CellIndex;
+use crate::reach::HeardNode;
 use crate::{Lattice, ReceptionProfile, SectorTolerance};
 use curve::Curve;
 use evidence::Evidence;
@@ -46,6 +48,7 @@ pub(crate) struct Solver<'a> {
     clamped: Curve,
     /// Sectors, if they are evidence.
     wedges: Option<Wedges>,
+    watch: &'a dyn Watch,
 }
 
 /// Memory that a thread uses again for each node.
@@ -71,12 +74,13 @@ impl<'a> Solver<'a> {
         stops: &'a [Stop],
         profile: &ReceptionProfile,
         sectors: Option<(&SectorTable, SectorTolerance)>,
+        watch: &'a dyn Watch,
     ) -> Self {
         let curve = Curve::new(profile);
         let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
         let cells = CellIndex::new(&places, 0.25 * profile.range_m());
         let wedges = sectors.map(|(table, tolerance)| Wedges::new(table, tolerance, lattice, profile.range_m()));
-        Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges }
+        Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges, watch }
     }
 
     pub(crate) fn lattice(&self) -> &'a Lattice {
@@ -87,8 +91,25 @@ impl<'a> Solver<'a> {
         Scratch { evidence: Evidence::new(self.stops.len()), rows: Rows::default(), survivors: Survivors::default() }
     }
 
+    /// Evaluations of the profile that the search for a node takes, at most: vertices within range of all stops that heard
+    /// it (of any, if there are none) times stops in range of one of these.
+    pub(crate) fn operations(&self, heard: &HeardNode) -> f64 {
+        let [first, last] = heard.corners;
+        let range_m = self.curve.range_m;
+        let is_feasible = (0..3).all(|axis| last[axis] - first[axis] < 2.0 * range_m);
+        let (low, high) = if is_feasible { (last, first) } else { (first, last) };
+        let (low, high) = (low.map(|value| value - range_m), high.map(|value| value + range_m));
+        let spans = [0, 1, 2].map(|axis| self.lattice.span(axis, low[axis], high[axis]).0.len());
+        let stops: usize =
+            self.cells.near_box(low.map(|x| x - range_m), high.map(|x| x + range_m)).map(<[_]>::len).sum();
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = spans.iter().product::<usize>() as f64 * stops as f64;
+        operations
+    }
+
     /// Gives `sink` the log-likelihood of every vertex of the search set, but for those certain to lie more than
-    /// `margin` below the highest. Nothing is given if the node was not heard or no vertex is in range.
+    /// `margin` below the highest. Nothing is given if the node was not heard or no vertex is in range; anything may be
+    /// given if the work was ended meanwhile.
     pub(crate) fn search(
         &self,
         scratch: &mut Scratch,
@@ -159,6 +180,8 @@ impl<'a> Solver<'a> {
             wedges: self.wedges.as_ref(),
             evidence,
             survivors,
+            watch: self.watch,
+            is_stopped: false,
             any_admitted: false,
             evaluated: 0,
         }

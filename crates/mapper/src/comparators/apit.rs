@@ -3,12 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::centroid::weighted_mean;
 use super::graph::Graph;
 use super::heard_anchors::{HeardAnchor, HeardAnchors};
-use super::{check_link_share, default_link_share};
+use super::{check_link_share, default_link_share, node_by_node};
 use crate::lattice::whole;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
@@ -70,8 +70,8 @@ impl Apit {
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of anchors and neighbours; [`MapError::TooFewAnchors`] below three;
-    /// [`MapError::PlanarOnly`] if the anchors have different heights.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// [`MapError::PlanarOnly`] if the anchors have different heights; [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let anchors = HeardAnchors::new(knowledge, Self::NAME, 3)?;
         if knowledge.dimensions() != 2 {
             return Err(MapError::PlanarOnly(Self::NAME));
@@ -82,14 +82,35 @@ impl Apit {
             anchors.own_place(node).or_else(|| {
                 let mut heard = anchors.of(node);
                 heard.truncate(self.strongest);
-                self.place(&heard, graph.neighbours(node), beacons)
+                self.place(&heard, graph.neighbours(node), beacons, watch)
             })
         };
-        let places = (0..anchors.node_count()).map(place).collect();
+        let places = node_by_node(Self::NAME, anchors.node_count(), self.operations(knowledge), watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
-    fn place(&self, heard: &[HeardAnchor], neighbours: &[u32], beacons: &NeighbourLog) -> Option<Position> {
+    /// Triangles times grid points that vote on the place of one node, at most.
+    fn operations(&self, knowledge: &Knowledge<'_>) -> f64 {
+        let places = || knowledge.anchors.iter().map(|anchor| anchor.position);
+        let extent_m = |along: fn(Position) -> f64| {
+            let (low, high) = (places().map(along).fold(f64::INFINITY, f64::min), places().map(along));
+            high.fold(f64::NEG_INFINITY, f64::max) - low
+        };
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let (anchors, most) = (self.strongest.min(knowledge.anchors.len()) as f64, MOST_POINTS as f64);
+        let points = [extent_m(|place| place.x_m), extent_m(|place| place.y_m)];
+        let points = points.map(|extent_m| (extent_m / self.grid_step_m).min(most) + 1.0);
+        anchors.powi(3) / 6.0 * points[0] * points[1]
+    }
+
+    /// The place of a node; anything if the work was ended meanwhile.
+    fn place(
+        &self,
+        heard: &[HeardAnchor],
+        neighbours: &[u32],
+        beacons: &NeighbourLog,
+        watch: &dyn Watch,
+    ) -> Option<Position> {
         // What each neighbour heard of the same anchors.
         let seen: Vec<Vec<Option<f64>>> = neighbours
             .iter()
@@ -115,11 +136,11 @@ impl Apit {
         if triangles.is_empty() {
             return weighted_mean(&heard.iter().map(|anchor| (anchor.position, 1.0)).collect::<Vec<_>>());
         }
-        Some(self.vote(&triangles))
+        Some(self.vote(&triangles, watch))
     }
 
     /// The centroid of the grid points with the highest sum of votes.
-    fn vote(&self, triangles: &[([Position; 3], i32)]) -> Position {
+    fn vote(&self, triangles: &[([Position; 3], i32)], watch: &dyn Watch) -> Position {
         let corners = || triangles.iter().flat_map(|(corners, _)| corners);
         let low = corners().fold([f64::INFINITY; 2], |low, p| [low[0].min(p.x_m), low[1].min(p.y_m)]);
         let high = corners().fold([f64::NEG_INFINITY; 2], |high, p| [high[0].max(p.x_m), high[1].max(p.y_m)]);
@@ -130,7 +151,7 @@ impl Apit {
         };
         let z_m = triangles[0].0[0].z_m;
         let (mut highest, mut sum, mut count) = (i32::MIN, Position::ORIGIN, 0.0);
-        for y in 0..counts[1] {
+        for y in (0..counts[1]).take_while(|_| !watch.is_stopped()) {
             for x in 0..counts[0] {
                 let point = Position::new(coordinate(0, x), coordinate(1, y), z_m);
                 let votes =
@@ -167,6 +188,8 @@ fn holds([a, b, c]: [Position; 3], point: Position) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use sextant_kernel::Unwatched;
+
     use super::*;
 
     #[test]
@@ -194,10 +217,10 @@ mod tests {
         let lower = [at(0.0, 0.0), at(4.0, 0.0), at(0.0, 4.0)];
         let upper = [at(4.0, 0.0), at(0.0, 0.0), at(4.0, 4.0)];
         // They share the triangle with the apex (2, 2) over the edge from 0 to 4: centroid (2, 2/3).
-        let inside = apit.vote(&[(lower, 1), (upper, 1)]);
+        let inside = apit.vote(&[(lower, 1), (upper, 1)], &Unwatched);
         assert!(inside.distance_m(at(2.0, 2.0 / 3.0)) < 0.01, "{inside}");
         // Outside the upper one: the triangle (0,0), (0,4), (2,2), centroid (2/3, 2).
-        let outside = apit.vote(&[(lower, 1), (upper, -1)]);
+        let outside = apit.vote(&[(lower, 1), (upper, -1)], &Unwatched);
         assert!(outside.distance_m(at(2.0 / 3.0, 2.0)) < 0.01, "{outside}");
     }
 }

@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, Watch};
 
 use super::heard_anchors::HeardAnchors;
+use super::node_by_node;
 use super::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
@@ -28,9 +29,10 @@ impl Centroid {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
-        map(knowledge, Self::NAME, |_| 1.0)
+    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any;
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        map(knowledge, Self::NAME, watch, |_| 1.0)
     }
 }
 
@@ -81,13 +83,19 @@ impl WeightedCentroid {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
-        map(knowledge, Self::NAME, |rssi_dbm| libm::pow(self.ranging.distance_m(rssi_dbm), -self.degree))
+    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] without any;
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        map(knowledge, Self::NAME, watch, |rssi_dbm| libm::pow(self.ranging.distance_m(rssi_dbm), -self.degree))
     }
 }
 
-fn map(knowledge: &Knowledge<'_>, name: &'static str, weight: impl Fn(f64) -> f64) -> Result<TopologyMap, MapError> {
+fn map(
+    knowledge: &Knowledge<'_>,
+    name: &'static str,
+    watch: &dyn Watch,
+    weight: impl Fn(f64) -> f64,
+) -> Result<TopologyMap, MapError> {
     let anchors = HeardAnchors::new(knowledge, name, 1)?;
     let place = |node| {
         anchors.own_place(node).or_else(|| {
@@ -95,7 +103,8 @@ fn map(knowledge: &Knowledge<'_>, name: &'static str, weight: impl Fn(f64) -> f6
             weighted_mean(&heard.iter().map(|anchor| (anchor.position, weight(anchor.rssi_dbm))).collect::<Vec<_>>())
         })
     };
-    Ok(TopologyMap::of_places(name, (0..anchors.node_count()).map(place).collect(), CoordinateFrame::World))
+    let places = node_by_node(name, anchors.node_count(), anchors.mean_heard(), watch, place)?;
+    Ok(TopologyMap::of_places(name, places, CoordinateFrame::World))
 }
 
 /// The mean of places with weights; `None` of none.

@@ -2,12 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Anchor, Position};
-use sextant_kernel::SettingError;
+use sextant_channel::Anchor;
+use sextant_kernel::{SettingError, Watch};
 
 use super::graph::{Graph, UNREACHED};
-use super::{check_link_share, default_link_share};
+use super::{check_link_share, default_link_share, node_by_node};
 use crate::lateration::{Range, multilaterate};
+use crate::memory::check_table;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DV-Hop as written in a scenario.
@@ -64,17 +65,22 @@ impl DvHop {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four;
+    /// [`MapError::TooMuchMemory`]; [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
-        let hops: Vec<Vec<u32>> = anchors.iter().map(|anchor| graph.hops_from(anchor.node.index())).collect();
+        let nodes = graph.node_count();
+        let what = || format!("the hops of {nodes} nodes to {} anchors", anchors.len());
+        check_table(Self::NAME, what, [nodes, anchors.len()], 4)?;
+        let from = anchors.iter().map(|anchor| anchor.node.index());
+        let hops = graph.hops_from_each(from, Self::NAME, watch)?;
         let lengths_m: Vec<Option<f64>> =
             hops.iter().zip(anchors).map(|(hops, anchor)| self.length_m(anchor, hops, anchors)).collect();
         let known = knowledge.known_places();
-        let place = |(node, own): (usize, Option<Position>)| {
-            own.or_else(|| {
+        let place = |node: usize| {
+            known[node].or_else(|| {
                 let reached = || (0..anchors.len()).filter(|&anchor| hops[anchor][node] != UNREACHED);
                 let nearest =
                     reached().filter(|&a| lengths_m[a].is_some()).min_by_key(|&anchor| hops[anchor][node])?;
@@ -83,7 +89,10 @@ impl DvHop {
                 multilaterate(&reached().map(range).collect::<Vec<_>>(), dimensions).ok()
             })
         };
-        let places = known.into_iter().enumerate().map(place).collect();
+        // The refinement takes up to a hundred steps over all anchors.
+        #[expect(clippy::cast_precision_loss, reason = "a number of anchors")]
+        let operations = 100.0 * anchors.len() as f64;
+        let places = node_by_node(Self::NAME, nodes, operations, watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use sextant_channel::NeighbourLog;
-use sextant_kernel::NodeId;
+use sextant_kernel::{Interrupted, NodeId, Watch, Work};
 
 /// Hops to a node that is out of reach.
 pub(crate) const UNREACHED: u32 = u32::MAX;
@@ -62,6 +62,26 @@ impl Graph {
         hops
     }
 
+    /// The same from each of `sources`, on behalf of `algorithm`.
+    pub(crate) fn hops_from_each(
+        &self,
+        sources: impl ExactSizeIterator<Item = usize>,
+        algorithm: &'static str,
+        watch: &dyn Watch,
+    ) -> Result<Vec<Vec<u32>>, Interrupted> {
+        let steps = sources.len() as u64;
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = steps as f64 * self.neighbours.len() as f64;
+        watch.begin(Work { name: algorithm, unit: "source of hops", steps, operations });
+        sources
+            .map(|source| {
+                watch.check()?;
+                watch.advance(1);
+                Ok(self.hops_from(source))
+            })
+            .collect()
+    }
+
     /// The nodes that reach each other, part by part, each in rising order; the part of the lowest node first.
     pub(crate) fn parts(&self) -> Vec<Vec<usize>> {
         let mut seen = vec![false; self.node_count()];
@@ -70,11 +90,18 @@ impl Graph {
             if seen[start] {
                 continue;
             }
-            let hops = self.hops_from(start);
-            let part: Vec<usize> = (start..self.node_count()).filter(|&node| hops[node] != UNREACHED).collect();
-            for &node in &part {
-                seen[node] = true;
+            seen[start] = true;
+            let mut part = vec![start];
+            let mut next = 0;
+            while let Some(&node) = part.get(next) {
+                next += 1;
+                for &neighbour in self.neighbours(node) {
+                    if !std::mem::replace(&mut seen[neighbour as usize], true) {
+                        part.push(neighbour as usize);
+                    }
+                }
             }
+            part.sort_unstable();
             parts.push(part);
         }
         parts

@@ -39,6 +39,12 @@ impl<'a> HeardAnchors<'a> {
         self.places.len()
     }
 
+    /// Anchors that a node heard, on average.
+    #[expect(clippy::cast_precision_loss, reason = "numbers of nodes and links")]
+    pub(super) fn mean_heard(&self) -> f64 {
+        self.beacons.links().len() as f64 / self.node_count().max(1) as f64
+    }
+
     /// The anchors that `node` heard with a strength, strongest first, by node where they are equal.
     pub(super) fn of(&self, node: usize) -> Vec<HeardAnchor> {
         let links = self.beacons.heard_by(NodeId::from_index(node)).iter();

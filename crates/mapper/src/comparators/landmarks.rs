@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
 
 use crate::purpose;
 
@@ -81,23 +81,24 @@ impl LandmarksConfig {
         part: &[usize],
         (seed, least): (Seed, usize),
         anchors: &[usize],
-    ) -> Vec<usize> {
+        watch: &dyn Watch,
+    ) -> Result<Vec<usize>, Interrupted> {
         let order = shuffled(part, seed);
-        match self {
+        Ok(match self {
             Self::Random(CountConfig { count }) => order.into_iter().take(count).collect(),
             Self::FarthestPoints(CountConfig { count }) => {
                 let hops = graph.hops_from(order[0]);
                 let first = farthest(part, |node| hops[node]);
-                spread(graph, part, vec![first], count)
+                spread(graph, part, vec![first], count, watch)?
             }
             Self::ExtremeNodeSearch(ExtremeConfig { hops }) => {
-                let extremes = extremes(graph, part, &order, hops);
+                let extremes = extremes(graph, part, &order, hops, watch)?;
                 let count = extremes.len().max(least);
                 let start = if extremes.is_empty() { vec![order[0]] } else { extremes };
-                spread(graph, part, start, count)
+                spread(graph, part, start, count, watch)?
             }
             Self::Anchors {} => anchors.iter().copied().filter(|node| part.binary_search(node).is_ok()).collect(),
-        }
+        })
     }
 }
 
@@ -125,7 +126,13 @@ fn farthest(part: &[usize], hops: impl Fn(usize) -> u32) -> usize {
 
 /// Adds to `chosen` the node with the most hops to the nearest of them until there are `count` (farthest-point
 /// sampling, Gonzalez 1985), or all nodes are chosen.
-fn spread(graph: &Graph, part: &[usize], mut chosen: Vec<usize>, count: usize) -> Vec<usize> {
+fn spread(
+    graph: &Graph,
+    part: &[usize],
+    mut chosen: Vec<usize>,
+    count: usize,
+    watch: &dyn Watch,
+) -> Result<Vec<usize>, Interrupted> {
     let mut nearest = vec![UNREACHED; graph.node_count()];
     let cover = |nearest: &mut Vec<u32>, node: usize| {
         for (nearest, hops) in nearest.iter_mut().zip(graph.hops_from(node)) {
@@ -133,20 +140,28 @@ fn spread(graph: &Graph, part: &[usize], mut chosen: Vec<usize>, count: usize) -
         }
     };
     for &node in &chosen {
+        watch.check()?;
         cover(&mut nearest, node);
     }
     while chosen.len() < count.min(part.len()) {
+        watch.check()?;
         let next = farthest(part, |node| nearest[node]);
         cover(&mut nearest, next);
         chosen.push(next);
     }
-    chosen
+    Ok(chosen)
 }
 
 /// The nodes whose directional coordinate `(h₁² − h₂²)/(2 h₁₂)` is strictly the highest or strictly the lowest within
 /// `hops` hops, h₁ and h₂ being the hops to two random nodes.
-fn extremes(graph: &Graph, part: &[usize], order: &[usize], hops: u32) -> Vec<usize> {
-    let &[first, second, ..] = order else { return order.to_vec() };
+fn extremes(
+    graph: &Graph,
+    part: &[usize],
+    order: &[usize],
+    hops: u32,
+    watch: &dyn Watch,
+) -> Result<Vec<usize>, Interrupted> {
+    let &[first, second, ..] = order else { return Ok(order.to_vec()) };
     let (from_first, from_second) = (graph.hops_from(first), graph.hops_from(second));
     let square = |hops: u32| f64::from(hops) * f64::from(hops);
     let span = 2.0 * f64::from(from_first[second]);
@@ -156,18 +171,27 @@ fn extremes(graph: &Graph, part: &[usize], order: &[usize], hops: u32) -> Vec<us
         let near = neighbourhood(graph, node, hops);
         near.iter().all(|&other| coordinate(other) < own) || near.iter().all(|&other| coordinate(other) > own)
     };
-    part.iter().copied().filter(is_extreme).collect()
+    let mut extremes = Vec::new();
+    for &node in part {
+        watch.check()?;
+        if is_extreme(&node) {
+            extremes.push(node);
+        }
+    }
+    Ok(extremes)
 }
 
 /// The nodes within `hops` hops of `node`, itself left out.
 fn neighbourhood(graph: &Graph, node: usize, hops: u32) -> Vec<usize> {
-    let mut found = vec![node];
+    let mut is_found = vec![false; graph.node_count()];
+    is_found[node] = true;
+    let mut found = Vec::new();
     let mut ring = vec![node];
     for _ in 0..hops {
         let mut next = Vec::new();
         for &node in &ring {
             for &other in graph.neighbours(node) {
-                if !found.contains(&(other as usize)) {
+                if !std::mem::replace(&mut is_found[other as usize], true) {
                     found.push(other as usize);
                     next.push(other as usize);
                 }
@@ -175,11 +199,13 @@ fn neighbourhood(graph: &Graph, node: usize, hops: u32) -> Vec<usize> {
         }
         ring = next;
     }
-    found.split_off(1)
+    found
 }
 
 #[cfg(test)]
 mod tests {
+    use sextant_kernel::Unwatched;
+
     use super::*;
     use crate::comparators::graph::tests::heard_within;
     use sextant_channel::Position;
@@ -191,7 +217,7 @@ mod tests {
 
     fn chosen(config: LandmarksConfig, graph: &Graph, least: usize) -> Vec<usize> {
         let part: Vec<usize> = (0..graph.node_count()).collect();
-        config.choose(graph, &part, (Seed(1), least), &[3, 7])
+        config.choose(graph, &part, (Seed(1), least), &[3, 7], &Unwatched).unwrap()
     }
 
     #[test]

@@ -2,34 +2,49 @@
 
 use nalgebra::DMatrix;
 use sextant_channel::Position;
-use sextant_kernel::Seed;
+use sextant_kernel::{Interrupted, Seed, Watch, Work};
 
+use super::eigenpairs::{self, SPARE};
 use crate::purpose;
 
 /// Up to this size the whole spectrum is computed.
 const SMALL: usize = 64;
-/// Dimensions of the subspace beyond those wanted.
-const SPARE: usize = 8;
-/// Rounds of the subspace iteration, at most.
-const ROUNDS: u32 = 500;
+/// Rounds of the subspace iteration that are usual.
+const ROUNDS: u32 = 50;
 
 /// The places in two or three `dimensions` whose distances are nearest to `distances` in the sense of classical scaling:
 /// the leading eigenvectors of `B = −½ J D∘D J`, J taking the mean off, times the square roots of their eigenvalues (zero
-/// for negative ones). Exact, up to rotation and reflection, for Euclidean distances. Costs O(N²) a round.
-pub(super) fn classical_mds(distances: &DMatrix<f64>, dimensions: usize) -> Vec<Position> {
-    let squares = distances.map(|distance| -0.5 * distance * distance);
-    let (values, vectors) = leading(&squares, dimensions.min(distances.nrows()));
+/// for negative ones). Exact, up to rotation and reflection, for Euclidean distances. Costs O(N²) a round, on behalf of
+/// `algorithm`.
+///
+/// # Errors
+/// If `watch` ends the work.
+pub(super) fn classical_mds(
+    mut distances: DMatrix<f64>,
+    algorithm: &'static str,
+    dimensions: usize,
+    watch: &dyn Watch,
+) -> Result<Vec<Position>, Interrupted> {
+    let nodes = distances.nrows();
+    #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+    let operations = (nodes * nodes * (dimensions + SPARE)) as f64 * f64::from(ROUNDS);
+    watch.begin(Work { name: algorithm, unit: "round", steps: ROUNDS.into(), operations });
+    // Squared in place: these matrices are the largest that there are.
+    distances.apply(|distance| *distance *= -0.5 * *distance);
+    let (values, vectors) = leading(&distances, dimensions.min(nodes), watch)?;
     let coordinate = |node: usize, axis: usize| {
         if axis < values.len() { vectors[(node, axis)] * values[axis].max(0.0).sqrt() } else { 0.0 }
     };
-    (0..distances.nrows())
-        .map(|node| Position::new(coordinate(node, 0), coordinate(node, 1), coordinate(node, 2)))
-        .collect()
+    Ok((0..nodes).map(|node| Position::new(coordinate(node, 0), coordinate(node, 1), coordinate(node, 2))).collect())
 }
 
 /// `J A J X`.
-fn centred_product(matrix: &DMatrix<f64>, block: &DMatrix<f64>) -> DMatrix<f64> {
-    centred(matrix * centred(block.clone()))
+fn centred_product(
+    matrix: &DMatrix<f64>,
+    block: &DMatrix<f64>,
+    watch: &dyn Watch,
+) -> Result<DMatrix<f64>, Interrupted> {
+    Ok(centred(eigenpairs::product(matrix, &centred(block.clone()), watch)?))
 }
 
 fn centred(mut block: DMatrix<f64>) -> DMatrix<f64> {
@@ -42,13 +57,13 @@ fn centred(mut block: DMatrix<f64>) -> DMatrix<f64> {
 
 /// The `count` greatest eigenvalues of `J A J`, A being symmetric, and their vectors; each vector's entry of largest
 /// magnitude is positive.
-fn leading(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
+fn leading(matrix: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> Result<(Vec<f64>, DMatrix<f64>), Interrupted> {
     let size = matrix.nrows();
     let (values, mut vectors) = if size <= SMALL.max(count + SPARE) {
-        let whole = centred_product(matrix, &DMatrix::identity(size, size));
-        sorted(&((&whole + whole.transpose()) * 0.5), count)
+        let whole = centred_product(matrix, &DMatrix::identity(size, size), watch)?;
+        eigenpairs::sorted(&((&whole + whole.transpose()) * 0.5), count)
     } else {
-        iterated(matrix, count)
+        iterated(matrix, count, watch)?
     };
     for mut column in vectors.column_iter_mut() {
         let largest = column.iter().copied().fold(0.0, |a: f64, b: f64| if b.abs() > a.abs() { b } else { a });
@@ -56,51 +71,25 @@ fn leading(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
             column.neg_mut();
         }
     }
-    (values, vectors)
+    Ok((values, vectors))
 }
 
-/// The `count` greatest eigenvalues of a symmetric matrix and their vectors.
-fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
-    let eigen = matrix.clone().symmetric_eigen();
-    let mut order: Vec<usize> = (0..matrix.nrows()).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]).then(a.cmp(&b)));
-    order.truncate(count);
-    (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))
-}
-
-/// Subspace iteration with Rayleigh-Ritz (Rutishauser 1970) from a fixed random start. The subspace holds the
-/// eigenvalues of largest magnitude; graph distances have few and small negative ones, and the spare dimensions hold
-/// these.
-fn iterated(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
-    let (size, width) = (matrix.nrows(), count + SPARE);
+/// The same from a fixed random start. Graph distances have few and small negative eigenvalues, which the spare dimensions
+/// hold.
+fn iterated(matrix: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> Result<(Vec<f64>, DMatrix<f64>), Interrupted> {
     let start = |row: usize, column: usize| Seed(0).normal(purpose::MAPPER, [2, row as u64, column as u64]);
-    let mut basis = centred(DMatrix::from_fn(size, width, start)).qr().q();
-    let mut result = (vec![0.0; count], basis.columns(0, count).into_owned());
-    for _ in 0..ROUNDS {
-        let image = centred_product(matrix, &basis);
-        let projected = basis.transpose() * &image;
-        let (values, turn) = sorted(&((&projected + projected.transpose()) * 0.5), count);
-        let vectors = &basis * &turn;
-        // What is left of A v − λ v tells how far the pairs are from eigenpairs.
-        let mut rest = &image * &turn;
-        for (axis, &value) in values.iter().enumerate() {
-            rest.column_mut(axis).axpy(-value, &vectors.column(axis), 1.0);
-        }
-        let scale = values.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
-        let done = rest.amax() <= 1e-12 * scale;
-        result = (values, vectors);
-        if done || image.amax() <= f64::MIN_POSITIVE {
-            break;
-        }
-        basis = image.qr().q();
-    }
-    result
+    let start = centred(DMatrix::from_fn(matrix.nrows(), count + SPARE, start));
+    eigenpairs::iterated(start, count, |basis| {
+        let image = centred_product(matrix, basis, watch)?;
+        watch.advance(1);
+        Ok(image)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::Purpose;
+    use sextant_kernel::{Purpose, Unwatched};
 
     fn places(count: u64, height: f64) -> Vec<Position> {
         let draw = |i, axis| 30.0 * Seed(12).uniform(Purpose::new(8), [i, axis, 6]);
@@ -115,7 +104,7 @@ mod tests {
     fn euclidean_distances_are_recovered_exactly() {
         for (count, height, dimensions) in [(9, 0.0, 2), (60, 1.0, 3), (150, 0.0, 2), (150, 0.3, 3)] {
             let exact = distances(&places(count, height));
-            let found = distances(&classical_mds(&exact, dimensions));
+            let found = distances(&classical_mds(exact.clone(), "mds-map", dimensions, &Unwatched).unwrap());
             let worst = (found - exact).amax();
             assert!(worst < 1e-9, "{count} nodes: {worst}");
         }
@@ -128,9 +117,9 @@ mod tests {
         let edges =
             |i: usize, j: usize| -0.5 * ((grid[i].0 - grid[j].0).abs() + (grid[i].1 - grid[j].1).abs()).powi(2);
         let squares = DMatrix::from_fn(180, 180, edges);
-        let whole = centred_product(&squares, &DMatrix::identity(180, 180));
-        let (expected, vectors) = sorted(&whole, 3);
-        let (found, iterated) = iterated(&squares, 3);
+        let whole = centred_product(&squares, &DMatrix::identity(180, 180), &Unwatched).unwrap();
+        let (expected, vectors) = eigenpairs::sorted(&whole, 3);
+        let (found, iterated) = iterated(&squares, 3, &Unwatched).unwrap();
         for axis in 0..3 {
             assert!((found[axis] / expected[axis] - 1.0).abs() < 1e-10, "{found:?} {expected:?}");
             assert!((iterated.column(axis).dot(&vectors.column(axis)).abs() - 1.0).abs() < 1e-9);

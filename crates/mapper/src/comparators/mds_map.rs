@@ -4,12 +4,13 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, Watch, Work};
 
 use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::memory::check_table;
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// MDS-MAP as written in a scenario.
@@ -50,9 +51,6 @@ impl TryFrom<MdsMapConfig> for MdsMap {
     }
 }
 
-/// Nodes of a part, at most: hops between all pairs of more need over 3 GB.
-pub(super) const MOST_NODES: usize = 20_000;
-
 impl MdsMap {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "mds-map";
@@ -74,11 +72,14 @@ impl MdsMap {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooManyNodes`].
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
-        let relative = of_parts(&graph, Self::NAME, dimensions, |part| scaled(&graph, part, dimensions))?;
+        let relative = of_parts(&graph, Self::NAME, dimensions, |part| {
+            scaled(&graph, part, Self::NAME, dimensions, watch).map(Some)
+        })?;
         self.frame.map(Self::NAME, relative, knowledge, dimensions)
     }
 }
@@ -91,15 +92,14 @@ pub(super) fn of_parts(
     graph: &Graph,
     algorithm: &'static str,
     dimensions: usize,
-    map: impl Fn(&[usize]) -> Option<Vec<Position>>,
+    map: impl Fn(&[usize]) -> Result<Option<Vec<Position>>, MapError>,
 ) -> Result<Parts, MapError> {
     let mut places = vec![None; graph.node_count()];
     let mut part_of = vec![0; graph.node_count()];
     for (index, part) in (0..).zip(graph.parts()) {
-        if part.len() > MOST_NODES {
-            return Err(MapError::TooManyNodes { algorithm, nodes: part.len(), allowed: MOST_NODES });
-        }
-        let mapped = if part.len() < dimensions + 2 { None } else { map(&part) };
+        let what = || format!("the hops between all pairs of {} nodes", part.len());
+        check_table(algorithm, what, [part.len(); 2], 8)?;
+        let mapped = if part.len() < dimensions + 2 { None } else { map(&part)? };
         for (i, &node) in part.iter().enumerate() {
             part_of[node] = index;
             places[node] = mapped.as_ref().map(|places| places[i]);
@@ -108,14 +108,25 @@ pub(super) fn of_parts(
     Ok((places, part_of))
 }
 
-/// The nodes of `part` scaled by their hops, in hops.
-pub(super) fn scaled(graph: &Graph, part: &[usize], dimensions: usize) -> Option<Vec<Position>> {
+/// The nodes of `part` scaled by their hops, in hops, on behalf of `algorithm`.
+pub(super) fn scaled(
+    graph: &Graph,
+    part: &[usize],
+    algorithm: &'static str,
+    dimensions: usize,
+    watch: &dyn Watch,
+) -> Result<Vec<Position>, MapError> {
+    #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+    let pairs = part.len() as f64 * part.len() as f64;
+    watch.begin(Work { name: algorithm, unit: "source of hops", steps: part.len() as u64, operations: pairs });
     let mut hops = DMatrix::zeros(part.len(), part.len());
     for (column, &node) in part.iter().enumerate() {
+        watch.check()?;
+        watch.advance(1);
         let from_node = graph.hops_from(node);
         for (row, &other) in part.iter().enumerate() {
             hops[(row, column)] = f64::from(from_node[other]);
         }
     }
-    Some(classical_mds(&hops, dimensions))
+    Ok(classical_mds(hops, algorithm, dimensions, watch)?)
 }

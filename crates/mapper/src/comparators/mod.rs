@@ -3,6 +3,7 @@
 mod apit;
 mod centroid;
 mod dv_hop;
+mod eigenpairs;
 mod frame;
 mod graph;
 mod heard_anchors;
@@ -16,7 +17,8 @@ mod smacof;
 mod tpm;
 mod triangle_centroid;
 
-use sextant_kernel::SettingError;
+use sextant_channel::Position;
+use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
@@ -111,19 +113,19 @@ impl Comparator {
     /// The map of what `knowledge` tells.
     ///
     /// # Errors
-    /// If it lacks what the algorithm needs.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// If it lacks what the algorithm needs, the map would need more than the memory allowed, or `watch` ends the work.
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         match self {
-            Self::Tpm(tpm) => tpm.map(knowledge),
-            Self::TriangleCentroid(triangles) => triangles.map(knowledge),
-            Self::Centroid(centroid) => centroid.map(knowledge),
-            Self::WeightedCentroid(centroid) => centroid.map(knowledge),
-            Self::DvHop(dv_hop) => dv_hop.map(knowledge),
-            Self::MdsMap(mds_map) => mds_map.map(knowledge),
-            Self::Smacof(smacof) => smacof.map(knowledge),
-            Self::Apit(apit) => apit.map(knowledge),
-            Self::RssMl(rss_ml) => rss_ml.map(knowledge),
-            Self::RssGrid(rss_grid) => rss_grid.map(knowledge),
+            Self::Tpm(tpm) => tpm.map(knowledge, watch),
+            Self::TriangleCentroid(triangles) => triangles.map(knowledge, watch),
+            Self::Centroid(centroid) => centroid.map(knowledge, watch),
+            Self::WeightedCentroid(centroid) => centroid.map(knowledge, watch),
+            Self::DvHop(dv_hop) => dv_hop.map(knowledge, watch),
+            Self::MdsMap(mds_map) => mds_map.map(knowledge, watch),
+            Self::Smacof(smacof) => smacof.map(knowledge, watch),
+            Self::Apit(apit) => apit.map(knowledge, watch),
+            Self::RssMl(rss_ml) => rss_ml.map(knowledge, watch),
+            Self::RssGrid(rss_grid) => rss_grid.map(knowledge, watch),
         }
     }
 }
@@ -148,6 +150,26 @@ impl Dimensions {
     fn of(self, knowledge: &Knowledge<'_>) -> usize {
         self.0.unwrap_or_else(|| knowledge.dimensions())
     }
+}
+
+/// What `place` says of each node, one after the other; `operations` are those of one node, at most.
+fn node_by_node(
+    name: &'static str,
+    nodes: usize,
+    operations: f64,
+    watch: &dyn Watch,
+    place: impl Fn(usize) -> Option<Position>,
+) -> Result<Vec<Option<Position>>, Interrupted> {
+    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
+    watch.begin(Work { name, unit: "node", steps: nodes as u64, operations: nodes as f64 * operations });
+    (0..nodes)
+        .map(|node| {
+            let place = place(node);
+            watch.check()?;
+            watch.advance(1);
+            Ok(place)
+        })
+        .collect()
 }
 
 fn default_link_share() -> f64 {

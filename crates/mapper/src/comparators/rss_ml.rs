@@ -4,10 +4,11 @@ use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Link, Position};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
 use super::ranging::{Ranging, RangingConfig};
+use crate::least_squares::{Damping, LeastSquares, minimum};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
@@ -57,6 +58,8 @@ const LEAST_M: f64 = 1e-3;
 /// A step shorter than this is the last (m).
 const SMALL_M: f64 = 1e-9;
 
+const DAMPING: Damping = Damping { first: 1e-2, ease: 0.3, least: 1e-12, tighten: 6.0, most: 1e12 };
+
 /// A measured link; ends are nodes.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
@@ -79,8 +82,8 @@ impl RssMl {
     ///
     /// # Errors
     /// [`MapError::Missing`] without what was heard of neighbours and anchors; [`MapError::TooFewAnchors`] below three, in
-    /// space four.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// space four; [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         knowledge.anchors(Self::NAME, dimensions + 1)?;
         let known = knowledge.known_places();
@@ -94,21 +97,31 @@ impl RssMl {
             })
         };
         let links: Vec<Measured> = logs.iter().flat_map(|log| log.links()).filter_map(measured).collect();
-        let start = self.start(&known, &links);
+        let start = self.start(&known, &links, watch)?;
         // Links between two anchors tell nothing; nodes without a start take no part.
         let links: Vec<Measured> = links
             .into_iter()
             .filter(|link| start[link.a].is_some() && start[link.b].is_some())
             .filter(|link| known[link.a].is_none() || known[link.b].is_none())
             .collect();
-        let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions };
-        let places = fit.minimum(&start, self.steps);
+        let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions, watch };
+        // A step takes some rounds of conjugate gradients, at most four a node.
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = 4.0 * known.len() as f64 * links.len() as f64 * f64::from(self.steps);
+        watch.begin(Work { name: Self::NAME, unit: "step", steps: self.steps.into(), operations });
+        let first = start.iter().map(|place| place.unwrap_or_default()).collect();
+        let places = minimum(&fit, first, DAMPING, self.steps)?;
         let places = start.iter().zip(places).map(|(start, place)| start.map(|_| place)).collect();
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
     /// A first place for each node with a chain of links to an anchor.
-    fn start(&self, known: &[Option<Position>], links: &[Measured]) -> Vec<Option<Position>> {
+    fn start(
+        &self,
+        known: &[Option<Position>],
+        links: &[Measured],
+        watch: &dyn Watch,
+    ) -> Result<Vec<Option<Position>>, Interrupted> {
         let mut of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); known.len()];
         for link in links {
             let weight = link.weight.powi(2) * self.ranging.distance_m(link.rssi_dbm).powi(-2);
@@ -117,6 +130,7 @@ impl RssMl {
         }
         let mut places = known.to_vec();
         loop {
+            watch.check()?;
             // Each round places the nodes next to those placed before.
             let next: Vec<Option<Position>> = (0..known.len())
                 .map(|node| {
@@ -127,7 +141,7 @@ impl RssMl {
                 })
                 .collect();
             if next.iter().flatten().count() == places.iter().flatten().count() {
-                return places;
+                return Ok(places);
             }
             places = next;
         }
@@ -140,6 +154,7 @@ struct Fit<'a> {
     links: &'a [Measured],
     known: &'a [Option<Position>],
     dimensions: usize,
+    watch: &'a dyn Watch,
 }
 
 impl Fit<'_> {
@@ -160,41 +175,9 @@ impl Fit<'_> {
         (residual, apart * (slope / (distance_m * distance_m)))
     }
 
-    fn cost(&self, places: &[Position]) -> f64 {
-        self.links.iter().map(|link| self.residual(places, link).0.powi(2)).sum()
-    }
-
-    fn minimum(&self, start: &[Option<Position>], steps: u32) -> Vec<Position> {
-        let mut places: Vec<Position> = start.iter().map(|place| place.unwrap_or_default()).collect();
-        let mut lowest = self.cost(&places);
-        let mut damping = 1e-2;
-        for _ in 0..steps {
-            let slopes: Vec<(f64, Vector3<f64>)> =
-                self.links.iter().map(|link| self.residual(&places, link)).collect();
-            let step = self.step(&slopes, damping);
-            let next: Vec<Position> = places
-                .iter()
-                .zip(&step)
-                .map(|(&place, step)| place - Position::new(step.x, step.y, step.z))
-                .collect();
-            let reached = self.cost(&next);
-            let longest_m = step.iter().map(Vector3::norm).fold(0.0, f64::max);
-            if reached < lowest {
-                (places, lowest) = (next, reached);
-                damping = (damping * 0.3).max(1e-12);
-            } else {
-                damping *= 6.0;
-            }
-            if longest_m <= SMALL_M || damping > 1e12 {
-                break;
-            }
-        }
-        places
-    }
-
     /// Solves `(JᵀJ + μ D) δ = Jᵀ r`, D being the diagonal blocks of `JᵀJ`, by conjugate gradients with these blocks as
     /// the preconditioner.
-    fn step(&self, slopes: &[(f64, Vector3<f64>)], damping: f64) -> Vec<Vector3<f64>> {
+    fn solved(&self, slopes: &[(f64, Vector3<f64>)], damping: f64) -> Result<Vec<Vector3<f64>>, Interrupted> {
         let nodes = self.known.len();
         let mut blocks = vec![Matrix3::zeros(); nodes];
         let mut rest = vec![Vector3::zeros(); nodes];
@@ -220,6 +203,7 @@ impl Fit<'_> {
             if product <= target || product <= 0.0 {
                 break;
             }
+            self.watch.check()?;
             let image = self.normal_product(&direction, slopes, &blocks, damping);
             let length = product / dot(&direction, &image);
             for i in 0..nodes {
@@ -233,7 +217,7 @@ impl Fit<'_> {
             }
             product = next;
         }
-        solution
+        Ok(solution)
     }
 
     /// `(JᵀJ + μ D) x`.
@@ -271,6 +255,30 @@ impl Fit<'_> {
             damped[(2, 2)] = scale;
         }
         damped.try_inverse().unwrap_or_else(Matrix3::zeros)
+    }
+}
+
+impl LeastSquares for Fit<'_> {
+    type Point = Vec<Position>;
+    type Step = Vec<Vector3<f64>>;
+    type Error = Interrupted;
+
+    fn cost(&self, at: &Vec<Position>) -> f64 {
+        self.links.iter().map(|link| self.residual(at, link).0.powi(2)).sum()
+    }
+
+    fn step(&self, at: &Vec<Position>, damping: f64) -> Result<Option<Vec<Vector3<f64>>>, Interrupted> {
+        self.watch.advance(1);
+        let slopes: Vec<(f64, Vector3<f64>)> = self.links.iter().map(|link| self.residual(at, link)).collect();
+        self.solved(&slopes, damping).map(Some)
+    }
+
+    fn moved(&self, at: &Vec<Position>, step: &Vec<Vector3<f64>>) -> Vec<Position> {
+        at.iter().zip(step).map(|(&place, step)| place - Position::new(step.x, step.y, step.z)).collect()
+    }
+
+    fn is_last(&self, _: &Vec<Position>, step: &Vec<Vector3<f64>>, _: bool) -> bool {
+        step.iter().map(Vector3::norm).fold(0.0, f64::max) <= SMALL_M
     }
 }
 

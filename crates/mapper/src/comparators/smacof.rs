@@ -1,10 +1,10 @@
 //! SMACOF (de Leeuw 1977): stress majorisation of ranges between neighbours.
 
-use nalgebra::{DMatrix, linalg::Cholesky};
+use nalgebra::{DMatrix, Dyn, linalg::Cholesky};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use super::frame::FrameConfig;
 use super::graph::Graph;
@@ -99,18 +99,21 @@ impl Smacof {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooManyNodes`].
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let log = knowledge.neighbours(Self::NAME)?;
         let graph = Graph::of(log, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
         let map = |part: &[usize]| {
             let dissimilarities = self.dissimilarities(log, &graph, part);
-            let mut places = matrix(&scaled(&graph, part, dimensions)?, dimensions);
+            let mut places = matrix(&scaled(&graph, part, Self::NAME, dimensions, watch)?, dimensions);
             fit_scale(&mut places, &dissimilarities);
-            let places = majorised(places, &dissimilarities, self.rounds, self.tolerance)?;
+            let Some(places) = majorised(places, &dissimilarities, self.rounds, self.tolerance, watch)? else {
+                return Ok(None);
+            };
             let z = |row: usize| if dimensions == 3 { places[(row, 2)] } else { 0.0 };
-            Some((0..part.len()).map(|i| Position::new(places[(i, 0)], places[(i, 1)], z(i))).collect())
+            Ok(Some((0..part.len()).map(|i| Position::new(places[(i, 0)], places[(i, 1)], z(i))).collect()))
         };
         let relative = of_parts(&graph, Self::NAME, dimensions, map)?;
         self.frame.map(Self::NAME, relative, knowledge, dimensions)
@@ -175,7 +178,12 @@ fn stress(places: &DMatrix<f64>, pairs: &[Dissimilarity]) -> f64 {
 
 /// The matrix whose solutions are the Guttman transforms: `V + 1 1ᵀ/n`, V having −1 for each pair and its row sums made
 /// zero by the diagonal. `None` if the pairs leave a part of the nodes apart.
-fn factored(nodes: usize, pairs: &[Dissimilarity]) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+fn factored(
+    nodes: usize,
+    pairs: &[Dissimilarity],
+    watch: &dyn Watch,
+) -> Result<Option<Cholesky<f64, Dyn>>, Interrupted> {
+    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
     let mut v = DMatrix::from_element(nodes, nodes, 1.0 / nodes as f64);
     for &Dissimilarity { a, b, .. } in pairs {
         v[(a, b)] -= 1.0;
@@ -184,15 +192,43 @@ fn factored(nodes: usize, pairs: &[Dissimilarity]) -> Option<Cholesky<f64, nalge
         v[(b, b)] += 1.0;
     }
     // A part apart leaves V + 1 1ᵀ/n singular up to rounding.
-    v.cholesky().filter(|cholesky| cholesky.l_dirty().diagonal().min() > 1e-6)
+    Ok(cholesky(v, watch)?.filter(|cholesky| cholesky.l_dirty().diagonal().min() > 1e-6))
+}
+
+/// The Cholesky factor of a symmetric matrix; `None` if it is not positive definite. The library's own cannot be
+/// interrupted, and takes minutes for ten thousand nodes.
+fn cholesky(mut matrix: DMatrix<f64>, watch: &dyn Watch) -> Result<Option<Cholesky<f64, Dyn>>, Interrupted> {
+    let size = matrix.nrows();
+    #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+    let operations = (size as f64).powi(3) / 6.0;
+    watch.begin(Work { name: Smacof::NAME, unit: "column", steps: size as u64, operations });
+    for j in 0..size {
+        watch.check()?;
+        for k in 0..j {
+            let factor = -matrix[(j, k)];
+            let (mut column, before) = matrix.columns_range_pair_mut(j, k);
+            column.rows_range_mut(j..).axpy(factor, &before.rows_range(j..), 1.0);
+        }
+        let diagonal = matrix[(j, j)];
+        if diagonal <= 0.0 || diagonal.is_nan() {
+            return Ok(None);
+        }
+        let root = diagonal.sqrt();
+        matrix[(j, j)] = root;
+        let mut below = matrix.view_range_mut(j + 1.., j);
+        below /= root;
+        watch.advance(1);
+    }
+    Ok(Some(Cholesky::pack_dirty(matrix)))
 }
 
 /// One step of majorisation, `X = V⁺ B(Z) Z`: the stress never rises.
 fn transformed(
     places: &DMatrix<f64>,
     pairs: &[Dissimilarity],
-    factor: &Cholesky<f64, nalgebra::Dyn>,
-) -> DMatrix<f64> {
+    factor: &Cholesky<f64, Dyn>,
+    watch: &dyn Watch,
+) -> Result<DMatrix<f64>, Interrupted> {
     let mut product = DMatrix::zeros(places.nrows(), places.ncols());
     for pair in pairs {
         let apart = places.row(pair.a) - places.row(pair.b);
@@ -205,29 +241,42 @@ fn transformed(
             b -= &pull;
         }
     }
-    factor.solve_mut(&mut product);
-    product
+    for mut column in product.column_iter_mut() {
+        watch.check()?;
+        factor.solve_mut(&mut column);
+    }
+    Ok(product)
 }
 
 /// `places` after majorisation; `None` if the pairs do not hold them together.
-fn majorised(mut places: DMatrix<f64>, pairs: &[Dissimilarity], rounds: u32, tolerance: f64) -> Option<DMatrix<f64>> {
-    let factor = factored(places.nrows(), pairs)?;
+fn majorised(
+    mut places: DMatrix<f64>,
+    pairs: &[Dissimilarity],
+    rounds: u32,
+    tolerance: f64,
+    watch: &dyn Watch,
+) -> Result<Option<DMatrix<f64>>, Interrupted> {
+    let Some(factor) = factored(places.nrows(), pairs, watch)? else { return Ok(None) };
+    #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+    let operations = (places.nrows() * places.len()) as f64 * f64::from(rounds);
+    watch.begin(Work { name: Smacof::NAME, unit: "round", steps: rounds.into(), operations });
     let mut before = stress(&places, pairs);
     for _ in 0..rounds {
-        places = transformed(&places, pairs, &factor);
+        places = transformed(&places, pairs, &factor, watch)?;
+        watch.advance(1);
         let after = stress(&places, pairs);
         if before - after <= tolerance * before {
             break;
         }
         before = after;
     }
-    Some(places)
+    Ok(Some(places))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{Purpose, Seed};
+    use sextant_kernel::{Purpose, Seed, Unwatched};
 
     fn random(rows: usize, seed: u64) -> DMatrix<f64> {
         DMatrix::from_fn(rows, 2, |i, j| 10.0 * Seed(seed).uniform(Purpose::new(8), [i as u64, j as u64, 11]))
@@ -251,11 +300,11 @@ mod tests {
     fn the_stress_never_rises_from_any_start() {
         for seed in 0..20 {
             let pairs = pairs(&random(40, seed), 0.3);
-            let factor = factored(40, &pairs).expect("a connected network");
+            let factor = factored(40, &pairs, &Unwatched).unwrap().expect("a connected network");
             let mut places = random(40, seed + 100);
             let mut before = stress(&places, &pairs);
             for round in 0..60 {
-                places = transformed(&places, &pairs, &factor);
+                places = transformed(&places, &pairs, &factor, &Unwatched).unwrap();
                 let after = stress(&places, &pairs);
                 assert!(after <= before * (1.0 + 1e-12), "seed {seed}, round {round}: {before} to {after}");
                 before = after;
@@ -267,8 +316,8 @@ mod tests {
     fn exact_distances_are_a_fixed_point_without_stress() {
         let places = random(30, 3);
         let pairs = pairs(&places, 0.0);
-        let factor = factored(30, &pairs).expect("a connected network");
-        let next = transformed(&places, &pairs, &factor);
+        let factor = factored(30, &pairs, &Unwatched).unwrap().expect("a connected network");
+        let next = transformed(&places, &pairs, &factor, &Unwatched).unwrap();
         assert!(stress(&places, &pairs) < 1e-20 && stress(&next, &pairs) < 1e-18);
         let mut shrunk = places.clone() * 0.1;
         fit_scale(&mut shrunk, &pairs);
@@ -276,8 +325,18 @@ mod tests {
     }
 
     #[test]
+    fn the_factor_is_the_library_s_to_the_last_bit() {
+        let square = random(30, 7) * random(30, 8).transpose();
+        let definite = &square * square.transpose() + DMatrix::identity(30, 30);
+        let (found, expected) =
+            (cholesky(definite.clone(), &Unwatched).unwrap().unwrap(), definite.clone().cholesky());
+        assert_eq!(Some(found.l()), expected.map(|cholesky| cholesky.l()));
+        assert!(cholesky(definite - DMatrix::identity(30, 30) * 2.0, &Unwatched).unwrap().is_none());
+    }
+
+    #[test]
     fn a_network_that_falls_apart_has_no_factor() {
         let apart = [Dissimilarity { a: 0, b: 1, distance_m: 1.0 }, Dissimilarity { a: 2, b: 3, distance_m: 1.0 }];
-        assert!(factored(4, &apart).is_none());
+        assert!(factored(4, &apart, &Unwatched).unwrap().is_none());
     }
 }

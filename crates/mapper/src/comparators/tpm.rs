@@ -5,11 +5,14 @@ use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::SettingError;
+use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
 
+use super::eigenpairs::{self, SPARE};
 use super::graph::{Graph, UNREACHED};
 use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::memory::check_table;
+use crate::purpose;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The topology-preserving map as written in a scenario.
@@ -103,8 +106,9 @@ impl Tpm {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`].
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`]; [`MapError::TooMuchMemory`];
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
         let anchors = knowledge.anchors(Self::NAME, self.least_anchors(dimensions))?;
@@ -116,11 +120,11 @@ impl Tpm {
                 part_of[node] = index;
             }
             let least = dimensions + 2;
-            let landmarks = self.landmarks.choose(&graph, &part, (knowledge.seed, least), &anchors);
+            let landmarks = self.landmarks.choose(&graph, &part, (knowledge.seed, least), &anchors, watch)?;
             if part.len() < least || landmarks.len() < least {
                 continue;
             }
-            for (&node, place) in part.iter().zip(self.part(&graph, &part, &landmarks, dimensions)) {
+            for (&node, place) in part.iter().zip(self.part(&graph, &part, &landmarks, dimensions, watch)?) {
                 places[node] = Some(place);
             }
         }
@@ -128,30 +132,49 @@ impl Tpm {
     }
 
     /// The places of one connected part.
-    fn part(&self, graph: &Graph, part: &[usize], landmarks: &[usize], dimensions: usize) -> Vec<Position> {
-        let hops: Vec<Vec<u32>> = landmarks.iter().map(|&landmark| graph.hops_from(landmark)).collect();
+    fn part(
+        &self,
+        graph: &Graph,
+        part: &[usize],
+        landmarks: &[usize],
+        dimensions: usize,
+        watch: &dyn Watch,
+    ) -> Result<Vec<Position>, MapError> {
+        let what = || format!("the hops of {} nodes to {} others", part.len(), landmarks.len());
+        check_table(Self::NAME, what, [graph.node_count(), landmarks.len()], 24)?;
+        let hops = graph.hops_from_each(landmarks.iter().copied(), Self::NAME, watch)?;
         debug_assert!(part.iter().all(|&node| hops.iter().all(|hops| hops[node] != UNREACHED)));
         let matrix = |nodes: &[usize]| {
             DMatrix::from_fn(nodes.len(), landmarks.len(), |row, column| f64::from(hops[column][nodes[row]]))
         };
         let p = matrix(part);
         let v = match self.axes {
-            AxesConfig::AllNodes => right_singular_vectors(&p),
-            AxesConfig::Landmarks => right_singular_vectors(&matrix(landmarks)),
+            AxesConfig::AllNodes => right_singular_vectors(&p, dimensions + 1, watch)?,
+            AxesConfig::Landmarks => right_singular_vectors(&matrix(landmarks), dimensions + 1, watch)?,
         };
         let axes = v.columns(1, dimensions);
         let map = p * axes;
-        map.row_iter().map(|row| Position::new(row[0], row[1], if dimensions == 3 { row[2] } else { 0.0 })).collect()
+        let place = |row: usize| {
+            Position::new(map[(row, 0)], map[(row, 1)], if dimensions == 3 { map[(row, 2)] } else { 0.0 })
+        };
+        Ok((0..part.len()).map(place).collect())
     }
 }
 
-/// The right singular vectors of `p` by falling singular value, from the eigenvectors of `pᵀp`; in each column the
-/// entry of largest magnitude, the first of several, is positive.
-fn right_singular_vectors(p: &DMatrix<f64>) -> DMatrix<f64> {
-    let eigen = (p.transpose() * p).symmetric_eigen();
-    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]).then(a.cmp(&b)));
-    let mut v = eigen.eigenvectors.select_columns(&order);
+/// Up to so many landmarks the whole spectrum is computed.
+const SMALL: usize = 256;
+
+/// The first `count` right singular vectors of `p` by falling singular value, from the eigenvectors of `pᵀp`; in each
+/// column the entry of largest magnitude, the first of several, is positive.
+fn right_singular_vectors(p: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> Result<DMatrix<f64>, Interrupted> {
+    let (_, mut v) = if p.ncols() <= SMALL {
+        eigenpairs::sorted(&eigenpairs::transposed_product(p, p, watch)?, count)
+    } else {
+        let start = |row: usize, column: usize| Seed(0).normal(purpose::MAPPER, [3, row as u64, column as u64]);
+        eigenpairs::iterated(DMatrix::from_fn(p.ncols(), count + SPARE, start), count, |basis| {
+            eigenpairs::transposed_product(p, &eigenpairs::product(p, basis, watch)?, watch)
+        })?
+    };
     for mut column in v.column_iter_mut() {
         let mut largest: f64 = 0.0;
         for &entry in column.iter() {
@@ -164,17 +187,33 @@ fn right_singular_vectors(p: &DMatrix<f64>) -> DMatrix<f64> {
             column.neg_mut();
         }
     }
-    v
+    Ok(v)
 }
 
 #[cfg(test)]
 mod tests {
+    use sextant_kernel::{Purpose, Unwatched};
+
     use super::*;
+
+    #[test]
+    fn singular_vectors_of_many_landmarks_are_those_of_the_decomposition_itself() {
+        // Hops on a line, to 300 of its nodes, a few of them off by one.
+        let off =
+            |i: usize, j: usize| f64::from(u8::from(Seed(3).uniform(Purpose::new(8), [i as u64, j as u64, 1]) < 0.1));
+        #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+        let p = DMatrix::from_fn(400, 300, |i, j| i.abs_diff(j) as f64 + off(i, j));
+        let v = right_singular_vectors(&p, 3, &Unwatched).unwrap();
+        let reference = p.clone().svd(false, true).v_t.unwrap().transpose();
+        for (column, reference) in v.column_iter().zip(reference.column_iter()) {
+            assert!((column.dot(&reference).abs() - 1.0).abs() < 1e-9);
+        }
+    }
 
     #[test]
     fn singular_vectors_are_those_of_the_decomposition_itself() {
         let p = DMatrix::from_fn(9, 4, |i, j| f64::from(u32::try_from((i * i + 3 * j * i + 2 * j) % 11).unwrap()));
-        let v = right_singular_vectors(&p);
+        let v = right_singular_vectors(&p, 4, &Unwatched).unwrap();
         let reference = p.clone().svd(false, true).v_t.unwrap().transpose();
         for (column, reference) in v.column_iter().zip(reference.column_iter()) {
             assert!((column.dot(&reference).abs() - 1.0).abs() < 1e-9);

@@ -4,10 +4,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, Watch};
 
 use super::centroid::weighted_mean;
 use super::heard_anchors::HeardAnchors;
+use super::node_by_node;
 use super::ranging::{Ranging, RangingConfig};
 use crate::lateration::{Range, multilaterate_linear};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
@@ -92,8 +93,9 @@ impl TriangleCentroid {
     /// The map.
     ///
     /// # Errors
-    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] below three, in space four.
-    pub fn map(&self, knowledge: &Knowledge<'_>) -> Result<TopologyMap, MapError> {
+    /// [`MapError::Missing`] without what was heard of anchors; [`MapError::TooFewAnchors`] below three, in space four;
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         let dimensions = knowledge.dimensions();
         let anchors = HeardAnchors::new(knowledge, Self::NAME, dimensions + 1)?;
         let place = |node| {
@@ -110,7 +112,10 @@ impl TriangleCentroid {
                 self.place(&circles, dimensions)
             })
         };
-        let places = (0..anchors.node_count()).map(place).collect();
+        // Three or four of so many anchors.
+        let circles = u32::try_from(self.strongest).map_or(f64::INFINITY, f64::from);
+        let operations = circles.powi(if dimensions == 2 { 3 } else { 4 });
+        let places = node_by_node(Self::NAME, anchors.node_count(), operations, watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 

@@ -1,7 +1,7 @@
 //! Where the nodes are, given the curve.
 
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Watch};
 
 use super::curve::{Counts, FittedCurve};
 use super::receivers;
@@ -49,6 +49,7 @@ pub(super) struct Round<'a> {
     pub(super) heights: Heights,
     pub(super) curve: &'a FittedCurve,
     pub(super) is_dead: &'a [bool],
+    pub(super) watch: &'a dyn Watch,
 }
 
 /// What one node adds to a round.
@@ -68,7 +69,7 @@ struct Listener {
 }
 
 impl Round<'_> {
-    /// The posterior of a node and what it says of the curve.
+    /// The posterior of a node and what it says of the curve; anything if the work was ended meanwhile.
     pub(super) fn expect(&self, node: NodeId, belief: &Belief) -> Expected {
         let (listeners, far) = self.listeners(node, belief);
         let posterior = self.posterior(belief, &listeners);
@@ -99,8 +100,11 @@ impl Round<'_> {
         Expected { belief, counts, silent }
     }
 
-    /// Receptions of a node from far beyond the range.
+    /// Receptions of a node from far beyond the range; none if the work was ended.
     pub(super) fn outliers(&self, node: NodeId) -> Vec<(NodeId, u32)> {
+        if self.watch.is_stopped() {
+            return Vec::new();
+        }
         let belief = Belief::first(self.log, node, self.heights);
         let (listeners, _) = self.listeners(node, &belief);
         let Some(LocalPosterior { mean, spread_m, .. }) = self.posterior(&belief, &listeners) else {
@@ -143,6 +147,9 @@ impl Round<'_> {
         let live: Vec<&Listener> =
             listeners.iter().filter(|listener| !self.is_dead[listener.stop as usize]).collect();
         let log_likelihood = |vertex: Position| {
+            if self.watch.is_stopped() {
+                return f64::NEG_INFINITY;
+            }
             let mut sum = 0.0;
             for listener in &live {
                 let apart = vertex - listener.place;

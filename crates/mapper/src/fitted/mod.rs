@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use crate::heights::{Heights, SoughtHeights};
 use crate::profile::averaged_over_cell;
@@ -78,6 +78,10 @@ pub struct Fit {
 const ENOUGH_NODES: [usize; 2] = [512, 192];
 /// A curve that changes by less than this share of its own statistical error stays.
 const NOISE: f64 = 0.2;
+/// Nodes whose posteriors are held at a time.
+const BLOCK: usize = 128;
+/// Vertices of the grids of a node in a round, about, in a plane and in space.
+const VERTICES: [f64; 2] = [160.0, 700.0];
 /// Rounds before stops are tested, because the first curves reach too far.
 const ROUNDS_BEFORE_TESTS: u32 = 6;
 
@@ -86,46 +90,72 @@ impl Fitted {
     /// absent they are at the height of the stops if these are level, and otherwise as far below and above them as
     /// packets reach.
     /// The same bits for any number of threads.
-    #[must_use]
-    pub fn fit(&self, log: &ReceptionLog, z_range_m: Option<[f64; 2]>) -> Option<Fit> {
+    ///
+    /// # Errors
+    /// If `watch` ends the work.
+    pub fn fit(
+        &self,
+        log: &ReceptionLog,
+        z_range_m: Option<[f64; 2]>,
+        watch: &dyn Watch,
+    ) -> Result<Option<Fit>, Interrupted> {
         let heard_nodes = heard_nodes(log);
-        let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m(log, &heard_nodes))?.heights();
+        let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m(log, &heard_nodes));
+        let Some(heights) = heights.map(SoughtHeights::heights) else { return Ok(None) };
         let heard: Vec<NodeId> = heard_nodes.iter().map(|heard| heard.node).collect();
         let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];
         let sample: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
         let mut beliefs: Vec<Belief> = sample.iter().map(|&node| Belief::first(log, node, heights)).collect();
-        let mut curve = FittedCurve::first(log, &sample, &beliefs)?;
+        let Some(mut curve) = FittedCurve::first(log, &sample, &beliefs) else { return Ok(None) };
         let mut is_dead = vec![false; log.stops().len()];
         let (mut rounds, mut converged) = (0, false);
+        watch.begin(self.work(log, sample.len(), heights));
         while rounds < self.max_rounds && !converged {
-            let round = Round { log, heights, curve: &curve, is_dead: &is_dead };
-            let results: Vec<_> =
-                sample.par_iter().zip(&beliefs).map(|(&node, belief)| round.expect(node, belief)).collect();
+            let round = Round { log, heights, curve: &curve, is_dead: &is_dead, watch };
             let mut counts = Counts::new(curve.bins());
             let mut ln_silence = vec![0.0; is_dead.len()];
-            beliefs.clear();
-            for result in results {
-                counts.add(&result.counts);
-                for (stop, ln_missed) in result.silent {
-                    ln_silence[stop as usize] += ln_missed;
+            for (sample, beliefs) in sample.chunks(BLOCK).zip(beliefs.chunks_mut(BLOCK)) {
+                let expect = |(&node, belief): (&NodeId, &Belief)| watch.check().map(|()| round.expect(node, belief));
+                let results: Result<Vec<_>, Interrupted> = sample.par_iter().zip(&*beliefs).map(expect).collect();
+                watch.check()?;
+                for (result, belief) in results?.into_iter().zip(beliefs) {
+                    counts.add(&result.counts);
+                    for (stop, ln_missed) in result.silent {
+                        ln_silence[stop as usize] += ln_missed;
+                    }
+                    *belief = result.belief;
                 }
-                beliefs.push(result.belief);
             }
+            watch.advance(1);
             let next = curve.updated(&counts);
             rounds += 1;
             let (distance, error) = next.distance(&curve, &counts);
             let is_settled = distance < self.tolerance.max(NOISE * error);
             curve = next;
             if rounds >= ROUNDS_BEFORE_TESTS {
-                let found = dead_stops::find(log, &ln_silence);
+                let found = dead_stops::find(log, &ln_silence, watch)?;
                 converged = is_settled && found == is_dead;
                 is_dead = found;
             }
         }
-        let round = Round { log, heights, curve: &curve, is_dead: &is_dead };
+        let round = Round { log, heights, curve: &curve, is_dead: &is_dead, watch };
         let outliers = heard.par_iter().flat_map_iter(|&node| round.outliers(node)).collect();
+        watch.check()?;
         let dead_stops = (0..).zip(&is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();
-        Some(Fit { curve: curve.table(), rounds, converged, dead_stops, outliers, nodes: sample.len() })
+        Ok(Some(Fit { curve: curve.table(), rounds, converged, dead_stops, outliers, nodes: sample.len() }))
+    }
+
+    /// What all rounds take, if all stops are in reach of each of `nodes` nodes.
+    fn work(&self, log: &ReceptionLog, nodes: usize, heights: Heights) -> Work {
+        let is_spatial = matches!(heights, Heights::Between(..));
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let links = nodes as f64 * log.stops().len() as f64;
+        Work {
+            name: "fitted profile",
+            unit: "round",
+            steps: self.max_rounds.into(),
+            operations: links * VERTICES[usize::from(is_spatial)] * f64::from(self.max_rounds),
+        }
     }
 }
 

@@ -1,9 +1,12 @@
 //! Places from distances.
 
+use std::convert::Infallible;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use sextant_channel::Position;
 
 use super::LaterationError;
+use crate::least_squares::{Damping, LeastSquares, minimum};
 
 /// Smallest ratio of singular values at which anchors still span plane or space.
 const FLATNESS: f64 = 1e-9;
@@ -96,21 +99,40 @@ fn beside_centroid(ranges: &[Range], dimensions: usize) -> Position {
 /// height stays that of `start` and distances are those in the plane.
 #[must_use]
 pub fn refine(start: Position, ranges: &[Range], dimensions: usize) -> Position {
-    let apart = |place: Position, range: &Range| {
+    let Ok(place) = minimum(&Ranges { ranges, dimensions }, start, DAMPING, STEPS);
+    place
+}
+
+const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-15, tighten: 5.0, most: 5e12 };
+
+/// Distances that a place is to have.
+struct Ranges<'a> {
+    ranges: &'a [Range],
+    dimensions: usize,
+}
+
+impl Ranges<'_> {
+    fn apart(&self, place: Position, range: &Range) -> Vector3<f64> {
         let apart = place - range.anchor;
-        Vector3::new(apart.x_m, apart.y_m, if dimensions == 3 { apart.z_m } else { 0.0 })
-    };
-    let cost = |place: Position| -> f64 {
-        ranges.iter().map(|range| range.weight * (apart(place, range).norm() - range.distance_m).powi(2)).sum()
-    };
-    let mut place = start;
-    let mut lowest = cost(place);
-    let mut damping = 1e-3;
-    for _ in 0..STEPS {
+        Vector3::new(apart.x_m, apart.y_m, if self.dimensions == 3 { apart.z_m } else { 0.0 })
+    }
+}
+
+impl LeastSquares for Ranges<'_> {
+    type Point = Position;
+    type Step = Vector3<f64>;
+    type Error = Infallible;
+
+    fn cost(&self, at: &Position) -> f64 {
+        let square = |range: &Range| range.weight * (self.apart(*at, range).norm() - range.distance_m).powi(2);
+        self.ranges.iter().map(square).sum()
+    }
+
+    fn step(&self, at: &Position, damping: f64) -> Result<Option<Vector3<f64>>, Infallible> {
         let mut normal = Matrix3::zeros();
         let mut gradient = Vector3::zeros();
-        for range in ranges {
-            let apart = apart(place, range);
+        for range in self.ranges {
+            let apart = self.apart(*at, range);
             let distance_m = apart.norm();
             if distance_m > 0.0 {
                 let direction = apart / distance_m;
@@ -120,23 +142,16 @@ pub fn refine(start: Position, ranges: &[Range], dimensions: usize) -> Position 
         }
         let scale = normal.trace().max(f64::MIN_POSITIVE);
         let damped = normal + Matrix3::identity() * (damping * scale);
-        let Some(step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
-        let next = place - Position::new(step.x, step.y, step.z);
-        let reached = cost(next);
-        if reached < lowest {
-            let is_small = step.norm() <= 1e-13 * (1.0 + Vector3::from(<[f64; 3]>::from(place)).norm());
-            (place, lowest) = (next, reached);
-            damping = (damping * 0.2).max(1e-15);
-            if is_small {
-                break;
-            }
-        } else if damping > 1e12 {
-            break;
-        } else {
-            damping *= 5.0;
-        }
+        Ok(damped.cholesky().map(|cholesky| cholesky.solve(&gradient)))
     }
-    place
+
+    fn moved(&self, at: &Position, step: &Vector3<f64>) -> Position {
+        *at - Position::new(step.x, step.y, step.z)
+    }
+
+    fn is_last(&self, at: &Position, step: &Vector3<f64>, is_lower: bool) -> bool {
+        is_lower && step.norm() <= 1e-13 * (1.0 + Vector3::from(<[f64; 3]>::from(*at)).norm())
+    }
 }
 
 #[cfg(test)]

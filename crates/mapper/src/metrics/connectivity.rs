@@ -1,6 +1,7 @@
 //! One-hop connectivity error: whether neighbours stay neighbours on the map.
 
 use sextant_channel::Position;
+use sextant_kernel::{Interrupted, Watch};
 
 use super::ellipse::{Affine, Axes};
 use super::error::MetricError;
@@ -81,12 +82,14 @@ fn share(part: u64, whole: u64) -> f64 {
 /// nodes alone; a node that is not mapped has lost all its neighbours, and they have lost it.
 ///
 /// # Errors
-/// If the lists differ in length, the radius is no positive number, or the mapped nodes lie so that no ellipse follows.
+/// If the lists differ in length, the radius is no positive number, the mapped nodes lie so that no ellipse follows, or
+/// `watch` ends the work.
 pub fn connectivity_error(
     truth: &[Position],
     map: &[Option<Position>],
     radius_m: f64,
     rule: NeighbourhoodRule,
+    watch: &dyn Watch,
 ) -> Result<ConnectivityError, MetricError> {
     if truth.len() != map.len() {
         return Err(MetricError::Length { truth: truth.len(), map: map.len() });
@@ -112,17 +115,16 @@ pub fn connectivity_error(
             pairs.iter().map(|&(truth, image)| (axes.scaled(image), axes.half_axes(truth, image))).unzip()
         }
     };
-    Ok(count(truth, map, radius_m, &images, &half_axes))
+    Ok(count((truth, map), radius_m, (&images, &half_axes), watch)?)
 }
 
 /// Counts neighbours, given the mapped nodes' images and half-axes.
 fn count(
-    truth: &[Position],
-    map: &[Option<Position>],
+    (truth, map): (&[Position], &[Option<Position>]),
     radius_m: f64,
-    images: &[Position],
-    half_axes: &[[f64; 3]],
-) -> ConnectivityError {
+    (images, half_axes): (&[Position], &[[f64; 3]]),
+    watch: &dyn Watch,
+) -> Result<ConnectivityError, Interrupted> {
     let ground = CellIndex::new(truth, radius_m);
     let mapped = CellIndex::new(images, radius_m);
     let nodes: Vec<usize> = (0..truth.len()).filter(|&node| map[node].is_some()).collect();
@@ -141,6 +143,7 @@ fn count(
     let mut is_neighbour = vec![false; truth.len()];
     let mut neighbours = Vec::new();
     for (node, &place) in truth.iter().enumerate() {
+        watch.check()?;
         neighbours.clear();
         ground.within(place, radius_m, |other| neighbours.push(other as usize));
         neighbours.retain(|&other| other != node);
@@ -169,13 +172,13 @@ fn count(
         error.isolated += usize::from(physical == 0);
         error.per_node.push((physical > 0).then(|| share(physical - kept, physical)));
     }
-    error
+    Ok(error)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{Purpose, Seed};
+    use sextant_kernel::{Purpose, Seed, Unwatched};
 
     const RULES: [NeighbourhoodRule; 3] =
         [NeighbourhoodRule::Affine, NeighbourhoodRule::EndPoints, NeighbourhoodRule::PerNode];
@@ -194,7 +197,7 @@ mod tests {
         // Unit square lattice, radius 1: each of the 2 · 5 · 4 edges is two ordered pairs.
         let truth = square(5, 1);
         for rule in RULES {
-            let error = connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, rule).unwrap();
+            let error = connectivity_error(&truth, &images(&truth, |p| p), 1.0 + 1e-9, rule, &Unwatched).unwrap();
             assert_eq!((error.physical, error.lost, error.gained, error.isolated), (80, 0, 0, 0), "{rule:?}");
             assert!(error.symmetric_loss().abs() < 1e-15);
             assert!((error.share_of_nodes_within(0.0) - 1.0).abs() < 1e-15);
@@ -207,10 +210,10 @@ mod tests {
         let turned = |p: Position| Position::new(0.5 * p.z_m, 2.0 * p.x_m, -3.0 * p.y_m + 0.4 * p.z_m);
         for rule in RULES {
             let truth = square(5, 1);
-            let error = connectivity_error(&truth, &images(&truth, sheared), 1.5, rule).unwrap();
+            let error = connectivity_error(&truth, &images(&truth, sheared), 1.5, rule, &Unwatched).unwrap();
             assert_eq!((error.lost, error.gained), (0, 0), "{rule:?}");
             let truth = square(5, 5);
-            let error = connectivity_error(&truth, &images(&truth, turned), 1.5, rule).unwrap();
+            let error = connectivity_error(&truth, &images(&truth, turned), 1.5, rule, &Unwatched).unwrap();
             assert_eq!((error.lost, error.gained), (0, 0), "{rule:?} in 3D");
         }
     }
@@ -221,7 +224,7 @@ mod tests {
         let truth = square(9, 1);
         let mut map = images(&truth, |p| p);
         map[40] = None;
-        let error = connectivity_error(&truth, &map, 1.001, NeighbourhoodRule::Affine).unwrap();
+        let error = connectivity_error(&truth, &map, 1.001, NeighbourhoodRule::Affine, &Unwatched).unwrap();
         assert_eq!((error.physical, error.lost, error.gained), (288, 8, 0));
         assert!((error.connectivity_error() - 8.0 / 288.0).abs() < 1e-15);
         assert!((error.symmetric_loss() - 8.0 / 568.0).abs() < 1e-15);
@@ -236,7 +239,7 @@ mod tests {
         let truth = square(20, 1);
         let mut map = images(&truth, |p| p);
         map[210] = Some(Position::new(2.5, 2.5, 0.0));
-        let error = connectivity_error(&truth, &map, 1.05, NeighbourhoodRule::Affine).unwrap();
+        let error = connectivity_error(&truth, &map, 1.05, NeighbourhoodRule::Affine, &Unwatched).unwrap();
         assert_eq!((error.lost, error.gained), (8, 8));
         let expected = 8.0 / f64::from(u32::try_from(error.physical).unwrap());
         assert!((error.false_neighbour_rate() - expected).abs() < 1e-12);
@@ -268,7 +271,7 @@ mod tests {
                     gained += u64::from(!near && near_on_map);
                 }
             }
-            let error = connectivity_error(&truth, &map, radius_m, NeighbourhoodRule::Affine).unwrap();
+            let error = connectivity_error(&truth, &map, radius_m, NeighbourhoodRule::Affine, &Unwatched).unwrap();
             assert_eq!((error.physical, error.lost, error.gained), (physical, lost, gained));
         }
     }
@@ -278,20 +281,20 @@ mod tests {
         let truth = square(3, 1);
         let map = images(&truth, |_| Position::ORIGIN);
         for rule in RULES {
-            let collapsed = connectivity_error(&truth, &map, 1.0, rule);
+            let collapsed = connectivity_error(&truth, &map, 1.0, rule, &Unwatched);
             assert!(matches!(collapsed, Err(MetricError::Degenerate(_))), "{rule:?}: {collapsed:?}");
-            let nobody = connectivity_error(&truth, &vec![None; 9], 1.0, rule);
+            let nobody = connectivity_error(&truth, &vec![None; 9], 1.0, rule, &Unwatched);
             assert!(matches!(nobody, Err(MetricError::Degenerate(_))), "{rule:?}: {nobody:?}");
         }
         let line: Vec<Position> = (0..6).map(|i| Position::new(f64::from(i), 0.0, 0.0)).collect();
-        let error = connectivity_error(&line, &images(&line, |p| p), 1.0, NeighbourhoodRule::Affine);
+        let error = connectivity_error(&line, &images(&line, |p| p), 1.0, NeighbourhoodRule::Affine, &Unwatched);
         assert!(matches!(error, Err(MetricError::Degenerate(_))));
         assert_eq!(
-            connectivity_error(&truth, &[], 1.0, NeighbourhoodRule::Affine),
+            connectivity_error(&truth, &[], 1.0, NeighbourhoodRule::Affine, &Unwatched),
             Err(MetricError::Length { truth: 9, map: 0 })
         );
         assert_eq!(
-            connectivity_error(&truth, &images(&truth, |p| p), -1.0, NeighbourhoodRule::Affine),
+            connectivity_error(&truth, &images(&truth, |p| p), -1.0, NeighbourhoodRule::Affine, &Unwatched),
             Err(MetricError::Radius(-1.0))
         );
     }

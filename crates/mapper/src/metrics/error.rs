@@ -14,6 +14,9 @@ pub enum MetricError {
     /// A radius that is no radius.
     #[error("the neighbourhood radius is {0} m; allowed: a finite number above 0")]
     Radius(f64),
+    /// Whoever watches ended the work.
+    #[error(transparent)]
+    Interrupted(#[from] sextant_kernel::Interrupted),
     /// Places from which no ellipse follows.
     #[error("{0}, so that a neighbourhood has no image on the map")]
     Degenerate(&'static str),

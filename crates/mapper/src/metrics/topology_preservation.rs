@@ -1,6 +1,7 @@
 //! Topology preservation: whether nodes along a line keep their order on the map.
 
 use sextant_channel::Position;
+use sextant_kernel::{Interrupted, Watch};
 
 use crate::cells::CellIndex;
 use crate::lattice::whole;
@@ -13,15 +14,22 @@ use crate::lattice::whole;
 /// a node to its nearest neighbour: a row of the lattice if there is one. If all true places share one height, there are
 /// lines along two axes, otherwise along three. `None` if no line has two nodes. Nodes that are not mapped do not
 /// count.
-#[must_use]
-pub fn topology_preservation_error(truth: &[Position], map: &[Option<Position>]) -> Option<f64> {
+///
+/// # Errors
+/// If `watch` ends the work.
+pub fn topology_preservation_error(
+    truth: &[Position],
+    map: &[Option<Position>],
+    watch: &dyn Watch,
+) -> Result<Option<f64>, Interrupted> {
     let pairs: Vec<([f64; 3], [f64; 3])> =
         truth.iter().zip(map).filter_map(|(&truth, image)| Some((truth.into(), (*image)?.into()))).collect();
-    let width_m = median_spacing_m(&pairs)?;
+    let Some(width_m) = median_spacing_m(&pairs, watch)? else { return Ok(None) };
     let low = pairs.iter().fold([f64::INFINITY; 3], |low, (truth, _)| [0, 1, 2].map(|i| low[i].min(truth[i])));
     let is_planar = pairs.iter().all(|(truth, _)| (truth[2] - low[2]).abs() <= 1e-9);
     let (mut out_of_order, mut compared) = (0, 0);
     for along in 0..if is_planar { 2 } else { 3 } {
+        watch.check()?;
         let line = |truth: &[f64; 3]| {
             let mut strip = [0, 1, 2].map(|axis| whole((truth[axis] - low[axis]) / width_m + 0.5));
             strip[along] = 0;
@@ -38,23 +46,26 @@ pub fn topology_preservation_error(truth: &[Position], map: &[Option<Position>])
         }
     }
     let share = || out_of_order as f64 / compared as f64;
-    (compared > 0).then(share)
+    Ok((compared > 0).then(share))
 }
 
-/// Median distance of a node to its nearest neighbour, if there is one elsewhere (m).
-fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])]) -> Option<f64> {
+/// Median distance of a node to its nearest neighbour, if there is one elsewhere [m].
+fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])], watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
     let places: Vec<Position> = pairs.iter().map(|pair| pair.0.into()).collect();
-    let (first, rest) = places.split_first()?;
+    let Some((first, rest)) = places.split_first() else { return Ok(None) };
     let extent_m = rest.iter().map(|place| place.distance_m(*first)).fold(0.0, f64::max);
     if extent_m <= 0.0 {
-        return None;
+        return Ok(None);
     }
-    let index =
-        CellIndex::new(&places, extent_m / (1.0 + (1.0 + f64::from(u32::try_from(places.len()).ok()?)).sqrt()));
-    let mut spacings: Vec<f64> =
-        (0..places.len()).filter_map(|node| nearest_m(&places, &index, node, extent_m)).collect();
+    #[expect(clippy::cast_precision_loss, reason = "a number of nodes")]
+    let index = CellIndex::new(&places, extent_m / (1.0 + (1.0 + places.len() as f64).sqrt()));
+    let mut spacings: Vec<f64> = Vec::new();
+    for node in 0..places.len() {
+        watch.check()?;
+        spacings.extend(nearest_m(&places, &index, node, extent_m));
+    }
     spacings.sort_unstable_by(f64::total_cmp);
-    spacings.get(spacings.len() / 2).copied()
+    Ok(spacings.get(spacings.len() / 2).copied())
 }
 
 /// Distance from `node` to the nearest other place (m).
@@ -103,7 +114,12 @@ fn descents(values: &mut [f64]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{Purpose, Seed};
+    use sextant_kernel::{Purpose, Seed, Unwatched};
+
+    /// The error of a map that nobody interrupts.
+    fn error_of(truth: &[Position], map: &[Option<Position>]) -> Option<f64> {
+        topology_preservation_error(truth, map, &Unwatched).unwrap()
+    }
 
     fn lattice(counts: [u32; 3], jitter_m: f64) -> Vec<Position> {
         let draw = |i, axis| jitter_m * (2.0 * Seed(5).uniform(Purpose::new(8), [i, axis, 4]) - 1.0);
@@ -120,14 +136,14 @@ mod tests {
     fn a_map_that_keeps_all_orders_has_no_error_and_a_mirrored_axis_loses_its_own() {
         let truth = lattice([7, 5, 1], 0.2);
         let bent = images(&truth, |p| Position::new(p.x_m.powi(3), p.y_m.exp(), 0.0));
-        assert_eq!(topology_preservation_error(&truth, &bent), Some(0.0));
+        assert_eq!(error_of(&truth, &bent), Some(0.0));
         let truth = lattice([7, 5, 1], 0.0);
         // Lines along x: 5 rows of 7 nodes, 105 pairs; along y: 7 columns of 5 nodes, 70 pairs.
         let mirrored = images(&truth, |p| Position::new(-p.x_m, p.y_m, 0.0));
-        let error = topology_preservation_error(&truth, &mirrored).unwrap();
+        let error = error_of(&truth, &mirrored).unwrap();
         assert!((error - 105.0 / 175.0).abs() < 1e-12, "{error}");
         let collapsed = images(&truth, |p| Position::new(0.0, p.y_m, 0.0));
-        let error = topology_preservation_error(&truth, &collapsed).unwrap();
+        let error = error_of(&truth, &collapsed).unwrap();
         assert!((error - 105.0 / 175.0).abs() < 1e-12, "{error}");
     }
 
@@ -136,7 +152,7 @@ mod tests {
         let truth = lattice([4, 3, 5], 0.0);
         let mirrored = images(&truth, |p| Position::new(p.x_m, p.y_m, -p.z_m));
         // Along x 15 lines of 6 pairs, along y 20 of 3, along z 12 of 10.
-        let error = topology_preservation_error(&truth, &mirrored).unwrap();
+        let error = error_of(&truth, &mirrored).unwrap();
         assert!((error - 120.0 / 270.0).abs() < 1e-12, "{error}");
     }
 
@@ -155,7 +171,7 @@ mod tests {
 
     #[test]
     fn without_two_nodes_apart_there_is_no_error() {
-        assert_eq!(topology_preservation_error(&[], &[]), None);
-        assert_eq!(topology_preservation_error(&[Position::ORIGIN; 3], &[Some(Position::ORIGIN); 3]), None);
+        assert_eq!(error_of(&[], &[]), None);
+        assert_eq!(error_of(&[Position::ORIGIN; 3], &[Some(Position::ORIGIN); 3]), None);
     }
 }

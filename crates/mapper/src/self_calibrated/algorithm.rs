@@ -1,7 +1,7 @@
 //! The self-calibrated map.
 
 use sextant_channel::ReceptionLog;
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use super::absorption::AbsorptionMap;
 use super::bounds::Limits;
@@ -20,6 +20,8 @@ const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
 const COARSEST: f64 = 0.12;
 /// Width of a cell that may absorb, as a share of the range.
 const CELL: f64 = 0.05;
+/// Vertices of the window of a node, about, in the plane and in space.
+const VERTICES: [f64; 2] = [300.0, 3000.0];
 /// A stage ends when a round moves the nodes by less than this share of its step on average.
 const SETTLED: f64 = 0.05;
 
@@ -76,9 +78,16 @@ impl SelfCalibrated {
 
     /// The map of the nodes in `log`, with a covariance of each, and what was estimated beside it (`None` if nothing was
     /// heard), computed on the current rayon pool; the same bits for any number of threads. Nodes that were never heard
-    /// are not placed. Takes about 30 rounds, each linear in the nodes and in the stops in range of a node.
-    #[must_use]
-    pub fn map(&self, log: &ReceptionLog) -> (TopologyMap, Option<Calibration>) {
+    /// are not placed. Takes about 30 rounds, each linear in the nodes and in the stops in range of a node. Memory beside the
+    /// log is at most some 400 MB, however large that is.
+    ///
+    /// # Errors
+    /// If `watch` ends the work.
+    pub fn map(
+        &self,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Calibration>), Interrupted> {
         let mut map = TopologyMap {
             algorithm: Self::NAME,
             estimates: vec![None; log.node_count()],
@@ -87,10 +96,10 @@ impl SelfCalibrated {
             heights: None,
             frame: CoordinateFrame::World,
         };
-        let Some(start) = Start::of(log) else { return (map, None) };
+        let Some(start) = Start::of(log) else { return Ok((map, None)) };
         let reach_m = reach_m(log, &start.nodes);
         let Some(heights) = SoughtHeights::of(log.stops(), self.settings.z_range_m, reach_m) else {
-            return (map, None);
+            return Ok((map, None));
         };
         map.heights = Some(heights);
         let is_spatial = heights.high_m > heights.low_m;
@@ -99,8 +108,9 @@ impl SelfCalibrated {
         let applies = start.is_rich && are_level(log.stops(), reach_m);
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
         let counts = Counts::new(log, start.range_m);
-        let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights));
-        let settled = self.run(&mut draft, start.range_m, step_m, knowledge);
+        let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
+        watch.begin(self.work(log, start.nodes.len(), is_spatial));
+        let settled = self.run(&mut draft, start.range_m, step_m, knowledge)?;
         for belief in &draft.beliefs.nodes {
             map.estimates[belief.node.index()] = Some(Estimate {
                 position: belief.mean,
@@ -125,15 +135,33 @@ impl SelfCalibrated {
             curve_at_bound,
             obstacles: draft.into_obstacles(),
         };
-        (map, Some(calibration))
+        Ok((map, Some(calibration)))
+    }
+
+    /// What all rounds take, if all stops are in reach of each of `nodes` nodes.
+    fn work(&self, log: &ReceptionLog, nodes: usize, is_spatial: bool) -> Work {
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let links = nodes as f64 * log.stops().len() as f64;
+        Work {
+            name: Self::NAME,
+            unit: "round",
+            steps: self.settings.max_rounds.into(),
+            operations: links * VERTICES[usize::from(is_spatial)] * f64::from(self.settings.max_rounds),
+        }
     }
 
     /// From coarse steps, without obstacles, to steps of `step_m`; whether the last stage converged.
-    fn run(&self, draft: &mut Draft<'_>, range_m: f64, step_m: f64, knowledge: ObstacleKnowledge) -> bool {
+    fn run(
+        &self,
+        draft: &mut Draft<'_>,
+        range_m: f64,
+        step_m: f64,
+        knowledge: ObstacleKnowledge,
+    ) -> Result<bool, Interrupted> {
         let most_rounds = self.settings.max_rounds;
         let mut halvings = libm::log2(COARSEST * range_m / step_m).floor().clamp(0.0, 30.0);
         let coarsest_m = step_m * libm::exp2(halvings);
-        let mut converged = draft.stage(coarsest_m, SETTLED * coarsest_m, most_rounds);
+        let mut converged = draft.stage(coarsest_m, SETTLED * coarsest_m, most_rounds)?;
         if knowledge != ObstacleKnowledge::None {
             draft.seek_obstacles(knowledge, CELL * range_m, coarsest_m);
             // Obstacles move the nodes, so there is another stage even if there are no finer steps.
@@ -142,9 +170,9 @@ impl SelfCalibrated {
         while halvings > 0.0 {
             halvings -= 1.0;
             let stage_step_m = (step_m * libm::exp2(halvings)).min(coarsest_m);
-            converged = draft.stage(stage_step_m, SETTLED * stage_step_m, most_rounds);
+            converged = draft.stage(stage_step_m, SETTLED * stage_step_m, most_rounds)?;
         }
-        converged
+        Ok(converged)
     }
 }
 

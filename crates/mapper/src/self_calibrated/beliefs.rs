@@ -1,6 +1,7 @@
 //! What is believed of all nodes.
 
 use rayon::prelude::*;
+use sextant_kernel::Interrupted;
 
 use super::bounds::Bounds;
 use super::model::Sums;
@@ -35,7 +36,11 @@ impl Beliefs {
 
     /// Computes the posterior of each node again, and adds their counts to `sums`, in the order of the nodes whatever
     /// the threads.
-    pub(super) fn refine(&mut self, surroundings: &Surroundings<'_>, sums: &mut Sums) -> Progress {
+    pub(super) fn refine(
+        &mut self,
+        surroundings: &Surroundings<'_>,
+        sums: &mut Sums,
+    ) -> Result<Progress, Interrupted> {
         sums.clear();
         let (mut shift_m, mut vertices) = (0.0, 0);
         let blocks = self.nodes.chunks(BLOCK).zip(self.bounds.chunks(BLOCK)).zip(self.next.chunks_mut(BLOCK));
@@ -46,6 +51,7 @@ impl Beliefs {
                 tally.vertices = 0;
                 *after = surroundings.refine(scratch, bounds, before, tally);
             });
+            surroundings.watch.check()?;
             for ((before, after), tally) in before.iter().zip(after.iter()).zip(tallies.iter()) {
                 shift_m += before.mean.distance_m(after.mean);
                 vertices += tally.vertices;
@@ -54,7 +60,7 @@ impl Beliefs {
         }
         std::mem::swap(&mut self.nodes, &mut self.next);
         let share = 1.0 / self.nodes.len() as f64;
-        Progress { shift_m: shift_m * share, vertices }
+        Ok(Progress { shift_m: shift_m * share, vertices })
     }
 }
 

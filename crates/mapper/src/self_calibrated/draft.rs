@@ -1,5 +1,7 @@
 //! A self-calibrated map in the making.
 
+use sextant_kernel::{Interrupted, Watch};
+
 use super::beliefs::Beliefs;
 use super::bounds::Limits;
 use super::counts::Counts;
@@ -29,12 +31,13 @@ pub(super) struct Draft<'a> {
     is_obstructed: bool,
     /// Whether curve and efficiencies are fitted.
     fits: bool,
+    watch: &'a dyn Watch,
     pub(super) rounds: u32,
     pub(super) vertices: u64,
 }
 
 impl<'a> Draft<'a> {
-    pub(super) fn new(counts: &'a Counts<'a>, start: &Start, limits: &Limits) -> Self {
+    pub(super) fn new(counts: &'a Counts<'a>, start: &Start, limits: &Limits, watch: &'a dyn Watch) -> Self {
         let model = Model::new(start.range_m, counts.log.stops().len());
         let bounds: Vec<_> = start.nodes.iter().map(|heard| limits.bounds(heard)).collect();
         let nodes = start.nodes.iter().zip(&bounds).map(|(heard, bounds)| Belief {
@@ -54,6 +57,7 @@ impl<'a> Draft<'a> {
             shadows: Shadows::default(),
             is_obstructed: false,
             fits: start.is_rich,
+            watch,
             rounds: 0,
             vertices: 0,
         }
@@ -67,24 +71,24 @@ impl<'a> Draft<'a> {
 
     /// Rounds on a grid of `step_m` until one moves the nodes by less than `tolerance_m` on average. Returns whether it
     /// does before there were `most_rounds` in all; one round is made in any case.
-    pub(super) fn stage(&mut self, step_m: f64, tolerance_m: f64, most_rounds: u32) -> bool {
+    pub(super) fn stage(&mut self, step_m: f64, tolerance_m: f64, most_rounds: u32) -> Result<bool, Interrupted> {
         if self.tomography.is_some() && !self.is_obstructed {
-            self.look_for_obstacles();
+            self.look_for_obstacles()?;
         } else {
-            self.improve_obstacles(FIRST_IMPROVEMENT);
+            self.improve_obstacles(FIRST_IMPROVEMENT)?;
         }
         loop {
-            let shift_m = self.refine(step_m);
+            let shift_m = self.refine(step_m)?;
             if self.fits {
                 self.fit();
             }
             if shift_m < tolerance_m {
-                return true;
+                return Ok(true);
             }
             if self.rounds >= most_rounds {
-                return false;
+                return Ok(false);
             }
-            self.improve_obstacles(IMPROVEMENT);
+            self.improve_obstacles(IMPROVEMENT)?;
         }
     }
 
@@ -93,22 +97,24 @@ impl<'a> Draft<'a> {
         self.tomography.filter(|_| self.is_obstructed).map(|tomography| tomography.map)
     }
 
-    /// The posteriors of all nodes; returns how far they moved on average (m).
-    fn refine(&mut self, step_m: f64) -> f64 {
+    /// The posteriors of all nodes; returns how far they moved on average [m].
+    fn refine(&mut self, step_m: f64) -> Result<f64, Interrupted> {
         let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
         if let Some(map) = map {
-            self.shadows.trace(map, self.counts.log.stops(), self.model.range_m());
+            self.shadows.trace(map, self.counts.log.stops(), self.model.range_m(), self.watch)?;
         }
         let surroundings = Surroundings {
             counts: self.counts,
             model: &self.model,
             obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
             step_m,
+            watch: self.watch,
         };
-        let progress = self.beliefs.refine(&surroundings, &mut self.sums);
+        let progress = self.beliefs.refine(&surroundings, &mut self.sums)?;
         self.rounds += 1;
+        self.watch.advance(1);
         self.vertices += progress.vertices;
-        progress.shift_m
+        Ok(progress.shift_m)
     }
 
     fn fit(&mut self) {
@@ -119,19 +125,21 @@ impl<'a> Draft<'a> {
     }
 
     /// Takes obstacles into account if they explain the log.
-    fn look_for_obstacles(&mut self) {
-        let Some(tomography) = &mut self.tomography else { return };
-        tomography.draw(self.counts, &self.beliefs.nodes, &self.model);
-        self.is_obstructed = tomography.is_warranted(&self.model, FIRST_IMPROVEMENT);
+    fn look_for_obstacles(&mut self) -> Result<(), Interrupted> {
+        let Some(tomography) = &mut self.tomography else { return Ok(()) };
+        tomography.draw(self.counts, &self.beliefs.nodes, &self.model, self.watch)?;
+        self.is_obstructed = tomography.is_warranted(&self.model, FIRST_IMPROVEMENT, self.watch)?;
         if self.is_obstructed {
-            tomography.improve(&self.model, FIRST_IMPROVEMENT);
+            tomography.improve(&self.model, FIRST_IMPROVEMENT, self.watch)?;
         }
+        Ok(())
     }
 
-    fn improve_obstacles(&mut self, rounds: usize) {
+    fn improve_obstacles(&mut self, rounds: usize) -> Result<(), Interrupted> {
         if let Some(tomography) = self.tomography.as_mut().filter(|_| self.is_obstructed) {
-            tomography.draw(self.counts, &self.beliefs.nodes, &self.model);
-            tomography.improve(&self.model, rounds);
+            tomography.draw(self.counts, &self.beliefs.nodes, &self.model, self.watch)?;
+            tomography.improve(&self.model, rounds, self.watch)?;
         }
+        Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! Where one node may be: its posterior on a window of vertices, and what it adds to the counts.
 
 use sextant_channel::Position;
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Watch};
 
 use super::absorption::AbsorptionMap;
 use super::bounds::Bounds;
@@ -79,6 +79,7 @@ pub(super) struct Surroundings<'a> {
     pub(super) model: &'a Model,
     pub(super) obstacles: Option<Obstacles<'a>>,
     pub(super) step_m: f64,
+    pub(super) watch: &'a dyn Watch,
 }
 
 /// What stands in the way.
@@ -113,7 +114,8 @@ pub(super) struct Scratch {
 }
 
 impl Surroundings<'_> {
-    /// The posterior of a node round the last belief and within its bounds, and its counts.
+    /// The posterior of a node round the last belief and within its bounds, and its counts; anything if the work was ended
+    /// meanwhile.
     pub(super) fn refine(
         &self,
         scratch: &mut Scratch,
@@ -210,6 +212,9 @@ impl Surroundings<'_> {
             let sent = link.received.saturating_add(link.missed);
             if sent == 0 {
                 continue;
+            }
+            if self.watch.is_stopped() {
+                return;
             }
             if packets + sent > CHUNK {
                 take_logarithms(log_likelihood, product);

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use sextant_channel::{Position, Stop};
+use sextant_kernel::{Interrupted, Watch};
 
 use super::absorption::AbsorptionMap;
 use super::normal::index;
@@ -25,7 +26,13 @@ pub(super) struct Shadows {
 
 impl Shadows {
     /// Traces the rays anew, as far as `reach_m`.
-    pub(super) fn trace(&mut self, map: &AbsorptionMap, stops: &[Stop], reach_m: f64) {
+    pub(super) fn trace(
+        &mut self,
+        map: &AbsorptionMap,
+        stops: &[Stop],
+        reach_m: f64,
+        watch: &dyn Watch,
+    ) -> Result<(), Interrupted> {
         let is_near = |stop: &Stop| {
             let Position { x_m, y_m, .. } = stop.position;
             !map.is_clear_within([x_m - reach_m, y_m - reach_m], [x_m + reach_m, y_m + reach_m])
@@ -52,11 +59,13 @@ impl Shadows {
         self.absorbed.clear();
         self.absorbed.resize(next, 0.0);
         let (rays, stations) = (self.rays, self.stations);
-        self.absorbed.par_chunks_mut(table).zip(&near).for_each(|(table, &from)| {
+        self.absorbed.par_chunks_mut(table).zip(&near).try_for_each(|(table, &from)| {
+            watch.check()?;
             for (ray, absorbed) in table.chunks_mut(stations).enumerate() {
                 trace_ray(map, from, direction(ray, rays), reach_m, absorbed);
             }
-        });
+            Ok(())
+        })
     }
 
     /// Whether there is anything to look up round a stop.
@@ -138,7 +147,7 @@ fn turn([x, y]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::{RobotId, SimTime};
+    use sextant_kernel::{RobotId, SimTime, Unwatched};
 
     #[test]
     fn the_pseudo_angle_undoes_the_directions() {
@@ -159,7 +168,7 @@ mod tests {
         map.count();
         let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(-3.3, -1.2, 0.0) };
         let mut shadows = Shadows::default();
-        shadows.trace(&map, &[stop], 10.0);
+        shadows.trace(&map, &[stop], 10.0, &Unwatched).unwrap();
         assert!(shadows.has(0));
         let (mut error, mut sum, mut worst) = (0.0, 0.0, 0.0_f64);
         for i in 0..4000 {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
-use sextant_kernel::Seed;
+use sextant_kernel::{Interrupted, Seed, Watch};
 
 use super::absorption::AbsorptionMap;
 use super::counts::{Counts, Record};
@@ -99,17 +99,24 @@ impl Tomography {
     }
 
     /// Draws the lines anew for the places of the nodes.
-    pub(super) fn draw(&mut self, counts: &Counts<'_>, nodes: &[Belief], model: &Model) {
+    pub(super) fn draw(
+        &mut self,
+        counts: &Counts<'_>,
+        nodes: &[Belief],
+        model: &Model,
+        watch: &dyn Watch,
+    ) -> Result<(), Interrupted> {
         let Self { map, is_free, parts, .. } = self;
         let end_m = model.reach_m(FAINT);
         let reach_m = end_m * (1.0 - MARGIN);
         let share = share_of_lines(counts, nodes, reach_m, map.cell_m());
         let dealt = nodes.chunks(nodes.len().div_ceil(PARTS).max(1)).chain(std::iter::repeat(&[][..]));
         let work: Vec<(&mut Lines, &[Belief])> = parts.iter_mut().zip(dealt).collect();
-        work.into_par_iter().for_each(|(lines, nodes)| {
+        work.into_par_iter().try_for_each(|(lines, nodes)| {
             lines.clear();
             let mut record = Record::default();
             for belief in nodes {
+                watch.check()?;
                 let spread_m = belief.spread_m(0).max(belief.spread_m(1));
                 let to_m = reach_m.min(end_m - spread_m);
                 if to_m <= 0.0 {
@@ -137,17 +144,24 @@ impl Tomography {
                     );
                 });
             }
-        });
+            Ok(())
+        })
     }
 
     /// Whether absorption estimated from half of the lines explains the other half better than none does, by more
     /// than three standard deviations of the difference. Leaves nothing absorbing.
-    pub(super) fn is_warranted(&mut self, model: &Model, rounds: usize) -> bool {
+    pub(super) fn is_warranted(
+        &mut self,
+        model: &Model,
+        rounds: usize,
+        watch: &dyn Watch,
+    ) -> Result<bool, Interrupted> {
         let (mut sum, mut squares) = (0.0, 0.0);
         for (half, other) in [(Half::One, Half::Other), (Half::Other, Half::One)] {
             self.map.cells.fill(0.0);
             self.set_threshold(model, Some(half));
             for _ in 0..rounds {
+                watch.check()?;
                 self.step(model, Some(half));
             }
             for gain in self.parts.iter().flat_map(|part| part.gains(model, &self.map.cells, other)) {
@@ -156,16 +170,18 @@ impl Tomography {
             }
         }
         self.map.cells.fill(0.0);
-        sum > 3.0 * squares.sqrt()
+        Ok(sum > 3.0 * squares.sqrt())
     }
 
     /// Improves the absorption, starting from what it is.
-    pub(super) fn improve(&mut self, model: &Model, rounds: usize) {
+    pub(super) fn improve(&mut self, model: &Model, rounds: usize, watch: &dyn Watch) -> Result<(), Interrupted> {
         self.set_threshold(model, None);
         for _ in 0..rounds {
+            watch.check()?;
             self.step(model, None);
         }
         self.map.count();
+        Ok(())
     }
 
     /// The threshold of a cell: [`THRESHOLD`] standard deviations of the gradient of the likelihood there without

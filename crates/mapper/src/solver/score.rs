@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use sextant_channel::Position;
+use sextant_kernel::Watch;
 
 use super::curve::Curve;
 use super::evidence::{Count, Evidence};
@@ -52,6 +53,9 @@ pub(crate) struct Scorer<'s> {
     pub(crate) wedges: Option<&'s Wedges>,
     pub(crate) evidence: &'s Evidence,
     pub(crate) survivors: &'s mut Survivors,
+    pub(crate) watch: &'s dyn Watch,
+    /// Whether the work was ended: no vertex is scored any more.
+    pub(crate) is_stopped: bool,
     /// Whether a vertex with a likelihood above zero was found.
     pub(crate) any_admitted: bool,
     pub(crate) evaluated: u64,
@@ -60,6 +64,9 @@ pub(crate) struct Scorer<'s> {
 impl Scorer<'_> {
     /// Adds the vertices `span` of a row.
     pub(crate) fn push(&mut self, row: Row, span: Range<usize>, sink: &mut impl Sink) {
+        if self.is_stopped {
+            return;
+        }
         let first = self.lattice.index([0, row[0], row[1]]);
         let (y, z) = (self.lattice.coordinate(1, row[0]), self.lattice.coordinate(2, row[1]));
         for i in span {
@@ -77,6 +84,11 @@ impl Scorer<'_> {
     pub(crate) fn flush<S: Sink>(&mut self, sink: &mut S) {
         let count = self.survivors.index.len();
         if count == 0 {
+            return;
+        }
+        self.is_stopped = self.watch.is_stopped();
+        if self.is_stopped {
+            self.survivors.clear();
             return;
         }
         self.evaluated += count as u64;

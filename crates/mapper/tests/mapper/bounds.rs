@@ -1,7 +1,7 @@
 //! Logs that hardly tell where nodes are: self-calibration stays within reach of the stops that heard them, and says so.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{Calibration, SelfCalibrated, SelfCalibratedConfig, TopologyMap};
 
 /// Links whose margin over the sensitivity falls with the logarithm of distance (standard deviations of the fading).
@@ -63,7 +63,7 @@ fn log(stops: &[Position], nodes: &[Position], links: Links) -> ReceptionLog {
 /// its bound has converged.
 fn bounded(log: &ReceptionLog) -> (TopologyMap, Calibration) {
     let algorithm = SelfCalibrated::try_from(SelfCalibratedConfig::default()).expect("good settings");
-    let (map, calibration) = algorithm.map(log);
+    let (map, calibration) = algorithm.map(log, &Unwatched).expect("nobody interrupts");
     let calibration = calibration.expect("nodes were heard");
     let places = || log.stops().iter().map(|stop| stop.position);
     let longest_m = places().flat_map(|a| places().map(move |b| a.distance_m(b))).fold(0.0, f64::max);

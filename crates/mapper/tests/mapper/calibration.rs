@@ -1,7 +1,7 @@
 //! Whether what the mapper says of its own accuracy is true.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
     ChannelProfileConfig, EstimateKind, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, Region, TrueModel,
     posterior_bound_m,
@@ -70,7 +70,7 @@ fn coverage(seeds: u64, tall_m: f64, grid_step_m: f64) -> (f64, f64) {
     let (mut inside, mut count, mut error_m) = (0.0, 0.0, 0.0);
     for seed in 0..seeds {
         let (log, truth) = survey(seed, tall_m);
-        let map = mapper.map(&log).expect("a small grid");
+        let map = mapper.map(&log, &Unwatched).expect("a small grid");
         for (estimate, truth) in map.estimates.iter().zip(truth) {
             let estimate = estimate.as_ref().expect("every node is heard");
             let region = Region::of_95(estimate, grid_step_m).expect("a posterior mean has a covariance");
@@ -108,7 +108,7 @@ fn the_posterior_bound_is_the_error_of_the_posterior_mean_under_the_true_model()
             let probability =
                 |stop: u32, place: Position| exact.probability(place.distance_m(log.stops()[stop as usize].position));
             let model = TrueModel { probability, near: &near, reach_m: 8.0, z_range_m: [0.0, tall_m] };
-            bound_m += posterior_bound_m(&log, &model).expect("nodes were heard");
+            bound_m += posterior_bound_m(&log, &model, &Unwatched).unwrap().expect("nodes were heard");
         }
         let bound_m = bound_m / seeds as f64;
         let (_, error_m) = coverage(seeds, tall_m, grid_step_m);
@@ -128,7 +128,12 @@ fn the_bound_is_the_same_for_any_number_of_threads_and_absent_without_receptions
         let stops: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
         let exact = exact.clone();
         let probability = move |stop: u32, place: Position| exact.probability(place.distance_m(stops[stop as usize]));
-        posterior_bound_m(log, &TrueModel { probability, near: &near, reach_m: 8.0, z_range_m: [0.0, 0.0] })
+        posterior_bound_m(
+            log,
+            &TrueModel { probability, near: &near, reach_m: 8.0, z_range_m: [0.0, 0.0] },
+            &Unwatched,
+        )
+        .unwrap()
     };
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");

@@ -2,5 +2,5 @@
 
 mod anchored;
 mod hops;
-mod network;
+pub(crate) mod network;
 mod ranges;

@@ -7,3 +7,4 @@ mod heights;
 mod ml_tm;
 mod profiles;
 mod self_calibrated;
+mod watched;

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use sextant_channel::{
     EvenSectorsConfig, LogError, Position, Reception, ReceptionLog, SectorConfig, SectorTable, Stop,
 };
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
     CountRule, EstimateKind, Lattice, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile,
     SectorLayoutConfig, SectorTolerance, SectorsConfig, TableProfile, TieRule, TrapezoidConfig,
@@ -309,14 +309,15 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
     let table = if let ReceptionProfile::Table(table) = argmax.profile() { Some(table) } else { None };
     let profile = TrapezoidConfig { range_m: argmax.profile().range_m(), ..case.profile.clone() };
     let oracle = Oracle { profile: &profile, table, log: &log, lattice: &lattice, tolerance: case.tolerance };
-    let (argmax_map, posterior_map) = (argmax.map(&log).expect("a map"), posterior.map(&log).expect("a map"));
+    let (argmax_map, posterior_map) =
+        (argmax.map(&log, &Unwatched).expect("a map"), posterior.map(&log, &Unwatched).expect("a map"));
     for node in 0..NODES {
         let (likelihoods, infeasible) = oracle.likelihoods(NodeId(node));
         let found = &argmax_map.estimates[node as usize];
         let mean = &posterior_map.estimates[node as usize];
         if likelihoods.is_empty() {
             prop_assert!(found.is_none() && mean.is_none());
-            let unheard = argmax.surface(&log, NodeId(node)).is_err();
+            let unheard = argmax.surface(&log, NodeId(node), &Unwatched).is_err();
             prop_assert!(unheard);
             continue;
         }
@@ -335,7 +336,7 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
             prop_assert!((found - expected).abs() < 1e-8, "{} {}", found, expected);
         }
 
-        let surface = argmax.surface(&log, NodeId(node)).expect("a surface");
+        let surface = argmax.surface(&log, NodeId(node), &Unwatched).expect("a surface");
         let finite = surface.log_likelihood.iter().filter(|value| value.is_finite());
         prop_assert_eq!(finite.count(), likelihoods.len());
         prop_assert!((surface.maximum().1 - highest.ln()).abs() < 1e-9);
@@ -405,7 +406,7 @@ fn many_stops_with_outliers_have_the_argmax_of_the_sum_of_logarithms() {
     let log = log(2, &stops, receptions);
     for step_m in [0.3, 0.45] {
         let ml_tm = ml_tm(MlTmConfig::new(step_m, ProfileConfig::Trapezoid(profile.clone())));
-        let map = ml_tm.map(&log).unwrap();
+        let map = ml_tm.map(&log, &Unwatched).unwrap();
         let lattice = ml_tm.lattice(&log).unwrap();
         assert_eq!(map.infeasible(), 1, "only the node with the outlier");
         for node in 0..2 {
@@ -469,12 +470,12 @@ fn the_worked_example_of_the_thesis_comes_out() {
     let stops = places.map(|(x, y)| Position::new(x, y, 0.0) + shift);
     let heard = [(0, 2), (1, 1), (1, 2), (1, 3), (2, 4)];
     let log = log(3, &stops, heard.map(|(node, stop)| entry(node, stop, 1, 1)).to_vec());
-    let map = ml_tm.map(&log).unwrap();
+    let map = ml_tm.map(&log, &Unwatched).unwrap();
     let place = |node: usize| map.estimates[node].as_ref().unwrap().position - shift;
     assert!(place(0).distance_m(Position::new(1.0, 3.0, 0.0)) < 1e-9);
     assert!(place(2).distance_m(Position::new(4.0, 2.0, 0.0)) < 1e-9);
     // For q the printed (2, 2) is a near tie inside the rounding of the stops.
-    let surface = ml_tm.surface(&log, NodeId(1)).unwrap();
+    let surface = ml_tm.surface(&log, NodeId(1), &Unwatched).unwrap();
     let printed = (0..surface.lattice.len())
         .find(|&i| {
             let vertex = surface.lattice.position(surface.lattice.vertex(i));
@@ -506,7 +507,7 @@ fn without_noise_the_likelihood_is_highest_at_the_truth() {
             if received > 1 { received } else { 0 }
         };
         let receptions = (0..).zip(&stops).map(|(i, stop)| entry(0, i, packets(stop), SENT)).collect();
-        let map = ml_tm.map(&log(1, &stops, receptions)).unwrap();
+        let map = ml_tm.map(&log(1, &stops, receptions), &Unwatched).unwrap();
         let estimate = map.estimates[0].as_ref().unwrap();
         assert!(estimate.position.distance_m(truth) < 1e-9, "seed {seed}: {estimate:?}, truth {truth:?}");
         assert!(!estimate.infeasible && estimate.ties == 1);
@@ -524,7 +525,7 @@ fn slots_with_at_least_one_packet_are_mapped_as_one_of_one() {
     let map = |counts, receptions| {
         let config =
             MlTmConfig { counts, estimate: EstimateKind::PosteriorMean, ..MlTmConfig::new(0.25, profile.clone()) };
-        ml_tm(config).map(&log(1, &places, receptions)).unwrap().estimates
+        ml_tm(config).map(&log(1, &places, receptions), &Unwatched).unwrap().estimates
     };
     let as_slots = map(Some(CountRule::Packets), slots);
     assert_eq!(map(Some(CountRule::AtLeastOne), counted.clone()), as_slots);
@@ -537,12 +538,17 @@ fn nodes_never_heard_are_not_placed() {
     let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 3.0));
     let ml_tm = ml_tm(MlTmConfig::new(0.5, profile));
     let partly = log(3, &stops, vec![entry(0, 0, 1, 1), entry(1, 0, 0, 0), entry(1, 1, 0, 5)]);
-    let map = ml_tm.map(&partly).unwrap();
+    let map = ml_tm.map(&partly, &Unwatched).unwrap();
     assert_eq!((map.mapped(), map.unmapped()), (1, 2));
     assert!(map.estimates[0].is_some());
-    assert!(matches!(ml_tm.surface(&partly, NodeId(1)), Err(MapError::NotHeard { name }) if name == "n1"));
-    assert!(matches!(ml_tm.surface(&partly, NodeId(7)), Err(MapError::UnknownNode { node: 7, nodes: 3 })));
-    let silent = ml_tm.map(&log(2, &[], Vec::new())).unwrap();
+    assert!(
+        matches!(ml_tm.surface(&partly, NodeId(1), &Unwatched), Err(MapError::NotHeard { name }) if name == "n1")
+    );
+    assert!(matches!(
+        ml_tm.surface(&partly, NodeId(7), &Unwatched),
+        Err(MapError::UnknownNode { node: 7, nodes: 3 })
+    ));
+    let silent = ml_tm.map(&log(2, &[], Vec::new()), &Unwatched).unwrap();
     assert_eq!((silent.mapped(), silent.unmapped(), silent.vertices_evaluated), (0, 2, 0));
 }
 
@@ -558,15 +564,15 @@ fn sectors_come_from_the_settings_or_from_the_log_and_must_be_known() {
     let y_m = |map: sextant_mapper::TopologyMap| map.estimates[0].as_ref().map(|estimate| estimate.position.y_m);
     let (left, right) = (log(1, &stops, heard(1)), log(1, &stops, heard(3)));
     let by_settings = with(Some(SectorsConfig { layout: layout.clone(), ..SectorsConfig::default() }));
-    let [on_left, on_right] = [&left, &right].map(|log| y_m(by_settings.map(log).unwrap()).unwrap());
+    let [on_left, on_right] = [&left, &right].map(|log| y_m(by_settings.map(log, &Unwatched).unwrap()).unwrap());
     assert!(on_left > 0.5 && on_right < -0.5, "{on_left}, {on_right}");
     let told = left.clone().with_sectors(SectorTable::try_from(even).unwrap()).unwrap();
-    assert_eq!(with(None).map(&told).unwrap(), by_settings.map(&left).unwrap());
+    assert_eq!(with(None).map(&told, &Unwatched).unwrap(), by_settings.map(&left, &Unwatched).unwrap());
     // Without a table, or without limit, sectors say nothing.
-    assert_eq!(with(None).map(&left).unwrap(), with(None).map(&right).unwrap());
+    assert_eq!(with(None).map(&left, &Unwatched).unwrap(), with(None).map(&right, &Unwatched).unwrap());
     let unlimited = with(Some(SectorsConfig { tolerance: SectorTolerance::Unlimited, layout }));
-    assert_eq!(unlimited.map(&told).unwrap(), with(None).map(&right).unwrap());
-    let error = by_settings.map(&log(1, &stops, heard(7))).unwrap_err();
+    assert_eq!(unlimited.map(&told, &Unwatched).unwrap(), with(None).map(&right, &Unwatched).unwrap());
+    let error = by_settings.map(&log(1, &stops, heard(7)), &Unwatched).unwrap_err();
     assert!(matches!(error, MapError::Log(LogError::UnknownSector { sector: 7, stop: 0, .. })));
     let expected = "node `n0` at stop 0 was heard in sector 7; the listener's sectors are 0 to 3";
     assert_eq!(error.to_string(), expected);
@@ -591,9 +597,9 @@ fn zero_of_zero_packets_is_no_evidence() {
     let ml_tm = ml_tm(MlTmConfig { z_range_m: Some([0.0, 0.0]), ..MlTmConfig::new(0.25, profile) });
     let mut with_nothing = heard.clone();
     with_nothing.push(entry(0, 3, 0, 0));
-    let deaf = ml_tm.map(&log(1, &stops, with_nothing)).unwrap();
-    let absent = ml_tm.map(&log(1, &stops[..3], heard.clone())).unwrap();
-    let missed = ml_tm.map(&log(1, &stops, heard)).unwrap();
+    let deaf = ml_tm.map(&log(1, &stops, with_nothing), &Unwatched).unwrap();
+    let absent = ml_tm.map(&log(1, &stops[..3], heard.clone()), &Unwatched).unwrap();
+    let missed = ml_tm.map(&log(1, &stops, heard), &Unwatched).unwrap();
     let likelihood = |map: &sextant_mapper::TopologyMap| map.estimates[0].as_ref().unwrap().log_likelihood.unwrap();
     assert!((likelihood(&deaf) - likelihood(&absent)).abs() < 1e-12);
     assert!(likelihood(&missed) < likelihood(&absent) - 0.01);
@@ -604,7 +610,7 @@ fn a_plateau_is_represented_by_its_mean_and_mirror_images_by_one_of_them() {
     let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 3.0));
     let place = |config: MlTmConfig, stops: &[Position], heard: &[u32]| {
         let receptions = heard.iter().map(|&stop| entry(0, stop, 1, 1)).collect();
-        let map = ml_tm(config).map(&log(1, stops, receptions)).unwrap();
+        let map = ml_tm(config).map(&log(1, stops, receptions), &Unwatched).unwrap();
         let estimate = map.estimates[0].clone().unwrap();
         (estimate.position, estimate.ties)
     };
@@ -645,7 +651,7 @@ fn one_thread_and_two_give_the_same_bits() {
     let ml_tm = ml_tm(config);
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        format!("{:?}", pool.install(|| ml_tm.map(&log)).unwrap())
+        format!("{:?}", pool.install(|| ml_tm.map(&log, &Unwatched)).unwrap())
     };
     let one = on(1);
     assert_eq!(one, on(2));
@@ -671,7 +677,7 @@ fn bad_settings_are_refused_by_name() {
         assert_eq!(MlTm::try_from(config).unwrap_err().key, key);
     }
     let fine = MlTm::try_from(MlTmConfig { grid_step_m: 1e-5, ..good }).unwrap();
-    let error = fine.map(&log(1, &[Position::ORIGIN], vec![entry(0, 0, 1, 1)])).unwrap_err();
+    let error = fine.map(&log(1, &[Position::ORIGIN], vec![entry(0, 0, 1, 1)]), &Unwatched).unwrap_err();
     assert!(matches!(error, MapError::GridTooLarge { .. }));
     assert!(error.to_string().contains("a grid_step_m of"), "{error}");
 }

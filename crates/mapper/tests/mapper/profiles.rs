@@ -1,7 +1,7 @@
 //! Profiles of known channels, and profiles estimated from the log.
 
 use sextant_channel::{ChannelConfig, ChannelLaw, Db, Dbm, Environment, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, EstimateKind, Fit, FittedConfig, FittedMlTm, Mapper, MlTm, MlTmConfig,
     PositionError, ProfileConfig, ReceptionProfile, TopologyMap, TrapezoidConfig,
@@ -160,7 +160,7 @@ fn ml_tm(grid_step_m: f64) -> MlTmConfig {
 /// The map under a fitted profile, the profile, and the mean error (m).
 fn mapped(config: &MlTmConfig, survey: &Survey) -> (TopologyMap, Fit, f64) {
     let mapper = FittedMlTm::new(config.clone(), FittedConfig::default()).expect("good settings");
-    let (map, fit) = mapper.map(&survey.log).expect("a small grid");
+    let (map, fit) = mapper.map(&survey.log, &Unwatched).expect("a small grid");
     let error_m = PositionError::between(&survey.truth, &map.positions()).expect("nodes are mapped").mean;
     (map, fit.expect("nodes were heard"), error_m)
 }
@@ -181,7 +181,8 @@ fn a_known_curve_is_recovered_from_the_log_alone() {
     assert_eq!((fit.dead_stops.len(), fit.outliers.len()), (0, 0));
     // Nobody told the mapper the curve, yet it is nearly as good as one that was told.
     let told = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 0.0, 11.25));
-    let told = MlTm::try_from(MlTmConfig { profile: told, ..ml_tm(0.25) }).unwrap().map(&survey.log).unwrap();
+    let told =
+        MlTm::try_from(MlTmConfig { profile: told, ..ml_tm(0.25) }).unwrap().map(&survey.log, &Unwatched).unwrap();
     let told_m = PositionError::between(&survey.truth, &told.positions()).unwrap().mean;
     assert!(fitted_m < told_m, "{fitted_m} m against {told_m} m without the cut");
 }
@@ -276,7 +277,7 @@ fn hardly_any_evidence_is_no_reason_to_fail() {
         (vec![stop(0.0), stop(4.0)], vec![Reception { received: 0, ..heard(0, 0) }], 0),
     ] {
         let log = ReceptionLog::new(names(), stops, receptions, Vec::new()).unwrap();
-        let (map, _) = mapper.map_and_learn(&log).unwrap();
+        let (map, _) = mapper.map_and_learn(&log, &Unwatched).unwrap();
         assert_eq!(map.mapped(), mapped, "{log:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! Self-calibrated maps of logs whose channel and obstacle are known to the test alone.
 
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, Calibration, EstimateKind, Learned, Mapper, MlTmConfig, ObstacleKnowledge, ProfileConfig,
     Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
@@ -135,7 +135,7 @@ fn settings() -> SelfCalibratedConfig {
 }
 
 fn calibrated(config: SelfCalibratedConfig, log: &ReceptionLog) -> (TopologyMap, Calibration) {
-    let (map, calibration) = SelfCalibrated::try_from(config).expect("good settings").map(log);
+    let (map, calibration) = SelfCalibrated::try_from(config).expect("good settings").map(log, &Unwatched).unwrap();
     (map, calibration.expect("nodes were heard"))
 }
 
@@ -373,7 +373,7 @@ fn poor_logs_are_mapped_as_far_as_they_go() {
         log(0, vec![stop(0.0, 0.0)], vec![]),
         log(3, vec![stop(0.0, 0.0); 4], vec![]),
     ] {
-        let (map, calibration) = algorithm.map(&log);
+        let (map, calibration) = algorithm.map(&log, &Unwatched).unwrap();
         assert_eq!((map.mapped(), calibration), (0, None));
     }
     // One reception; one node heard along a line; all stops in one place, and one that heard nothing.
@@ -384,16 +384,16 @@ fn poor_logs_are_mapped_as_far_as_they_go() {
         log(2, vec![stop(1.0, 1.0); 9], (0..8).flat_map(|stop| [heard(0, stop), heard(1, stop)]).collect()),
     ];
     for (log, mapped) in logs.iter().zip([1, 1, 2]) {
-        let (map, calibration) = algorithm.map(log);
+        let (map, calibration) = algorithm.map(log, &Unwatched).unwrap();
         let calibration = calibration.expect("something was heard");
         assert_eq!((map.mapped(), calibration.efficiency.len()), (mapped, log.stops().len()));
         assert!(map.positions().into_iter().flatten().all(Position::is_finite));
         assert!(calibration.curve.is_none_or(|curve| curve.probabilities().iter().all(|p| (0.0..=1.0).contains(p))));
     }
-    let (map, _) = algorithm.map(&logs[1]);
+    let (map, _) = algorithm.map(&logs[1], &Unwatched).unwrap();
     let place = map.positions()[0].expect("it was heard");
     assert!((place.x_m - 5.5).abs() < 0.5, "{place:?}");
-    assert_eq!(algorithm.map(&logs[0]).1.expect("something was heard").curve, None);
+    assert_eq!(algorithm.map(&logs[0], &Unwatched).unwrap().1.expect("something was heard").curve, None);
 }
 
 #[test]
@@ -402,7 +402,7 @@ fn the_mapper_says_what_was_learned() {
     let mapper =
         Mapper::try_from(AlgorithmConfig::SelfCalibrated(SelfCalibratedConfig::default())).expect("good settings");
     assert_eq!(mapper.name(), "self-calibrated");
-    let (map, learned) = mapper.map_and_learn(&log).expect("a small grid");
+    let (map, learned) = mapper.map_and_learn(&log, &Unwatched).expect("a small grid");
     assert_eq!(map.algorithm, "self-calibrated");
     assert!(matches!(learned, Some(Learned::Calibration(Calibration { curve: Some(_), .. }))));
     let bad = SelfCalibratedConfig { max_rounds: 0, ..SelfCalibratedConfig::default() };

@@ -1,7 +1,7 @@
 //! Maps from signal strengths between nodes and along the robot's path.
 
 use sextant_channel::{Anchor, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
-use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
     EstimateKind, FrameConfig, Knowledge, RangingConfig, RssGrid, RssGridConfig, RssLinks, RssMl, RssMlConfig,
     Smacof, SmacofConfig, rss_crlb_m,
@@ -64,7 +64,7 @@ impl Small {
             anchors: &self.anchors,
             ..Knowledge::from(&self.log)
         };
-        let map = rss_ml().map(&knowledge).expect("a map");
+        let map = rss_ml().map(&knowledge, &Unwatched).expect("a map");
         map.positions().into_iter().map(|place| place.expect("every node is linked to anchors")).collect()
     }
 }
@@ -132,11 +132,11 @@ fn the_cooperative_estimate_is_efficient_and_no_better_than_the_bound() {
 fn exact_strengths_between_nodes_give_exact_maps() {
     for (counts, every) in [([8, 8, 1], 6), ([4, 4, 4], 7)] {
         let network = Network::new(lattice(counts, 0.2), every, 2.5, 5.0, 0.0);
-        let error_m = mean_error_m(&network, &rss_ml().map(&network.knowledge()).unwrap());
+        let error_m = mean_error_m(&network, &rss_ml().map(&network.knowledge(), &Unwatched).unwrap());
         assert!(error_m < 1e-6, "rss-ml, {counts:?}: {error_m}");
         let config = SmacofConfig { ranging: RANGING, tolerance: 0.0, rounds: 3000, ..SmacofConfig::default() };
         let smacof = Smacof::try_from(config).unwrap();
-        let error_m = mean_error_m(&network, &smacof.map(&network.knowledge()).unwrap());
+        let error_m = mean_error_m(&network, &smacof.map(&network.knowledge(), &Unwatched).unwrap());
         assert!(error_m < 1e-3, "smacof, {counts:?}: {error_m}");
     }
 }
@@ -146,7 +146,7 @@ fn relative_maps_are_the_same_up_to_a_similarity() {
     let network = Network::new(lattice([8, 8, 1], 0.2), 6, 2.5, 5.0, 1.0);
     let map = |frame| {
         let config = SmacofConfig { ranging: RANGING, frame, ..SmacofConfig::default() };
-        Smacof::try_from(config).expect("good settings").map(&network.knowledge()).expect("a map")
+        Smacof::try_from(config).expect("good settings").map(&network.knowledge(), &Unwatched).expect("a map")
     };
     let aligned = map(FrameConfig::Relative).aligned_to(&network.truth(), 4);
     let anchored = map(FrameConfig::Anchors);
@@ -195,7 +195,7 @@ fn the_bayesian_grid_finds_nodes_and_covers_them() {
         z_range_m: None,
     };
     let log = survey(&nodes, 8.0, 4.0);
-    let map = RssGrid::try_from(config).unwrap().map(&Knowledge::from(&log)).unwrap();
+    let map = RssGrid::try_from(config).unwrap().map(&Knowledge::from(&log), &Unwatched).unwrap();
     let errors: Vec<f64> =
         map.positions().iter().zip(&nodes).map(|(found, node)| found.expect("heard").distance_m(*node)).collect();
     let mean_m = errors.iter().sum::<f64>() / 200.0;
@@ -214,7 +214,7 @@ fn the_bayesian_grid_finds_nodes_and_covers_them() {
     // than two steps.
     let exact = RssGrid::try_from(RssGridConfig { estimate: EstimateKind::Argmax, ..config }).unwrap();
     let log = survey(&nodes, 8.0, 0.0);
-    let map = exact.map(&Knowledge::from(&log)).unwrap();
+    let map = exact.map(&Knowledge::from(&log), &Unwatched).unwrap();
     for (found, node) in map.positions().iter().zip(&nodes) {
         assert!(found.expect("heard").distance_m(*node) < 0.4, "{found:?} not {node}");
     }
@@ -236,7 +236,7 @@ fn the_grid_is_the_same_on_any_number_of_threads_and_silent_nodes_are_not_placed
     let grid = RssGrid::try_from(config).unwrap();
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| grid.map(&Knowledge::from(&log)).expect("a map"))
+        pool.install(|| grid.map(&Knowledge::from(&log), &Unwatched).expect("a map"))
     };
     let map = on(1);
     assert_eq!(map, on(3));

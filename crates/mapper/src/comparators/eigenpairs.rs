@@ -1,0 +1,120 @@
+//! The greatest eigenvalues of symmetric matrices and their vectors, of large ones from products alone.
+
+use nalgebra::DMatrix;
+use sextant_kernel::{Interrupted, Watch};
+
+/// Dimensions of the subspace beyond those wanted.
+pub(super) const SPARE: usize = 8;
+/// Rounds of the subspace iteration, at most.
+const ROUNDS: u32 = 500;
+/// Multiplications between two looks at whether to go on: about a twentieth of a second.
+const AT_ONCE: usize = 100_000_000;
+
+/// The `count` greatest eigenvalues of a symmetric matrix, falling, and their vectors.
+pub(super) fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
+    let eigen = matrix.clone().symmetric_eigen();
+    let mut order: Vec<usize> = (0..matrix.nrows()).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]).then(a.cmp(&b)));
+    order.truncate(count);
+    (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))
+}
+
+/// The same of the matrix whose product with a block of vectors is `product`, by subspace iteration with Rayleigh-Ritz
+/// (Rutishauser 1970) from the block `start`, which has [`SPARE`] more columns. The subspace holds the eigenvalues of
+/// largest magnitude; the spare dimensions hold negative ones, which must be few or small.
+///
+/// # Errors
+/// If `product` is interrupted.
+pub(super) fn iterated(
+    start: DMatrix<f64>,
+    count: usize,
+    product: impl Fn(&DMatrix<f64>) -> Result<DMatrix<f64>, Interrupted>,
+) -> Result<(Vec<f64>, DMatrix<f64>), Interrupted> {
+    let mut basis = start.qr().q();
+    let mut result = (vec![0.0; count], basis.columns(0, count).into_owned());
+    for _ in 0..ROUNDS {
+        let image = product(&basis)?;
+        let projected = basis.transpose() * &image;
+        let (values, turn) = sorted(&((&projected + projected.transpose()) * 0.5), count);
+        let vectors = &basis * &turn;
+        // What is left of A v − λ v tells how far the pairs are from eigenpairs.
+        let mut rest = &image * &turn;
+        for (axis, &value) in values.iter().enumerate() {
+            rest.column_mut(axis).axpy(-value, &vectors.column(axis), 1.0);
+        }
+        let scale = values.iter().fold(0.0, |scale: f64, value| scale.max(value.abs()));
+        let done = rest.amax() <= 1e-12 * scale;
+        result = (values, vectors);
+        if done || image.amax() <= f64::MIN_POSITIVE {
+            break;
+        }
+        basis = image.qr().q();
+    }
+    Ok(result)
+}
+
+/// `matrix · block`, a part of the rows at a time.
+///
+/// # Errors
+/// If `watch` ends the work.
+pub(super) fn product(
+    matrix: &DMatrix<f64>,
+    block: &DMatrix<f64>,
+    watch: &dyn Watch,
+) -> Result<DMatrix<f64>, Interrupted> {
+    watch.check()?;
+    let per_row = matrix.ncols() * block.ncols();
+    let rows = AT_ONCE.div_ceil(per_row.max(1));
+    if rows >= matrix.nrows() {
+        return Ok(matrix * block);
+    }
+    let mut product = DMatrix::zeros(matrix.nrows(), block.ncols());
+    for first in (0..matrix.nrows()).step_by(rows) {
+        watch.check()?;
+        let count = rows.min(matrix.nrows() - first);
+        product.rows_mut(first, count).gemm(1.0, &matrix.rows(first, count), block, 0.0);
+    }
+    Ok(product)
+}
+
+/// `matrixᵀ · block`, a part of the columns of the matrix at a time.
+///
+/// # Errors
+/// If `watch` ends the work.
+pub(super) fn transposed_product(
+    matrix: &DMatrix<f64>,
+    block: &DMatrix<f64>,
+    watch: &dyn Watch,
+) -> Result<DMatrix<f64>, Interrupted> {
+    watch.check()?;
+    let per_column = matrix.nrows() * block.ncols();
+    let columns = AT_ONCE.div_ceil(per_column.max(1));
+    if columns >= matrix.ncols() {
+        return Ok(matrix.transpose() * block);
+    }
+    let mut product = DMatrix::zeros(matrix.ncols(), block.ncols());
+    for first in (0..matrix.ncols()).step_by(columns) {
+        watch.check()?;
+        let count = columns.min(matrix.ncols() - first);
+        product.rows_mut(first, count).gemm(1.0, &matrix.columns(first, count).transpose(), block, 0.0);
+    }
+    Ok(product)
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_kernel::{Purpose, Seed, Unwatched};
+
+    use super::*;
+
+    #[test]
+    fn products_in_parts_are_those_of_whole_matrices() {
+        let draw = |i: usize, j: usize| Seed(1).normal(Purpose::new(8), [i as u64, j as u64, 3]);
+        let (tall, block) = (DMatrix::from_fn(12_000, 1000, draw), DMatrix::from_fn(1000, 11, draw));
+        let parts = product(&tall, &block, &Unwatched).unwrap();
+        assert!((&parts - &tall * &block).amax() < 1e-9 * parts.amax());
+        let narrow = DMatrix::from_fn(12_000, 11, draw);
+        let parts = transposed_product(&tall, &narrow, &Unwatched).unwrap();
+        assert!((&parts - tall.transpose() * narrow).amax() < 1e-9 * parts.amax());
+    }
+}

@@ -1,0 +1,355 @@
+//! The search for one node: tiles that cannot hold a vertex that counts are not looked at.
+
+use std::ops::Range;
+
+use sextant_channel::{Position, Stop};
+use sextant_kernel::Watch;
+
+use super::curves::Curves;
+use super::tiles::{Part, Tiles};
+use crate::local_posterior::covariance;
+use crate::{Estimate, EstimateKind, Lattice};
+
+/// How far below the highest log-likelihood a vertex no longer counts in a mean: even 10⁹ of them weigh 10⁻²¹.
+const NEGLIGIBLE: f64 = 70.0;
+/// What a bound may be too low by, for rounding: relative to the sum of what it is made of.
+const ROUNDING: f64 = 1e-9;
+
+/// A stop that heard a node.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HeardStop {
+    pub(super) place: Position,
+    pub(super) rssi_dbm: f64,
+}
+
+/// Whether vertices beyond the radius of a stop that heard the node are ruled out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Radius {
+    Hard,
+    Ignored,
+}
+
+/// A survey ready to be searched for any of its nodes.
+pub(super) struct Search<'a> {
+    pub(super) curves: Curves,
+    pub(super) lattice: &'a Lattice,
+    pub(super) stops: &'a [Stop],
+    pub(super) range_m: f64,
+    pub(super) variance: f64,
+    pub(super) watch: &'a dyn Watch,
+}
+
+impl Search<'_> {
+    /// The log-likelihood of silence at each vertex of a part of the lattice, x running fastest.
+    pub(super) fn silence(&self, part: &Part) -> Box<[f64]> {
+        let [columns, rows, layers] = [0, 1, 2].map(|axis| part.span(axis));
+        let mut silence = vec![0.0; columns.len() * rows.len() * layers.len()];
+        let mut values = silence.chunks_mut(columns.len());
+        for k in layers {
+            for j in rows.clone() {
+                let Some(values) = values.next() else { break };
+                for stop in self.stops {
+                    self.add_silence(stop.position, [j, k], &columns, values);
+                }
+            }
+        }
+        silence.into()
+    }
+
+    /// Adds what the silence of a stop says to the vertices `columns` of a row.
+    fn add_silence(&self, stop: Position, [j, k]: [usize; 2], columns: &Range<usize>, values: &mut [f64]) {
+        let first = self.lattice.position([0, j, k]);
+        let across_m = (first.y_m - stop.y_m).hypot(first.z_m - stop.z_m);
+        if across_m > self.range_m {
+            return;
+        }
+        let half_m = (self.range_m * self.range_m - across_m * across_m).sqrt();
+        let (span, _) = self.lattice.span(0, stop.x_m - half_m, stop.x_m + half_m);
+        for i in span.start.max(columns.start)..span.end.min(columns.end) {
+            let along_m = self.lattice.coordinate(0, i) - stop.x_m;
+            values[i - columns.start] += self.curves.log_silence(along_m.hypot(across_m));
+        }
+    }
+
+    /// What the log-likelihood of silence is at most, at any vertex of a part.
+    pub(super) fn silence_bound(&self, part: &Part) -> f64 {
+        let mut sum = 0.0;
+        for stop in self.stops {
+            let [_, far_m] = part.distances_m(stop.position);
+            // Up to the last vertex a row may be in range by rounding, or not.
+            if far_m < self.range_m * (1.0 - 1e-6) {
+                sum += self.curves.log_silence(far_m);
+            }
+        }
+        sum * (1.0 - ROUNDING)
+    }
+
+    /// What the log-likelihood of a node is at most at any vertex of a part whose silence bound is `silence`.
+    fn bound(&self, part: &Part, silence: f64, heard: &[HeardStop], radius: Radius) -> f64 {
+        let slack_m = self.slack_m();
+        let (mut gain, mut loss) = (0.0, 0.0);
+        for stop in heard {
+            let [near_m, far_m] = part.distances_m(stop.place);
+            if radius == Radius::Hard && near_m > slack_m * (1.0 + ROUNDING) {
+                return f64::NEG_INFINITY;
+            }
+            let (strongest, weakest) = (self.curves.mean_dbm(near_m), self.curves.mean_dbm(far_m));
+            let misfit = (stop.rssi_dbm - strongest).max(weakest - stop.rssi_dbm).max(0.0);
+            loss += 0.5 * misfit * misfit / self.variance;
+            if near_m <= self.range_m * (1.0 + ROUNDING) {
+                gain -= self.curves.log_silence(near_m);
+            }
+        }
+        silence + gain - loss + ROUNDING * (1.0 - silence + gain + loss)
+    }
+
+    /// How far from a stop that heard it a node may be at a vertex [m].
+    fn slack_m(&self) -> f64 {
+        self.range_m + self.lattice.half_diagonal_m()
+    }
+
+    /// The estimate of a node that was heard at these stops, and how many vertices were looked at; anything if the work
+    /// was ended meanwhile.
+    pub(super) fn estimate(&self, tiles: &Tiles, heard: &[HeardStop], kind: EstimateKind) -> (Option<Estimate>, u64) {
+        let Some(strongest) = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)) else { return (None, 0) };
+        let mut found = Found::new(kind);
+        self.look(tiles, &self.spans(heard), heard, Radius::Hard, &mut found);
+        let is_infeasible = found.vertices.is_empty();
+        if is_infeasible {
+            // No vertex is in reach of all: round the strongest, ruling nothing out.
+            self.look(tiles, &self.spans(&[*strongest]), heard, Radius::Ignored, &mut found);
+        }
+        let evaluated = found.evaluated;
+        (found.estimate(self.lattice, is_infeasible), evaluated)
+    }
+
+    /// The box of the vertices that may be in reach of all stops.
+    fn spans(&self, heard: &[HeardStop]) -> [Range<usize>; 3] {
+        let slack_m = self.slack_m();
+        [0, 1, 2].map(|axis| {
+            let along = |stop: &HeardStop| <[f64; 3]>::from(stop.place)[axis];
+            let low = heard.iter().map(|stop| along(stop) - slack_m).fold(f64::NEG_INFINITY, f64::max);
+            let high = heard.iter().map(|stop| along(stop) + slack_m).fold(f64::INFINITY, f64::min);
+            self.lattice.span(axis, low, high).0
+        })
+    }
+
+    /// Gives `found` all vertices of a box that may count, block by block, the most promising first.
+    fn look(&self, tiles: &Tiles, spans: &[Range<usize>; 3], heard: &[HeardStop], radius: Radius, found: &mut Found) {
+        let mut blocks: Vec<_> = tiles
+            .blocks(self.lattice, spans)
+            .map(|(block, part, silence)| (self.bound(&part, silence, heard, radius), block))
+            .collect();
+        blocks.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (bound, block) in blocks {
+            if !found.is_within_reach(bound) || self.watch.is_stopped() {
+                return;
+            }
+            let mut of_block: Vec<_> = tiles
+                .of_block(self, block, spans)
+                .map(|(number, part, silence)| (self.bound(&part, silence, heard, radius), number, part))
+                .collect();
+            of_block.sort_by(|a, b| b.0.total_cmp(&a.0));
+            for (bound, number, part) in of_block {
+                if !found.is_within_reach(bound) || self.watch.is_stopped() {
+                    break;
+                }
+                self.weigh(&part, tiles.silence(self, number, &part), spans, (heard, radius), found);
+            }
+        }
+    }
+
+    /// Gives `found` the vertices of a tile that are in a box.
+    fn weigh(
+        &self,
+        part: &Part,
+        silence: &[f64],
+        spans: &[Range<usize>; 3],
+        (heard, radius): (&[HeardStop], Radius),
+        found: &mut Found,
+    ) {
+        let slack_m = self.slack_m();
+        let mut silence = silence.iter();
+        for k in part.span(2) {
+            for j in part.span(1) {
+                for i in part.span(0) {
+                    let Some(&silence) = silence.next() else { return };
+                    let vertex = [i, j, k];
+                    if !(0..3).all(|axis| spans[axis].contains(&vertex[axis])) {
+                        continue;
+                    }
+                    let place = self.lattice.position(vertex);
+                    let mut value = silence;
+                    let mut is_ruled_out = false;
+                    for stop in heard {
+                        let distance_m = place.distance_m(stop.place);
+                        is_ruled_out |= distance_m > slack_m;
+                        let misfit = stop.rssi_dbm - self.curves.mean_dbm(distance_m);
+                        value -= 0.5 * misfit * misfit / self.variance;
+                        if distance_m <= self.range_m {
+                            value -= self.curves.log_silence(distance_m);
+                        }
+                    }
+                    if !(radius == Radius::Hard && is_ruled_out) {
+                        found.take(self.lattice.index(vertex), value);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The vertices found that count, or did when they were found.
+struct Found {
+    kind: EstimateKind,
+    margin: f64,
+    highest: f64,
+    vertices: Vec<(u64, f64)>,
+    evaluated: u64,
+}
+
+impl Found {
+    fn new(kind: EstimateKind) -> Self {
+        let margin = match kind {
+            EstimateKind::Argmax => 0.0,
+            EstimateKind::PosteriorMean => NEGLIGIBLE,
+        };
+        Self { kind, margin, highest: f64::NEG_INFINITY, vertices: Vec::new(), evaluated: 0 }
+    }
+
+    /// Whether a vertex with this log-likelihood would count.
+    fn is_within_reach(&self, value: f64) -> bool {
+        value > f64::NEG_INFINITY && value >= self.highest - self.margin
+    }
+
+    fn take(&mut self, index: u64, value: f64) {
+        self.evaluated += 1;
+        if self.is_within_reach(value) {
+            self.highest = self.highest.max(value);
+            self.vertices.push((index, value));
+        }
+    }
+
+    /// The estimate; `None` if nothing was found.
+    fn estimate(mut self, lattice: &Lattice, infeasible: bool) -> Option<Estimate> {
+        let least = self.highest - self.margin;
+        self.vertices.retain(|&(_, value)| value >= least);
+        // In the order of the lattice, so that sums do not depend on the order of the search.
+        self.vertices.sort_unstable_by_key(|&(index, _)| index);
+        let place = |index| lattice.position(lattice.vertex(index));
+        let &(best, highest) = self.vertices.iter().find(|&&(_, value)| value >= self.highest)?;
+        let best = place(best);
+        let (position, covariance) = match self.kind {
+            EstimateKind::Argmax => (best, None),
+            EstimateKind::PosteriorMean => {
+                let weights =
+                    || self.vertices.iter().map(|&(index, value)| (place(index) - best, libm::exp(value - highest)));
+                let total: f64 = weights().map(|(_, weight)| weight).sum();
+                let mean = weights().fold(Position::ORIGIN, |sum, (offset, weight)| sum + offset * (weight / total));
+                let apart = weights().map(|(offset, weight)| (offset - mean, weight / total));
+                (best + mean, Some(covariance(apart)))
+            }
+        };
+        Some(Estimate { position, log_likelihood: Some(highest), ties: 1, covariance, infeasible })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use sextant_kernel::{Purpose, RobotId, Seed, SimTime, Unwatched};
+
+    use super::*;
+    use crate::{Ranging, RangingConfig};
+
+    /// What a scan of all vertices finds: the likeliest vertex that is not ruled out, its log-likelihood, and the mean.
+    fn scan(search: &Search<'_>, heard: &[HeardStop], radius: Radius) -> Option<(Position, f64, Position)> {
+        let slack_m = search.slack_m();
+        let strongest = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)).expect("it was heard");
+        let mut found: Vec<(Position, f64)> = Vec::new();
+        for index in 0..search.lattice.len() {
+            let place = search.lattice.position(search.lattice.vertex(index));
+            let is_in = |stop: &HeardStop| place.distance_m(stop.place) <= slack_m;
+            let apart: [f64; 3] = (place - strongest.place).into();
+            if !match radius {
+                Radius::Hard => heard.iter().all(is_in),
+                Radius::Ignored => apart.iter().all(|apart| apart.abs() <= slack_m),
+            } {
+                continue;
+            }
+            let log_silence = |stop: Position| {
+                let distance_m = place.distance_m(stop);
+                if distance_m <= search.range_m { search.curves.log_silence(distance_m) } else { 0.0 }
+            };
+            let mut value: f64 = search.stops.iter().map(|stop| log_silence(stop.position)).sum();
+            for stop in heard {
+                let misfit = stop.rssi_dbm - search.curves.mean_dbm(place.distance_m(stop.place));
+                value -= 0.5 * misfit * misfit / search.variance + log_silence(stop.place);
+            }
+            found.push((place, value));
+        }
+        let best = *found.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let weights = || found.iter().map(|&(place, value)| (place, (value - best.1).exp()));
+        let total: f64 = weights().map(|(_, weight)| weight).sum();
+        let mean = weights().fold(Position::ORIGIN, |sum, (place, weight)| sum + place * (weight / total));
+        Some((best.0, best.1, mean))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+        #[test]
+        fn the_estimate_is_that_of_a_scan_of_all_vertices(
+            seed in 0..10_000_u64,
+            count in 1..30_u64,
+            heard in 1..8_usize,
+            sigma_db in 0.5..10.0_f64,
+            range_m in prop_oneof![Just(None), (4.0..12.0_f64).prop_map(Some)],
+            is_spatial in any::<bool>(),
+        ) {
+            let draw = |i, axis| Seed(seed).uniform(Purpose::new(8), [i, axis, 0]);
+            let height_m = if is_spatial { 6.0 } else { 0.0 };
+            let stops: Vec<Stop> = (0..count)
+                .map(|i| Position::new(20.0 * draw(i, 0), 14.0 * draw(i, 1), height_m * draw(i, 2)))
+                .map(|position| Stop { robot: RobotId(0), time: SimTime::ZERO, position })
+                .collect();
+            let config = RangingConfig {
+                exponent: Some(2.7),
+                tx_power_dbm: Some(-50.0),
+                sigma_db: Some(sigma_db),
+                ..RangingConfig::default()
+            };
+            let ranging = Ranging::try_from(config).expect("a law");
+            let sensitivity_dbm = -75.0;
+            let range_m = range_m.unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - 2.0 * sigma_db)).min(40.0);
+            let step_m = if is_spatial { 1.9 } else { 0.6 };
+            let lattice = Lattice::covering(&stops, range_m, step_m, None, 1 << 30).expect("a small lattice");
+            let search = Search {
+                curves: Curves::new(&ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
+                lattice: &lattice,
+                stops: &stops,
+                range_m,
+                variance: sigma_db * sigma_db,
+                watch: &Unwatched,
+            };
+            let tiles = Tiles::new(&search).expect("nobody interrupts");
+            let heard: Vec<HeardStop> = (0..)
+                .zip(stops.iter().take(heard))
+                .map(|(i, stop)| HeardStop { place: stop.position, rssi_dbm: -75.0 + 30.0 * draw(i, 3) })
+                .collect();
+            let radius = if scan(&search, &heard, Radius::Hard).is_some() { Radius::Hard } else { Radius::Ignored };
+            let (best, highest, mean) = scan(&search, &heard, radius).expect("a vertex near the strongest stop");
+            for kind in [EstimateKind::Argmax, EstimateKind::PosteriorMean] {
+                let (estimate, evaluated) = search.estimate(&tiles, &heard, kind);
+                let estimate = estimate.expect("a vertex near the strongest stop");
+                prop_assert!(evaluated <= 2 * lattice.len());
+                prop_assert_eq!(estimate.infeasible, radius == Radius::Ignored);
+                prop_assert!((estimate.log_likelihood.unwrap() - highest).abs() < 1e-9 * (1.0 + highest.abs()));
+                let expected = if kind == EstimateKind::Argmax { best } else { mean };
+                prop_assert!(
+                    estimate.position.distance_m(expected) < 1e-9,
+                    "{} is not {expected}", estimate.position
+                );
+            }
+        }
+    }
+}
