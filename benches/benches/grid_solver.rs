@@ -9,7 +9,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use sextant_benches::workload::{self, Workload};
 use sextant_channel::ReceptionLog;
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{EstimateKind, Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TrapezoidConfig};
 
 fn ml_tm(workload: &Workload, range_m: f64, estimate: EstimateKind) -> MlTm {
@@ -54,7 +54,7 @@ fn compare(criterion: &mut Criterion, workload: &Workload) {
     let mut group = criterion.benchmark_group(format!("grid_solver/{}", workload.name));
     group.sample_size(10);
     for (name, ml_tm) in &cases {
-        let map = ml_tm.map(log).expect("a map");
+        let map = ml_tm.map(log, &Unwatched).expect("a map");
         eprintln!(
             "{}/{name}: {nodes} nodes, {} stops, {} receptions, {:?} vertices; infeasible {}, unmapped {}, scored {}",
             workload.name,
@@ -66,7 +66,8 @@ fn compare(criterion: &mut Criterion, workload: &Workload) {
             map.vertices_evaluated,
         );
         group.throughput(Throughput::Elements(nodes));
-        group.bench_function(*name, |bencher| pool.install(|| bencher.iter(|| ml_tm.map(black_box(log)))));
+        group
+            .bench_function(*name, |bencher| pool.install(|| bencher.iter(|| ml_tm.map(black_box(log), &Unwatched))));
     }
     group.throughput(Throughput::Elements(1));
     group.bench_function("literal_one_node", |bencher| {

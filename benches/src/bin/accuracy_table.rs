@@ -11,6 +11,7 @@ use std::time::Instant;
 use sextant::run::{Discoveries, bound_m, evaluate};
 use sextant::scenario::Scenario;
 use sextant::sweep::Mean;
+use sextant_kernel::Unwatched;
 use sextant_sim::{Simulation, Unobserved};
 
 /// What was measured of one map, a value a run.
@@ -59,13 +60,13 @@ fn rows(out: &mut impl Write, path: &Path, runs: u64) -> std::io::Result<()> {
         let scenario = Scenario::load(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
         let simulation = Simulation::new(scenario.setup()).map_err(|error| other(&error))?;
         let survey = simulation.run(&mut Unobserved);
-        let bound = bound_m(&scenario, &survey);
+        let bound = bound_m(&scenario, &survey, &Unwatched).expect("nobody interrupts");
         bounds_m.extend(bound);
         names = scenario.maps().iter().map(|map| map.name.clone()).collect();
         series.resize_with(names.len(), Series::default);
         for (named, series) in scenario.maps().iter().zip(&mut series) {
             let start = now();
-            let evaluation = evaluate(&scenario, named, (&survey, &Discoveries::default()), bound)
+            let evaluation = evaluate(&scenario, named, (&survey, &Discoveries::default()), bound, &Unwatched)
                 .map_err(|failure| std::io::Error::other(format!("{failure:?}")))?;
             series.seconds.push(start.elapsed().as_secs_f64());
             series.error_m.extend(evaluation.summary.position_error_m.map(|error| error.mean));

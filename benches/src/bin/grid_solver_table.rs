@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use sextant_benches::workload::{self, Workload};
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TieRule, TrapezoidConfig};
 
 /// Nodes of which the literal product is computed.
@@ -83,8 +83,8 @@ fn row(
     let config = MlTmConfig::new(workload.grid_step_m, ProfileConfig::Trapezoid(profile.clone()));
     let ml_tm = MlTm::try_from(MlTmConfig { ties: TieRule::First, ..config }).expect("good settings");
     let lattice = ml_tm.lattice(log).expect("a lattice");
-    let (one, map) = least(1, runs, || ml_tm.map(log).expect("a map"));
-    let (two, _) = least(2, runs, || ml_tm.map(log).expect("a map"));
+    let (one, map) = least(1, runs, || ml_tm.map(log, &Unwatched).expect("a map"));
+    let (two, _) = least(2, runs, || ml_tm.map(log, &Unwatched).expect("a map"));
     assert_eq!((map.infeasible(), map.unmapped()), (0, 0), "every node is answered");
     let place = |node: usize| map.estimates[node].as_ref().map(|estimate| estimate.position);
     let nodes = log.node_count();

@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, Report};
+use sextant_kernel::Interrupted;
+use sextant_mapper::MapError;
 
 /// Why a command did not do what it was asked.
 #[derive(Debug)]
@@ -63,6 +65,23 @@ impl Failure {
         };
         // Nobody is left to be told if standard error is gone.
         let _ = io::stderr().write_all(text.as_bytes());
+    }
+}
+
+/// Whoever watched long work ended it.
+impl From<Interrupted> for Failure {
+    fn from(_: Interrupted) -> Self {
+        Self::Interrupted
+    }
+}
+
+/// A map cannot be computed.
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::Interrupted(_) => Self::Interrupted,
+            error => Self::bad_input(error.to_string()),
+        }
     }
 }
 

@@ -1,9 +1,13 @@
 //! What a person at a terminal sees while the work goes on.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sextant_kernel::{Watch, Work};
+
+use crate::interrupt::Interrupt;
 
 /// A bar of progress on standard error. Nothing is drawn if that is no terminal, or if asked to be quiet.
 #[derive(Clone, Debug)]
@@ -34,5 +38,79 @@ impl Progress {
     /// Takes the bar away.
     pub fn clear(&self) {
         self.0.finish_and_clear();
+    }
+}
+
+/// Operations from which on a line says how much there is to do where no bar shows it: about a minute of work.
+const LARGE: f64 = 3e10;
+
+/// Shows on standard error how far the maps are, and ends them when the user says so. Without a terminal only a line tells
+/// of large work; if asked to be quiet, nothing does.
+#[derive(Debug)]
+pub struct Watcher<'a> {
+    interrupt: &'a Interrupt,
+    is_quiet: bool,
+    bar: Mutex<Option<ProgressBar>>,
+}
+
+impl<'a> Watcher<'a> {
+    /// Nothing is under way yet.
+    #[must_use]
+    pub fn new(interrupt: &'a Interrupt, is_quiet: bool) -> Self {
+        Self { interrupt, is_quiet, bar: Mutex::default() }
+    }
+
+    /// Takes the bar away.
+    pub fn clear(&self) {
+        if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Watch for Watcher<'_> {
+    fn begin(&self, work: Work) {
+        self.clear();
+        if self.is_quiet {
+            return;
+        }
+        if io::stderr().is_terminal() {
+            let bar = ProgressBar::with_draw_target(Some(work.steps), ProgressDrawTarget::stderr_with_hz(10));
+            let style = ProgressStyle::with_template("{prefix:>10} [{bar:30}] {pos}/{len} {msg}, {eta} left");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+            bar.set_prefix(work.name);
+            bar.set_message(format!("{}s", work.unit));
+            bar.enable_steady_tick(Duration::from_millis(250));
+            *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar);
+        } else if work.operations >= LARGE {
+            // Nobody is left to be told if standard error is gone.
+            let _ = writeln!(
+                io::stderr(),
+                "note: {}: {} {}s, at most {:.0e} operations",
+                work.name,
+                work.steps,
+                work.unit,
+                work.operations
+            );
+        }
+    }
+
+    fn advance(&self, steps: u64) {
+        if self.is_quiet {
+            return;
+        }
+        if let Some(bar) = &*self.bar.lock().unwrap_or_else(PoisonError::into_inner) {
+            bar.inc(steps);
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.interrupt.is_requested()
+    }
+}
+
+impl Drop for Watcher<'_> {
+    fn drop(&mut self) {
+        self.clear();
     }
 }

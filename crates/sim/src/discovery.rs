@@ -6,7 +6,7 @@ use std::time::Duration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Channel, Link, NeighbourLog};
-use sextant_kernel::{EventQueue, NodeId, Seed, SettingError, SimTime};
+use sextant_kernel::{EventQueue, Interrupted, NodeId, Seed, SettingError, SimTime, Watch, Work};
 use sextant_mac::csma::{self, Csma};
 use sextant_mac::frame::NodeFrame;
 use sextant_mac::{EnergySpent, RadioState, RadioStates};
@@ -104,13 +104,23 @@ pub struct Discovered {
 /// always on. Shadowing that depends on places is the same as in the survey.
 ///
 /// # Errors
-/// If the packets are too small for the addresses.
-pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Discovered, SettingError> {
+/// If the packets are too small for the addresses, or `watch` ends the work.
+pub fn discover(
+    setup: &Setup,
+    discovery: &Discovery,
+    round: Round<'_>,
+    watch: &dyn Watch,
+) -> Result<Discovered, DiscoveryError> {
     let mut run = Run::new(setup, discovery, round)?;
+    watch.begin(run.work());
     run.begin();
     while let Some((now, event)) = run.network.queue.pop() {
         run.network.now = now;
         run.events += 1;
+        watch.check()?;
+        if let Event::FrameDue(_) = event {
+            watch.advance(1);
+        }
         match event {
             Event::FrameDue(node) => run.offer(node),
             Event::Mac(node, event) => run.handle_mac(node, event),
@@ -123,6 +133,17 @@ pub fn discover(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Resul
         }
     }
     Ok(run.finish(&setup.radio_states, setup))
+}
+
+/// Why there is no result.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DiscoveryError {
+    /// The packets have no room for the addresses.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// Whoever watches ended the work.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// A round under way.
@@ -210,6 +231,15 @@ impl Run {
             arrivals: Vec::new(),
             events: 0,
         })
+    }
+
+    /// What is to be done: each packet reaches all nodes, at most.
+    fn work(&self) -> Work {
+        let senders = self.sends.iter().filter(|&&sends| sends).count() as u64;
+        let steps = senders * self.packets;
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = steps as f64 * self.sends.len() as f64;
+        Work { name: "discovery", unit: "packet", steps, operations }
     }
 
     fn begin(&mut self) {

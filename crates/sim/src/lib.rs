@@ -34,7 +34,7 @@ pub mod layout;
 
 pub use anchors::AnchorsConfig;
 pub use controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
-pub use discovery::{Discovered, Discovery, DiscoveryConfig, Round, discover};
+pub use discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use frame_outcome::FrameOutcome;
 pub use mac::{Mac, MacConfig};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};

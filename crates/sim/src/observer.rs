@@ -55,7 +55,8 @@ pub trait Observer {
         false
     }
 
-    /// Asked after each stop; `false` ends the simulation there.
+    /// Asked after each stop, and each thousand events; `false` ends the simulation there. A stop that is not over then is not
+    /// in the log.
     fn goes_on(&mut self, _progress: Progress) -> bool {
         true
     }

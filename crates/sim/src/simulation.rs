@@ -22,12 +22,15 @@ use crate::pilot::Pilot;
 use crate::purpose;
 use crate::receiver::ReceptionRules;
 use crate::survey::{Packets, RobotRecord, Survey};
-use crate::{FrameOutcome, HeardFrame, Mac, Observer, Radio, ReceptionModel, Robot, Traffic, World};
+use crate::{FrameOutcome, HeardFrame, Mac, Observer, Progress, Radio, ReceptionModel, Robot, Traffic, World};
 
 use robots::RobotRadio;
 
 /// PAN of all stations.
 pub(crate) const PAN: u16 = 0x5E87;
+
+/// Events between two looks at whether to go on.
+const LOOK: u64 = 1000;
 
 /// Signals this far below the noise may be neglected.
 pub(crate) const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
@@ -194,8 +197,19 @@ impl Simulation {
                 Event::Tracking(node, event) => self.handle_tracking(node, event),
                 Event::Robot(robot, event) => interrupted = !self.handle_robot(robot as usize, event, observer),
             }
+            // A robot may listen for long.
+            interrupted |= self.events.is_multiple_of(LOOK) && !observer.goes_on(self.progress());
         }
         self.finish(interrupted)
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            time: self.network.now,
+            stops: self.stops.len(),
+            nodes_heard: self.nodes_heard,
+            nodes: self.macs.len(),
+        }
     }
 
     fn begin(&mut self) {

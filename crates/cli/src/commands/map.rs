@@ -6,11 +6,13 @@ use clap::Args;
 
 use super::options::{Overrides, Results, Work};
 use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
 use crate::mapping::{self, Input};
 use crate::recording::SCENARIO_ATTACHMENT;
 use crate::robot_log;
 use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::Stopwatch;
+use crate::terminal::Watcher;
 
 /// What `sextant map` is told.
 #[derive(Clone, Debug, Args)]
@@ -46,7 +48,7 @@ pub struct Arguments {
     pub work: Work,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let mut input = Input::read(&arguments.log)?;
@@ -57,9 +59,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.truth {
         input.truth = Some(robot_log::read_truth(path)?);
     }
-    let summary = mapping::map(&mut input, &settings, arguments.out.as_deref(), start)?;
+    let _keeper = interrupt.keep();
+    let watcher = Watcher::new(interrupt, arguments.work.quiet);
+    let summary = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
+    watcher.clear();
     for note in &input.notes {
         arguments.work.note(note);
     }
-    arguments.results.tell(&summary)
+    arguments.results.tell(&summary)?;
+    if summary.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }

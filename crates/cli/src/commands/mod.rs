@@ -19,6 +19,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
 
 /// Simulates wireless sensor networks and the robots that listen to them, and maps the nodes from what was heard.
 #[derive(Debug, Parser)]
@@ -77,11 +78,12 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn execute(command: &Command) -> Result<(), Failure> {
+    let interrupt = Interrupt::install()?;
     match command {
-        Command::Run(arguments) => run::execute(arguments),
-        Command::Map(arguments) => map::execute(arguments),
-        Command::Sweep(arguments) => sweep::execute(arguments),
-        Command::Reproduce(arguments) => reproduce::execute(arguments),
+        Command::Run(arguments) => run::execute(arguments, &interrupt),
+        Command::Map(arguments) => map::execute(arguments, &interrupt),
+        Command::Sweep(arguments) => sweep::execute(arguments, &interrupt),
+        Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments),
         Command::Inspect(arguments) => inspect::execute(arguments),

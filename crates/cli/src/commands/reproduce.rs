@@ -42,14 +42,14 @@ pub struct Arguments {
     pub work: Work,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     if arguments.list {
         return Ok(list(&mut stdout)?);
     }
     let experiments = chosen(arguments)?;
     arguments.work.start_threads()?;
-    let interrupt = Interrupt::install()?;
+    let _keeper = interrupt.keep();
     let out = &arguments.out;
     let scenarios = out.join("scenarios");
     write_scenarios(&scenarios)?;
@@ -57,7 +57,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let mut finished = Vec::new();
     let mut outcome = Ok(());
     for experiment in &experiments {
-        let new = runs.make(&experiment.scenarios(), &interrupt, arguments.work.quiet);
+        let new = runs.make(&experiment.scenarios(), interrupt, arguments.work.quiet);
         write_runs(&runs, &experiment.scenarios(), out)?;
         let new = match new {
             Ok(new) => new,
@@ -73,7 +73,7 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
             results.print(arguments.runs, &mut stdout)?;
         }
         finished.push(results);
-        outcome = write_pictures(&new, &scenarios, &out.join("figures"), &interrupt);
+        outcome = write_pictures(&new, &scenarios, &out.join("figures"), interrupt);
         if outcome.is_err() {
             break;
         }

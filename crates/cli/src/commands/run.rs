@@ -40,7 +40,7 @@ impl Arguments {
     }
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
     let scenario = arguments.source.load()?;
     let recording = arguments.recording();
@@ -49,10 +49,8 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("--summary", arguments.results.summary.as_ref()),
         ("--pcap", arguments.pcap.as_ref()),
     ])?;
-    let interrupt = Interrupt::install()?;
     let request = Request { recording: &recording, pcap: arguments.pcap.as_deref(), quiet: arguments.work.quiet };
-    let summary = run::record(&scenario, request, &interrupt)?;
+    let summary = run::record(&scenario, request, interrupt)?;
     arguments.results.tell(&summary)?;
-    let interrupted = summary.gathering.is_some_and(|gathering| gathering.interrupted);
-    if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    if summary.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }

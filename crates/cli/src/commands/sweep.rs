@@ -58,7 +58,7 @@ impl Arguments {
     }
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     arguments.work.start_threads()?;
     let (source, out) = (&arguments.source, arguments.table());
     TableFormat::of(&out)?;
@@ -67,14 +67,14 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.dry_run {
         return Ok(print_plan(&plan, &out, &mut stdout)?);
     }
-    let interrupt = Interrupt::install()?;
-    let rows = match run(&plan, arguments.shard, &out, arguments.resume, &interrupt, arguments.work.quiet) {
+    let rows = match run(&plan, arguments.shard, &out, arguments.resume, interrupt, arguments.work.quiet) {
         Err(Failure::Interrupted) => {
             arguments.work.note("what is finished is kept; go on with --resume");
             return Err(Failure::Interrupted);
         }
         other => other?,
     };
+    let _keeper = interrupt.keep();
     write_table(&out, &plan, &rows)?;
     clear_parts(&out)?;
     let results = Results { plan: &plan, rows: &rows };

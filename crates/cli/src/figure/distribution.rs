@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 use sextant_channel::Position;
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{NeighbourhoodRule, PositionError, connectivity_error};
 
 use super::axes::{Axes, Axis, Shown};
@@ -61,7 +61,7 @@ impl NodeError {
                 let truth: Vec<Position> = source.drawn.nodes.values().copied().collect();
                 let place = |node: &NodeId| places.get(node).copied();
                 let map: Vec<Option<Position>> = source.drawn.nodes.keys().map(place).collect();
-                let error = connectivity_error(&truth, &map, NEIGHBOURHOOD_M, NeighbourhoodRule::Affine);
+                let error = connectivity_error(&truth, &map, NEIGHBOURHOOD_M, NeighbourhoodRule::Affine, &Unwatched);
                 error.map_or_else(|_| Vec::new(), |error| error.per_node.into_iter().flatten().collect())
             }
         }

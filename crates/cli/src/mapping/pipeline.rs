@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use sextant_kernel::Watch;
 use sextant_mapper::Knowledge;
 
 use super::input::Input;
@@ -12,7 +13,8 @@ use crate::scenario::MapSettings;
 use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// Computes the maps that `settings` ask for of the log of `input`, measures them where the true places are known, writes
-/// them to the file `out` and files beside it, and returns the results. `start` is when the work began.
+/// them to the file `out` and files beside it, and returns the results. `start` is when the work began. Once `watch` ends
+/// the work, the results are those of the maps that were finished.
 ///
 /// # Errors
 /// If a map cannot be computed or a file cannot be written.
@@ -21,6 +23,7 @@ pub fn map(
     settings: &MapSettings,
     out: Option<&Path>,
     start: Stopwatch,
+    watch: &dyn Watch,
 ) -> Result<Summary, Failure> {
     let truth = input.true_places();
     let map_start = Stopwatch::start();
@@ -33,12 +36,22 @@ pub fn map(
         seed: input.seed,
         ..Knowledge::from(&input.log)
     };
+    let mut interrupted = false;
     for named in &settings.maps {
-        let (map, learned) =
-            named.mapper.map_and_learn(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
-        let (map, alignment) = in_world(map, truth.as_deref());
-        let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
-        let summary = measure(named, &map, learned.as_ref(), input.log.names(), truth, &settings.metrics);
+        let made = named.mapper.map_and_learn(knowledge, watch).map_err(Failure::from).and_then(|(map, learned)| {
+            let (map, alignment) = in_world(map, truth.as_deref());
+            let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
+            let learned = learned.as_ref();
+            let summary = measure(named, &map, learned, input.log.names(), truth, &settings.metrics, watch)?;
+            Ok((map, alignment, summary))
+        });
+        let (map, alignment, summary) = match made {
+            Err(Failure::Interrupted) => {
+                interrupted = true;
+                break;
+            }
+            made => made?,
+        };
         summaries.push(MapSummary { alignment: Some(alignment), ..summary });
         if let Some(out) = out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
@@ -47,6 +60,7 @@ pub fn map(
     }
     Ok(Summary {
         gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
+        interrupted,
         maps: summaries,
         timing: Some(Timing {
             wall_s: start.elapsed_s(),

@@ -1,7 +1,7 @@
 //! Where truth meets estimate: how good a map is.
 
 use sextant_channel::{Anchor, Position};
-use sextant_kernel::NodeId;
+use sextant_kernel::{Interrupted, NodeId, Watch};
 use sextant_mapper::{
     ConnectivityError, CoordinateFrame, KnowledgeKind, Learned, NeighbourhoodRule, PositionError, Reflection, Region,
     Similarity, TopologyMap, connectivity_error, topology_preservation_error,
@@ -43,7 +43,9 @@ const LEAST_TO_ALIGN: usize = 4;
 /// is absent.
 ///
 /// Position errors are those of the nodes whose place the map had to find; connectivity is that of all nodes.
-#[must_use]
+///
+/// # Errors
+/// If `watch` ends the work.
 pub fn measure(
     named: &NamedMap,
     map: &TopologyMap,
@@ -51,9 +53,10 @@ pub fn measure(
     names: &[String],
     truth: Option<Truth<'_>>,
     metrics: &MetricsConfig,
-) -> MapSummary {
+    watch: &dyn Watch,
+) -> Result<MapSummary, Interrupted> {
     let Some(Truth { places: truth, anchors }) = truth else {
-        return outline(named, map, learned, names);
+        return Ok(outline(named, map, learned, names));
     };
     let mapped = map.positions();
     let mut found = mapped.clone();
@@ -62,20 +65,21 @@ pub fn measure(
             found[anchor.node.index()] = None;
         }
     }
-    let at_radius = |&radius_m: &f64| connectivity(truth, &mapped, radius_m);
-    let connectivity_errors: Vec<_> = metrics.neighbourhood_m.iter().map(at_radius).collect();
+    let at_radius = |&radius_m: &f64| connectivity(truth, &mapped, radius_m, watch);
+    let connectivity_errors: Result<Vec<_>, Interrupted> = metrics.neighbourhood_m.iter().map(at_radius).collect();
+    let connectivity_errors = connectivity_errors?;
     let first = connectivity_errors.first().copied().unwrap_or_default();
-    MapSummary {
+    Ok(MapSummary {
         position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
         coverage_95: coverage_95(truth, map),
         aligned_error_m: aligned(truth, &found, Reflection::Allowed).map(ErrorSummary::from),
         aligned_error_without_reflection_m: aligned(truth, &found, Reflection::Forbidden).map(ErrorSummary::from),
         connectivity_error: first.connectivity_error,
         false_neighbour_rate: first.false_neighbour_rate,
-        topology_preservation_error: topology_preservation_error(truth, &mapped),
+        topology_preservation_error: topology_preservation_error(truth, &mapped, watch)?,
         connectivity_errors,
         ..outline(named, map, learned, names)
-    }
+    })
 }
 
 /// Share of the nodes with a 95 % region that are in it.
@@ -97,10 +101,15 @@ fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflecti
     PositionError::of(&left)
 }
 
-fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) -> ConnectivitySummary {
-    let error = |rule| connectivity_error(truth, mapped, radius_m, rule).ok();
+fn connectivity(
+    truth: &[Position],
+    mapped: &[Option<Position>],
+    radius_m: f64,
+    watch: &dyn Watch,
+) -> Result<ConnectivitySummary, Interrupted> {
+    let error = |rule| connectivity_error(truth, mapped, radius_m, rule, watch).ok();
     let affine = error(NeighbourhoodRule::Affine);
-    ConnectivitySummary {
+    let summary = ConnectivitySummary {
         neighbourhood_m: radius_m,
         connectivity_error: affine.as_ref().map(ConnectivityError::connectivity_error),
         connectivity_error_end_points: error(NeighbourhoodRule::EndPoints).map(|e| e.connectivity_error()),
@@ -109,5 +118,7 @@ fn connectivity(truth: &[Position], mapped: &[Option<Position>], radius_m: f64) 
         nodes_within_0_2: affine.as_ref().map(|error| error.share_of_nodes_within(0.2)),
         symmetric_loss: affine.as_ref().map(ConnectivityError::symmetric_loss),
         node_error_cdf: affine.map(|error| NODE_ERRORS.map(|limit| [limit, error.share_of_nodes_within(limit)])),
-    }
+    };
+    // A measure that was interrupted is absent, as one that does not apply is.
+    watch.check().map(|()| summary)
 }

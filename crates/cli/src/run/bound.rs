@@ -1,6 +1,7 @@
 //! How accurate a map of a simulated survey can be.
 
 use sextant_channel::{Channel, Db, Dbm, Position};
+use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{TrueModel, at_least_one};
 use sextant_sim::{MacConfig, Survey};
 
@@ -9,11 +10,16 @@ use crate::scenario::Scenario;
 /// The posterior bound of which slots heard a node, under the channel and the obstacles of the scenario, with collisions as losses that do not depend
 /// on the distance (m). `None` if receptions at different stops are not independent, robots listen for spans of their own,
 /// a node must hear a beacon before it is heard, or nothing was heard.
-pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[Position]) -> Option<f64> {
+pub(super) fn posterior_bound_m(
+    scenario: &Scenario,
+    survey: &Survey,
+    truth: &[Position],
+    watch: &dyn Watch,
+) -> Result<Option<f64>, Interrupted> {
     let known = scenario.known_channel();
     let beacons_come_first = matches!(scenario.config().mac, MacConfig::BeaconEnabled(_));
     if !(known.is_independent() && known.is_alike_at_all_stops) || beacons_come_first {
-        return None;
+        return Ok(None);
     }
     let obstacles = scenario.world().obstacles.clone();
     let channel = Channel::new(known.channel, obstacles, scenario.seed());
@@ -36,5 +42,5 @@ pub(super) fn posterior_bound_m(scenario: &Scenario, survey: &Survey, truth: &[P
     let high = truth.iter().map(|place| place.z_m).fold(f64::NEG_INFINITY, f64::max);
     let model = TrueModel { probability, near: truth, reach_m: law.reach_m(tx, sensitivity), z_range_m: [low, high] };
     // The probability is that of a slot.
-    sextant_mapper::posterior_bound_m(&survey.log.at_least_one(), &model)
+    sextant_mapper::posterior_bound_m(&survey.log.at_least_one(), &model, watch)
 }

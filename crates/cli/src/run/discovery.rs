@@ -1,9 +1,9 @@
 //! What nodes find out of each other before the survey, as far as the maps of a scenario need it.
 
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Watch};
 use sextant_mac::EnergySpent;
 use sextant_mapper::{Knowledge, KnowledgeKind};
-use sextant_sim::{Discovered, Round, Survey, discover};
+use sextant_sim::{Discovered, DiscoveryError, Round, Survey, discover};
 
 use crate::diagnostic::Failure;
 use crate::recording::{FileRecorder, RecordingError};
@@ -23,8 +23,8 @@ impl Discoveries {
     /// Simulates the rounds of discovery that the maps of `scenario` need: none, one or both.
     ///
     /// # Errors
-    /// If the settings of channel and packets do not fit.
-    pub fn of(scenario: &Scenario) -> Result<Self, Failure> {
+    /// If the settings of channel and packets do not fit, or `watch` ends the work.
+    pub fn of(scenario: &Scenario, watch: &dyn Watch) -> Result<Self, Failure> {
         let needs = |kind: fn(KnowledgeKind) -> bool| {
             scenario.maps().iter().any(|map| map.mapper.uses().iter().any(|&uses| kind(uses)))
         };
@@ -34,7 +34,10 @@ impl Discoveries {
         }
         let setup = scenario.setup();
         let simulate = |round| {
-            discover(&setup, scenario.discovery(), round).map_err(|error| Failure::bad_input(error.to_string()))
+            discover(&setup, scenario.discovery(), round, watch).map_err(|error| match error {
+                DiscoveryError::Interrupted(_) => Failure::Interrupted,
+                DiscoveryError::Setting(error) => Failure::bad_input(error.to_string()),
+            })
         };
         let anchors: Vec<NodeId> = scenario.anchors().iter().map(|anchor| anchor.node).collect();
         Ok(Self {

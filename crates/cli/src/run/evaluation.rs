@@ -1,6 +1,7 @@
 //! One map of a survey, and how good it is.
 
 use sextant_channel::Position;
+use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{KnowledgeKind, Learned, TopologyMap};
 use sextant_sim::Survey;
 
@@ -27,16 +28,16 @@ pub struct Evaluation {
 /// `scenario`. `bound_m` is the [`bound_m`] of the survey, which all its maps share.
 ///
 /// # Errors
-/// If the map cannot be computed.
+/// If the map cannot be computed, or `watch` ends the work.
 pub fn evaluate(
     scenario: &Scenario,
     named: &NamedMap,
     (survey, discoveries): (&Survey, &Discoveries),
     bound_m: Option<f64>,
+    watch: &dyn Watch,
 ) -> Result<Evaluation, Failure> {
     let knowledge = discoveries.knowledge(scenario, survey);
-    let (map, learned) =
-        named.mapper.map_and_learn(knowledge).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
     let truth = truth(scenario);
     let (map, alignment) = in_world(map, Some(&truth));
     let truth = Truth { places: &truth, anchors: scenario.anchors() };
@@ -44,15 +45,20 @@ pub fn evaluate(
         alignment: Some(alignment),
         message_energy_j: message_energy_j(scenario, &named.mapper, survey, discoveries),
         posterior_bound_m: bound_m.filter(|_| named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)),
-        ..measure(named, &map, learned.as_ref(), survey.log.names(), Some(truth), scenario.metrics())
+        ..measure(named, &map, learned.as_ref(), survey.log.names(), Some(truth), scenario.metrics(), watch)?
     };
     Ok(Evaluation { map, learned, summary })
 }
 
-/// The posterior bound of all maps of `survey` (m); `None` if the scenario has no maps, or where it does not apply.
-#[must_use]
-pub fn bound_m(scenario: &Scenario, survey: &Survey) -> Option<f64> {
-    if scenario.maps().is_empty() { None } else { bound::posterior_bound_m(scenario, survey, &truth(scenario)) }
+/// The posterior bound of all maps of `survey` [m]; `None` if the scenario has no maps, or where it does not apply.
+///
+/// # Errors
+/// If `watch` ends the work.
+pub fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
+    if scenario.maps().is_empty() {
+        return Ok(None);
+    }
+    bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
 }
 
 /// The true places of the nodes.

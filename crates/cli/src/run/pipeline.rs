@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use sextant_channel::{Dbm, Position};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{NodeId, SimTime, Watch};
 use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
 use sextant_sim::{Simulation, Survey};
 
@@ -17,17 +17,20 @@ use crate::interrupt::Interrupt;
 use crate::recording::{FileCapture, FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
-use crate::terminal;
+use crate::terminal::{self, Watcher};
 
-/// Simulates `scenario`, records it, computes and measures its maps, and returns the results. An interrupted survey is
-/// recorded as far as it went, without maps.
+/// Simulates `scenario`, records it, computes and measures its maps, and returns the results. What was gathered, and the maps
+/// that were finished, are recorded and returned if the user interrupts.
 ///
 /// # Errors
 /// If the simulation or a file fails.
 pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) -> Result<Summary, Failure> {
     let start = Stopwatch::start();
-    let discoveries = Discoveries::of(scenario)?;
+    let watcher = Watcher::new(interrupt, request.quiet);
+    let discoveries = Discoveries::of(scenario, &watcher)?;
+    watcher.clear();
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let _keeper = interrupt.keep();
     let mut recorder = FileRecorder::create(request.recording)?;
     let channel = scenario.recording().pcap.channel;
     let mut capture = request.pcap.map(|path| FileCapture::create(path, channel)).transpose()?;
@@ -43,9 +46,14 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
         recorder.path(survey.end, &track.name, &track.places)?;
     }
     let map_start = Stopwatch::start();
-    let maps = if survey.interrupted { Vec::new() } else { map(scenario, &survey, &discoveries, &mut recorder)? };
+    let mut maps = Vec::new();
+    let interrupted = match map(scenario, &survey, &discoveries, (&mut recorder, &mut maps), &watcher) {
+        Err(Failure::Interrupted) => true,
+        outcome => outcome.map(|()| false)?,
+    };
+    watcher.clear();
     let map_s = map_start.elapsed_s();
-    let mut summary = sum_up(scenario, &survey, &discoveries, maps);
+    let mut summary = Summary { interrupted, ..sum_up(scenario, &survey, &discoveries, maps) };
     recorder.summary(&summary.to_json()?)?;
     recorder.finish()?;
     let events_per_s = survey.events as f64 / gather_s;
@@ -108,19 +116,20 @@ fn gather(
     Ok((survey, tracks))
 }
 
-/// Computes, records and measures the maps of the scenario.
+/// Computes, records and measures the maps of the scenario, one after the other, as far as the user lets them.
 fn map(
     scenario: &Scenario,
     survey: &Survey,
     discoveries: &Discoveries,
-    recorder: &mut FileRecorder,
-) -> Result<Vec<MapSummary>, Failure> {
+    (recorder, summaries): (&mut FileRecorder, &mut Vec<MapSummary>),
+    watch: &dyn Watch,
+) -> Result<(), Failure> {
+    watch.check()?;
     let truth = evaluation::truth(scenario);
-    let bound_m = evaluation::bound_m(scenario, survey);
-    let mut summaries = Vec::new();
+    let bound_m = evaluation::bound_m(scenario, survey, watch)?;
     for named in scenario.maps() {
         let Evaluation { map, learned, summary } =
-            evaluation::evaluate(scenario, named, (survey, discoveries), bound_m)?;
+            evaluation::evaluate(scenario, named, (survey, discoveries), bound_m, watch)?;
         recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
         for (what, value) in [
             ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
@@ -134,10 +143,10 @@ fn map(
             let note = format!("{} of {} nodes were never heard and are not mapped", map.unmapped(), truth.len());
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
         }
-        record_likelihoods(scenario, named, learned.as_ref(), survey, recorder)?;
         summaries.push(summary);
+        record_likelihoods(scenario, named, learned.as_ref(), survey, recorder, watch)?;
     }
-    Ok(summaries)
+    Ok(())
 }
 
 fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
@@ -155,6 +164,7 @@ fn record_likelihoods(
     learned: Option<&Learned>,
     survey: &Survey,
     recorder: &mut FileRecorder,
+    watch: &dyn Watch,
 ) -> Result<(), Failure> {
     let (ml_tm, log) = match (&named.mapper, learned) {
         (Mapper::MlTm(ml_tm), _) => (ml_tm.clone(), Cow::Borrowed(&survey.log)),
@@ -170,8 +180,7 @@ fn record_likelihoods(
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
             continue;
         }
-        let surface =
-            ml_tm.surface(&log, NodeId::from_index(at)).map_err(|error| Failure::bad_input(error.to_string()))?;
+        let surface = ml_tm.surface(&log, NodeId::from_index(at), watch)?;
         recorder.likelihood(survey.end, &named.name, name, &plane(&surface))?;
     }
     Ok(())

@@ -25,6 +25,9 @@ pub struct Summary {
     /// What the nodes found out of each other before the survey, if a map needed it, and at what price.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discovery: Option<DiscoverySummary>,
+    /// Whether the user ended the work before it was done, so that some or all maps are missing; absent if not.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub interrupted: bool,
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,

@@ -52,6 +52,7 @@ pub fn run(
             return Ok(rows);
         }
         let rows = unit::run(plan, unit, interrupt).ok_or(Failure::Interrupted)?;
+        let _keeper = interrupt.keep();
         parts.write(unit.index, &rows)?;
         Ok(rows)
     });

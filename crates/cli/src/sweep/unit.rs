@@ -18,11 +18,11 @@ pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec
             if survey.is_none() {
                 let gathered = gather(&scenario, interrupt)?;
                 // Every cell of the unit has the same world, so the bound is theirs too.
-                let bound_m = run::bound_m(&scenario, &gathered);
+                let bound_m = run::bound_m(&scenario, &gathered, interrupt).map_err(|error| error.to_string())?;
                 survey = Some((gathered, bound_m));
             }
             let (survey, bound_m) = survey.as_ref().expect("the survey was just made");
-            measured(plan, &scenario, survey, *bound_m)
+            measured(plan, &scenario, survey, *bound_m, interrupt)
         });
         if interrupt.is_requested() {
             return None;
@@ -43,11 +43,12 @@ fn measured(
     scenario: &Scenario,
     survey: &Survey,
     bound_m: Option<f64>,
+    interrupt: &Interrupt,
 ) -> Result<Vec<Option<f64>>, String> {
-    let discoveries = run::Discoveries::of(scenario).map_err(|failure| reason(&failure))?;
+    let discoveries = run::Discoveries::of(scenario, interrupt).map_err(|failure| reason(&failure))?;
     let mut maps = Vec::new();
     for named in scenario.maps() {
-        let evaluation = run::evaluate(scenario, named, (survey, &discoveries), bound_m);
+        let evaluation = run::evaluate(scenario, named, (survey, &discoveries), bound_m, interrupt);
         maps.push(evaluation.map_err(|failure| reason(&failure))?.summary);
     }
     let summary = run::sum_up(scenario, survey, &discoveries, maps);

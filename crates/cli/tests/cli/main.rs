@@ -5,6 +5,8 @@ mod command_line;
 mod comparators;
 mod failing_disk;
 mod figure;
+#[cfg(unix)]
+mod interrupt;
 mod map;
 mod pcap;
 mod program;

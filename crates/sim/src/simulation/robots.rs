@@ -9,10 +9,10 @@ use sextant_mac::{RadioState, coordinator, csma, responder};
 
 use super::Simulation;
 use crate::FrameOutcome;
+use crate::Observer;
 use crate::event::{Event, RobotEvent};
 use crate::node::Network;
 use crate::pilot::Decision;
-use crate::{Observer, Progress};
 
 impl Simulation {
     /// Handles an event of a robot; returns whether the simulation continues.
@@ -77,8 +77,7 @@ impl Simulation {
         }
         self.receptions.extend(receptions);
         self.act(robot, decision, observer);
-        let (stops, nodes_heard, nodes) = (self.stops.len(), self.nodes_heard, self.macs.len());
-        observer.goes_on(Progress { time: now, stops, nodes_heard, nodes })
+        observer.goes_on(self.progress())
     }
 
     fn act(&mut self, robot: usize, decision: Decision, observer: &mut impl Observer) {

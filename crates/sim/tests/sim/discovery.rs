@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use sextant_channel::{BoxConfig, ChannelConfig, CorrelationConfig, NeighbourLog, Obstacle, ObstacleConfig};
 use sextant_channel::{ObstacleField, Position, ShadowingConfig, ShapeConfig};
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, Unwatched};
 use sextant_sim::{
     Discovered, Discovery, DiscoveryConfig, QueryConfig, ReceptionConfig, ReceptionModel, Round, Setup,
     TrafficConfig, World, discover,
@@ -36,7 +36,7 @@ fn discovery(packets: u32, range_m: Option<f64>) -> Discovery {
 }
 
 fn run(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Discovered {
-    discover(setup, discovery, round).expect("good settings")
+    discover(setup, discovery, round, &Unwatched).expect("good settings")
 }
 
 fn pairs(log: &NeighbourLog) -> BTreeSet<(u32, u32)> {

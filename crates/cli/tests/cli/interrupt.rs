@@ -1,0 +1,119 @@
+//! Ctrl-C and requests to terminate: every command ends, with exit code 130, and what was finished is kept.
+
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, ChildStderr, Output};
+use std::time::{Duration, Instant};
+
+use sextant::recording;
+use tempfile::TempDir;
+
+use crate::program::{scenario, sextant, signal, summary};
+
+/// Nobody waits longer: what takes so long hangs.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// The second map of `slow`, by its step, takes minutes.
+const SLOW: &str = "extends = \"SMOKE\"\n\
+    [[maps]]\n\
+    name = \"quick\"\n\
+    algorithm.ml_tm = { grid_step_m = 0.5, profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n\
+    [[maps]]\n\
+    name = \"slow\"\n\
+    algorithm.ml_tm = { grid_step_m = 0.002, estimate = \"posterior_mean\", max_memory_mb = 4000, \
+    profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n";
+
+/// What `child` leaves behind, if it ends in time.
+fn ended(mut child: Child) -> Output {
+    let start = Instant::now();
+    while child.try_wait().expect("a child").is_none() {
+        if start.elapsed() > PATIENCE {
+            child.kill().expect("a child");
+            panic!("it did not end within {PATIENCE:?}");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child.wait_with_output().expect("a child")
+}
+
+/// A scenario of two maps, of which the second takes minutes.
+fn slow(folder: &Path) -> std::path::PathBuf {
+    let path = folder.join("slow.toml");
+    let smoke = scenario("smoke.toml").canonicalize().expect("it is there");
+    std::fs::write(&path, SLOW.replace("SMOKE", &smoke.display().to_string())).expect("there is room");
+    path
+}
+
+/// Waits until standard error says that the large map has begun.
+fn wait_for_note(stderr: &mut ChildStderr) {
+    let mut text = String::new();
+    let mut byte = [0; 1];
+    while !text.contains("operations") {
+        assert!(stderr.read(&mut byte).expect("a pipe") == 1, "it ended early: {text}");
+        text.push(byte[0].into());
+    }
+}
+
+#[test]
+fn signals_while_robots_gather_leave_a_whole_recording() {
+    for name in ["-INT", "-TERM"] {
+        let folder = TempDir::new().expect("there is room");
+        let out = folder.path().join("cut.mcap");
+        let mut command = sextant();
+        // One stop takes minutes here: the run cannot wait for its end.
+        command.arg("run").arg(scenario("smoke.toml")).args(["--set", "robots.0.listen_s=1000000", "--out"]);
+        let child = command.arg(&out).spawn().expect("it starts");
+        while !out.with_extension("mcap.part").exists() {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        std::thread::sleep(Duration::from_millis(300));
+        signal(&child, name);
+        let output = ended(child);
+        assert_eq!(output.status.code(), Some(130), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(!out.with_extension("mcap.part").exists(), "{name}");
+        let inspected = sextant().arg("inspect").arg(&out).output().expect("it starts");
+        assert!(inspected.status.success(), "{name}: {}", String::from_utf8_lossy(&inspected.stderr));
+    }
+}
+
+#[test]
+fn signals_while_maps_are_made_keep_the_survey_and_the_maps_that_were_finished() {
+    for name in ["-INT", "-TERM"] {
+        let folder = TempDir::new().expect("there is room");
+        let (out, json) = (folder.path().join("cut.mcap"), folder.path().join("cut.json"));
+        let mut command = sextant();
+        command.arg("run").arg(slow(folder.path())).arg("--out").arg(&out).arg("--summary").arg(&json);
+        let mut child = command.spawn().expect("it starts");
+        wait_for_note(child.stderr.as_mut().expect("a pipe"));
+        signal(&child, name);
+        assert_eq!(ended(child).status.code(), Some(130), "{name}");
+        let summary = summary(&json);
+        assert_eq!(summary["interrupted"], true, "{summary:#}");
+        let maps = summary["maps"].as_array().expect("maps");
+        assert_eq!((maps.len(), &maps[0]["name"]), (1, &"quick".into()), "{summary:#}");
+        let inspected = sextant().arg("inspect").arg(&out).output().expect("it starts");
+        let text = String::from_utf8_lossy(&inspected.stdout).into_owned();
+        assert!(inspected.status.success() && text.contains("/map/quick") && !text.contains("/map/slow"), "{text}");
+        let log = recording::read_log(&out).expect("a whole recording").log;
+        assert_eq!(summary["gathering"]["stops"].as_u64(), Some(log.stops().len() as u64));
+    }
+}
+
+#[test]
+fn a_signal_while_a_recording_is_mapped_keeps_the_maps_that_were_finished() {
+    let folder = TempDir::new().expect("there is room");
+    let file = |name: &str| folder.path().join(name);
+    let run = sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(file("run.mcap")).output();
+    assert!(run.expect("it starts").status.success());
+    let mut command = sextant();
+    command.arg("map").arg(file("run.mcap")).arg("--summary").arg(file("map.json"));
+    command.args(["--set", "maps.0.algorithm.ml_tm.grid_step_m=0.002"]);
+    command.args(["--set", "maps.0.algorithm.ml_tm.max_memory_mb=4000"]);
+    command.args(["--set", "maps.0.algorithm.ml_tm.estimate=posterior_mean"]);
+    let mut child = command.spawn().expect("it starts");
+    wait_for_note(child.stderr.as_mut().expect("a pipe"));
+    signal(&child, "-TERM");
+    assert_eq!(ended(child).status.code(), Some(130));
+    let summary = summary(&file("map.json"));
+    assert_eq!(summary["interrupted"], true, "{summary:#}");
+    assert!(summary.get("maps").is_none() && summary["gathering"]["stops"].as_u64() > Some(10), "{summary:#}");
+}
