@@ -63,8 +63,8 @@ const ROOMS: [&str; 17] = [
     "summary",
     "scenario",
     "output",
-    "interrupt",
     "terminal",
+    "interrupt",
     "diagnostic",
     "text",
 ];

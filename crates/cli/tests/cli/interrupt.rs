@@ -19,7 +19,7 @@ const SLOW: &str = "extends = \"SMOKE\"\n\
     algorithm.ml_tm = { grid_step_m = 0.5, profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n\
     [[maps]]\n\
     name = \"slow\"\n\
-    algorithm.ml_tm = { grid_step_m = 0.002, estimate = \"posterior_mean\", max_memory_mb = 4000, \
+    algorithm.ml_tm = { grid_step_m = 0.0003, estimate = \"posterior_mean\", max_memory_mb = 100000, \
     profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n";
 
 /// What `child` leaves behind, if it ends in time.
@@ -106,8 +106,8 @@ fn a_signal_while_a_recording_is_mapped_keeps_the_maps_that_were_finished() {
     assert!(run.expect("it starts").status.success());
     let mut command = sextant();
     command.arg("map").arg(file("run.mcap")).arg("--summary").arg(file("map.json"));
-    command.args(["--set", "maps.0.algorithm.ml_tm.grid_step_m=0.002"]);
-    command.args(["--set", "maps.0.algorithm.ml_tm.max_memory_mb=4000"]);
+    command.args(["--set", "maps.0.algorithm.ml_tm.grid_step_m=0.0003"]);
+    command.args(["--set", "maps.0.algorithm.ml_tm.max_memory_mb=100000"]);
     command.args(["--set", "maps.0.algorithm.ml_tm.estimate=posterior_mean"]);
     let mut child = command.spawn().expect("it starts");
     wait_for_note(child.stderr.as_mut().expect("a pipe"));
