@@ -30,7 +30,7 @@ pub(super) fn classical_mds(
     let operations = (nodes * nodes * (dimensions + SPARE)) as f64 * f64::from(ROUNDS);
     watch.begin(Work { name: algorithm, unit: "round", steps: ROUNDS.into(), operations });
     // Squared in place: these matrices are the largest that there are.
-    distances.apply(|distance| *distance *= -0.5 * *distance);
+    distances.apply(|distance| *distance = -0.5 * *distance * *distance);
     let (values, vectors) = leading(&distances, dimensions.min(nodes), watch)?;
     let coordinate = |node: usize, axis: usize| {
         if axis < values.len() { vectors[(node, axis)] * values[axis].max(0.0).sqrt() } else { 0.0 }
