@@ -58,9 +58,9 @@ pub enum MapError {
         algorithm: &'static str,
         /// What it is for, and how many of these there are.
         what: String,
-        /// Memory needed [octets].
+        /// Memory needed (octets).
         bytes: u64,
-        /// Memory allowed [octets].
+        /// Memory allowed (octets).
         allowed_bytes: u64,
     },
     /// An algorithm of the plane in space.

@@ -3,7 +3,7 @@
 use crate::MapError;
 
 /// Memory that an algorithm may take for tables that grow with the product of two numbers, such as the hops between all
-/// pairs of nodes [octets].
+/// pairs of nodes (octets).
 const ALLOWED_BYTES: u64 = 3_200_000_000;
 
 /// Refuses a table of `rows` times `columns` entries of `entry_bytes` octets that does not fit the memory. `what` says what

@@ -35,7 +35,7 @@ struct Surroundings<'a> {
     watch: &'a dyn Watch,
 }
 
-/// First guess of how far a posterior spreads [m].
+/// First guess of how far a posterior spreads (m).
 const SPREAD_M: f64 = 0.3;
 /// Step of the coarse scan, as a share of the reach, and steps to each side of the start in the plane and in space.
 const SCAN_STEP: f64 = 0.05;

@@ -27,7 +27,7 @@ const MOST_NODES: usize = 1000;
 const SPREAD_M: f64 = 0.15;
 /// Vertices of the grids of a node, about.
 const VERTICES: f64 = 300.0;
-/// Least step of the grid [m].
+/// Least step of the grid (m).
 const LEAST_STEP_M: f64 = 0.01;
 
 /// The mean over the heard nodes of the expected distance between a node and the mean of its posterior under the true

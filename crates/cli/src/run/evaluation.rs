@@ -50,7 +50,7 @@ pub fn evaluate(
     Ok(Evaluation { map, learned, summary })
 }
 
-/// The posterior bound of all maps of `survey` [m]; `None` if the scenario has no maps, or where it does not apply.
+/// The posterior bound of all maps of `survey` (m); `None` if the scenario has no maps, or where it does not apply.
 ///
 /// # Errors
 /// If `watch` ends the work.

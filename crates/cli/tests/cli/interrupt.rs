@@ -24,6 +24,7 @@ const SLOW: &str = "extends = \"SMOKE\"\n\
 
 /// What `child` leaves behind, if it ends in time.
 fn ended(mut child: Child) -> Output {
+    #[expect(clippy::disallowed_methods, reason = "a program that does not end is a failure, not a wait for ever")]
     let start = Instant::now();
     while child.try_wait().expect("a child").is_none() {
         if start.elapsed() > PATIENCE {

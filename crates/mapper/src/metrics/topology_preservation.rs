@@ -49,7 +49,7 @@ pub fn topology_preservation_error(
     Ok((compared > 0).then(share))
 }
 
-/// Median distance of a node to its nearest neighbour, if there is one elsewhere [m].
+/// Median distance of a node to its nearest neighbour, if there is one elsewhere (m).
 fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])], watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
     let places: Vec<Position> = pairs.iter().map(|pair| pair.0.into()).collect();
     let Some((first, rest)) = places.split_first() else { return Ok(None) };

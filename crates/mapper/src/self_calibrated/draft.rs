@@ -97,7 +97,7 @@ impl<'a> Draft<'a> {
         self.tomography.filter(|_| self.is_obstructed).map(|tomography| tomography.map)
     }
 
-    /// The posteriors of all nodes; returns how far they moved on average [m].
+    /// The posteriors of all nodes; returns how far they moved on average (m).
     fn refine(&mut self, step_m: f64) -> Result<f64, Interrupted> {
         let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
         if let Some(map) = map {

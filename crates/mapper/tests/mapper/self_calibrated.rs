@@ -135,7 +135,8 @@ fn settings() -> SelfCalibratedConfig {
 }
 
 fn calibrated(config: SelfCalibratedConfig, log: &ReceptionLog) -> (TopologyMap, Calibration) {
-    let (map, calibration) = SelfCalibrated::try_from(config).expect("good settings").map(log, &Unwatched).unwrap();
+    let (map, calibration) =
+        SelfCalibrated::try_from(config).expect("good settings").map(log, &Unwatched).expect("nobody interrupts");
     (map, calibration.expect("nodes were heard"))
 }
 

@@ -3,7 +3,7 @@
 use crate::comparators::ranging::Ranging;
 use crate::lattice::whole;
 
-/// Distance below which the strength rises no further [m].
+/// Distance below which the strength rises no further (m).
 const LEAST_M: f64 = 0.1;
 /// Cells of the tables over distance.
 const CELLS: usize = 8192;
@@ -30,7 +30,7 @@ impl Curves {
         Self { per_m, log_silence: log_silence.collect(), mean_dbm }
     }
 
-    /// Mean strength over a distance [dBm].
+    /// Mean strength over a distance (dBm).
     #[inline]
     pub(super) fn mean_dbm(&self, distance_m: f64) -> f64 {
         at(&self.mean_dbm, distance_m * self.per_m)

@@ -22,21 +22,21 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RssGridConfig {
-    /// Distance of neighbouring grid vertices [m].
+    /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
     /// How power falls with distance, and how it scatters.
     #[serde(default)]
     pub ranging: RangingConfig,
-    /// Least power that is received [dBm]; in a scenario, that of its radio if absent.
+    /// Least power that is received (dBm); in a scenario, that of its radio if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity_dbm: Option<f64>,
-    /// Hard communication radius [m]; in a scenario, that of its channel if absent.
+    /// Hard communication radius (m); in a scenario, that of its channel if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
     /// Which place is taken from the likelihood.
     #[serde(default = "posterior_mean")]
     pub estimate: EstimateKind,
-    /// Lowest and highest height of a node [m]; as of `ml_tm` if absent.
+    /// Lowest and highest height of a node (m); as of `ml_tm` if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
 }
@@ -88,7 +88,7 @@ impl TryFrom<RssGridConfig> for RssGrid {
     }
 }
 
-/// Memory that the shared surface and the search of a node may need [octets].
+/// Memory that the shared surface and the search of a node may need (octets).
 const ALLOWED_BYTES: u64 = 1_536_000_000;
 /// Octets of a vertex: its log-likelihood of silence, and its place in the list of a search.
 const OCTETS_PER_VERTEX: u64 = 24;
@@ -102,7 +102,7 @@ impl RssGrid {
     /// What it uses.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi, KnowledgeKind::PathLoss];
 
-    /// Distance within which nodes are heard [m].
+    /// Distance within which nodes are heard (m).
     fn range_m(&self) -> f64 {
         self.max_range_m
             .unwrap_or_else(|| self.ranging.distance_m(self.sensitivity_dbm - REACH_SIGMAS * self.ranging.sigma_db()))

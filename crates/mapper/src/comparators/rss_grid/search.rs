@@ -103,7 +103,7 @@ impl Search<'_> {
         silence + gain - loss + ROUNDING * (1.0 - silence + gain + loss)
     }
 
-    /// How far from a stop that heard it a node may be at a vertex [m].
+    /// How far from a stop that heard it a node may be at a vertex (m).
     fn slack_m(&self) -> f64 {
         self.range_m + self.lattice.half_diagonal_m()
     }

@@ -35,7 +35,7 @@ impl Part {
         self.first[axis]..self.end[axis]
     }
 
-    /// The least and the greatest distance from its vertices to a place [m], or less and more.
+    /// The least and the greatest distance from its vertices to a place (m), or less and more.
     pub(super) fn distances_m(&self, place: Position) -> [f64; 2] {
         let (low, high, place): ([f64; 3], [f64; 3], [f64; 3]) = (self.low.into(), self.high.into(), place.into());
         let (mut near, mut far) = (0.0, 0.0);

@@ -16,7 +16,9 @@ fn tpm(config: TpmConfig) -> Tpm {
 
 fn preservation(network: &Network, config: TpmConfig) -> f64 {
     let map = tpm(config).map(&network.knowledge(), &Unwatched).expect("a map").aligned_to(&network.truth(), 4);
-    topology_preservation_error(&network.places, &map.positions(), &Unwatched).unwrap().expect("lines of nodes")
+    topology_preservation_error(&network.places, &map.positions(), &Unwatched)
+        .expect("nobody interrupts")
+        .expect("lines of nodes")
 }
 
 #[test]
