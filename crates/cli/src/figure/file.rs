@@ -47,13 +47,12 @@ impl Figure {
     /// If the system refuses.
     pub fn write(&self, folder: &Path, format: FileFormat) -> io::Result<PathBuf> {
         let path = folder.join(format!("{}.{}", self.name, format.extension()));
-        // The encoder of pixels goes by the ending.
-        let part = folder.join(format!("{}.part.{}", self.name, format.extension()));
-        let written = match format {
-            FileFormat::Svg => paint::svg(&self.picture).and_then(|text| std::fs::write(&part, text)),
-            FileFormat::Png => paint::png(&self.picture, &part),
+        let part = folder.join(format!("{}.{}.part", self.name, format.extension()));
+        let bytes = match format {
+            FileFormat::Svg => paint::svg(&self.picture)?.into_bytes(),
+            FileFormat::Png => paint::png(&self.picture)?,
         };
-        match written.and_then(|()| std::fs::rename(&part, &path)) {
+        match std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path)) {
             Ok(()) => Ok(path),
             Err(error) => {
                 // Only the error that came first is worth telling.

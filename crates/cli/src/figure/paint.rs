@@ -1,9 +1,7 @@
 //! From a picture to the octets of a file, by the backends of plotters.
 
 use std::fmt::Display;
-use std::fs::File;
 use std::io;
-use std::path::Path;
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -52,8 +50,8 @@ pub(super) fn svg(picture: &Picture) -> io::Result<String> {
     Ok(document.replacen(&size, &format!("width=\"{width}\" height=\"{height}\""), 1))
 }
 
-/// Writes `picture` to the PNG file at `path`.
-pub(super) fn png(picture: &Picture, path: &Path) -> io::Result<()> {
+/// `picture` as a PNG file.
+pub(super) fn png(picture: &Picture) -> io::Result<Vec<u8>> {
     let (width, height) = (whole(picture.width) * PNG_SCALE, whole(picture.height) * PNG_SCALE);
     let fine = (width * SAMPLES, height * SAMPLES);
     let mut samples = vec![0; fine.0 as usize * fine.1 as usize * 3];
@@ -62,11 +60,13 @@ pub(super) fn png(picture: &Picture, path: &Path) -> io::Result<()> {
         let units = f64::from(PNG_SCALE * SAMPLES);
         paint(picture, &mut backend, Manner { units, text_drop_em: 0.24, joints: Joints::Discs })?;
     }
-    // The backend would not say in plain words that the file cannot be made.
-    File::create(path)?;
-    let mut backend = BitMapBackend::new(path, (width, height));
-    backend.blit_bitmap((0, 0), (width, height), &averaged(&samples, width, height)).map_err(refused)?;
-    backend.present().map_err(refused)
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&averaged(&samples, width, height))?;
+    writer.finish()?;
+    Ok(file)
 }
 
 /// The mean of each block of samples.
