@@ -1,18 +1,13 @@
-//! A table of rows as a CSV or Parquet file.
+//! A table of rows as a CSV file, or as a Parquet file where the feature `parquet` is on.
+
+#[cfg(feature = "parquet")]
+mod parquet;
 
 use std::ffi::OsStr;
 use std::io;
 use std::path::Path;
-use std::sync::Arc;
 
-use parquet::basic::{ConvertedType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::Type;
-
-use super::column::{Column, Kind};
+use super::column::Column;
 use crate::diagnostic::Failure;
 use crate::output::write_file;
 
@@ -22,6 +17,7 @@ pub enum TableFormat {
     /// Comma-separated values (RFC 4180) with a header.
     Csv,
     /// Apache Parquet, uncompressed.
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 
@@ -29,11 +25,17 @@ impl TableFormat {
     /// The form that the extension of `path` asks for.
     ///
     /// # Errors
-    /// If it is neither `.csv` nor `.parquet`.
+    /// If it is neither `.csv` nor `.parquet`, or if it is `.parquet` and the feature `parquet` is off.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(OsStr::to_str) {
             Some("csv") => Ok(Self::Csv),
+            #[cfg(feature = "parquet")]
             Some("parquet") => Ok(Self::Parquet),
+            #[cfg(not(feature = "parquet"))]
+            Some("parquet") => Err(Failure::bad_input_with_help(
+                format!("`{}` asks for Parquet, and this program was built without it", path.display()),
+                "name a table TABLE.csv, or build the program with `cargo build --release --features parquet`",
+            )),
             other => Err(Failure::bad_input_with_help(
                 match other {
                     Some(other) => format!("`{}` ends in `.{other}`", path.display()),
@@ -52,7 +54,8 @@ impl TableFormat {
 pub(super) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), Failure> {
     let bytes = match TableFormat::of(path)? {
         TableFormat::Csv => csv(columns, rows),
-        TableFormat::Parquet => parquet(columns, rows).map_err(|error| io::Error::other(error.to_string())),
+        #[cfg(feature = "parquet")]
+        TableFormat::Parquet => parquet::encode(columns, rows),
     };
     write_file(path, &bytes.map_err(|error| Failure::unwritable(path, &error))?)
 }
@@ -66,63 +69,12 @@ fn csv(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
     writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// One row group; a text that is empty is null.
-fn parquet(columns: &[Column], rows: &[Vec<String>]) -> Result<Vec<u8>, ParquetError> {
-    let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
-    let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
-    let properties = WriterProperties::builder().set_created_by(format!("sextant {}", env!("CARGO_PKG_VERSION")));
-    let mut bytes = Vec::new();
-    let mut file = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties.build()))?;
-    let mut group = file.next_row_group()?;
-    for (i, column) in columns.iter().enumerate() {
-        let texts: Vec<&str> = rows.iter().map(|row| row[i].as_str()).collect();
-        let present: Vec<i16> = texts.iter().map(|text| i16::from(!text.is_empty())).collect();
-        let texts = texts.into_iter().filter(|text| !text.is_empty());
-        let Some(mut writer) = group.next_column()? else {
-            return Err(ParquetError::General("a column is missing in the schema".to_owned()));
-        };
-        let misfit = |text: &str| ParquetError::General(format!("`{text}` in column `{}`", column.name));
-        match column.kind {
-            Kind::Integer => {
-                let values =
-                    texts.map(|text| text.parse().map_err(|_| misfit(text))).collect::<Result<Vec<_>, _>>()?;
-                writer.typed::<Int64Type>().write_batch(&values, Some(&present), None)?;
-            }
-            Kind::Real => {
-                let values =
-                    texts.map(|text| text.parse().map_err(|_| misfit(text))).collect::<Result<Vec<_>, _>>()?;
-                writer.typed::<DoubleType>().write_batch(&values, Some(&present), None)?;
-            }
-            Kind::Text => {
-                let values: Vec<_> = texts.map(ByteArray::from).collect();
-                writer.typed::<ByteArrayType>().write_batch(&values, Some(&present), None)?;
-            }
-        }
-        writer.close()?;
-    }
-    group.close()?;
-    file.close()?;
-    Ok(bytes)
-}
-
-fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
-    let (physical, converted) = match column.kind {
-        Kind::Integer => (Physical::INT64, ConvertedType::NONE),
-        Kind::Real => (Physical::DOUBLE, ConvertedType::NONE),
-        Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
-    };
-    let builder = Type::primitive_type_builder(&column.name, physical);
-    Ok(Arc::new(builder.with_repetition(Repetition::OPTIONAL).with_converted_type(converted).build()?))
-}
-
 #[cfg(test)]
 mod tests {
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-
     use super::*;
+    use crate::sweep::column::Kind;
 
-    fn table() -> (Vec<Column>, Vec<Vec<String>>) {
+    pub(super) fn table() -> (Vec<Column>, Vec<Vec<String>>) {
         let columns = vec![
             Column::new("cell", Kind::Integer),
             Column::new("error", Kind::Text),
@@ -140,21 +92,12 @@ mod tests {
     }
 
     #[test]
-    fn a_parquet_table_is_read_back_with_types_and_nulls() {
-        let (columns, rows) = table();
-        let reader = SerializedFileReader::new(bytes::Bytes::from(parquet(&columns, &rows).unwrap())).unwrap();
-        let read: Vec<Vec<Field>> = reader
-            .get_row_iter(None)
-            .unwrap()
-            .map(|row| row.unwrap().get_column_iter().map(|(_, field)| field.clone()).collect())
-            .collect();
-        assert_eq!(
-            read,
-            [
-                vec![Field::Long(0), Field::Null, Field::Double(0.1)],
-                vec![Field::Long(1), Field::Str("no, \"never\"".into()), Field::Null],
-            ]
-        );
+    #[cfg(not(feature = "parquet"))]
+    fn a_program_without_parquet_says_how_to_get_it() {
+        let Err(failure @ Failure::BadInput(_)) = TableFormat::of(Path::new("table.parquet")) else {
+            panic!("it is refused");
+        };
+        assert!(format!("{failure:?}").contains("--features parquet"), "{failure:?}");
     }
 
     #[test]

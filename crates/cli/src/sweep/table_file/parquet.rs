@@ -1,0 +1,94 @@
+//! Apache Parquet, by the crate of the Arrow project.
+
+use std::io;
+use std::sync::Arc;
+
+use parquet::basic::{ConvertedType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+
+use crate::sweep::column::{Column, Kind};
+
+/// `rows` under `columns` as a Parquet file.
+pub(super) fn encode(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
+    in_one_group(columns, rows).map_err(|error| io::Error::other(error.to_string()))
+}
+
+/// One row group; a text that is empty is null.
+fn in_one_group(columns: &[Column], rows: &[Vec<String>]) -> Result<Vec<u8>, ParquetError> {
+    let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
+    let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
+    let properties = WriterProperties::builder().set_created_by(format!("sextant {}", env!("CARGO_PKG_VERSION")));
+    let mut bytes = Vec::new();
+    let mut file = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties.build()))?;
+    let mut group = file.next_row_group()?;
+    for (i, column) in columns.iter().enumerate() {
+        let texts: Vec<&str> = rows.iter().map(|row| row[i].as_str()).collect();
+        let present: Vec<i16> = texts.iter().map(|text| i16::from(!text.is_empty())).collect();
+        let texts = texts.into_iter().filter(|text| !text.is_empty());
+        let Some(mut writer) = group.next_column()? else {
+            return Err(ParquetError::General("a column is missing in the schema".to_owned()));
+        };
+        let misfit = |text: &str| ParquetError::General(format!("`{text}` in column `{}`", column.name));
+        match column.kind {
+            Kind::Integer => {
+                let values =
+                    texts.map(|text| text.parse().map_err(|_| misfit(text))).collect::<Result<Vec<_>, _>>()?;
+                writer.typed::<Int64Type>().write_batch(&values, Some(&present), None)?;
+            }
+            Kind::Real => {
+                let values =
+                    texts.map(|text| text.parse().map_err(|_| misfit(text))).collect::<Result<Vec<_>, _>>()?;
+                writer.typed::<DoubleType>().write_batch(&values, Some(&present), None)?;
+            }
+            Kind::Text => {
+                let values: Vec<_> = texts.map(ByteArray::from).collect();
+                writer.typed::<ByteArrayType>().write_batch(&values, Some(&present), None)?;
+            }
+        }
+        writer.close()?;
+    }
+    group.close()?;
+    file.close()?;
+    Ok(bytes)
+}
+
+fn field(column: &Column) -> Result<Arc<Type>, ParquetError> {
+    let (physical, converted) = match column.kind {
+        Kind::Integer => (Physical::INT64, ConvertedType::NONE),
+        Kind::Real => (Physical::DOUBLE, ConvertedType::NONE),
+        Kind::Text => (Physical::BYTE_ARRAY, ConvertedType::UTF8),
+    };
+    let builder = Type::primitive_type_builder(&column.name, physical);
+    Ok(Arc::new(builder.with_repetition(Repetition::OPTIONAL).with_converted_type(converted).build()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    use super::super::tests::table;
+    use super::*;
+
+    #[test]
+    fn a_parquet_table_is_read_back_with_types_and_nulls() {
+        let (columns, rows) = table();
+        let reader = SerializedFileReader::new(bytes::Bytes::from(encode(&columns, &rows).unwrap())).unwrap();
+        let read: Vec<Vec<Field>> = reader
+            .get_row_iter(None)
+            .unwrap()
+            .map(|row| row.unwrap().get_column_iter().map(|(_, field)| field.clone()).collect())
+            .collect();
+        assert_eq!(
+            read,
+            [
+                vec![Field::Long(0), Field::Null, Field::Double(0.1)],
+                vec![Field::Long(1), Field::Str("no, \"never\"".into()), Field::Null],
+            ]
+        );
+    }
+}
