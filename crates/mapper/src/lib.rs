@@ -8,7 +8,7 @@
 //!
 //! ```
 //! use sextant_channel::{Position, Reception, ReceptionLog, Stop};
-//! use sextant_kernel::{NodeId, RobotId, SimTime};
+//! use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
 //! use sextant_mapper::{MlTm, MlTmConfig, ProfileConfig, TrapezoidConfig};
 //!
 //! // A robot drives 8 m east and hears a node from the third to the fifth of its nine stops.
@@ -17,7 +17,7 @@
 //! let log = ReceptionLog::new(vec!["n0".into()], stops.collect(), (3..6).map(heard).collect(), Vec::new())?;
 //!
 //! let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 3.0));
-//! let map = MlTm::try_from(MlTmConfig::new(0.25, profile))?.map(&log)?;
+//! let map = MlTm::try_from(MlTmConfig::new(0.25, profile))?.map(&log, &Unwatched)?;
 //! let place = map.estimates[0].as_ref().expect("the node was heard").position;
 //! assert!((place.x_m - 4.0).abs() < 0.5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
