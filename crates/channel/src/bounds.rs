@@ -29,6 +29,7 @@ impl Bounds {
 
     /// This box, larger by `margin_m` on each side.
     #[must_use]
+    #[inline]
     pub fn grown(self, margin_m: f64) -> Self {
         let margin = Position::new(margin_m, margin_m, margin_m);
         Self { min: self.min - margin, max: self.max + margin }

@@ -56,6 +56,7 @@ impl CellGrid {
     /// # Panics
     /// If `axis` is above 2.
     #[must_use]
+    #[inline]
     pub fn layers(&self, axis: usize) -> usize {
         self.counts[axis]
     }
@@ -65,12 +66,14 @@ impl CellGrid {
     /// # Panics
     /// If `axis` is above 2.
     #[must_use]
+    #[inline]
     pub fn layer(&self, axis: usize, value_m: f64) -> usize {
         whole((value_m - self.low[axis]) * self.per_m).min(self.counts[axis] - 1)
     }
 
     /// The layers along x, y and z that hold `place`.
     #[must_use]
+    #[inline]
     pub fn layers_of(&self, place: Position) -> [usize; 3] {
         let place: [f64; 3] = place.into();
         [0, 1, 2].map(|axis| self.layer(axis, place[axis]))
@@ -78,6 +81,7 @@ impl CellGrid {
 
     /// The number of the cell in these layers.
     #[must_use]
+    #[inline]
     pub fn cell(&self, [x, y, z]: [usize; 3]) -> usize {
         (z * self.counts[1] + y) * self.counts[0] + x
     }
@@ -85,6 +89,7 @@ impl CellGrid {
 
 /// The integer part of a number of cells; 0 if negative, because places below the first cell belong to it.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates, as intended")]
+#[inline]
 fn whole(cells: f64) -> usize {
     cells as usize
 }

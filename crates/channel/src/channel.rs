@@ -22,24 +22,28 @@ impl Channel {
 
     /// The law of the channel without obstacles.
     #[must_use]
+    #[inline]
     pub fn law(&self) -> &ChannelLaw {
         &self.law
     }
 
     /// The obstacles, whether they absorb or not.
     #[must_use]
+    #[inline]
     pub fn obstacles(&self) -> &ObstacleField {
         &self.obstacles
     }
 
     /// Loss by the obstacles between two places; zero if obstacles do not absorb.
     #[must_use]
+    #[inline]
     pub fn obstacle_loss(&self, from: Position, to: Position) -> Db {
         if self.law.obstacles_attenuate() { self.obstacles.loss(from, to) } else { Db(0.0) }
     }
 
     /// Mean received power (mean of the decibels) at the transmit power `tx`; `None` beyond the hard radius.
     #[must_use]
+    #[inline]
     pub fn mean_power(&self, tx: Dbm, from: Position, to: Position) -> Option<Dbm> {
         let distance_m = from.distance_m(to);
         if distance_m > self.law.max_range_m() {

@@ -41,6 +41,7 @@ impl ObstacleField {
 
     /// The obstacles, in the order given.
     #[must_use]
+    #[inline]
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
     }
@@ -53,11 +54,13 @@ impl ObstacleField {
 
     /// Whether there is no obstacle.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.obstacles.is_empty()
     }
 
     /// The obstacles that the straight line between two places crosses, in an unspecified order.
+    #[inline]
     fn lengths(&self, from: Position, to: Position) -> impl Iterator<Item = Crossing> + '_ {
         let key = |p: Position| [p.x_m, p.y_m, p.z_m];
         let (from, to) = if key(from) <= key(to) { (from, to) } else { (to, from) };
@@ -78,6 +81,7 @@ impl ObstacleField {
     /// Loss by absorption along the straight line from `from` to `to`: the sum of `10 α d log10(e)` over the
     /// obstacles, d the length inside (Lambert-Bouguer law; thesis eq. 3.16).
     #[must_use]
+    #[inline]
     pub fn loss(&self, from: Position, to: Position) -> Db {
         if self.obstacles.is_empty() {
             return Db(0.0);

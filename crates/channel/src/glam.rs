@@ -11,6 +11,7 @@ pub(crate) fn vector(p: Position) -> Vector {
 }
 
 /// `v` as a position.
+#[inline]
 pub(crate) fn position(v: Vector) -> Position {
     Position::new(v.x, v.y, v.z)
 }

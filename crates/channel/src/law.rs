@@ -27,6 +27,7 @@ pub struct ChannelConfig {
     pub obstacles_attenuate: bool,
 }
 
+#[inline]
 fn obstacles_attenuate() -> bool {
     true
 }
@@ -94,24 +95,28 @@ impl ChannelLaw {
 
     /// Loss with distance.
     #[must_use]
+    #[inline]
     pub fn path_loss(&self) -> &LogDistance {
         &self.path_loss
     }
 
     /// How shadowing spreads.
     #[must_use]
+    #[inline]
     pub fn shadowing(&self) -> &ShadowingLaw {
         &self.shadowing
     }
 
     /// Hard communication radius (m); infinite if unlimited.
     #[must_use]
+    #[inline]
     pub fn max_range_m(&self) -> f64 {
         self.max_range_m
     }
 
     /// Whether obstacles absorb power.
     #[must_use]
+    #[inline]
     pub fn obstacles_attenuate(&self) -> bool {
         self.obstacles_attenuate
     }
@@ -127,6 +132,7 @@ impl ChannelLaw {
     /// Probability that a packet sent with `tx` arrives with at least `sensitivity` over `distance_m`, behind
     /// obstacles that cost `obstacle_loss`: `Φ((P_mean - sensitivity) / σ)`, 0 beyond the hard radius.
     #[must_use]
+    #[inline]
     pub fn reception_probability(&self, tx: Dbm, sensitivity: Dbm, distance_m: f64, obstacle_loss: Db) -> f64 {
         if distance_m > self.max_range_m {
             return 0.0;

@@ -94,6 +94,7 @@ impl LogDistance {
 
     /// Loss over `distance_m` relative to the reference distance; negative below the reference distance.
     #[must_use]
+    #[inline]
     pub fn loss(&self, distance_m: f64) -> Db {
         Db(10.0 * self.exponent * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
     }

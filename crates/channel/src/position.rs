@@ -60,6 +60,7 @@ impl Position {
 
     /// Scalar product.
     #[must_use]
+    #[inline]
     pub fn dot(self, other: Self) -> f64 {
         self.x_m * other.x_m + self.y_m * other.y_m + self.z_m * other.z_m
     }
@@ -76,12 +77,14 @@ impl Position {
 
     /// Length of the displacement (m).
     #[must_use]
+    #[inline]
     pub fn length_m(self) -> f64 {
         self.dot(self).sqrt()
     }
 
     /// Distance to `other` (m).
     #[must_use]
+    #[inline]
     pub fn distance_m(self, other: Self) -> f64 {
         (self - other).length_m()
     }
@@ -105,6 +108,7 @@ impl Position {
 impl Add for Position {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self::new(self.x_m + other.x_m, self.y_m + other.y_m, self.z_m + other.z_m)
     }
@@ -113,6 +117,7 @@ impl Add for Position {
 impl Sub for Position {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self::new(self.x_m - other.x_m, self.y_m - other.y_m, self.z_m - other.z_m)
     }
@@ -121,6 +126,7 @@ impl Sub for Position {
 impl Mul<f64> for Position {
     type Output = Self;
 
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         Self::new(self.x_m * factor, self.y_m * factor, self.z_m * factor)
     }

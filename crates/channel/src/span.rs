@@ -15,6 +15,7 @@ const SLACK_M: f64 = 1e-9;
 
 impl Span {
     /// The line from `from` to `to`.
+    #[inline]
     pub(crate) fn new(from: Position, to: Position) -> Self {
         let half = (to - from) * 0.5;
         let reach = Position::new(half.x_m.abs(), half.y_m.abs(), half.z_m.abs());
@@ -24,6 +25,7 @@ impl Span {
     /// Whether the line meets `bounds`, by separating axes (Ericson 2005, Real-Time Collision Detection, 5.3.3):
     /// no division, so no special case for lines along an axis. May be true up to a nanometre outside; never false
     /// inside.
+    #[inline]
     pub(crate) fn meets(&self, bounds: Bounds) -> bool {
         let extent = (bounds.max - bounds.min) * 0.5;
         let m = self.middle - bounds.center();

@@ -18,6 +18,7 @@ impl Tree {
     }
 
     /// The objects whose boxes, grown by `margin_m`, meet `span`.
+    #[inline]
     pub(crate) fn along(&self, span: Span, margin_m: f64) -> impl Iterator<Item = usize> + '_ {
         self.0.leaves(move |node| span.meets(bounds(node).grown(margin_m))).map(|leaf| leaf as usize)
     }
@@ -36,6 +37,7 @@ impl Tree {
     }
 }
 
+#[inline]
 fn bounds(node: &BvhNode) -> Bounds {
     Bounds { min: position(node.mins()), max: position(node.maxs()) }
 }

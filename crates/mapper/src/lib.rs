@@ -63,7 +63,7 @@ pub use comparators::{
     TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
 pub use error::MapError;
-pub use fitted::{Fit, Fitted, FittedConfig};
+pub use fitted::{Fit, Fitted};
 pub use fitted_ml_tm::FittedMlTm;
 pub use heights::{HeightReason, SoughtHeights};
 pub use isotonic::never_rising;
@@ -77,7 +77,8 @@ pub use ml_tm::{CountRule, EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{
-    ChannelProfileConfig, ObstacleUse, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig, at_least_one,
+    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig,
+    at_least_one,
 };
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig};

@@ -31,6 +31,7 @@ impl NodeEvidence {
     }
 
     /// Log-likelihood of a place from which a packet is heard at each stop with `probability`.
+    #[inline]
     pub(crate) fn log_likelihood(&self, probability: impl Fn(u32) -> f64) -> f64 {
         let (mut sum, mut product) = (0.0, 1.0);
         for &(stop, received, missed) in &self.listeners {

@@ -4,14 +4,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{FittedConfig, TableProfile};
+use crate::TableProfile;
 
 mod cell;
 mod channel;
+mod fitted;
 
 pub(crate) use cell::averaged_over_cell;
 pub(crate) use channel::KnownLink;
 pub use channel::{ChannelProfileConfig, ObstacleUse, at_least_one};
+pub use fitted::FittedConfig;
 
 /// Lowest probability that a robust profile gives to any outcome: one shadowed packet from far away
 /// then costs a vertex a factor and does not rule it out.

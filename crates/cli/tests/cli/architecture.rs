@@ -70,7 +70,7 @@ const ROOMS: [&str; 17] = [
 ];
 
 /// The crates whose modules are looked at: the folder of each below that of the workspace.
-const FOLDERS: [&str; 6] = ["kernel", "channel", "mac", "sim", "apps", "cli"];
+const FOLDERS: [&str; 7] = ["kernel", "channel", "mac", "sim", "mapper", "apps", "cli"];
 
 fn modules_of(folder: &str) -> Modules {
     Modules::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src"))

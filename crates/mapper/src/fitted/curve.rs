@@ -3,7 +3,7 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
 
-use super::expectation::Belief;
+use super::belief::Belief;
 use super::receivers;
 use crate::TableProfile;
 use crate::isotonic::never_rising;

@@ -3,8 +3,8 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Watch};
 
+use super::belief::Belief;
 use super::curve::{Counts, FittedCurve};
-use super::receivers;
 use crate::heights::Heights;
 use crate::lattice::whole;
 use crate::local_posterior::{LocalPosterior, local_posterior};
@@ -15,33 +15,6 @@ const LEAST_STEP: f64 = 0.5;
 const SLIGHT: f64 = 5e-4;
 /// How many standard deviations beyond the range a reception is an outlier.
 const SURE: f64 = 3.0;
-
-/// Where a node is thought to be.
-#[derive(Clone, Debug)]
-pub(super) struct Belief {
-    pub(super) mean: Position,
-    pub(super) spread_m: [f64; 3],
-}
-
-impl Belief {
-    /// The median of the stops that heard the node, along each axis: far receptions do not move it much.
-    pub(super) fn first(log: &ReceptionLog, node: NodeId, heights: Heights) -> Self {
-        let (mut mean, mut spread_m) = ([0.0; 3], [0.0; 3]);
-        for axis in 0..3 {
-            let coordinate = |(place, packets): (Position, u32)| (<[f64; 3]>::from(place)[axis], packets);
-            let mut sorted: Vec<(f64, u32)> = receivers(log, node).map(coordinate).collect();
-            sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            mean[axis] = sorted[sorted.len() / 2].0;
-            let middle_half = sorted[sorted.len() * 3 / 4].0 - sorted[sorted.len() / 4].0;
-            spread_m[axis] = 0.25 * middle_half;
-        }
-        // A survey may be a straight line: nodes lie beside it.
-        let widest = spread_m.iter().fold(0.0_f64, |widest, &spread| widest.max(spread));
-        let spread_m = spread_m.map(|spread| spread.max(0.5 * widest));
-        mean[2] = heights.clamp(mean[2]);
-        Self { mean: mean.into(), spread_m }
-    }
-}
 
 /// One round: the curve that it starts with, and the stops that count.
 pub(super) struct Round<'a> {

@@ -198,6 +198,7 @@ impl KnownLink {
 /// other whole number next to `packets`, in the shares that give this mean.
 #[expect(clippy::cast_possible_truncation, reason = "nobody sends 2^31 packets at a stop")]
 #[must_use]
+#[inline]
 pub fn at_least_one(q: f64, packets: f64) -> f64 {
     let none = |n: f64| libm::pow(1.0 - q, n);
     let (few, more) = (packets.floor(), packets.fract());

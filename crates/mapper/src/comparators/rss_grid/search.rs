@@ -6,7 +6,7 @@ use sextant_channel::{Position, Stop};
 use sextant_kernel::Watch;
 
 use super::curves::Curves;
-use super::tiles::{Part, Tiles};
+use super::tiles::{Part, Silence, Tiles};
 use crate::local_posterior::covariance;
 use crate::{Estimate, EstimateKind, Lattice};
 
@@ -39,9 +39,16 @@ pub(super) struct Search<'a> {
     pub(super) watch: &'a dyn Watch,
 }
 
-impl Search<'_> {
-    /// The log-likelihood of silence at each vertex of a part of the lattice, x running fastest.
-    pub(super) fn silence(&self, part: &Part) -> Box<[f64]> {
+impl Silence for Search<'_> {
+    fn lattice(&self) -> &Lattice {
+        self.lattice
+    }
+
+    fn watch(&self) -> &dyn Watch {
+        self.watch
+    }
+
+    fn silence(&self, part: &Part) -> Box<[f64]> {
         let [columns, rows, layers] = [0, 1, 2].map(|axis| part.span(axis));
         let mut silence = vec![0.0; columns.len() * rows.len() * layers.len()];
         let mut values = silence.chunks_mut(columns.len());
@@ -56,6 +63,20 @@ impl Search<'_> {
         silence.into()
     }
 
+    fn silence_bound(&self, part: &Part) -> f64 {
+        let mut sum = 0.0;
+        for stop in self.stops {
+            let [_, far_m] = part.distances_m(stop.position);
+            // Up to the last vertex a row may be in range by rounding, or not.
+            if far_m < self.range_m * (1.0 - 1e-6) {
+                sum += self.curves.log_silence(far_m);
+            }
+        }
+        sum * (1.0 - ROUNDING)
+    }
+}
+
+impl Search<'_> {
     /// Adds what the silence of a stop says to the vertices `columns` of a row.
     fn add_silence(&self, stop: Position, [j, k]: [usize; 2], columns: &Range<usize>, values: &mut [f64]) {
         let first = self.lattice.position([0, j, k]);
@@ -69,19 +90,6 @@ impl Search<'_> {
             let along_m = self.lattice.coordinate(0, i) - stop.x_m;
             values[i - columns.start] += self.curves.log_silence(along_m.hypot(across_m));
         }
-    }
-
-    /// What the log-likelihood of silence is at most, at any vertex of a part.
-    pub(super) fn silence_bound(&self, part: &Part) -> f64 {
-        let mut sum = 0.0;
-        for stop in self.stops {
-            let [_, far_m] = part.distances_m(stop.position);
-            // Up to the last vertex a row may be in range by rounding, or not.
-            if far_m < self.range_m * (1.0 - 1e-6) {
-                sum += self.curves.log_silence(far_m);
-            }
-        }
-        sum * (1.0 - ROUNDING)
     }
 
     /// What the log-likelihood of a node is at most at any vertex of a part whose silence bound is `silence`.

@@ -5,9 +5,8 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 use sextant_channel::Position;
-use sextant_kernel::Interrupted;
+use sextant_kernel::{Interrupted, Watch};
 
-use super::search::Search;
 use crate::Lattice;
 
 /// Vertices of a tile along x, y and z in a plane and in space, and tiles of a block the same.
@@ -49,6 +48,21 @@ impl Part {
     }
 }
 
+/// What tiles hold: how likely the silence of all stops is at the vertices of a lattice.
+pub(super) trait Silence: Sync {
+    /// The lattice.
+    fn lattice(&self) -> &Lattice;
+
+    /// Who may end the work.
+    fn watch(&self) -> &dyn Watch;
+
+    /// The log-likelihood of silence at each vertex of a part of the lattice, x running fastest.
+    fn silence(&self, part: &Part) -> Box<[f64]>;
+
+    /// At least the log-likelihood of silence at any vertex of a part of the lattice.
+    fn silence_bound(&self, part: &Part) -> f64;
+}
+
 /// A grid in tiles. What silence says is worked out where a search gets to, and kept.
 pub(super) struct Tiles {
     edge: [usize; 3],
@@ -62,8 +76,8 @@ pub(super) struct Tiles {
 }
 
 impl Tiles {
-    pub(super) fn new(search: &Search<'_>) -> Result<Self, Interrupted> {
-        let lattice = search.lattice;
+    pub(super) fn new(search: &impl Silence) -> Result<Self, Interrupted> {
+        let lattice = search.lattice();
         let edge = EDGES[usize::from(lattice.counts()[2] > 1)];
         let counts = [0, 1, 2].map(|axis| lattice.counts()[axis].div_ceil(edge[axis]));
         let block_counts = [0, 1, 2].map(|axis| counts[axis].div_ceil(edge[axis]));
@@ -79,7 +93,7 @@ impl Tiles {
         let bounds: Result<Vec<f64>, Interrupted> = (0..block_counts.iter().product())
             .into_par_iter()
             .map(|block| {
-                search.watch.check()?;
+                search.watch().check()?;
                 Ok(search.silence_bound(&this.block(lattice, unlinear(block, block_counts))))
             })
             .collect();
@@ -107,24 +121,24 @@ impl Tiles {
     /// The tiles of a block that hold a vertex of a box of vertices, by number, with their silence bounds.
     pub(super) fn of_block<'a>(
         &'a self,
-        search: &'a Search<'_>,
+        search: &'a impl Silence,
         block: [usize; 3],
         spans: &[Range<usize>; 3],
     ) -> impl Iterator<Item = (usize, Part, f64)> + 'a {
-        let part = self.block(search.lattice, block);
+        let part = self.block(search.lattice(), block);
         let spans = [0, 1, 2].map(|axis| {
             let span = part.span(axis);
             spans[axis].start.max(span.start)..spans[axis].end.min(span.end)
         });
         cells(&spans, self.edge).map(move |tile| {
-            let part = Part::new(search.lattice, [0, 1, 2].map(|axis| tile[axis] * self.edge[axis]), self.edge);
+            let part = Part::new(search.lattice(), [0, 1, 2].map(|axis| tile[axis] * self.edge[axis]), self.edge);
             let number = linear(tile, self.counts);
             (number, part, *self.bounds[number].get_or_init(|| search.silence_bound(&part)))
         })
     }
 
     /// The log-likelihood of silence at the vertices of the tile of a number, x running fastest.
-    pub(super) fn silence(&self, search: &Search<'_>, number: usize, part: &Part) -> &[f64] {
+    pub(super) fn silence(&self, search: &impl Silence, number: usize, part: &Part) -> &[f64] {
         self.silence[number].get_or_init(|| search.silence(part))
     }
 }
