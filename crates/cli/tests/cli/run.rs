@@ -260,11 +260,11 @@ fn ctrl_c_leaves_a_whole_recording_of_what_was_heard() {
     let child = sextant()
         .arg("run")
         .arg(scenario("smoke.toml"))
-        .args(["--set", "robots.0.listen_s=100", "--out"])
+        .args(["--set", "robots.0.listen_s=1500", "--out"])
         .arg(&out)
         .spawn()
         .expect("it starts");
-    std::thread::sleep(Duration::from_millis(700));
+    std::thread::sleep(Duration::from_millis(1500));
     signal(&child, "-INT");
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
