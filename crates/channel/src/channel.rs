@@ -49,8 +49,7 @@ impl Channel {
         if distance_m > self.law.max_range_m() {
             return None;
         }
-        let mean = tx - self.law.path_loss().loss(distance_m);
-        Some(if self.law.obstacles_attenuate() { mean - self.obstacles.loss(from, to) } else { mean })
+        Some(tx - self.law.path_loss().loss(distance_m) - self.obstacle_loss(from, to))
     }
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.

@@ -202,7 +202,15 @@ impl ReceptionLog {
     #[must_use]
     pub fn at_least_one(&self) -> Cow<'_, Self> {
         if self.columns.has_counts() {
-            Cow::Owned(Self { columns: self.columns.at_least_one(), ..self.clone() })
+            Cow::Owned(Self {
+                names: self.names.clone(),
+                stops: self.stops.clone(),
+                columns: self.columns.at_least_one(),
+                first: self.first.clone(),
+                contacts: self.contacts.clone(),
+                robots: self.robots.clone(),
+                sectors: self.sectors.clone(),
+            })
         } else {
             Cow::Borrowed(self)
         }

@@ -195,10 +195,7 @@ impl MlTm {
                 },
             )
             .collect();
-        for (slot, (estimate, evaluated)) in map.estimates.iter_mut().zip(solved?) {
-            *slot = estimate;
-            map.vertices_evaluated += evaluated;
-        }
+        map.take_in(solved?);
         Ok(map)
     }
 

@@ -51,6 +51,14 @@ pub struct Estimate {
 }
 
 impl TopologyMap {
+    /// Takes in the estimates of all nodes, each with the vertices that were evaluated for it.
+    pub(crate) fn take_in(&mut self, solved: Vec<(Option<Estimate>, u64)>) {
+        for (slot, (estimate, evaluated)) in self.estimates.iter_mut().zip(solved) {
+            *slot = estimate;
+            self.vertices_evaluated += evaluated;
+        }
+    }
+
     /// The map of an algorithm that gives places and nothing more.
     #[must_use]
     pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: CoordinateFrame) -> Self {

@@ -1,6 +1,6 @@
 //! How accurate a map of a simulated survey can be.
 
-use sextant_channel::{Channel, Db, Dbm, Position};
+use sextant_channel::{Channel, Dbm, Position};
 use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{TrueModel, at_least_one};
 use sextant_sim::{MacConfig, Survey};
@@ -34,7 +34,7 @@ pub(super) fn posterior_bound_m(
         if distance_m > law.max_range_m() {
             return 0.0;
         }
-        let obstacle_loss = if channel.obstacles().is_empty() { Db(0.0) } else { channel.obstacle_loss(place, stop) };
+        let obstacle_loss = channel.obstacle_loss(place, stop);
         let q = law.reception_probability(tx, sensitivity, distance_m, obstacle_loss);
         at_least_one(delivery * q, known.packets_per_stop)
     };

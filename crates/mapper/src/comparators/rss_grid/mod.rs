@@ -147,10 +147,7 @@ impl RssGrid {
                 Ok(solved)
             })
             .collect();
-        for (slot, (estimate, evaluated)) in map.estimates.iter_mut().zip(solved?) {
-            *slot = estimate;
-            map.vertices_evaluated += evaluated;
-        }
+        map.take_in(solved?);
         Ok(map)
     }
 
