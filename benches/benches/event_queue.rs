@@ -12,7 +12,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use rand::RngExt;
 use rand_distr::{Distribution, Exp1};
 use sextant_benches::queue_candidates::{Calendar, Candidate, QuadHeap, Queue, StdHeap};
-use sextant_kernel::{EventQueue, NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{EventQueue, StationId, Purpose, Seed, SimTime};
 
 /// Events popped an iteration.
 const BATCH: u64 = 10_000;
@@ -20,7 +20,7 @@ const BATCH: u64 = 10_000;
 /// As large as a simulation's event: 24 octets.
 #[derive(Clone, Copy)]
 struct Event {
-    node: NodeId,
+    node: StationId,
     class: u8,
     _data: [u32; 4],
 }
@@ -37,7 +37,7 @@ struct Load {
     starts: Vec<SimTime>,
     gaps: Vec<Duration>,
     /// Node whose event is cancelled after a pop.
-    cancels: Vec<Option<NodeId>>,
+    cancels: Vec<Option<StationId>>,
 }
 
 impl Load {
@@ -64,7 +64,7 @@ impl Load {
         };
         let gaps = (0..DRAWS).map(gap).collect();
         let cancels = (0..DRAWS)
-            .map(|_| (cancelled && draw.random_range(0..10) == 0).then(|| NodeId(draw.random_range(0..pending))))
+            .map(|_| (cancelled && draw.random_range(0..10) == 0).then(|| StationId(draw.random_range(0..pending))))
             .collect();
         Self { pending, starts, gaps, cancels }
     }
@@ -82,7 +82,7 @@ impl<'a, Q: Queue<Event>> Hold<'a, Q> {
     fn new(load: &'a Load) -> Self {
         let mut queue = Q::default();
         let mut push = |(node, &at): (u32, _)| {
-            let node = NodeId(node);
+            let node = StationId(node);
             queue.push(at, 0, node, Event { node, class: 0, _data: [0; 4] })
         };
         let keys = (0..).zip(&load.starts).map(&mut push).collect();

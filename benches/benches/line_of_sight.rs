@@ -7,7 +7,7 @@ use sextant_channel::{
     BoxConfig, Channel, ChannelConfig, CorrelationConfig, CylinderConfig, Dbm, Obstacle, ObstacleConfig,
     ObstacleField, Position, PrismConfig, ShadowingConfig, ShapeConfig, SpatialConfig,
 };
-use sextant_kernel::{NodeId, Purpose, Seed};
+use sextant_kernel::{StationId, Purpose, Seed};
 
 const SEED: Seed = Seed(1);
 const LINES: u64 = 1024;
@@ -97,7 +97,7 @@ fn link(c: &mut Criterion) {
         let law = ChannelConfig { shadowing, ..ChannelConfig::default() }.try_into().expect("a good channel");
         Channel::new(law, obstacles, SEED)
     };
-    let nodes = |i: usize| (NodeId(u32::try_from(i).expect("few lines")), NodeId(7));
+    let nodes = |i: usize| (StationId(u32::try_from(i).expect("few lines")), StationId(7));
     let lines = lines(1_000);
     for (name, obstacles) in [("budget_free", ObstacleField::default()), ("budget_1000_obstacles", town(1_000))] {
         let channel = channel(CorrelationConfig::PerPacket, obstacles);

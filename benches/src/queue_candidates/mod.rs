@@ -9,7 +9,7 @@ pub use binary_heap::StdHeap;
 pub use calendar::Calendar;
 pub use quad_heap::QuadHeap;
 
-use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
+use sextant_kernel::{EventQueue, StationId, Rank, SimTime};
 
 /// What a benchmark needs of an event queue.
 pub trait Queue<E>: Default {
@@ -17,7 +17,7 @@ pub trait Queue<E>: Default {
     type Key: Copy;
 
     /// Adds an event of a class and a node at an instant.
-    fn push(&mut self, at: SimTime, class: u8, node: NodeId, event: E) -> Self::Key;
+    fn push(&mut self, at: SimTime, class: u8, node: StationId, event: E) -> Self::Key;
     /// Takes the next event.
     fn pop(&mut self) -> Option<(SimTime, E)>;
     /// Takes a pending event back.
@@ -28,7 +28,7 @@ impl<E> Queue<E> for EventQueue<E> {
     type Key = sextant_kernel::EventKey;
 
     #[inline]
-    fn push(&mut self, at: SimTime, class: u8, node: NodeId, event: E) -> Self::Key {
+    fn push(&mut self, at: SimTime, class: u8, node: StationId, event: E) -> Self::Key {
         self.push(at, Rank::new(class, node), event)
     }
 
@@ -83,7 +83,7 @@ impl<E, O: Order> Queue<E> for Candidate<E, O> {
     type Key = CandidateKey;
 
     #[inline]
-    fn push(&mut self, at: SimTime, class: u8, node: NodeId, event: E) -> CandidateKey {
+    fn push(&mut self, at: SimTime, class: u8, node: StationId, event: E) -> CandidateKey {
         let insertion = self.insertions;
         self.insertions += 1;
         let filled = (insertion, Some(event));
@@ -134,12 +134,12 @@ mod tests {
     use super::*;
 
     /// Instants and nodes in the order in which they leave; one node in four is cancelled and pushed anew.
-    fn history<Q: Queue<NodeId>>() -> Vec<(SimTime, NodeId)> {
+    fn history<Q: Queue<StationId>>() -> Vec<(SimTime, StationId)> {
         let draw = |place| Seed(3).bits(Purpose::new(2), [place, 0, 0]);
         let gap = |place| Duration::from_micros(64 * (draw(place) % 40).pow(3));
         let mut queue = Q::default();
         let mut keys: Vec<_> =
-            (0..500).map(|node| queue.push(SimTime::ZERO, 0, NodeId(node), NodeId(node))).collect();
+            (0..500).map(|node| queue.push(SimTime::ZERO, 0, StationId(node), StationId(node))).collect();
         let mut left = Vec::new();
         for step in 0..20_000 {
             let (at, node) = queue.pop().expect("as many events as nodes");

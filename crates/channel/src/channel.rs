@@ -1,6 +1,6 @@
 //! The link budget: everything that changes the power between two antennas.
 
-use sextant_kernel::{NodeId, Seed};
+use sextant_kernel::{StationId, Seed};
 
 use crate::{ChannelLaw, Db, Dbm, ObstacleField, Position, Shadowing};
 
@@ -54,7 +54,7 @@ impl Channel {
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.
     #[must_use]
-    pub fn shadowing(&self, a: NodeId, pa: Position, b: NodeId, pb: Position, packet: u64) -> Db {
+    pub fn shadowing(&self, a: StationId, pa: Position, b: StationId, pb: Position, packet: u64) -> Db {
         self.shadowing.gain(a, pa, b, pb, packet)
     }
 
@@ -64,9 +64,9 @@ impl Channel {
     pub fn received_power(
         &self,
         tx: Dbm,
-        a: NodeId,
+        a: StationId,
         pa: Position,
-        b: NodeId,
+        b: StationId,
         pb: Position,
         packet: u64,
     ) -> Option<Dbm> {

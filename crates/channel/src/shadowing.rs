@@ -5,7 +5,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{NodeId, Seed, SettingError};
+use sextant_kernel::{StationId, Seed, SettingError};
 
 use crate::purpose;
 use crate::{Db, Position};
@@ -131,7 +131,7 @@ impl Shadowing {
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.
     #[must_use]
-    pub fn gain(&self, a: NodeId, pa: Position, b: NodeId, pb: Position, packet: u64) -> Db {
+    pub fn gain(&self, a: StationId, pa: Position, b: StationId, pb: Position, packet: u64) -> Db {
         if self.sigma_db <= 0.0 {
             return Db(0.0);
         }
@@ -150,7 +150,7 @@ impl Shadowing {
     }
 
     /// Address of a station at a place, to 1 mm.
-    fn station(&self, node: NodeId, place: Position) -> u64 {
+    fn station(&self, station: StationId, place: Position) -> u64 {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -158,7 +158,7 @@ impl Shadowing {
         )]
         let cell = |x_m: f64| (x_m * 1000.0).round() as i64 as u64;
         let planar = self.seed.bits(purpose::SHADOWING, [STATION, cell(place.x_m), cell(place.y_m)]);
-        self.seed.bits(purpose::SHADOWING, [planar, cell(place.z_m), u64::from(node.0)])
+        self.seed.bits(purpose::SHADOWING, [planar, cell(place.z_m), u64::from(station.0)])
     }
 }
 

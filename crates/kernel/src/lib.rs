@@ -1,16 +1,16 @@
 //! The kernel of Sextant: what all stages share. It knows nothing about radios.
 //!
 //! Goes in: instants, events, a seed. Comes out: events in a defined order ([`EventQueue`]),
-//! random numbers with an address ([`Seed`]), identities ([`NodeId`]); and how long work is watched ([`Watch`]).
+//! random numbers with an address ([`Seed`]), identities ([`NodeId`], [`StationId`], [`RobotId`]); and how long work is watched ([`Watch`]).
 //!
 //! ```
-//! use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
+//! use sextant_kernel::{EventQueue, Rank, SimTime, StationId};
 //! use std::time::Duration;
 //!
 //! let mut queue = EventQueue::new();
 //! let instant = SimTime::ZERO + Duration::from_micros(320);
-//! queue.push(instant, Rank::new(4, NodeId(7)), "start of CCA");
-//! queue.push(instant, Rank::new(1, NodeId(9)), "end of transmission");
+//! queue.push(instant, Rank::new(4, StationId(7)), "start of CCA");
+//! queue.push(instant, Rank::new(1, StationId(9)), "end of transmission");
 //! assert_eq!(queue.pop(), Some((instant, "end of transmission")));
 //! ```
 
@@ -19,6 +19,7 @@ mod queue;
 mod random;
 mod robot;
 mod setting;
+mod station;
 mod time;
 mod watch;
 
@@ -27,5 +28,6 @@ pub use queue::{EventKey, EventQueue, Rank};
 pub use random::{Purpose, Seed, Stream};
 pub use robot::RobotId;
 pub use setting::SettingError;
+pub use station::StationId;
 pub use time::SimTime;
 pub use watch::{Interrupted, Unwatched, Watch, Work};

@@ -1,8 +1,8 @@
-//! Identities.
+//! The identity of a node.
 
 use std::fmt;
 
-/// Identity of a station: a sensor node, an anchor or a robot. Dense: an index from zero.
+/// Identity of a sensor node. Dense: an index from zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 

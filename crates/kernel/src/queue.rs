@@ -12,23 +12,23 @@ mod quad_heap;
 mod radix_heap;
 mod slab;
 
-use crate::{NodeId, SimTime};
+use crate::{StationId, SimTime};
 use entry::Entry;
 use radix_heap::RadixHeap;
 use slab::Slab;
 
-/// Order of an event among those of the same instant: by class, then by node, then by insertion.
+/// Order of an event among those of the same instant: by class, then by station, then by insertion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Rank {
     class: u8,
-    node: NodeId,
+    station: StationId,
 }
 
 impl Rank {
-    /// Events of the lower class leave first; within a class, events of the lower node.
+    /// Events of the lower class leave first; within a class, events of the lower station.
     #[must_use]
-    pub const fn new(class: u8, node: NodeId) -> Self {
-        Self { class, node }
+    pub const fn new(class: u8, station: StationId) -> Self {
+        Self { class, station }
     }
 }
 
@@ -48,10 +48,10 @@ pub struct EventKey {
 /// events. No event allocates once the queue has reached its greatest size.
 ///
 /// ```
-/// use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
+/// use sextant_kernel::{EventQueue, StationId, Rank, SimTime};
 ///
 /// let mut queue = EventQueue::new();
-/// let rank = Rank::new(5, NodeId(0));
+/// let rank = Rank::new(5, StationId(0));
 /// let timeout = queue.push(SimTime::from_nanos(864_000), rank, "no acknowledgement");
 /// queue.push(SimTime::from_nanos(544_000), rank, "acknowledged");
 /// assert_eq!(queue.pop(), Some((SimTime::from_nanos(544_000), "acknowledged")));
@@ -169,7 +169,7 @@ impl<E> Default for EventQueue<E> {
 mod tests {
     use super::*;
 
-    const RANK: Rank = Rank::new(5, NodeId(3));
+    const RANK: Rank = Rank::new(5, StationId(3));
 
     #[test]
     fn timers_that_are_always_cancelled_do_not_pile_up() {

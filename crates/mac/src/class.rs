@@ -1,6 +1,6 @@
 //! The order in which events of the same instant happen on the air.
 
-use sextant_kernel::{NodeId, Rank};
+use sextant_kernel::{StationId, Rank};
 
 /// Class of an event among those of the same instant; the lower one happens first.
 ///
@@ -25,9 +25,9 @@ pub enum Class {
 }
 
 impl Class {
-    /// The rank of an event of this class at `node`, for the event queue.
+    /// The rank of an event of this class at `station`, for the event queue.
     #[must_use]
-    pub const fn rank(self, node: NodeId) -> Rank {
-        Rank::new(self as u8, node)
+    pub const fn rank(self, station: StationId) -> Rank {
+        Rank::new(self as u8, station)
     }
 }

@@ -14,13 +14,13 @@ mod address;
 mod beacon;
 mod control;
 mod cursor;
-mod node_frame;
+mod data_frame;
 #[cfg(test)]
 mod tests;
 
 pub use address::{Address, BROADCAST_PAN, Endpoint};
 pub use beacon::{Beacon, GuaranteedSlot, Superframe};
-pub use node_frame::NodeFrame;
+pub use data_frame::DataFrame;
 
 use crate::fcs;
 use crate::timing::MAX_MPDU_OCTETS;

@@ -71,4 +71,4 @@ pub use class::Class;
 pub use energy::{CustomRadioConfig, EnergyConfig, EnergyMeter, EnergySpent, RadioState, RadioStates};
 pub use fcs::fcs;
 pub use message_energy::MessageEnergy;
-pub use timing::{ACK_MPDU_OCTETS, MAX_MPDU_OCTETS, Phy};
+pub use timing::{ACK_MPDU_OCTETS, Band, MAX_MPDU_OCTETS, Phy};

@@ -153,7 +153,7 @@ impl Responder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::NodeId;
+    use sextant_kernel::StationId;
 
     const PAN: u16 = 0x1234;
     const ROBOT: Address = Address::Short(1);
@@ -190,7 +190,7 @@ mod tests {
 
     /// A frame from `node` to the robot that requests an acknowledgement.
     fn request(node: u32, sequence: u8) -> Frame<'static> {
-        let source = endpoint(Address::of(NodeId(node)));
+        let source = endpoint(Address::of(StationId(node)));
         Frame { ack_request: true, ..Frame::data(sequence, source, endpoint(ROBOT), b"?") }
     }
 
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn broadcasts_are_delivered_without_acknowledgement_for_every_sequence_number() {
         let mut responder = robot();
-        let source = endpoint(Address::of(NodeId(7)));
+        let source = endpoint(Address::of(StationId(7)));
         let frame = Frame::data(5, source, endpoint(Address::BROADCAST), b"!");
         assert_eq!(respond(&mut responder, &frame), (Verdict::Deliver, None));
         assert_eq!(respond(&mut responder, &frame), (Verdict::Deliver, None));

@@ -1,5 +1,6 @@
 //! Durations of IEEE 802.15.4: the only place where they are calculated, exact in nanoseconds.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use schemars::JsonSchema;
@@ -35,6 +36,17 @@ pub enum Phy {
     Oqpsk915,
 }
 
+/// A band of the radio spectrum in which IEEE 802.15.4 has channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Band {
+    /// 868 MHz, Europe.
+    Mhz868,
+    /// 915 MHz, North America.
+    Mhz915,
+    /// 2450 MHz, worldwide.
+    Mhz2450,
+}
+
 /// The numbers from which the spans of a physical layer follow.
 struct Numbers {
     /// Length of a symbol (ns).
@@ -51,6 +63,26 @@ impl Phy {
     /// Every physical layer.
     pub const ALL: [Self; 7] =
         [Self::Oqpsk2450, Self::Bpsk868, Self::Bpsk915, Self::Ask868, Self::Ask915, Self::Oqpsk868, Self::Oqpsk915];
+
+    /// Its band.
+    #[must_use]
+    pub const fn band(self) -> Band {
+        match self {
+            Self::Oqpsk2450 => Band::Mhz2450,
+            Self::Bpsk868 | Self::Ask868 | Self::Oqpsk868 => Band::Mhz868,
+            Self::Bpsk915 | Self::Ask915 | Self::Oqpsk915 => Band::Mhz915,
+        }
+    }
+
+    /// Its channels (IEEE 802.15.4-2006, 6.1.2.1).
+    #[must_use]
+    pub const fn channels(self) -> RangeInclusive<u8> {
+        match self.band() {
+            Band::Mhz868 => 0..=0,
+            Band::Mhz915 => 1..=10,
+            Band::Mhz2450 => 11..=26,
+        }
+    }
 
     const fn numbers(self) -> Numbers {
         let (symbol_ns, shr_symbols, phr_tenths, octet_tenths) = match self {

@@ -1,47 +1,49 @@
-//! The simulator: world, medium, robots, and the event loops of surveys and of neighbour discovery.
+//! The simulator: stations in a world, the air between them, their links and their applications, and the event loop.
 //!
-//! Goes in: a [`Setup`] (world, channel, radios, channel access, traffic, robots, seed). Comes out: a [`Survey`]:
-//! what the robots heard and where, and the outcomes of the packets. An [`Observer`] watches while it runs.
-//! [`discover`] finds what the nodes hear of each other over the same medium, before any robot moves.
+//! A **station** is a node, a robot or a sink. It has a place or a motion, a link to each network that it is in, and
+//! one [`Application`]. The **air** of a band carries signals to the receivers in reach. A **link** is the protocol
+//! stack of a station: it sends the frames that applications give to it, and delivers what was received. The
+//! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it.
+//!
+//! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
+//! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]
+//! watches while it runs. [`discover`] finds what the nodes hear of each other over the same air, before any robot
+//! moves. Own applications run on an [`Engine`].
 //!
 //! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
 //! has an address.
 
 mod air;
-mod anchors;
-mod cells;
-mod controller;
-mod discovery;
-mod event;
-mod frame_outcome;
-mod mac;
-mod medium;
-mod node;
+mod application;
+mod applications;
+mod engine;
+mod link;
 mod observer;
-mod pilot;
+mod outcome;
 mod purpose;
-mod radio;
-mod receiver;
-mod reception_model;
-mod robot;
+mod scene;
 mod simulation;
-mod survey;
-mod traffic;
+mod station;
 mod world;
 
-pub mod layout;
-
-pub use anchors::AnchorsConfig;
-pub use controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
-pub use discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use frame_outcome::FrameOutcome;
-pub use mac::{Mac, MacConfig};
+pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, SinrThresholdConfig};
+pub use application::{Application, Delivery, DriveEnd, Driving, Port};
+pub use applications::controller::{
+    CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation,
+};
+pub use applications::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
+pub use applications::traffic::{BeaconConfig, QueryConfig, Traffic, TrafficConfig};
+pub use engine::event::Timer;
+pub use engine::{Engine, EngineSetup, NetworkSetup};
+pub use link::ieee802154::{Mac, MacConfig, Radio, RadioConfig};
+pub use link::network_id::NetworkId;
+pub use link::packets::Packets;
+pub use link::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
-pub use radio::{Radio, RadioConfig};
-pub use reception_model::{ReceptionConfig, ReceptionModel, SinrThresholdConfig};
-pub use robot::{Robot, RobotBody, RobotConfig};
-pub use simulation::{Setup, Simulation};
-pub use survey::{Packets, RobotRecord, Survey};
-pub use traffic::{BeaconConfig, QueryConfig, Traffic, TrafficConfig};
-pub use world::{World, WorldConfig};
+pub use outcome::{RobotRecord, Survey};
+pub use simulation::Simulation;
+pub use simulation::setup::{BusyNetwork, Setup};
+pub use station::{Kind, Pose, Robot, RobotBody, RobotConfig, Sink, SinkConfig};
+pub use world::anchors::AnchorsConfig;
+pub use world::{World, WorldConfig, layout};

@@ -3,35 +3,39 @@
 use std::time::Duration;
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{SimTime, StationId};
 
-use crate::FrameOutcome;
+use crate::air::FrameOutcome;
+use crate::link::network_id::NetworkId;
 
 /// A frame that was on air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameOnAir<'a> {
+    /// The network in which it was sent.
+    pub network: NetworkId,
     /// First symbol on air.
     pub start: SimTime,
     /// Time on air.
     pub airtime: Duration,
-    /// The station that sent it; robots are numbered after the nodes.
-    pub source: NodeId,
+    /// The station that sent it: nodes come first, then robots, then sinks.
+    pub source: StationId,
     /// The MAC frame (MPDU), frame check sequence included.
     pub bytes: &'a [u8],
-    /// Its best outcome at any robot; for a frame from a robot, at any node.
+    /// Its best outcome at any robot or sink; for a frame from a robot or sink, at any node. For a frame to one
+    /// station, its outcome there.
     pub outcome: FrameOutcome,
     /// Power at that station (dBm), if a signal was measured.
     pub power: Option<Dbm>,
-    /// The robots that received it, by number.
+    /// The robots and sinks that received it, by number.
     pub heard: &'a [HeardFrame],
 }
 
-/// A frame at a robot that received it.
+/// A frame at a robot or sink that received it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeardFrame {
-    /// Index of the robot.
-    pub robot: usize,
-    /// Power at the robot (dBm).
+    /// Number of the robot or sink: robots come first, then sinks.
+    pub collector: usize,
+    /// Power there (dBm).
     pub power: Dbm,
 }
 
@@ -55,8 +59,8 @@ pub trait Observer {
         false
     }
 
-    /// Asked after each stop, and each thousand events; `false` ends the simulation there. A stop that is not over then is not
-    /// in the log.
+    /// Asked after each stop, and each thousand events; `false` ends the simulation there. A stop that is not over
+    /// then is not in the log.
     fn goes_on(&mut self, _progress: Progress) -> bool {
         true
     }
@@ -73,6 +77,8 @@ pub struct Progress {
     pub nodes_heard: usize,
     /// Number of all nodes.
     pub nodes: usize,
+    /// Number of packets that applications have offered so far.
+    pub packets_offered: u64,
 }
 
 /// Ignores everything.

@@ -17,3 +17,5 @@ pub(crate) const SEQUENCE: Purpose = Purpose::new(6);
 pub(crate) const ANCHORS: Purpose = Purpose::new(9);
 /// Phases, backoffs and losses of neighbour discovery.
 pub(crate) const DISCOVERY: Purpose = Purpose::new(10);
+/// Channels of the bands after the first one.
+pub(crate) const BAND: Purpose = Purpose::new(11);

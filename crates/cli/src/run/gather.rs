@@ -1,7 +1,7 @@
 //! The simulation, recorded while it runs.
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::SimTime;
 use sextant_sim::{FrameOnAir, Observer, Progress};
 
 use crate::interrupt::Interrupt;
@@ -34,7 +34,7 @@ impl Sniffer<'_> {
     fn sniff(&mut self, frame: &FrameOnAir<'_>) -> Result<(), RecordingError> {
         let signal = match self.robot {
             None => None,
-            Some(robot) => match frame.heard.iter().find(|heard| heard.robot == robot) {
+            Some(robot) => match frame.heard.iter().find(|heard| heard.collector == robot) {
                 None => return Ok(()),
                 Some(heard) => Some(Signal { power: heard.power, sensitivity: self.sensitivity }),
             },
@@ -111,7 +111,7 @@ impl Observer for Gathering<'_> {
         if !self.frames {
             return;
         }
-        let NodeId(source) = frame.source;
+        let source = frame.source.0;
         let message = messages::FrameMessage {
             start_ns: frame.start.as_nanos(),
             airtime_ns: (SimTime::ZERO + frame.airtime).as_nanos(),

@@ -16,8 +16,9 @@ pub(super) fn message_energy_j(
     discoveries: &Discoveries,
 ) -> Option<f64> {
     let setup = scenario.setup();
-    let packet =
-        MessageEnergy::of_packet(&setup.radio_states, setup.radio.tx_power(), setup.phy, setup.traffic.mpdu_octets());
+    let network = setup.network();
+    let (radio, octets) = (&network.link.radio, network.traffic.mpdu_octets());
+    let packet = MessageEnergy::of_packet(&network.link.radio_states, radio.tx_power(), radio.phy(), octets);
     let (nodes, anchors) = (count(scenario.world().nodes.len()), scenario.anchors().len());
     let mean = |round: &Discovered, nodes: f64| count(round.log.links().len()) / nodes;
     match mapper {

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::{Anchor, ChannelLaw, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
-use sextant_mac::{Phy, RadioStates};
+use sextant_mac::RadioStates;
 use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
-    Discovery, Mac, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, Simulation, Traffic, World,
+    BusyNetwork, Discovery, Mac, NetworkSetup, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, Simulation, Traffic, World,
 };
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -107,7 +107,7 @@ impl Scenario {
     /// What there is to know of its channel.
     #[must_use]
     pub fn known_channel(&self) -> KnownChannel {
-        known_channel(&self.config, self.parts.setup.channel)
+        known_channel(&self.config, self.parts.setup.network().link.channel)
     }
 
     /// The maps to compute.
@@ -225,8 +225,9 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         }
     }
     let seed = Seed(config.seed);
-    let phy = Phy::default();
-    let setup = Setup { world, channel, radio, reception, phy, mac, traffic, radio_states, robots, seed };
+    let link = NetworkSetup { channel, radio, reception, mac, radio_states };
+    let networks = vec![BusyNetwork { link, traffic }];
+    let setup = Setup { world, networks, robots, sinks: Vec::new(), duration: None, seed };
     if errors.found.is_empty() {
         // What depends on several parts, the size of frames and addresses, the simulation checks itself.
         if let Err(error) = Simulation::new(setup.clone()) {

@@ -3,7 +3,7 @@
 use super::{EventKey, Rank};
 use crate::SimTime;
 
-/// Bits of the insertion number beside class and node: with the 32 of `insertion_low`, 56 bits, enough for
+/// Bits of the insertion number beside class and station: with the 32 of `insertion_low`, 56 bits, enough for
 /// 10⁷ events a second over 228 years.
 const HIGH_BITS: u32 = 24;
 
@@ -12,7 +12,7 @@ const HIGH_BITS: u32 = 24;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Entry {
     time: SimTime,
-    /// Class (8 bits), node (32 bits), upper 24 bits of the insertion number.
+    /// Class (8 bits), station (32 bits), upper 24 bits of the insertion number.
     rank: u64,
     insertion_low: u32,
     slot: u32,
@@ -21,7 +21,7 @@ pub(super) struct Entry {
 impl Entry {
     #[inline]
     pub(super) fn new(time: SimTime, rank: Rank, key: EventKey) -> Self {
-        let rank = u64::from(rank.class) << 56 | u64::from(rank.node.0) << HIGH_BITS | key.insertion >> 32;
+        let rank = u64::from(rank.class) << 56 | u64::from(rank.station.0) << HIGH_BITS | key.insertion >> 32;
         #[expect(clippy::cast_possible_truncation, reason = "the lower half; the upper one is in `rank`")]
         let insertion_low = key.insertion as u32;
         Self { time, rank, insertion_low, slot: key.slot }
@@ -42,12 +42,12 @@ impl Entry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::NodeId;
+    use crate::StationId;
 
     #[test]
     fn insertion_numbers_order_equal_ranks_beyond_32_bits() {
-        let entry = |class, node, insertion, slot| {
-            Entry::new(SimTime::ZERO, Rank::new(class, NodeId(node)), EventKey { insertion, slot })
+        let entry = |class, station, insertion, slot| {
+            Entry::new(SimTime::ZERO, Rank::new(class, StationId(station)), EventKey { insertion, slot })
         };
         let last = (1 << 32) - 1;
         assert!(entry(3, 8, last, 9) < entry(3, 8, last + 1, 2));
@@ -55,6 +55,6 @@ mod tests {
         assert!(entry(3, 8, (1 << 56) - 1, 9) < entry(3, 9, 0, 2));
         assert!(entry(3, u32::MAX, 5, 9) < entry(4, 0, 0, 2));
         let key = EventKey { insertion: (1 << 56) - 2, slot: u32::MAX };
-        assert_eq!(Entry::new(SimTime::MAX, Rank::new(u8::MAX, NodeId(u32::MAX)), key).key(), key);
+        assert_eq!(Entry::new(SimTime::MAX, Rank::new(u8::MAX, StationId(u32::MAX)), key).key(), key);
     }
 }

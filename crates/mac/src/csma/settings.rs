@@ -6,6 +6,9 @@ use sextant_kernel::SettingError;
 
 use crate::RadioState;
 
+/// Longest transmit queue (frames).
+const MAX_QUEUE_FRAMES: u16 = 10_000;
+
 /// Unslotted CSMA-CA of IEEE 802.15.4, as written in a scenario. Defaults are the standard's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -20,11 +23,13 @@ pub struct CsmaConfig {
     pub max_retries: u8,
     /// Whether the receiver stays on between frames and during backoff (macRxOnWhenIdle).
     pub rx_on_when_idle: bool,
+    /// Frames that wait while another one is under way; one more is lost: 0 to 10000.
+    pub queue_frames: u16,
 }
 
 impl Default for CsmaConfig {
     fn default() -> Self {
-        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, rx_on_when_idle: false }
+        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, rx_on_when_idle: false, queue_frames: 0 }
     }
 }
 
@@ -36,6 +41,7 @@ pub struct CsmaSettings {
     max_backoffs: u8,
     max_retries: u8,
     resting_state: RadioState,
+    queue_frames: u16,
 }
 
 impl CsmaSettings {
@@ -63,6 +69,12 @@ impl CsmaSettings {
         self.max_retries
     }
 
+    /// Number of frames that wait while another one is under way.
+    #[must_use]
+    pub const fn queue_frames(&self) -> u16 {
+        self.queue_frames
+    }
+
     /// The same, with the receiver on between frames and during backoff.
     #[must_use]
     pub const fn with_receiver_on(self) -> Self {
@@ -79,7 +91,7 @@ impl CsmaSettings {
 impl Default for CsmaSettings {
     /// The defaults of the standard, receiver off between frames.
     fn default() -> Self {
-        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, resting_state: RadioState::Idle }
+        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, resting_state: RadioState::Idle, queue_frames: 0 }
     }
 }
 
@@ -87,7 +99,10 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
     type Error = SettingError;
 
     fn try_from(config: CsmaConfig) -> Result<Self, SettingError> {
-        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle } = config;
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames } = config;
+        if queue_frames > MAX_QUEUE_FRAMES {
+            return Err(SettingError::new("queue_frames", queue_frames, format!("0 to {MAX_QUEUE_FRAMES}")));
+        }
         let max_be = within("max_be", max_be, 3, 8)?;
         if min_be > max_be {
             return Err(SettingError::new("min_be", min_be, format!("0 to max_be, which is {max_be}")));
@@ -98,6 +113,7 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
             max_backoffs: within("max_backoffs", max_backoffs, 0, 5)?,
             max_retries: within("max_retries", max_retries, 0, 7)?,
             resting_state: if rx_on_when_idle { RadioState::Receive } else { RadioState::Idle },
+            queue_frames,
         })
     }
 }
@@ -127,7 +143,8 @@ mod tests {
         assert_eq!(key(CsmaConfig { max_be: 2, ..good }).as_deref(), Some("max_be"));
         assert_eq!(key(CsmaConfig { max_be: 9, ..good }).as_deref(), Some("max_be"));
         assert_eq!(key(CsmaConfig { max_backoffs: 6, ..good }).as_deref(), Some("max_backoffs"));
+        assert_eq!(key(CsmaConfig { queue_frames: 10_001, ..good }).as_deref(), Some("queue_frames"));
         assert_eq!(key(CsmaConfig { max_retries: 8, ..good }).as_deref(), Some("max_retries"));
-        assert_eq!(key(CsmaConfig { min_be: 0, max_be: 8, max_backoffs: 5, max_retries: 7, ..good }), None);
+        assert_eq!(key(CsmaConfig { min_be: 0, max_be: 8, max_backoffs: 5, max_retries: 7, queue_frames: 10_000, ..good }), None);
     }
 }

@@ -1,6 +1,6 @@
 //! Addresses of stations.
 
-use sextant_kernel::NodeId;
+use sextant_kernel::StationId;
 
 use super::ParseError;
 use super::cursor::Cursor;
@@ -43,23 +43,23 @@ impl Address {
     /// The value that means that a station has no short address.
     pub const NONE: u16 = 0xFFFE;
 
-    /// The address of a node: short for n0 to n65533, extended for later nodes.
+    /// The address of a station: short for the first 65534, extended for later ones.
     #[must_use]
-    pub fn of(node: NodeId) -> Self {
-        match u16::try_from(node.0) {
-            Ok(short) if node.0 <= MAX_SHORT => Self::Short(short),
-            _ => Self::Extended(u64::from(node.0)),
+    pub fn of(station: StationId) -> Self {
+        match u16::try_from(station.0) {
+            Ok(short) if station.0 <= MAX_SHORT => Self::Short(short),
+            _ => Self::Extended(u64::from(station.0)),
         }
     }
 
-    /// The node that has this address; `None` if no node has it.
+    /// The station that has this address; `None` if no station has it.
     #[must_use]
-    pub fn node(self) -> Option<NodeId> {
-        let node = match self {
-            Self::Short(short) => NodeId(u32::from(short)),
-            Self::Extended(extended) => NodeId(u32::try_from(extended).ok()?),
+    pub fn station(self) -> Option<StationId> {
+        let station = match self {
+            Self::Short(short) => StationId(u32::from(short)),
+            Self::Extended(extended) => StationId(u32::try_from(extended).ok()?),
         };
-        (Self::of(node) == self).then_some(node)
+        (Self::of(station) == self).then_some(station)
     }
 
     /// Size of the address (octets).

@@ -1,7 +1,7 @@
 //! Tests of frames: published octets in both directions, errors, round trips.
 
 use proptest::prelude::*;
-use sextant_kernel::NodeId;
+use sextant_kernel::StationId;
 
 use super::*;
 
@@ -150,29 +150,32 @@ fn a_frame_that_does_not_fit_is_not_written() {
 }
 
 #[test]
-fn a_frame_of_a_node_has_the_size_asked_for() {
+fn a_frame_of_a_station_has_the_size_asked_for() {
     let mut mpdu = Vec::new();
-    for (node, least) in [(7, 11), (65_533, 11), (65_534, 17), (u32::MAX, 17)] {
-        let node = NodeId(node);
-        assert!(NodeFrame::broadcast(1, node, least - 1).is_err());
-        assert!(NodeFrame::broadcast(1, node, 128).is_err());
+    for (station, least) in [(7, 11), (65_533, 11), (65_534, 17), (u32::MAX, 17)] {
+        let station = StationId(station);
+        let broadcast = DataFrame::broadcast(1, station);
+        assert!(broadcast.filler(least - 1).is_err());
+        assert!(broadcast.filler(128).is_err());
+        assert_eq!(broadcast.max_payload_octets(), 127 - least);
         for size in least..=127 {
-            NodeFrame::broadcast(1, node, size).expect("a good size").write(3, &mut mpdu);
+            broadcast.write(3, broadcast.filler(size).expect("a good size"), &mut mpdu);
             assert_eq!(mpdu.len(), usize::from(size));
             let frame = Frame::parse(&mpdu).expect("a frame");
-            assert_eq!(frame.source.and_then(|from| from.address.node()), Some(node));
+            assert_eq!(frame.source.and_then(|from| from.address.station()), Some(station));
             assert!(!frame.ack_request && frame.sequence == 3);
             let FrameBody::Data(payload) = frame.body else { panic!("{frame:?}") };
             assert_eq!(payload.first().copied(), (size > least).then_some(0x3F));
         }
     }
-    let (node, near, far) = (NodeId(7), NodeId(9), NodeId(70_000));
-    NodeFrame::acknowledged(1, node, near, 11).expect("a good size").write(3, &mut mpdu);
+    let (station, near, far) = (StationId(7), StationId(9), StationId(70_000));
+    DataFrame::unicast(1, station, near).write(3, &[], &mut mpdu);
     assert_eq!(mpdu[..9], [0x61, 0x88, 3, 1, 0, 9, 0, 7, 0]);
-    assert!(NodeFrame::acknowledged(1, far, near, 16).is_err());
-    assert!(NodeFrame::acknowledged(1, node, far, 16).is_err());
-    assert!(NodeFrame::acknowledged(1, far, far, 22).is_err());
-    NodeFrame::acknowledged(1, far, far, 23).expect("a good size").write(3, &mut mpdu);
+    assert!(DataFrame::unicast(1, far, near).filler(16).is_err());
+    assert!(DataFrame::unicast(1, station, far).filler(16).is_err());
+    let both_far = DataFrame::unicast(1, far, far);
+    assert!(both_far.filler(22).is_err());
+    both_far.write(3, both_far.filler(23).expect("a good size"), &mut mpdu);
     assert_eq!(mpdu.len(), 23);
 }
 
@@ -181,7 +184,8 @@ fn writing_into_a_used_buffer_allocates_nothing() {
     let mut mpdu = Vec::with_capacity(127);
     let place = mpdu.as_ptr();
     for size in [127, 11, 64, 127] {
-        NodeFrame::broadcast(1, NodeId(1), size).expect("a good size").write(0, &mut mpdu);
+        let frame = DataFrame::broadcast(1, StationId(1));
+        frame.write(0, frame.filler(size).expect("a good size"), &mut mpdu);
     }
     assert_eq!((mpdu.as_ptr(), mpdu.capacity()), (place, 127));
 }

@@ -35,6 +35,8 @@ pub struct BeaconEnabledConfig {
     pub max_retries: u8,
     /// Whether the receiver stays on between frames in the active part (macRxOnWhenIdle).
     pub rx_on_when_idle: bool,
+    /// Frames that wait while another one is under way; one more is lost: 0 to 10000.
+    pub queue_frames: u16,
 }
 
 /// A guaranteed time slot, as written in a scenario.
@@ -54,7 +56,7 @@ fn one() -> u8 {
 
 impl Default for BeaconEnabledConfig {
     fn default() -> Self {
-        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle } = CsmaConfig::default();
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames } = CsmaConfig::default();
         Self {
             beacon_order: 6,
             superframe_order: 6,
@@ -66,6 +68,7 @@ impl Default for BeaconEnabledConfig {
             max_backoffs,
             max_retries,
             rx_on_when_idle,
+            queue_frames,
         }
     }
 }
@@ -147,6 +150,7 @@ impl TryFrom<BeaconEnabledConfig> for BeaconEnabled {
             max_backoffs: config.max_backoffs,
             max_retries: config.max_retries,
             rx_on_when_idle: config.rx_on_when_idle,
+            queue_frames: config.queue_frames,
         })?;
         Ok(Self {
             beacon_order,

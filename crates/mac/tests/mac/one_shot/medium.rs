@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_kernel::{EventKey, EventQueue, NodeId, Rank, SimTime};
+use sextant_kernel::{EventKey, EventQueue, StationId, Rank, SimTime};
 use sextant_mac::csma::{self, Csma, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::frame::{Address, Endpoint, Frame};
 use sextant_mac::responder::{self, Responder, Verdict};
@@ -70,7 +70,7 @@ struct Air {
 
 impl Air {
     fn push(&mut self, span: Duration, class: u8, station: usize, event: Event) -> EventKey {
-        self.queue.push(self.now + span, Rank::new(class, NodeId::from_index(station)), event)
+        self.queue.push(self.now + span, Rank::new(class, StationId::from_index(station)), event)
     }
 
     fn start(&mut self, from: usize, sequence: u8, is_clean: bool) {

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use sextant_kernel::{EventKey, EventQueue, NodeId, Rank, SimTime};
+use sextant_kernel::{EventKey, EventQueue, StationId, Rank, SimTime};
 use sextant_mac::csma::{self, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::slotted::{SlottedCsma, Window};
 use sextant_mac::superframe::Contention;
@@ -72,7 +72,7 @@ impl<D> Air<D> {
     }
 
     fn push_due(&mut self, span: Duration, class: Class, station: usize, due: Due) -> EventKey {
-        let rank = Rank::new(class as u8, NodeId::from_index(station));
+        let rank = Rank::new(class as u8, StationId::from_index(station));
         self.queue.push(self.now + span, rank, (station, due))
     }
 

@@ -1,0 +1,40 @@
+//! The identity of a station.
+
+use std::fmt;
+
+use crate::NodeId;
+
+/// Identity of a station: everything that has a radio, a node, a robot or a sink. Dense: an index from zero, nodes
+/// first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StationId(pub u32);
+
+impl StationId {
+    /// The identity as an index into per-station tables.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The identity of the station at `index` of a per-station table.
+    ///
+    /// # Panics
+    /// If the index does not fit in 32 bits.
+    #[must_use]
+    pub fn from_index(index: usize) -> Self {
+        Self(u32::try_from(index).expect("at most 2^32 stations"))
+    }
+}
+
+/// Nodes are the first stations.
+impl From<NodeId> for StationId {
+    fn from(node: NodeId) -> Self {
+        Self(node.0)
+    }
+}
+
+impl fmt::Display for StationId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "station {}", self.0)
+    }
+}

@@ -1,0 +1,158 @@
+//! The signals on air, and the receivers that can hear them.
+
+use std::time::Duration;
+
+use sextant_channel::{Channel, Dbm, Milliwatts, Position};
+use sextant_kernel::{SimTime, StationId};
+
+use super::cells::Cells;
+use super::signal::Signal;
+use crate::station::Motion;
+
+/// Number of a receiver among those of an air.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct ReceiverId(pub(crate) u32);
+
+impl ReceiverId {
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A receiver that listens, and where its station is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Listener<P> {
+    pub(crate) receiver: ReceiverId,
+    pub(crate) station: StationId,
+    pub(crate) place: P,
+}
+
+/// The air of one band.
+///
+/// A signal takes no computing time until a station needs the power at its place: a station that senses the carrier,
+/// or a radio that listens. Both look only at signals and listeners within reach, so the time for a frame grows with
+/// the number of neighbours and not with the size of the network.
+pub(crate) struct Medium {
+    channel: Channel,
+    signals: Cells<Signal>,
+    /// The listeners that stand, by place.
+    standing: Cells<Listener<Position>>,
+    standing_count: usize,
+    /// The listeners that may drive: few.
+    mobile: Vec<Listener<Motion>>,
+    /// How long a signal is kept after its end: the window of carrier sense.
+    memory: Duration,
+}
+
+impl Medium {
+    /// An empty medium for stations that stay near `places` and transmit with at most `power`; signals below
+    /// `floor` may be neglected.
+    pub(crate) fn new(
+        channel: Channel,
+        places: impl Iterator<Item = Position> + Clone,
+        power: Dbm,
+        floor: Dbm,
+        memory: Duration,
+    ) -> Self {
+        let reach_m = channel.law().reach_m(power, floor);
+        Self {
+            channel,
+            signals: Cells::covering(places.clone(), reach_m),
+            standing: Cells::covering(places, reach_m),
+            standing_count: 0,
+            mobile: Vec::new(),
+            memory,
+        }
+    }
+
+    /// Starts a signal.
+    pub(crate) fn begin(&mut self, signal: Signal) {
+        let forgotten = signal.start.saturating_sub(self.memory);
+        let cell = self.signals.at(signal.position);
+        cell.retain(|old| old.end > forgotten);
+        cell.push(signal);
+    }
+
+    /// Power of a signal at a station; `None` beyond the radius of communication.
+    pub(crate) fn power_at(&self, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
+        power_at(&self.channel, signal, station, place)
+    }
+
+    /// Mean power that a station hears from others during `[from, to)`.
+    pub(crate) fn sensed(&mut self, station: StationId, place: Position, from: SimTime, to: SimTime) -> Milliwatts {
+        let forgotten = to.saturating_sub(self.memory);
+        let mut energy = 0.0;
+        let channel = &self.channel;
+        self.signals.near(place, |cell| {
+            cell.retain(|signal| signal.end > forgotten);
+            for signal in cell.iter().filter(|s| s.source != station && s.start < to && s.end > from) {
+                if let Some(power) = power_at(channel, signal, station, place) {
+                    let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
+                    energy += power.0 * overlap.as_secs_f64();
+                }
+            }
+        });
+        Milliwatts(energy / (to - from).as_secs_f64())
+    }
+
+    /// The signals on air at `now` that may reach `place`, by packet.
+    pub(crate) fn on_air(&mut self, now: SimTime, place: Position) -> Vec<Signal> {
+        let mut signals = Vec::new();
+        self.signals.near(place, |cell| {
+            signals.extend(cell.iter().filter(|signal| signal.start <= now && now < signal.end));
+        });
+        signals.sort_by_key(|signal: &Signal| signal.packet);
+        signals
+    }
+
+    /// Adds a receiver to those that listen; it stays at `place` until [`Medium::leave`].
+    pub(crate) fn join(&mut self, receiver: ReceiverId, station: StationId, place: Position) {
+        self.standing.at(place).push(Listener { receiver, station, place });
+        self.standing_count += 1;
+    }
+
+    /// Removes a receiver from those that listen.
+    pub(crate) fn leave(&mut self, receiver: ReceiverId, place: Position) {
+        self.standing.at(place).retain(|listener| listener.receiver != receiver);
+        self.standing_count -= 1;
+    }
+
+    /// Adds a receiver that may drive to those that listen, or changes how it moves.
+    pub(crate) fn join_mobile(&mut self, receiver: ReceiverId, station: StationId, motion: Motion) {
+        match self.mobile.iter_mut().find(|listener| listener.receiver == receiver) {
+            Some(listener) => listener.place = motion,
+            None => self.mobile.push(Listener { receiver, station, place: motion }),
+        }
+    }
+
+    /// Removes a receiver that may drive.
+    pub(crate) fn leave_mobile(&mut self, receiver: ReceiverId) {
+        self.mobile.retain(|listener| listener.receiver != receiver);
+    }
+
+    /// Fills `found` with the receivers that listen within reach of a signal, by number, and where they were at its
+    /// start.
+    pub(crate) fn listeners(&mut self, signal: &Signal, found: &mut Vec<Listener<Position>>) {
+        found.clear();
+        for &Listener { receiver, station, place } in &self.mobile {
+            if station != signal.source {
+                found.push(Listener { receiver, station, place: place.at(signal.start) });
+            }
+        }
+        if self.standing_count > 0 {
+            self.standing.near(signal.position, |cell| {
+                found.extend(cell.iter().filter(|listener| listener.station != signal.source));
+            });
+        }
+        if found.len() > 1 {
+            found.sort_unstable_by_key(|listener| listener.receiver);
+        }
+    }
+}
+
+fn power_at(channel: &Channel, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
+    let mean = channel.mean_power(signal.emission.power, signal.position, place)?;
+    let shadowing = channel.shadowing(signal.source, signal.position, station, place, signal.packet);
+    let gain = signal.emission.antenna.gain(place - signal.position);
+    Some((mean + shadowing + gain).to_milliwatts())
+}

@@ -1,0 +1,307 @@
+//! One radio that listens: the signals at its antenna, the signal that it follows, and the outcome.
+//!
+//! Rules of the `lock` receiver (the same as ns-3 `lr-wpan`): a signal above the sensitivity that starts while the
+//! radio is free is tracked. At the end of its preamble, if the radio is still free and the ratio of signal to
+//! interference and noise is above -5 dB, the radio locks on to the signal until its end. All other signals are
+//! interference. Interference is constant between changes, so the receiver updates its state only at changes.
+
+use std::time::Duration;
+
+use sextant_channel::{Db, Milliwatts};
+use sextant_kernel::SimTime;
+
+use super::{FrameOutcome, ReceptionModel};
+
+/// Minimum ratio of signal to interference and noise at the end of the preamble.
+const LOCK_THRESHOLD: Db = Db(-5.0);
+
+/// Rules of all receivers of a simulation.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReceptionRules {
+    pub(crate) model: ReceptionModel,
+    pub(crate) sensitivity: Milliwatts,
+    pub(crate) noise: Milliwatts,
+    pub(crate) preamble: Duration,
+    /// Bits per second on air.
+    pub(crate) bit_rate_hz: f64,
+    /// Probability of a bit error by the ratio of signal to interference and noise, as a factor.
+    pub(crate) bit_error_rate: fn(f64) -> f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Incoming {
+    packet: u64,
+    power: Milliwatts,
+    preamble_end: SimTime,
+    /// Whether it began while the receiver listened and was free, and is strong enough to be followed.
+    tracked: bool,
+    /// Whether it began while the receiver listened.
+    whole: bool,
+    /// Whether it overlapped with another signal; with the model `overlap`, with another audible signal.
+    disturbed: bool,
+    /// Smallest ratio of signal to interference and noise so far, as a factor.
+    least_sinr: f64,
+    /// Natural logarithm of the probability that no bit is wrong so far.
+    log_intact: f64,
+}
+
+/// One radio that listens.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Receiver {
+    listening: bool,
+    signals: Vec<Incoming>,
+    locked: Option<u64>,
+    settled: SimTime,
+}
+
+impl Receiver {
+    /// Whether the radio listens.
+    pub(crate) fn is_listening(&self) -> bool {
+        self.listening
+    }
+
+    /// Starts to listen; signals that are already on air are added with [`Receiver::begin`] as not `whole`.
+    pub(crate) fn start(&mut self, now: SimTime) {
+        self.listening = true;
+        self.settled = now;
+    }
+
+    /// Stops listening; a frame that is being received is lost.
+    pub(crate) fn stop(&mut self) {
+        self.listening = false;
+        self.signals.clear();
+        self.locked = None;
+    }
+
+    /// A signal of `power` is at the antenna from `now` on; `whole` if the receiver was on at its start.
+    pub(crate) fn begin(
+        &mut self,
+        now: SimTime,
+        packet: u64,
+        power: Milliwatts,
+        whole: bool,
+        rules: &ReceptionRules,
+    ) {
+        self.settle(now, rules);
+        let audible = power >= rules.sensitivity;
+        let counts = |other: Milliwatts| match rules.model {
+            ReceptionModel::Overlap => audible && other >= rules.sensitivity,
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::Ber => true,
+        };
+        let mut disturbed = false;
+        for other in &mut self.signals {
+            let mutual = counts(other.power);
+            other.disturbed |= mutual;
+            disturbed |= mutual;
+        }
+        self.signals.push(Incoming {
+            packet,
+            power,
+            preamble_end: now + rules.preamble,
+            tracked: whole && audible && self.locked.is_none(),
+            whole,
+            disturbed,
+            least_sinr: f64::INFINITY,
+            log_intact: 0.0,
+        });
+    }
+
+    /// The signal of `packet` ends at `now`: returns its power and its outcome, or `None` if it was never at the
+    /// antenna while the radio listened. `luck` is uniform in (0, 1).
+    pub(crate) fn end(
+        &mut self,
+        now: SimTime,
+        packet: u64,
+        rules: &ReceptionRules,
+        luck: impl FnOnce() -> f64,
+    ) -> Option<(Milliwatts, FrameOutcome)> {
+        let place = self.signals.iter().position(|signal| signal.packet == packet)?;
+        self.settle(now, rules);
+        let signal = self.signals.remove(place);
+        let locked = self.locked == Some(packet);
+        if locked {
+            self.locked = None;
+        }
+        let drowned = |least: f64| {
+            if signal.power.ratio(rules.noise) < least { FrameOutcome::Weak } else { FrameOutcome::Collided }
+        };
+        let fate = if !signal.whole {
+            FrameOutcome::NotListened
+        } else if signal.power < rules.sensitivity {
+            FrameOutcome::Weak
+        } else {
+            match rules.model {
+                ReceptionModel::Overlap if signal.disturbed => FrameOutcome::Collided,
+                ReceptionModel::Overlap => FrameOutcome::Received,
+                ReceptionModel::SinrThreshold { least } if locked && signal.least_sinr >= least => {
+                    FrameOutcome::Received
+                }
+                ReceptionModel::SinrThreshold { least } => drowned(least),
+                ReceptionModel::Ber if locked && luck() < libm::exp(signal.log_intact) => FrameOutcome::Received,
+                ReceptionModel::Ber if signal.disturbed => FrameOutcome::Collided,
+                ReceptionModel::Ber => FrameOutcome::Weak,
+            }
+        };
+        Some((signal.power, fate))
+    }
+
+    /// Updates all tracked signals until `now`, with the signals present until now.
+    fn settle(&mut self, now: SimTime, rules: &ReceptionRules) {
+        let since = std::mem::replace(&mut self.settled, now);
+        if now == since || matches!(rules.model, ReceptionModel::Overlap) {
+            return;
+        }
+        let total: Milliwatts = self.signals.iter().map(|signal| signal.power).sum();
+        let sinr = |power: Milliwatts| {
+            let mut rest = total + rules.noise;
+            rest -= power;
+            power.ratio(rest)
+        };
+        for i in 0..self.signals.len() {
+            let Incoming { packet, power, preamble_end, tracked, .. } = self.signals[i];
+            if tracked && self.locked.is_none() && preamble_end <= now {
+                if sinr(power) > LOCK_THRESHOLD.to_factor() {
+                    self.locked = Some(packet);
+                } else {
+                    self.signals[i].tracked = false;
+                }
+            }
+        }
+        for signal in &mut self.signals {
+            if let Some(locked) = self.locked
+                && locked != signal.packet
+            {
+                signal.tracked = false;
+            }
+            if signal.tracked {
+                let ratio = sinr(signal.power);
+                signal.least_sinr = signal.least_sinr.min(ratio);
+                if matches!(rules.model, ReceptionModel::Ber) {
+                    let span = now.saturating_since(since.max(signal.preamble_end));
+                    let bits = span.as_secs_f64() * rules.bit_rate_hz;
+                    signal.log_intact += bits * libm::log1p(-(rules.bit_error_rate)(ratio));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_channel::Dbm;
+
+    fn rules(model: ReceptionModel) -> ReceptionRules {
+        ReceptionRules {
+            model,
+            sensitivity: Dbm(-90.0).to_milliwatts(),
+            noise: Dbm(-90.403).to_milliwatts(),
+            preamble: Duration::from_micros(128),
+            bit_rate_hz: 250_000.0,
+            bit_error_rate: sextant_mac::oqpsk::bit_error_rate,
+        }
+    }
+
+    fn at(us: u64) -> SimTime {
+        SimTime::ZERO + Duration::from_micros(us)
+    }
+
+    /// Outcomes of frames of 832 us, each (start in us, power in dBm), at one receiver that always listens.
+    fn fates(model: ReceptionModel, luck: f64, frames: &[(u64, f64)]) -> Vec<FrameOutcome> {
+        let rules = rules(model);
+        let mut receiver = Receiver::default();
+        receiver.start(at(0));
+        let mut changes: Vec<(u64, bool, u64)> = Vec::new();
+        for (packet, &(start, _)) in (0..).zip(frames) {
+            changes.push((start, true, packet));
+            changes.push((start + 832, false, packet));
+        }
+        changes.sort_unstable();
+        let mut fates = vec![FrameOutcome::NotListened; frames.len()];
+        for (us, begins, packet) in changes {
+            let frame = frames[usize::try_from(packet).unwrap()];
+            if begins {
+                receiver.begin(at(us), packet, Dbm(frame.1).to_milliwatts(), true, &rules);
+            } else {
+                let (_, fate) = receiver.end(at(us), packet, &rules, || luck).expect("it began");
+                fates[usize::try_from(packet).unwrap()] = fate;
+            }
+        }
+        fates
+    }
+
+    const CAPTURE: ReceptionModel = ReceptionModel::SinrThreshold { least: 1.995 };
+
+    #[test]
+    fn a_frame_without_interference_is_received_if_it_is_strong_enough() {
+        for model in [ReceptionModel::Overlap, CAPTURE, ReceptionModel::Ber] {
+            assert_eq!(fates(model, 0.5, &[(0, -80.0)]), [FrameOutcome::Received], "{model:?}");
+            assert_eq!(fates(model, 0.5, &[(0, -90.1)]), [FrameOutcome::Weak], "{model:?}");
+        }
+        // At the sensitivity the noise leaves 0.4 dB: less than the threshold of 3 dB.
+        assert_eq!(fates(CAPTURE, 0.5, &[(0, -89.0)]), [FrameOutcome::Weak]);
+    }
+
+    #[test]
+    fn overlap_destroys_both_frames_at_any_power_unless_one_is_inaudible() {
+        let both = [FrameOutcome::Collided, FrameOutcome::Collided];
+        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (831, -80.0)]), both);
+        assert_eq!(fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (832, -80.0)]), [FrameOutcome::Received; 2]);
+        assert_eq!(
+            fates(ReceptionModel::Overlap, 0.5, &[(0, -50.0), (400, -91.0)]),
+            [FrameOutcome::Received, FrameOutcome::Weak]
+        );
+    }
+
+    #[test]
+    fn the_stronger_first_frame_is_captured() {
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -60.0), (400, -64.0)]),
+            [FrameOutcome::Received, FrameOutcome::Collided]
+        );
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -60.0), (400, -62.0)]),
+            [FrameOutcome::Collided, FrameOutcome::Collided]
+        );
+    }
+
+    #[test]
+    fn a_locked_receiver_does_not_switch_to_a_stronger_frame() {
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -80.0), (129, -50.0)]),
+            [FrameOutcome::Collided, FrameOutcome::Collided]
+        );
+        // During the preamble of a much weaker frame it does: the receiver has not locked on to that frame.
+        assert_eq!(
+            fates(CAPTURE, 0.5, &[(0, -80.0), (127, -50.0)]),
+            [FrameOutcome::Collided, FrameOutcome::Received]
+        );
+    }
+
+    #[test]
+    fn of_two_equal_frames_the_one_locked_first_survives_with_the_rate_of_the_bit_error_formula() {
+        // 20 octets and the two of delimiter and header after the preamble, less the 4 us before the second begins.
+        let bits = 8.0 * 22.0 - 1.0;
+        let noise = Dbm(-90.403).to_milliwatts();
+        let power = Dbm(-50.0).to_milliwatts();
+        let survival = (bits * (-oqpsk::bit_error_rate(power.ratio(power + noise))).ln_1p()).exp();
+        assert!((survival - 0.972).abs() < 2e-3, "{survival}");
+        let frames = [(0, -50.0), (132, -50.0)];
+        assert_eq!(fates(ReceptionModel::Ber, survival - 1e-6, &frames)[0], FrameOutcome::Received);
+        assert_eq!(fates(ReceptionModel::Ber, survival + 1e-6, &frames)[0], FrameOutcome::Collided);
+    }
+
+    #[test]
+    fn a_frame_that_began_before_the_receiver_listened_is_only_interference() {
+        let rules = rules(CAPTURE);
+        let mut receiver = Receiver::default();
+        receiver.start(at(100));
+        receiver.begin(at(100), 7, Dbm(-50.0).to_milliwatts(), false, &rules);
+        receiver.begin(at(200), 8, Dbm(-50.0).to_milliwatts(), true, &rules);
+        assert_eq!(receiver.end(at(800), 7, &rules, || 0.5).map(|(_, fate)| fate), Some(FrameOutcome::NotListened));
+        assert_eq!(receiver.end(at(1032), 8, &rules, || 0.5).map(|(_, fate)| fate), Some(FrameOutcome::Collided));
+        receiver.begin(at(2000), 9, Dbm(-50.0).to_milliwatts(), true, &rules);
+        receiver.stop();
+        assert_eq!(receiver.end(at(2832), 9, &rules, || 0.5), None);
+    }
+}

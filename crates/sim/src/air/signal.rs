@@ -1,0 +1,40 @@
+//! A signal on air.
+
+use sextant_channel::{Db, Dbm, Position};
+use sextant_kernel::{SimTime, StationId};
+
+/// An antenna as it points now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Antenna {
+    /// The same gain in all directions, which the transmit power includes.
+    Omnidirectional,
+}
+
+impl Antenna {
+    /// Gain in `direction` (any length above zero).
+    #[inline]
+    pub(crate) fn gain(self, _direction: Position) -> Db {
+        match self {
+            Self::Omnidirectional => Db(0.0),
+        }
+    }
+}
+
+/// What a transmitter radiates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Emission {
+    pub(crate) power: Dbm,
+    pub(crate) antenna: Antenna,
+}
+
+/// A frame on air: `[start, end)`, in the band of its air.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Signal {
+    pub(crate) packet: u64,
+    pub(crate) source: StationId,
+    /// Where its transmitter was at its start.
+    pub(crate) position: Position,
+    pub(crate) emission: Emission,
+    pub(crate) start: SimTime,
+    pub(crate) end: SimTime,
+}

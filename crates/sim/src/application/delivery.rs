@@ -1,0 +1,30 @@
+//! What an application is told.
+
+use sextant_channel::{Dbm, Position};
+use sextant_kernel::StationId;
+
+use crate::link::network_id::NetworkId;
+
+/// A frame that was received for a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Delivery<'a> {
+    /// The network in which it was received.
+    pub network: NetworkId,
+    /// The station that sent it.
+    pub from: StationId,
+    /// Sequence number of the frame.
+    pub sequence: u8,
+    /// What it carries.
+    pub payload: &'a [u8],
+    /// Power at the receiver.
+    pub rssi: Dbm,
+}
+
+/// How a drive ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveEnd {
+    /// The robot is at its destination.
+    Arrived,
+    /// An obstacle is in the way, and the robot has stopped in front of it. The point of contact on the obstacle (m).
+    Blocked(Position),
+}

@@ -1,0 +1,45 @@
+//! Applications: what runs on a station, above its links. An application knows its own state, what is delivered to it
+//! and its clock; a robot's also its odometry and its range sensors.
+
+mod delivery;
+mod port;
+
+pub use delivery::{Delivery, DriveEnd};
+pub use port::{Driving, Port};
+
+use crate::engine::event::Timer;
+use crate::link::network_id::NetworkId;
+use crate::link::report::SendReport;
+
+/// What runs on a station. It is told of what happens, and acts through its [`Port`]. By default an application does
+/// nothing.
+pub trait Application {
+    /// Whether it looks at what is delivered to it. Receptions of a station whose application does not are not worked
+    /// out, which costs nothing. Asked once, before the start.
+    fn hears(&self) -> bool {
+        false
+    }
+
+    /// Whether the simulation goes on until the application calls [`Port::finish`]. Asked once, before the start.
+    fn has_task(&self) -> bool {
+        false
+    }
+
+    /// The simulation begins.
+    fn started(&mut self, _port: &mut Port<'_>) {}
+
+    /// A timer is due that [`Port::after`] set.
+    fn timed(&mut self, _timer: Timer, _port: &mut Port<'_>) {}
+
+    /// A frame for this station was received.
+    fn delivered(&mut self, _delivery: &Delivery<'_>, _port: &mut Port<'_>) {}
+
+    /// A frame that the application gave to [`Port::send`] has ended.
+    fn sent(&mut self, _network: NetworkId, _report: &SendReport, _port: &mut Port<'_>) {}
+
+    /// A drive is over that [`Port::drive`] began.
+    fn drive_ended(&mut self, _end: DriveEnd, _port: &mut Port<'_>) {}
+
+    /// The time to listen is over that [`Port::listen`] began.
+    fn listened(&mut self, _network: NetworkId, _port: &mut Port<'_>) {}
+}

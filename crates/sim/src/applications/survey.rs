@@ -1,0 +1,184 @@
+//! A robot on its survey: it drives, stops, listens for a slot, and goes on, as its controller says.
+
+use std::time::Duration;
+
+use sextant_channel::{Dbm, Reception};
+use sextant_kernel::{NodeId, SimTime};
+
+use super::controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
+use crate::application::{Application, Delivery, DriveEnd, Driving, Port};
+use crate::engine::event::Timer;
+use crate::link::network_id::NetworkId;
+use crate::station::{Robot, RobotBody};
+
+/// Largest number of commands in a row that take no time; a controller that gives more is stuck.
+const IDLE_COMMANDS: u32 = 1000;
+
+/// The network that a survey listens to.
+const NETWORK: NetworkId = NetworkId(0);
+
+/// The timer of the start.
+const START: Timer = Timer(0);
+
+/// A robot on its survey.
+pub(crate) struct Survey {
+    controller: Box<dyn Controller>,
+    body: RobotBody,
+    listening_since: SimTime,
+    tally: Tally,
+    stops: usize,
+    ending: Option<(Ending, SimTime)>,
+}
+
+/// What a survey leaves behind.
+pub(crate) struct Surveyed {
+    pub(crate) name: String,
+    pub(crate) stops: usize,
+    pub(crate) ending: Option<(Ending, SimTime)>,
+    /// Number of packets of each node.
+    pub(crate) packets: Vec<u32>,
+}
+
+/// Packets heard in a slot, by node.
+struct Tally {
+    slot: Vec<Slot>,
+    heard: Vec<NodeId>,
+    /// Number of packets of all earlier slots.
+    total: Vec<u32>,
+}
+
+/// Packets heard of one node in a slot.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slot {
+    packets: u32,
+    /// Packets that the node sent from the first to the last one heard, by their sequence numbers.
+    sent: u32,
+    rssi_sum_dbm: f64,
+    last_sequence: u8,
+}
+
+impl Survey {
+    pub(crate) fn new(robot: Robot, nodes: usize) -> Self {
+        Self {
+            controller: robot.controller,
+            body: robot.body,
+            listening_since: SimTime::ZERO,
+            tally: Tally { slot: vec![Slot::default(); nodes], heard: Vec::new(), total: vec![0; nodes] },
+            stops: 0,
+            ending: None,
+        }
+    }
+
+    fn decide(&mut self, outcome: CommandOutcome<'_>, port: &mut Port<'_>) {
+        let mut outcome = outcome;
+        for _ in 0..IDLE_COMMANDS {
+            let command = {
+                let (time, place, nodes) = (port.now(), port.pose().position, port.node_count());
+                let situation =
+                    Situation::new(time, place, outcome, nodes, port.obstacles(), self.body.radius_m);
+                self.controller.decide(&situation)
+            };
+            match command {
+                RobotCommand::Drive(to) => match port.drive(to) {
+                    Driving::UnderWay => return,
+                    Driving::Over(end) => outcome = outcome_of(end),
+                },
+                RobotCommand::Listen => {
+                    self.listening_since = port.now();
+                    port.listen(NETWORK, self.body.listen);
+                    return;
+                }
+                RobotCommand::Finish(ending) => return self.finish(ending, port),
+            }
+        }
+        self.finish(Ending::Stuck, port);
+    }
+
+    fn finish(&mut self, ending: Ending, port: &mut Port<'_>) {
+        self.ending = Some((ending, port.now()));
+        port.finish();
+    }
+
+    pub(crate) fn into_record(self) -> Surveyed {
+        Surveyed { name: self.body.name, stops: self.stops, ending: self.ending, packets: self.tally.total }
+    }
+}
+
+fn outcome_of(end: DriveEnd) -> CommandOutcome<'static> {
+    match end {
+        DriveEnd::Arrived => CommandOutcome::Arrived,
+        DriveEnd::Blocked(place) => CommandOutcome::Blocked(place),
+    }
+}
+
+impl Application for Survey {
+    fn hears(&self) -> bool {
+        true
+    }
+
+    fn has_task(&self) -> bool {
+        true
+    }
+
+    fn started(&mut self, port: &mut Port<'_>) {
+        port.after(Duration::ZERO, START);
+    }
+
+    fn timed(&mut self, _timer: Timer, port: &mut Port<'_>) {
+        port.tell_place();
+        self.decide(CommandOutcome::Started, port);
+    }
+
+    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
+        if let Some(node) = port.node(delivery.from) {
+            self.tally.note(node, delivery.sequence, delivery.rssi);
+        }
+    }
+
+    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
+        self.decide(outcome_of(end), port);
+    }
+
+    fn listened(&mut self, _network: NetworkId, port: &mut Port<'_>) {
+        self.stops += 1;
+        let heard = self.tally.take();
+        let reception = |heard: &Heard| Reception {
+            node: heard.node,
+            stop: 0,
+            received: heard.packets,
+            sent: heard.sent,
+            sector: None,
+            rssi_dbm: Some(heard.rssi_dbm),
+        };
+        port.log_stop(self.listening_since, port.pose().position, heard.iter().map(reception).collect());
+        self.decide(CommandOutcome::Listened(&heard), port);
+    }
+}
+
+impl Tally {
+    /// Counts the packet `sequence` of `node`, which was received in this slot.
+    fn note(&mut self, node: NodeId, sequence: u8, rssi: Dbm) {
+        let slot = &mut self.slot[node.index()];
+        if slot.packets == 0 {
+            self.heard.push(node);
+            slot.sent = 1;
+        } else {
+            // Sequence numbers are modulo 256: a gap of 256 packets or more looks shorter.
+            slot.sent += u32::from(sequence.wrapping_sub(slot.last_sequence)).max(1);
+        }
+        slot.packets += 1;
+        slot.rssi_sum_dbm += rssi.0;
+        slot.last_sequence = sequence;
+    }
+
+    /// Returns what was heard, by node, and empties the tally.
+    fn take(&mut self) -> Vec<Heard> {
+        self.heard.sort_unstable();
+        let heard = self.heard.drain(..).map(|node| {
+            let Slot { packets, sent, rssi_sum_dbm, .. } = std::mem::take(&mut self.slot[node.index()]);
+            self.total[node.index()] += packets;
+            Heard { node, packets, sent, rssi_dbm: rssi_sum_dbm / f64::from(packets) }
+        });
+        heard.collect()
+    }
+}

@@ -1,0 +1,79 @@
+//! Which networks share a band, and the air of each band.
+
+use std::time::Duration;
+
+use sextant_channel::{Channel, Db, Dbm};
+use sextant_kernel::{Seed, SettingError};
+use sextant_mac::oqpsk;
+
+use super::setup::NetworkSetup;
+use crate::air::{AirSettings, ReceptionRules};
+use crate::purpose;
+use crate::world::World;
+
+/// Signals this far below the noise may be neglected.
+const NEGLECTED_BELOW_NOISE: Db = Db(10.0);
+
+/// Packets of one band; the packets of the next band are numbered after them, so that no two packets share a draw.
+const PACKETS_OF_A_BAND: u64 = 1 << 44;
+
+/// The networks of each band, in the order of their first networks.
+///
+/// # Errors
+/// If networks that share a band have different channels.
+pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, SettingError> {
+    let mut bands: Vec<Vec<usize>> = Vec::new();
+    for (i, network) in networks.iter().enumerate() {
+        let shares = |band: &&mut Vec<usize>| {
+            let first = &networks[band[0]];
+            (first.radio.phy().band(), first.radio.channel()) == (network.radio.phy().band(), network.radio.channel())
+        };
+        match bands.iter_mut().find(shares) {
+            None => bands.push(vec![i]),
+            Some(band) => {
+                if networks[band[0]].channel != network.channel {
+                    let found = format!("another channel than that of network {}, on the same radio channel", band[0]);
+                    let allowed = "one channel for all networks on a radio channel";
+                    return Err(SettingError::new(format!("networks[{i}].channel"), found, allowed));
+                }
+                band.push(i);
+            }
+        }
+    }
+    Ok(bands)
+}
+
+/// The air of the band number `band`, which `networks` share.
+pub(super) fn air(
+    networks: &[&NetworkSetup],
+    band: usize,
+    world: &World,
+    channel_seed: Seed,
+    seed: Seed,
+    first_packet: u64,
+) -> AirSettings {
+    let channel_seed =
+        if band == 0 { channel_seed } else { Seed(channel_seed.bits(purpose::BAND, [band as u64, 0, 0])) };
+    let greatest = |value: fn(&NetworkSetup) -> f64| networks.iter().map(|&n| value(n)).fold(f64::MIN, f64::max);
+    let least = |value: fn(&NetworkSetup) -> f64| networks.iter().map(|&n| value(n)).fold(f64::MAX, f64::min);
+    AirSettings {
+        channel: Channel::new(networks[0].channel, world.obstacles.clone(), channel_seed),
+        power: Dbm(greatest(|network| network.radio.tx_power().0)),
+        floor: Dbm(least(|network| network.radio.noise_floor().0)) - NEGLECTED_BELOW_NOISE,
+        sensing: networks.iter().map(|network| network.radio.phy().cca()).max().unwrap_or(Duration::ZERO),
+        first_packet: first_packet + band as u64 * PACKETS_OF_A_BAND,
+        seed,
+    }
+}
+
+/// The rules of the receivers of a network.
+pub(super) fn rules(network: &NetworkSetup) -> ReceptionRules {
+    ReceptionRules {
+        model: network.reception,
+        sensitivity: network.radio.sensitivity().to_milliwatts(),
+        noise: network.radio.noise_floor().to_milliwatts(),
+        preamble: network.radio.phy().synchronisation_header() - network.radio.phy().octet(),
+        bit_rate_hz: network.radio.phy().bit_rate_per_s(),
+        bit_error_rate: oqpsk::bit_error_rate,
+    }
+}

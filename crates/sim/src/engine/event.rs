@@ -1,0 +1,40 @@
+//! Events of a simulation.
+
+use sextant_kernel::{Rank, StationId};
+use sextant_mac::Class;
+
+use crate::link::event as link;
+use crate::link::network_id::NetworkId;
+
+/// Number of a timer of an application: its own choice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Timer(pub u16);
+
+/// An event of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Event {
+    /// A timer of a station's application is due.
+    Timer(StationId, Timer),
+    /// An event of a station's link to a network.
+    Link(StationId, NetworkId, link::Event),
+    /// A robot's drive is over.
+    DriveEnded(StationId),
+}
+
+impl Event {
+    /// Rank of the event among those of the same instant.
+    pub(crate) fn rank(self) -> Rank {
+        match self {
+            Self::Timer(station, _) | Self::DriveEnded(station) => Class::Application.rank(station),
+            Self::Link(station, _, event) => event.class().rank(station),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn an_event_fits_in_eight_bytes() {
+        assert!(size_of::<super::Event>() <= 8, "{} bytes", size_of::<super::Event>());
+    }
+}

@@ -1,0 +1,256 @@
+//! The engine: the only event loop.
+
+mod bands;
+pub(crate) mod core;
+pub(crate) mod event;
+mod log;
+mod setup;
+
+use sextant_channel::{Contact, ReceptionLogBuilder, Stop};
+use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
+use sextant_mac::coordinator::Coordinator;
+
+use crate::air::{Air, Antenna};
+use crate::application::{Application, Delivery, DriveEnd, Port};
+use crate::link::ieee802154;
+use crate::link::network::Network;
+use crate::link::network_id::NetworkId;
+use crate::link::packets::Finished;
+use crate::link::upcall::Upcall;
+use crate::observer::{Observer, Progress};
+use crate::scene::Scene;
+use crate::station::{Motion, Roll};
+
+use self::core::{Core, Vehicle};
+use event::Event;
+use log::Log;
+
+pub use setup::{EngineSetup, NetworkSetup};
+
+/// Events between two looks at whether to go on.
+const LOOK: u64 = 1000;
+
+/// The engine: it runs once, to its end. `A` is the application of each station.
+pub struct Engine<A> {
+    core: Core,
+    applications: Vec<A>,
+    log: Log,
+    end: Option<SimTime>,
+    /// Whether the end comes when all tasks are done.
+    ends_with_tasks: bool,
+    events: u64,
+}
+
+/// What an engine leaves behind.
+pub(crate) struct Ended<A> {
+    pub(crate) applications: Vec<A>,
+    pub(crate) stops: Vec<Stop>,
+    pub(crate) receptions: ReceptionLogBuilder,
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) path_lengths_m: Vec<f64>,
+    pub(crate) networks: Vec<Finished>,
+    pub(crate) end: SimTime,
+    pub(crate) events: u64,
+    pub(crate) interrupted: bool,
+}
+
+/// What only some runs need.
+pub(crate) struct Extras {
+    /// Number of the first packet of the first network.
+    pub(crate) first_packet: u64,
+    /// The seed of the channel, if it is not that of the rest.
+    pub(crate) channel_seed: Seed,
+    /// The state machine of the station that sends beacons in the first network.
+    pub(crate) coordinator: Option<(StationId, Coordinator)>,
+}
+
+impl<A: Application> Engine<A> {
+    /// An engine with an application for each station: nodes come first, then robots, then sinks.
+    ///
+    /// # Errors
+    /// If networks in one band have different channels.
+    ///
+    /// # Panics
+    /// If the number of applications is not that of the stations.
+    pub fn new(setup: EngineSetup, applications: Vec<A>) -> Result<Self, SettingError> {
+        let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator: None };
+        Self::with(setup, applications, extras)
+    }
+
+    pub(crate) fn with(setup: EngineSetup, applications: Vec<A>, extras: Extras) -> Result<Self, SettingError> {
+        let EngineSetup { world, robots, sinks, networks, duration, seed } = setup;
+        let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
+        assert_eq!(applications.len(), roll.len(), "one application for each station");
+        let places = world.nodes.iter().map(|node| node.position);
+        let motions: Vec<Motion> = (places.chain(robots.iter().map(|robot| robot.start)))
+            .chain(sinks.iter().map(|sink| sink.position))
+            .map(Motion::standing)
+            .collect();
+        let mut scene = Scene {
+            now: SimTime::ZERO,
+            queue: EventQueue::new(),
+            airs: Vec::new(),
+            motions,
+            roll,
+            seed,
+            offered: 0,
+            upcalls: Vec::new(),
+        };
+        let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
+        let Extras { first_packet, channel_seed, mut coordinator } = extras;
+        let bands = bands::bands(&networks)?;
+        let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
+        for (i, band) in bands.iter().enumerate() {
+            let in_band: Vec<&NetworkSetup> = band.iter().map(|&network| &networks[network]).collect();
+            let settings = bands::air(&in_band, i, &world, channel_seed, seed, first_packet);
+            scene.airs.push(Air::new(settings, fixed.clone(), roll));
+        }
+        let mut links = Vec::with_capacity(networks.len());
+        for (i, network) in networks.iter().enumerate() {
+            let id = u8::try_from(i).map(NetworkId);
+            let id = id.map_err(|_| SettingError::new("networks", networks.len(), "at most 256"))?;
+            let air = bands.iter().position(|band| band.contains(&i)).expect("each network is in a band");
+            let settings = ieee802154::network::Settings {
+                network: id,
+                phy: network.radio.phy(),
+                mac: &network.mac,
+                power: network.radio.tx_power(),
+                antenna: Antenna::Omnidirectional,
+                cca_threshold: network.radio.cca_threshold().to_milliwatts(),
+                radio_states: network.radio_states.clone(),
+                air,
+                first_receiver: scene.airs[air].add_receivers(bands::rules(network)),
+                coordinator: coordinator.take_if(|_| i == 0),
+                keeps_delays: roll.sinks > 0,
+            };
+            links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
+        }
+        let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
+        let unfinished = applications.iter().filter(|application| application.has_task()).count();
+        Ok(Self {
+            core: Core { scene, networks: links, world, vehicles, notes: Vec::new(), unfinished },
+            applications,
+            log: Log::new(roll.nodes),
+            end: duration.map(|duration| SimTime::ZERO + duration),
+            ends_with_tasks: unfinished > 0,
+            events: 0,
+        })
+    }
+
+    /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
+    pub(crate) fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
+        self.begin(observer);
+        let mut interrupted = false;
+        while !(interrupted || self.ends_with_tasks && self.core.unfinished == 0) {
+            let Some((now, event)) = self.core.scene.queue.pop() else { break };
+            if let Some(end) = self.end
+                && now >= end
+            {
+                break;
+            }
+            self.core.scene.now = now;
+            self.events += 1;
+            interrupted = !self.handle(event, observer);
+            // A robot may listen for long.
+            interrupted |= self.events.is_multiple_of(LOOK) && !observer.goes_on(self.progress());
+        }
+        if let Some(end) = self.end
+            && !interrupted
+            && !(self.ends_with_tasks && self.core.unfinished == 0)
+        {
+            self.core.scene.now = end;
+        }
+        self.finish(interrupted)
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            time: self.core.scene.now,
+            stops: self.log.stops.len(),
+            nodes_heard: self.log.nodes_heard,
+            nodes: self.core.scene.roll.nodes,
+            packets_offered: self.core.scene.offered,
+        }
+    }
+
+    fn begin(&mut self, observer: &mut impl Observer) {
+        for station in self.core.scene.roll.stations() {
+            let mut port = Port { core: &mut self.core, station };
+            self.applications[station.index()].started(&mut port);
+            for network in &mut self.core.networks {
+                network.begin(station, &mut self.core.scene);
+            }
+        }
+        for network in &mut self.core.networks {
+            network.begin_schedule(&mut self.core.scene);
+        }
+        self.core.tell(&mut self.log, observer);
+    }
+
+    /// Handles an event; returns whether the simulation goes on.
+    #[inline]
+    fn handle(&mut self, event: Event, observer: &mut impl Observer) -> bool {
+        match event {
+            Event::Link(station, network, event) => {
+                self.core.networks[network.index()].handle(station, event, &mut self.core.scene, observer);
+                if !self.core.scene.upcalls.is_empty() {
+                    self.pass_on(network);
+                }
+            }
+            Event::Timer(station, timer) => {
+                let mut port = Port { core: &mut self.core, station };
+                self.applications[station.index()].timed(timer, &mut port);
+            }
+            Event::DriveEnded(station) => {
+                let end = self.core.arrive(station).map_or(DriveEnd::Arrived, DriveEnd::Blocked);
+                let mut port = Port { core: &mut self.core, station };
+                self.applications[station.index()].drive_ended(end, &mut port);
+            }
+        }
+        if self.core.notes.is_empty() {
+            return true;
+        }
+        let stopped = self.core.tell(&mut self.log, observer);
+        !stopped || observer.goes_on(self.progress())
+    }
+
+    /// Tells the applications what the link of a network has to say.
+    fn pass_on(&mut self, network: NetworkId) {
+        let mut upcalls = std::mem::take(&mut self.core.scene.upcalls);
+        let (frame, payload) = self.core.networks[network.index()].take_payload();
+        for upcall in upcalls.drain(..) {
+            let (Upcall::Delivered { station, .. } | Upcall::Sent { station, .. } | Upcall::Listened { station }) =
+                upcall;
+            let mut port = Port { core: &mut self.core, station };
+            let application = &mut self.applications[station.index()];
+            match upcall {
+                Upcall::Delivered { from, sequence, power, .. } => {
+                    let payload = &frame[payload.clone()];
+                    let delivery = Delivery { network, from, sequence, payload, rssi: power.to_dbm() };
+                    application.delivered(&delivery, &mut port);
+                }
+                Upcall::Sent { report, .. } => application.sent(network, &report, &mut port),
+                Upcall::Listened { .. } => application.listened(network, &mut port),
+            }
+        }
+        self.core.networks[network.index()].give_back(frame);
+        // No command of an application makes a link speak at once.
+        debug_assert!(self.core.scene.upcalls.is_empty());
+        self.core.scene.upcalls = upcalls;
+    }
+
+    fn finish(self, interrupted: bool) -> Ended<A> {
+        let now = self.core.scene.now;
+        Ended {
+            applications: self.applications,
+            stops: self.log.stops,
+            receptions: self.log.receptions,
+            contacts: self.log.contacts,
+            path_lengths_m: self.core.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
+            networks: self.core.networks.into_iter().map(|network| network.finish(now)).collect(),
+            end: now,
+            events: self.events,
+            interrupted,
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Everything that an engine needs beside the applications.
+
+use std::time::Duration;
+
+use sextant_channel::ChannelLaw;
+use sextant_kernel::Seed;
+use sextant_mac::RadioStates;
+
+use crate::air::ReceptionModel;
+use crate::link::ieee802154::{Mac, Radio};
+use crate::station::{RobotBody, Sink};
+use crate::world::World;
+
+/// A network of IEEE 802.15.4: its radios, and how its stations share the channel.
+#[derive(Clone)]
+pub struct NetworkSetup {
+    /// The law of the radio channel.
+    pub channel: ChannelLaw,
+    /// The radios.
+    pub radio: Radio,
+    /// The rule that decides whether a frame is received.
+    pub reception: ReceptionModel,
+    /// Channel access of the nodes.
+    pub mac: Mac,
+    /// Energy model of the radios.
+    pub radio_states: RadioStates,
+}
+
+/// The world, its stations and their networks.
+#[derive(Clone)]
+pub struct EngineSetup {
+    /// The world.
+    pub world: World,
+    /// The bodies of the robots.
+    pub robots: Vec<RobotBody>,
+    /// The sinks.
+    pub sinks: Vec<Sink>,
+    /// The networks: all stations are in each.
+    pub networks: Vec<NetworkSetup>,
+    /// When the simulation ends; `None` if when the tasks of all applications are done.
+    pub duration: Option<Duration>,
+    /// The seed of all randomness.
+    pub seed: Seed,
+}

@@ -1,0 +1,22 @@
+//! Events of links, of every technology.
+
+use sextant_mac::Class;
+
+use super::ieee802154::event as ieee802154;
+
+/// An event of a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Event {
+    /// Of a link of IEEE 802.15.4.
+    Ieee802154(ieee802154::Event),
+}
+
+impl Event {
+    /// Class of the event among those of the same instant.
+    #[inline]
+    pub(crate) const fn class(self) -> Class {
+        match self {
+            Self::Ieee802154(event) => event.class(),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! How the nodes share the channel.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::{SettingError, SimTime, StationId};
+use sextant_mac::csma::{self, Csma, CsmaConfig, CsmaSettings, OutgoingFrame, Report};
+use sextant_mac::device::{self, Device};
+use sextant_mac::frame::{Address, Beacon};
+use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig};
+use sextant_mac::{Phy, RadioState};
+
+/// How nodes share the channel, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum MacConfig {
+    /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
+    CsmaUnslotted(CsmaConfig),
+    /// The first robot is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
+    /// guaranteed slots (IEEE 802.15.4 at 2.4 GHz).
+    BeaconEnabled(BeaconEnabledConfig),
+}
+
+impl Default for MacConfig {
+    fn default() -> Self {
+        Self::CsmaUnslotted(CsmaConfig::default())
+    }
+}
+
+/// How nodes share the channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Mac {
+    /// Unslotted CSMA-CA.
+    CsmaUnslotted(CsmaSettings),
+    /// Superframes of a coordinator.
+    BeaconEnabled(BeaconEnabled),
+}
+
+impl TryFrom<MacConfig> for Mac {
+    type Error = SettingError;
+
+    fn try_from(config: MacConfig) -> Result<Self, SettingError> {
+        match config {
+            MacConfig::CsmaUnslotted(csma) => {
+                CsmaSettings::try_from(csma).map(Self::CsmaUnslotted).map_err(|error| error.within("csma_unslotted"))
+            }
+            MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons)
+                .map(Self::BeaconEnabled)
+                .map_err(|error| error.within("beacon_enabled")),
+        }
+    }
+}
+
+impl Mac {
+    /// Settings of contention, slotted or unslotted.
+    pub(crate) fn csma(&self) -> CsmaSettings {
+        match self {
+            Self::CsmaUnslotted(csma) => *csma,
+            Self::BeaconEnabled(beacons) => beacons.csma(),
+        }
+    }
+
+    /// The initial state of a node's radio.
+    pub(crate) fn initial_state(&self) -> RadioState {
+        match self {
+            Self::CsmaUnslotted(csma) => csma.resting_state(),
+            Self::BeaconEnabled(_) => Device::INITIAL_STATE,
+        }
+    }
+
+    /// The MAC of a node.
+    pub(crate) fn of(&self, node: StationId, phy: Phy) -> NodeMac {
+        match self {
+            Self::CsmaUnslotted(csma) => NodeMac::Unslotted(Csma::new(*csma, phy)),
+            Self::BeaconEnabled(beacons) => {
+                NodeMac::Device(Device::new(beacons, phy, short_address(node).unwrap_or(Address::NONE)))
+            }
+        }
+    }
+
+    /// The MAC of a robot or a sink, whose receiver is on at rest.
+    pub(crate) fn of_collector(&self, phy: Phy) -> NodeMac {
+        match self {
+            Self::CsmaUnslotted(csma) => NodeMac::Unslotted(Csma::new(csma.with_receiver_on(), phy)),
+            Self::BeaconEnabled(_) => NodeMac::ReceivesOnly,
+        }
+    }
+}
+
+/// The short address of a station, if it has one.
+pub(crate) fn short_address(station: StationId) -> Option<u16> {
+    match Address::of(station) {
+        Address::Short(short) => Some(short),
+        Address::Extended(_) => None,
+    }
+}
+
+/// The channel access of one station.
+pub(crate) enum NodeMac {
+    Unslotted(Csma),
+    Device(Device),
+    /// A station that sends no data: the coordinator of superframes.
+    ReceivesOnly,
+}
+
+impl NodeMac {
+    pub(crate) fn is_transmitter(&self) -> bool {
+        !matches!(self, Self::ReceivesOnly)
+    }
+
+    pub(crate) fn follows_beacons(&self) -> bool {
+        matches!(self, Self::Device(_))
+    }
+
+    #[inline]
+    pub(crate) fn is_busy(&self) -> bool {
+        match self {
+            Self::Unslotted(csma) => csma.is_busy(),
+            Self::Device(device) => device.is_busy(),
+            Self::ReceivesOnly => false,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn start(&mut self, now: SimTime, frame: OutgoingFrame, radio: &mut impl device::Radio) {
+        match self {
+            Self::Unslotted(csma) => csma.start(frame, radio),
+            Self::Device(device) => device.start(now, frame, radio),
+            Self::ReceivesOnly => unreachable!("it is given no frame"),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn handle(
+        &mut self,
+        now: SimTime,
+        event: csma::Event,
+        radio: &mut impl device::Radio,
+    ) -> Option<Report> {
+        match self {
+            Self::Unslotted(csma) => csma.handle(event, radio),
+            Self::Device(device) => device.handle_csma(now, event, radio),
+            Self::ReceivesOnly => unreachable!("it has no channel access"),
+        }
+    }
+
+    /// Handles an event of following beacons.
+    pub(crate) fn track(&mut self, now: SimTime, event: device::Event, radio: &mut impl device::Radio) {
+        match self {
+            Self::Device(device) => device.handle(now, event, radio),
+            Self::Unslotted(_) | Self::ReceivesOnly => unreachable!("only devices follow beacons"),
+        }
+    }
+
+    /// A beacon of `octets` was received; a station without superframes ignores it.
+    pub(crate) fn receive_beacon(
+        &mut self,
+        now: SimTime,
+        octets: u8,
+        beacon: &Beacon<'_>,
+        radio: &mut impl device::Radio,
+    ) {
+        if let Self::Device(device) = self {
+            device.receive_beacon(now, octets, beacon, radio);
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! IEEE 802.15.4: all that knows this technology.
+
+pub(crate) mod event;
+mod frame_queue;
+mod mac;
+pub(crate) mod network;
+mod plan;
+mod radio;
+mod stack;
+mod transceiver;
+
+pub use mac::{Mac, MacConfig};
+pub(crate) use plan::{Demand, Post, coordinator};
+pub use radio::{Radio, RadioConfig};

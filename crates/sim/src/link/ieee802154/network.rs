@@ -1,0 +1,234 @@
+//! A network of IEEE 802.15.4: the links of all its stations.
+
+mod acknowledging;
+mod beacons;
+mod frames;
+mod receiving;
+mod sending;
+
+use std::ops::Range;
+use std::time::Duration;
+
+use sextant_channel::{Dbm, Milliwatts};
+use sextant_kernel::{SimTime, StationId};
+use sextant_mac::coordinator::Coordinator;
+use sextant_mac::frame::Address;
+use sextant_mac::responder::Responder;
+use sextant_mac::{Phy, RadioState, RadioStates, csma};
+
+use super::event::Event;
+use super::frame_queue::Payloads;
+use super::mac::{Mac, NodeMac};
+use super::stack::Stack;
+use super::transceiver::{Radios, Transceiver};
+use crate::air::{Arrival, Emission, Transmission};
+use crate::link::network_id::NetworkId;
+use crate::link::packets::{Finished, Packets};
+use crate::link::upcall::Upcall;
+use crate::observer::{HeardFrame, Observer};
+use crate::purpose;
+use crate::scene::Scene;
+use crate::station::Kind;
+
+/// PAN of the first network; the others follow.
+const FIRST_PAN: u16 = 0x5E87;
+
+/// What a network of IEEE 802.15.4 needs.
+pub(crate) struct Settings<'a> {
+    pub(crate) network: NetworkId,
+    pub(crate) phy: Phy,
+    pub(crate) mac: &'a Mac,
+    pub(crate) power: Dbm,
+    pub(crate) antenna: crate::air::Antenna,
+    pub(crate) cca_threshold: Milliwatts,
+    pub(crate) radio_states: RadioStates,
+    /// Number of the air of its band.
+    pub(crate) air: usize,
+    /// Number of the first station's receiver there.
+    pub(crate) first_receiver: u32,
+    /// The state machine of the station that sends beacons, if one does.
+    pub(crate) coordinator: Option<(StationId, Coordinator)>,
+    /// Whether the time from offer to reception of each frame is kept.
+    pub(crate) keeps_delays: bool,
+}
+
+/// A network of IEEE 802.15.4: the links of all its stations.
+pub(crate) struct Network {
+    pan: u16,
+    radios: Radios,
+    macs: Vec<NodeMac>,
+    stacks: Vec<Stack>,
+    responders: Vec<Responder>,
+    /// Whether the application of a station looks at what is delivered to it.
+    hears: Vec<bool>,
+    coordinator: Option<(StationId, Coordinator)>,
+    /// The beacon that is on air.
+    beacon: Option<Transmission>,
+    queue_frames: usize,
+    payloads: Payloads,
+    packets: Vec<Packets>,
+    delays: Option<Vec<(StationId, Duration)>>,
+    radio_states: RadioStates,
+    arrivals: Vec<Arrival>,
+    told: Vec<HeardFrame>,
+    mpdu: Vec<u8>,
+    payload: Range<usize>,
+}
+
+/// PAN of a network.
+pub(crate) fn pan(network: NetworkId) -> u16 {
+    FIRST_PAN + u16::from(network.0)
+}
+
+/// The number before that of the first frame of a station.
+pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationId, network: NetworkId) -> u8 {
+    let place = [station.0.into(), network.0.into(), 0];
+    scene_seed.bits(purpose::SEQUENCE, place).to_be_bytes()[0]
+}
+
+impl Network {
+    /// The links of all stations of `scene`; `hears` tells whose application looks at what is delivered to it.
+    pub(crate) fn new(settings: Settings<'_>, scene: &Scene, hears: Vec<bool>) -> Self {
+        let Settings { network, phy, mac, power, antenna, cca_threshold, radio_states, air, first_receiver, .. } =
+            settings;
+        let pan = pan(network);
+        let stations = || scene.roll.stations();
+        let is_node = |station| scene.roll.is_node(station);
+        let stack = |station: StationId| {
+            let state = if is_node(station) { mac.initial_state() } else { RadioState::Receive };
+            Stack::new(state, first_sequence(scene.seed, station, network))
+        };
+        Self {
+            pan,
+            radios: Radios {
+                network,
+                phy,
+                emission: Emission { power, antenna },
+                cca_threshold,
+                air,
+                first_receiver,
+            },
+            macs: stations()
+                .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
+                .collect(),
+            stacks: stations().map(stack).collect(),
+            responders: stations().map(|station| Responder::new(phy, pan, Address::of(station))).collect(),
+            hears,
+            coordinator: settings.coordinator,
+            beacon: None,
+            queue_frames: mac.csma().queue_frames().into(),
+            payloads: Payloads::default(),
+            packets: vec![Packets::default(); scene.roll.len()],
+            delays: settings.keeps_delays.then(Vec::new),
+            radio_states,
+            arrivals: Vec::new(),
+            told: Vec::new(),
+            mpdu: Vec::with_capacity(127),
+            payload: 0..0,
+        }
+    }
+
+    /// The network starts to work at a station.
+    pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        stack.listening = match scene.roll.kind(station) {
+            // What a node with superframes hears are beacons.
+            Kind::Node(_) => self.macs[station.index()].follows_beacons() || self.hears[station.index()],
+            Kind::Robot(_) => false,
+            Kind::Sink(_) => true,
+        };
+        self.transceiver(station, scene).tune();
+    }
+
+    /// Starts the schedule of beacons, if there is one.
+    pub(crate) fn begin_beacons(&mut self, scene: &mut Scene) {
+        if let Some((station, _)) = self.coordinator {
+            self.schedule(station, Duration::ZERO, Event::BeaconDue, scene);
+        }
+    }
+
+    /// Handles an event of a station's link.
+    #[inline]
+    pub(crate) fn handle(
+        &mut self,
+        station: StationId,
+        event: Event,
+        scene: &mut Scene,
+        observer: &mut impl Observer,
+    ) {
+        match event {
+            Event::Csma(event) => self.handle_csma(station, event, scene, observer),
+            Event::CcaEnded => {
+                let busy = self.transceiver(station, scene).senses_busy();
+                self.handle_csma(station, csma::Event::CcaEnded { busy }, scene, observer);
+            }
+            Event::Tracking(event) => self.handle_tracking(station, event, scene),
+            Event::Responder(event) => self.handle_responder(station, event, scene, observer),
+            Event::Coordinator(event) => self.handle_coordinator(station, event, scene, observer),
+            Event::BeaconDue => self.prepare_beacon(scene),
+            Event::ActivePartEnded => {}
+            Event::ListeningOver => self.stacks[station.index()].leaving = true,
+        }
+        if self.stacks[station.index()].leaving && self.may_leave(station, scene.now) {
+            self.stop_listening(station, scene);
+            scene.upcalls.push(Upcall::Listened { station });
+        }
+    }
+
+    /// A robot opens its receiver for `span`.
+    pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+        self.stacks[station.index()].listening = true;
+        self.transceiver(station, scene).tune();
+        self.schedule(station, span, Event::ListeningOver, scene);
+    }
+
+    fn stop_listening(&mut self, station: StationId, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        stack.listening = false;
+        stack.leaving = false;
+        self.transceiver(station, scene).tune();
+    }
+
+    /// A station moves differently from now on.
+    pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
+        let motion = &scene.motions[station.index()];
+        scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
+    }
+
+    /// The frame that was received last.
+    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+        (std::mem::take(&mut self.mpdu), self.payload.clone())
+    }
+
+    /// Gives the buffer of [`Network::take_payload`] back.
+    pub(crate) fn give_back(&mut self, mpdu: Vec<u8>) {
+        self.mpdu = mpdu;
+    }
+
+    /// What became of the packets of a station so far.
+    pub(crate) fn packets_of(&self, station: StationId) -> &Packets {
+        &self.packets[station.index()]
+    }
+
+    /// Counts what is still to be sent, and returns the packets and the energy of each station.
+    pub(crate) fn finish(mut self, now: SimTime) -> Finished {
+        let mut energy = Vec::with_capacity(self.stacks.len());
+        for (i, stack) in self.stacks.iter_mut().enumerate() {
+            let state = stack.state();
+            stack.meter.enter(state, now);
+            energy.push(stack.meter.spent(&self.radio_states, self.radios.emission.power));
+            self.packets[i].pending = u64::from(self.macs[i].is_busy()) + stack.waiting.len() as u64;
+        }
+        Finished { packets: self.packets, energy, delays: self.delays.unwrap_or_default() }
+    }
+
+    fn transceiver<'a>(&'a mut self, station: StationId, scene: &'a mut Scene) -> Transceiver<'a> {
+        let stack = &mut self.stacks[station.index()];
+        Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false }
+    }
+
+    fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) {
+        let event = crate::link::event::Event::Ieee802154(event);
+        scene.after(span, crate::engine::event::Event::Link(station, self.radios.network, event));
+    }
+}

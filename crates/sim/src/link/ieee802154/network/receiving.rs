@@ -1,0 +1,107 @@
+//! Receiving: a data frame ends, and is delivered to the stations for which it is.
+
+use sextant_kernel::StationId;
+use sextant_mac::frame::{Frame, FrameBody};
+use sextant_mac::responder::Verdict;
+
+use super::Network;
+use crate::air::{Arrival, FrameOutcome, Transmission};
+use crate::link::ieee802154::transceiver::Transceiver;
+use crate::link::report::Destination;
+use crate::link::upcall::Upcall;
+use crate::observer::Observer;
+use crate::scene::Scene;
+
+impl Network {
+    /// A data frame ends: finds its outcome, and delivers it.
+    pub(super) fn end_frame(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
+        let stack = &mut self.stacks[station.index()];
+        let transmission = stack.transmission.take().expect("only a frame on air ends");
+        let frame = stack.frame.expect("a frame is under way");
+        let air = &mut scene.airs[self.radios.air];
+        let mut best = air.end(scene.now, &transmission, &mut self.arrivals);
+        self.keep_own_arrivals(scene);
+        match frame.to {
+            Destination::Station(to) => best = self.outcome_at(to, &transmission, scene),
+            Destination::All if !scene.roll.is_node(station) => best = self.best_at_others(station, scene),
+            Destination::All => {}
+        }
+        let stack = &mut self.stacks[station.index()];
+        if best == FrameOutcome::Received
+            && stack.outcome != FrameOutcome::Received
+            && let Some(delays) = &mut self.delays
+        {
+            delays.push((station, scene.now - frame.offered));
+        }
+        stack.outcome = stack.outcome.max(best);
+        let is_heard = self.arrivals.iter().any(|arrival| self.is_delivered(arrival));
+        if !(is_heard || observer.wants_frames()) {
+            return;
+        }
+        self.write_frame(station);
+        if observer.wants_frames() {
+            self.tell_frame(&transmission, best, scene, observer);
+        }
+        if is_heard {
+            self.deliver(scene);
+        }
+    }
+
+    /// Forgets arrivals at stations of other networks in the same band: for them the frame is only a disturbance.
+    pub(super) fn keep_own_arrivals(&mut self, scene: &Scene) {
+        if scene.airs[self.radios.air].is_shared() {
+            let first = self.radios.receiver(StationId(0));
+            let last = self.radios.receiver(StationId::from_index(self.stacks.len() - 1));
+            self.arrivals.retain(|arrival| (first..=last).contains(&arrival.receiver));
+        }
+    }
+
+    /// The outcome of a frame at the station that it is for.
+    fn outcome_at(&self, to: StationId, transmission: &Transmission, scene: &Scene) -> FrameOutcome {
+        let arrival = self.arrivals.iter().find(|arrival| arrival.station == to);
+        let missed = || {
+            // A robot or sink listened when the frame began, or else a node listens now.
+            let listened = if scene.roll.is_node(to) {
+                scene.airs[self.radios.air].is_listening(self.radios.receiver(to))
+            } else {
+                transmission.missed_a_collector()
+            };
+            if listened { FrameOutcome::OutOfRange } else { FrameOutcome::NotListened }
+        };
+        arrival.map_or_else(missed, |arrival| arrival.outcome)
+    }
+
+    /// Whether the station of `arrival` looks at the frame.
+    fn is_delivered(&self, arrival: &Arrival) -> bool {
+        arrival.outcome == FrameOutcome::Received && self.hears[arrival.station.index()]
+    }
+
+    /// Delivers the frame in `mpdu` to all stations that have received it and for which it is.
+    fn deliver(&mut self, scene: &mut Scene) {
+        let mpdu = std::mem::take(&mut self.mpdu);
+        let frame = Frame::parse(&mpdu).expect("stations write what they can read");
+        let source = frame.source.and_then(|source| source.address.station());
+        let payload = match frame.body {
+            FrameBody::Data(payload) => Some(payload.len()),
+            _ => None,
+        };
+        for i in 0..self.arrivals.len() {
+            let arrival = self.arrivals[i];
+            if !self.is_delivered(&arrival) {
+                continue;
+            }
+            let station = arrival.station;
+            let gap = self.ack_gap(station, scene.now);
+            let stack = &mut self.stacks[station.index()];
+            let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
+            let verdict = self.responders[station.index()].receive_and_respond(&frame, gap, &mut radio);
+            if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
+                let end = mpdu.len() - 2;
+                self.payload = end - octets..end;
+                let (sequence, power) = (frame.sequence, arrival.power);
+                scene.upcalls.push(Upcall::Delivered { station, from, sequence, power });
+            }
+        }
+        self.mpdu = mpdu;
+    }
+}

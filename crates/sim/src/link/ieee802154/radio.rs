@@ -1,0 +1,112 @@
+//! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Db, Dbm};
+use sextant_kernel::SettingError;
+use sextant_mac::{Phy, oqpsk};
+
+/// Threshold of carrier sense above the sensitivity (IEEE 802.15.4-2006, 6.9.9: at most 10 dB).
+const CCA_MARGIN: Db = Db(10.0);
+
+/// The radios of all stations, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RadioConfig {
+    /// Physical layer: band, modulation and bit rate; 2450 MHz, O-QPSK, 250 kb/s if absent.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub phy: Phy,
+    /// Number of the radio channel: 0 at 868 MHz, 1 to 10 at 915 MHz, 11 to 26 at 2450 MHz; the lowest one if absent.
+    /// Networks on one channel disturb each other, those on different channels do not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<u8>,
+    /// Transmit power, as received at the reference distance of the path loss without shadowing (dBm).
+    pub tx_power_dbm: f64,
+    /// Minimum power of a frame that can be received (dBm).
+    pub sensitivity_dbm: f64,
+    /// Mean power over the window of carrier sense at or above which the channel is busy (dBm);
+    /// 10 dB above the sensitivity if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cca_threshold_dbm: Option<f64>,
+    /// Noise in the bandwidth of the receiver (dBm); 0.403 dB below the sensitivity if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_floor_dbm: Option<f64>,
+}
+
+fn is_default(phy: &Phy) -> bool {
+    *phy == Phy::default()
+}
+
+/// The radios of all stations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radio {
+    phy: Phy,
+    channel: u8,
+    tx_power: Dbm,
+    sensitivity: Dbm,
+    cca_threshold: Dbm,
+    noise_floor: Dbm,
+}
+
+impl TryFrom<RadioConfig> for Radio {
+    type Error = SettingError;
+
+    fn try_from(config: RadioConfig) -> Result<Self, SettingError> {
+        let (phy, channels) = (config.phy, config.phy.channels());
+        let channel = config.channel.unwrap_or(*channels.start());
+        if !channels.contains(&channel) {
+            let allowed = format!("{} to {} with this `phy`", channels.start(), channels.end());
+            return Err(SettingError::new("channel", channel, allowed));
+        }
+        let level = |key, dbm| SettingError::in_range(key, dbm, -200.0, 100.0).map(Dbm);
+        let tx_power = level("tx_power_dbm", config.tx_power_dbm)?;
+        let sensitivity = level("sensitivity_dbm", config.sensitivity_dbm)?;
+        let cca_threshold = match config.cca_threshold_dbm {
+            Some(dbm) => level("cca_threshold_dbm", dbm)?,
+            None => sensitivity + CCA_MARGIN,
+        };
+        let noise_floor = match config.noise_floor_dbm {
+            Some(dbm) => level("noise_floor_dbm", dbm)?,
+            None => oqpsk::noise_floor(sensitivity),
+        };
+        Ok(Self { phy, channel, tx_power, sensitivity, cca_threshold, noise_floor })
+    }
+}
+
+impl Radio {
+    /// The physical layer.
+    #[must_use]
+    pub fn phy(&self) -> Phy {
+        self.phy
+    }
+
+    /// Number of the radio channel.
+    #[must_use]
+    pub fn channel(&self) -> u8 {
+        self.channel
+    }
+
+    /// Transmit power at the reference distance.
+    #[must_use]
+    pub fn tx_power(&self) -> Dbm {
+        self.tx_power
+    }
+
+    /// Minimum power of a frame that can be received.
+    #[must_use]
+    pub fn sensitivity(&self) -> Dbm {
+        self.sensitivity
+    }
+
+    /// Power at or above which carrier sense finds the channel busy.
+    #[must_use]
+    pub fn cca_threshold(&self) -> Dbm {
+        self.cca_threshold
+    }
+
+    /// Noise in the bandwidth of the receiver.
+    #[must_use]
+    pub fn noise_floor(&self) -> Dbm {
+        self.noise_floor
+    }
+}

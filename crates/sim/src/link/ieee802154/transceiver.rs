@@ -1,0 +1,175 @@
+//! The radio of one station, as its protocol machines see it.
+
+use std::time::Duration;
+
+use sextant_channel::Milliwatts;
+use sextant_kernel::{EventKey, StationId};
+use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
+
+use super::event::Event;
+use super::stack::Stack;
+use crate::air::{Emission, ReceiverId};
+use crate::engine::event::Event as EngineEvent;
+use crate::link::event::Event as LinkEvent;
+use crate::link::network_id::NetworkId;
+use crate::purpose;
+use crate::scene::Scene;
+
+/// What all radios of a network have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Radios {
+    pub(super) network: NetworkId,
+    pub(super) phy: Phy,
+    pub(super) emission: Emission,
+    pub(super) cca_threshold: Milliwatts,
+    /// Number of the air of its band.
+    pub(super) air: usize,
+    /// Number of the first station's receiver.
+    pub(super) first_receiver: u32,
+}
+
+impl Radios {
+    pub(super) fn receiver(&self, station: StationId) -> ReceiverId {
+        ReceiverId(self.first_receiver + station.0)
+    }
+}
+
+/// The radio of one station, as its protocol machines see it.
+pub(super) struct Transceiver<'a> {
+    pub(super) radios: &'a Radios,
+    pub(super) stack: &'a mut Stack,
+    pub(super) scene: &'a mut Scene,
+    pub(super) station: StationId,
+    /// Whether channel access turns its receiver on now to wait for an acknowledgement.
+    pub(super) awaits_ack: bool,
+}
+
+impl Transceiver<'_> {
+    fn schedule(&mut self, span: Duration, event: Event) -> EventKey {
+        let event = EngineEvent::Link(self.station, self.radios.network, LinkEvent::Ieee802154(event));
+        self.scene.after(span, event)
+    }
+
+    /// Whether the station finds the channel busy in the window that ends now. A station that sends an
+    /// acknowledgement, or is about to, does.
+    pub(super) fn senses_busy(&mut self) -> bool {
+        if self.stack.overriding.is_some() {
+            return true;
+        }
+        let now = self.scene.now;
+        let from = now.saturating_sub(self.radios.phy.cca());
+        let place = self.scene.place(self.station);
+        let air = &mut self.scene.airs[self.radios.air];
+        air.is_busy(self.station, place, from, now, self.radios.cca_threshold)
+    }
+
+    /// Brings the receiver in line with the state of the radio.
+    pub(super) fn tune(&mut self) {
+        let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
+        self.stack.meter.enter(self.stack.state(), now);
+        let motion = &self.scene.motions[self.station.index()];
+        let air = &mut self.scene.airs[self.radios.air];
+        if self.stack.is_receiving() {
+            air.listen(now, receiver, self.station, motion);
+        } else if air.is_listening(receiver) {
+            air.deafen(receiver, self.station, motion.at(now));
+        }
+    }
+
+    fn begin_transmission(&mut self, airtime: Duration) -> crate::air::Transmission {
+        let (now, place) = (self.scene.now, self.scene.place(self.station));
+        self.scene.airs[self.radios.air].begin(now, self.station, place, self.radios.emission, airtime)
+    }
+
+    /// The radio sends something that goes before channel access, or ends it with `Receive`.
+    fn override_with(&mut self, state: RadioState) {
+        self.stack.overriding = (state != RadioState::Receive).then_some(state);
+        self.tune();
+    }
+}
+
+impl csma::Radio for Transceiver<'_> {
+    fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
+        self.stack.backoffs += 1;
+        let place = [self.station.0.into(), self.stack.backoffs, self.radios.network.0.into()];
+        let bits = self.scene.seed.bits(purpose::BACKOFF, place);
+        // The upper 32 bits scaled to the range: exact for 2^BE equally likely numbers.
+        u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
+    }
+
+    fn after(&mut self, span: Duration, event: csma::Event) {
+        self.stack.timer = Some(self.schedule(span, Event::Csma(event)));
+    }
+
+    fn cancel_timer(&mut self) {
+        if let Some(key) = self.stack.timer.take() {
+            self.scene.queue.cancel(key);
+        }
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.stack.wanted = state;
+        self.stack.awaits_ack = state == RadioState::Receive && self.awaits_ack;
+        self.tune();
+    }
+
+    fn start_cca(&mut self) {
+        self.schedule(self.radios.phy.cca(), Event::CcaEnded);
+    }
+
+    fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
+        let airtime = self.radios.phy.airtime(frame.mpdu_octets);
+        self.stack.transmission = Some(self.begin_transmission(airtime));
+        self.schedule(airtime, Event::Csma(csma::Event::TransmissionEnded));
+    }
+}
+
+impl device::Radio for Transceiver<'_> {
+    fn track_after(&mut self, span: Duration, event: device::Event) {
+        self.stack.tracking = Some(self.schedule(span, Event::Tracking(event)));
+    }
+
+    fn cancel_tracking(&mut self) {
+        if let Some(key) = self.stack.tracking.take() {
+            self.scene.queue.cancel(key);
+        }
+    }
+}
+
+impl responder::Radio for Transceiver<'_> {
+    fn after(&mut self, span: Duration, event: responder::Event) {
+        self.schedule(span, Event::Responder(event));
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.override_with(state);
+    }
+
+    fn start_acknowledgement(&mut self, sequence: u8) {
+        let airtime = self.radios.phy.ack_airtime();
+        self.stack.acknowledgement = Some((self.begin_transmission(airtime), sequence));
+        self.schedule(airtime, Event::Responder(responder::Event::TransmissionEnded));
+    }
+}
+
+/// A coordinator keeps the beacon on air itself: see [`Beaconing`].
+pub(super) struct Beaconing<'a> {
+    pub(super) transceiver: Transceiver<'a>,
+    pub(super) beacon: &'a mut Option<crate::air::Transmission>,
+}
+
+impl coordinator::Radio for Beaconing<'_> {
+    fn after(&mut self, span: Duration, event: coordinator::Event) {
+        self.transceiver.schedule(span, Event::Coordinator(event));
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.transceiver.override_with(state);
+    }
+
+    fn start_beacon(&mut self, mpdu_octets: u8) {
+        let airtime = self.transceiver.radios.phy.airtime(mpdu_octets);
+        *self.beacon = Some(self.transceiver.begin_transmission(airtime));
+        self.transceiver.schedule(airtime, Event::Coordinator(coordinator::Event::TransmissionEnded));
+    }
+}

@@ -1,0 +1,103 @@
+//! A network, of any technology.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use sextant_kernel::{SimTime, StationId};
+
+use super::event::Event;
+use super::ieee802154::network as ieee802154;
+use super::packets::{Finished, Packets};
+use super::report::{Destination, FrameId, Payload, SendError};
+use crate::observer::Observer;
+use crate::scene::Scene;
+
+/// A network, of any technology.
+pub(crate) enum Network {
+    Ieee802154(ieee802154::Network),
+}
+
+impl Network {
+    /// The network starts to work at a station.
+    pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        match self {
+            Self::Ieee802154(network) => network.begin(station, scene),
+        }
+    }
+
+    /// Starts what the network does by itself, after all stations.
+    pub(crate) fn begin_schedule(&mut self, scene: &mut Scene) {
+        match self {
+            Self::Ieee802154(network) => network.begin_beacons(scene),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn handle(
+        &mut self,
+        station: StationId,
+        event: Event,
+        scene: &mut Scene,
+        observer: &mut impl Observer,
+    ) {
+        match (self, event) {
+            (Self::Ieee802154(network), Event::Ieee802154(event)) => network.handle(station, event, scene, observer),
+        }
+    }
+
+    /// Takes a frame to send.
+    #[inline]
+    pub(crate) fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        match self {
+            Self::Ieee802154(network) => network.offer(station, to, payload, scene),
+        }
+    }
+
+    /// A robot opens its receiver for `span`.
+    pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+        match self {
+            Self::Ieee802154(network) => network.listen(station, span, scene),
+        }
+    }
+
+    /// A station moves differently from now on.
+    pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
+        match self {
+            Self::Ieee802154(network) => network.moves(station, scene),
+        }
+    }
+
+    /// The frame that was received last, and where its payload is.
+    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+        match self {
+            Self::Ieee802154(network) => network.take_payload(),
+        }
+    }
+
+    /// Gives the buffer of [`Network::take_payload`] back.
+    pub(crate) fn give_back(&mut self, frame: Vec<u8>) {
+        match self {
+            Self::Ieee802154(network) => network.give_back(frame),
+        }
+    }
+
+    /// What became of the packets of a station so far.
+    pub(crate) fn packets_of(&self, station: StationId) -> &Packets {
+        match self {
+            Self::Ieee802154(network) => network.packets_of(station),
+        }
+    }
+
+    /// What the network leaves behind, by station.
+    pub(crate) fn finish(self, now: SimTime) -> Finished {
+        match self {
+            Self::Ieee802154(network) => network.finish(now),
+        }
+    }
+}

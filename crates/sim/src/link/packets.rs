@@ -1,0 +1,100 @@
+//! The outcomes of packets.
+
+use std::time::Duration;
+
+use sextant_kernel::StationId;
+use sextant_mac::EnergySpent;
+
+/// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
+/// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
+/// `not_listened`. A packet to one station is received by that station; a packet to all is received if any robot or
+/// sink received it, and the best outcome counts. With several transmissions of one packet, the best outcome counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Packets {
+    /// Given to a MAC by an application.
+    pub offered: u64,
+    /// Sent at least once.
+    pub sent: u64,
+    /// Received.
+    pub received: u64,
+    /// Somebody listened, but another signal destroyed the packet.
+    pub lost_collision: u64,
+    /// Never sent: the channel was busy too often.
+    pub lost_channel_access: u64,
+    /// Never sent: the transmit queue was full.
+    pub lost_queue: u64,
+    /// Somebody listened in range, but the signal was too weak.
+    pub lost_signal: u64,
+    /// All that listened were beyond the radius of communication.
+    pub out_of_range: u64,
+    /// Nobody listened.
+    pub not_listened: u64,
+    /// Still in a MAC or in its queue at the end.
+    pub pending: u64,
+    /// Given up because of a busy channel, retransmissions included: those in `lost_channel_access`, and those that
+    /// were on air before. Not part of the sum.
+    pub channel_access_failures: u64,
+    /// Transmissions of all packets; those beyond `sent` are retries. Not part of the sum.
+    pub transmissions: u64,
+    /// Clear channel assessments of all packets, one for each backoff. Not part of the sum.
+    pub assessments: u64,
+    /// Sent as often as allowed and never acknowledged, whether received or not. Not part of the sum.
+    pub unacknowledged: u64,
+    /// Octets of payload that were received. Not part of the sum.
+    pub octets_received: u64,
+}
+
+impl std::ops::AddAssign for Packets {
+    fn add_assign(&mut self, other: Self) {
+        // Without `..`, so that no field is forgotten.
+        let Self {
+            offered,
+            sent,
+            received,
+            lost_collision,
+            lost_channel_access,
+            lost_queue,
+            lost_signal,
+            out_of_range,
+            not_listened,
+            pending,
+            channel_access_failures,
+            transmissions,
+            assessments,
+            unacknowledged,
+            octets_received,
+        } = other;
+        self.offered += offered;
+        self.sent += sent;
+        self.received += received;
+        self.lost_collision += lost_collision;
+        self.lost_channel_access += lost_channel_access;
+        self.lost_queue += lost_queue;
+        self.lost_signal += lost_signal;
+        self.out_of_range += out_of_range;
+        self.not_listened += not_listened;
+        self.pending += pending;
+        self.channel_access_failures += channel_access_failures;
+        self.transmissions += transmissions;
+        self.assessments += assessments;
+        self.unacknowledged += unacknowledged;
+        self.octets_received += octets_received;
+    }
+}
+
+impl std::iter::Sum for Packets {
+    fn sum<I: Iterator<Item = Self>>(packets: I) -> Self {
+        packets.fold(Self::default(), |mut sum, packets| {
+            sum += packets;
+            sum
+        })
+    }
+}
+
+/// What a network leaves behind, by station.
+pub(crate) struct Finished {
+    pub(crate) packets: Vec<Packets>,
+    pub(crate) energy: Vec<EnergySpent>,
+    /// Time from offer to reception of each packet that was received.
+    pub(crate) delays: Vec<(StationId, Duration)>,
+}

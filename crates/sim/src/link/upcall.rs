@@ -1,0 +1,17 @@
+//! What a link says to the application of a station.
+
+use sextant_channel::Milliwatts;
+use sextant_kernel::StationId;
+
+use super::report::SendReport;
+
+/// What a link says to the application of a station.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Upcall {
+    /// A frame for the station was received. Its payload is still in the buffer of the network.
+    Delivered { station: StationId, from: StationId, sequence: u8, power: Milliwatts },
+    /// A frame of the station has ended.
+    Sent { station: StationId, report: SendReport },
+    /// The station has listened long enough, and nothing that it must answer is under way.
+    Listened { station: StationId },
+}

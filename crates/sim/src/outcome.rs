@@ -1,0 +1,44 @@
+//! The result of a simulation.
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::SimTime;
+use sextant_mac::EnergySpent;
+
+use crate::applications::controller::Ending;
+use crate::link::packets::Packets;
+
+/// The result of a simulation: everything that robots heard, and the outcomes of the packets.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// The log of the robots: everything that a mapper may know.
+    pub log: ReceptionLog,
+    /// A record of each robot.
+    pub robots: Vec<RobotRecord>,
+    /// The outcomes of the packets.
+    pub packets: Packets,
+    /// Energy of the radios of all nodes together.
+    pub energy: EnergySpent,
+    /// Time at which the last robot finished.
+    pub end: SimTime,
+    /// Number of events.
+    pub events: u64,
+    /// Whether an observer ended the simulation early.
+    pub interrupted: bool,
+}
+
+/// The record of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotRecord {
+    /// Its name.
+    pub name: String,
+    /// Number of stops to listen.
+    pub stops: usize,
+    /// Length of its path (m).
+    pub path_length_m: f64,
+    /// Why it finished; `None` if it was interrupted.
+    pub ending: Option<Ending>,
+    /// Time at which it finished.
+    pub end: Option<SimTime>,
+    /// Number of packets that it heard from each node while it listened.
+    pub packets: Vec<u32>,
+}

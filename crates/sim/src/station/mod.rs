@@ -1,0 +1,60 @@
+//! The stations: everything that has a radio. Nodes are the first stations, robots follow, sinks are the last.
+
+mod motion;
+mod robot;
+mod sink;
+
+use sextant_kernel::StationId;
+
+pub use motion::Pose;
+pub(crate) use motion::{Motion, Trip};
+pub use robot::{Robot, RobotBody, RobotConfig};
+pub use sink::{Sink, SinkConfig};
+
+/// Which stations are nodes, robots and sinks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Roll {
+    pub(crate) nodes: usize,
+    pub(crate) robots: usize,
+    pub(crate) sinks: usize,
+}
+
+/// What a station is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A sensor node, with its number among the nodes.
+    Node(usize),
+    /// A robot, with its number among the robots.
+    Robot(usize),
+    /// A fixed sink, with its number among the sinks.
+    Sink(usize),
+}
+
+impl Roll {
+    pub(crate) fn len(&self) -> usize {
+        self.nodes + self.robots + self.sinks
+    }
+
+    pub(crate) fn kind(&self, station: StationId) -> Kind {
+        let index = station.index();
+        if index < self.nodes {
+            Kind::Node(index)
+        } else if index < self.nodes + self.robots {
+            Kind::Robot(index - self.nodes)
+        } else {
+            Kind::Sink(index - self.nodes - self.robots)
+        }
+    }
+
+    pub(crate) fn is_node(&self, station: StationId) -> bool {
+        station.index() < self.nodes
+    }
+
+    pub(crate) fn robot(&self, robot: usize) -> StationId {
+        StationId::from_index(self.nodes + robot)
+    }
+
+    pub(crate) fn stations(&self) -> impl Iterator<Item = StationId> + use<> {
+        (0..self.len()).map(StationId::from_index)
+    }
+}

@@ -1,0 +1,102 @@
+//! The bodies of robots: how fast they drive, how long they listen.
+
+use std::time::Duration;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::SettingError;
+
+use crate::applications::controller::Controller;
+
+/// A robot, as written in a scenario; `C` is the configuration of its controller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotConfig<C> {
+    /// Name, also used in its topics of the recording.
+    pub name: String,
+    /// Where it starts (m).
+    pub start_m: Position,
+    /// How fast it drives (m/s).
+    #[serde(default = "default_speed_m_per_s")]
+    pub speed_m_per_s: f64,
+    /// Radius of its hull: its minimum distance from obstacles (m).
+    #[serde(default = "default_radius_m")]
+    pub radius_m: f64,
+    /// How long it listens at each stop (s).
+    #[serde(default = "default_listen_s")]
+    pub listen_s: f64,
+    /// What drives it.
+    pub controller: C,
+}
+
+fn default_speed_m_per_s() -> f64 {
+    1.0
+}
+
+fn default_radius_m() -> f64 {
+    0.2
+}
+
+fn default_listen_s() -> f64 {
+    1.2
+}
+
+/// The body of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotBody {
+    /// Name.
+    pub name: String,
+    /// Where it starts (m).
+    pub start: Position,
+    /// How fast it drives (m/s).
+    pub speed_m_per_s: f64,
+    /// Radius of its hull (m).
+    pub radius_m: f64,
+    /// How long it listens at each stop.
+    pub listen: Duration,
+}
+
+/// A robot: a body and what drives it. A copy starts afresh from where this one is.
+#[derive(Clone)]
+pub struct Robot {
+    /// The body.
+    pub body: RobotBody,
+    /// What drives it.
+    pub controller: Box<dyn Controller>,
+}
+
+impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
+    type Error = SettingError;
+
+    fn try_from(config: &RobotConfig<C>) -> Result<Self, SettingError> {
+        check_name(&config.name)?;
+        check_place("start_m", config.start_m)?;
+        Ok(Self {
+            name: config.name.clone(),
+            start: config.start_m,
+            speed_m_per_s: SettingError::in_range("speed_m_per_s", config.speed_m_per_s, 1e-3, 1e3)?,
+            radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
+            listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),
+        })
+    }
+}
+
+/// Refuses names that cannot stand in a topic of a recording.
+pub(super) fn check_name(name: &str) -> Result<(), SettingError> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    if name.is_empty() || !name.chars().all(is_plain) {
+        let allowed = "letters, digits, `-`, `_` and `.`, at least one";
+        return Err(SettingError::new("name", format!("`{name}`"), allowed));
+    }
+    Ok(())
+}
+
+/// Refuses coordinates that are not finite.
+pub(super) fn check_place(key: &str, place: Position) -> Result<(), SettingError> {
+    if !place.is_finite() {
+        let [x, y, z] = place.into();
+        return Err(SettingError::new(key, format!("[{x}, {y}, {z}]"), "finite coordinates"));
+    }
+    Ok(())
+}

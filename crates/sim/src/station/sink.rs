@@ -1,0 +1,46 @@
+//! Fixed sinks: stations that always listen, and to which nodes send.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{ObstacleField, Position};
+use sextant_kernel::SettingError;
+
+/// A fixed sink, as written in a scenario: a station with power from the mains, so that its receiver is always on. It
+/// collects what the nodes send.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SinkConfig {
+    /// Name; no robot and no other sink has it.
+    pub name: String,
+    /// Where it stands (m).
+    pub position_m: Position,
+}
+
+/// A fixed sink.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sink {
+    /// Name.
+    pub name: String,
+    /// Where it stands (m).
+    pub position: Position,
+}
+
+impl SinkConfig {
+    /// The sink among `obstacles`.
+    ///
+    /// # Errors
+    /// If its name has characters beyond letters, digits, `-`, `_` and `.`, or its place is not finite or inside an
+    /// obstacle.
+    pub fn place(&self, obstacles: &ObstacleField) -> Result<Sink, SettingError> {
+        super::robot::check_name(&self.name)?;
+        super::robot::check_place("position_m", self.position_m)?;
+        if let Some(inside) = obstacles.containing(self.position_m) {
+            let [x, y, z] = self.position_m.into();
+            let name =
+                obstacles.obstacles()[inside].name().map_or_else(|| inside.to_string(), |name| format!("`{name}`"));
+            let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
+            return Err(SettingError::new("position_m", found, "a place outside all obstacles"));
+        }
+        Ok(Sink { name: self.name.clone(), position: self.position_m })
+    }
+}

@@ -1,0 +1,129 @@
+//! The nodes that know their positions.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Anchor;
+use sextant_kernel::{NodeId, Seed, SettingError};
+
+use super::layout::PlacedNode;
+use crate::purpose;
+
+/// The nodes that know their positions, as written in a scenario. Only maps that need anchors use them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AnchorsConfig {
+    /// This share of the nodes, at random, rounded up: 0 to 1.
+    Share(f64),
+    /// This many nodes, at random.
+    Count(usize),
+    /// The nodes with these names.
+    Names(Vec<String>),
+}
+
+impl Default for AnchorsConfig {
+    /// One fifth of the nodes.
+    fn default() -> Self {
+        Self::Share(0.2)
+    }
+}
+
+impl AnchorsConfig {
+    /// The anchors among `nodes`, by node. Which of two nodes is drawn first does not depend on other nodes.
+    ///
+    /// # Errors
+    /// If a share is outside 0 to 1, there are fewer nodes than requested anchors, or a name is unknown or given
+    /// twice.
+    pub fn choose(&self, nodes: &[PlacedNode], seed: Seed) -> Result<Vec<Anchor>, SettingError> {
+        let anchor = |i: usize| Anchor { node: NodeId::from_index(i), position: nodes[i].position };
+        let mut chosen = match self {
+            Self::Share(share) => {
+                SettingError::in_range("share", *share, 0.0, 1.0)?;
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a share of a number of nodes"
+                )]
+                let count = (share * nodes.len() as f64).ceil() as usize;
+                drawn(nodes.len(), seed).take(count).collect::<Vec<_>>()
+            }
+            Self::Count(count) => {
+                if *count > nodes.len() {
+                    return Err(SettingError::new(
+                        "count",
+                        count,
+                        format!("at most {}, the number of nodes", nodes.len()),
+                    ));
+                }
+                drawn(nodes.len(), seed).take(*count).collect()
+            }
+            Self::Names(names) => {
+                let mut chosen = Vec::new();
+                for (i, name) in names.iter().enumerate() {
+                    let refused =
+                        |found, allowed: &str| Err(SettingError::new(format!("names[{i}]"), found, allowed));
+                    let Some(node) = nodes.iter().position(|node| node.name == *name) else {
+                        return refused(format!("`{name}`"), "the name of a node");
+                    };
+                    if chosen.contains(&node) {
+                        return refused(format!("`{name}` again"), "each node once");
+                    }
+                    chosen.push(node);
+                }
+                chosen
+            }
+        };
+        chosen.sort_unstable();
+        Ok(chosen.into_iter().map(anchor).collect())
+    }
+}
+
+/// The nodes in random order.
+fn drawn(nodes: usize, seed: Seed) -> impl Iterator<Item = usize> {
+    let mut order: Vec<_> = (0..nodes).map(|node| (seed.bits(purpose::ANCHORS, [node as u64, 0, 0]), node)).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, node)| node)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sextant_channel::Position;
+
+    fn nodes(count: usize) -> Vec<PlacedNode> {
+        (0..count)
+            .map(|i| PlacedNode { name: format!("n{i}"), position: Position::new(i as f64, 0.0, 0.0) })
+            .collect()
+    }
+
+    #[test]
+    fn a_share_is_rounded_up_and_drawn_by_the_seed() {
+        let chosen = |share, seed| AnchorsConfig::Share(share).choose(&nodes(11), Seed(seed)).unwrap();
+        assert_eq!(chosen(0.2, 1).len(), 3);
+        assert_eq!(chosen(1.0, 1).len(), 11);
+        assert_eq!(chosen(0.0, 1), []);
+        assert_eq!(chosen(0.5, 4), chosen(0.5, 4));
+        assert!((0..8).any(|seed| chosen(0.5, seed) != chosen(0.5, 9)));
+        for anchor in chosen(0.5, 1) {
+            assert!((anchor.position.x_m - f64::from(anchor.node.0)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn more_anchors_keep_the_first_ones() {
+        let few = AnchorsConfig::Count(5).choose(&nodes(40), Seed(2)).unwrap();
+        let many = AnchorsConfig::Count(9).choose(&nodes(40), Seed(2)).unwrap();
+        assert!(few.iter().all(|anchor| many.contains(anchor)));
+        assert!(many.windows(2).all(|pair| pair[0].node < pair[1].node));
+    }
+
+    #[test]
+    fn invalid_names_and_numbers_are_rejected() {
+        let names = |names: &[&str]| AnchorsConfig::Names(names.iter().map(|&name| name.to_owned()).collect());
+        let refused = |config: AnchorsConfig| config.choose(&nodes(3), Seed(1)).unwrap_err().key;
+        assert_eq!(names(&["n2", "n0"]).choose(&nodes(3), Seed(1)).unwrap().len(), 2);
+        assert_eq!(refused(names(&["n2", "n3"])), "names[1]");
+        assert_eq!(refused(names(&["n2", "n2"])), "names[1]");
+        assert_eq!(refused(AnchorsConfig::Count(4)), "count");
+        assert_eq!(refused(AnchorsConfig::Share(1.5)), "share");
+    }
+}
