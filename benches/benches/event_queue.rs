@@ -12,7 +12,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use rand::RngExt;
 use rand_distr::{Distribution, Exp1};
 use sextant_benches::queue_candidates::{Calendar, Candidate, QuadHeap, Queue, StdHeap};
-use sextant_kernel::{EventQueue, StationId, Purpose, Seed, SimTime};
+use sextant_kernel::{EventQueue, Purpose, Seed, SimTime, StationId};
 
 /// Events popped an iteration.
 const BATCH: u64 = 10_000;

@@ -7,7 +7,7 @@ use sextant_channel::{
     BoxConfig, Channel, ChannelConfig, CorrelationConfig, CylinderConfig, Dbm, Obstacle, ObstacleConfig,
     ObstacleField, Position, PrismConfig, ShadowingConfig, ShapeConfig, SpatialConfig,
 };
-use sextant_kernel::{StationId, Purpose, Seed};
+use sextant_kernel::{Purpose, Seed, StationId};
 
 const SEED: Seed = Seed(1);
 const LINES: u64 = 1024;

@@ -9,7 +9,7 @@ pub use binary_heap::StdHeap;
 pub use calendar::Calendar;
 pub use quad_heap::QuadHeap;
 
-use sextant_kernel::{EventQueue, StationId, Rank, SimTime};
+use sextant_kernel::{EventQueue, Rank, SimTime, StationId};
 
 /// What a benchmark needs of an event queue.
 pub trait Queue<E>: Default {

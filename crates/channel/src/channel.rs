@@ -1,6 +1,6 @@
 //! The link budget: everything that changes the power between two antennas.
 
-use sextant_kernel::{StationId, Seed};
+use sextant_kernel::{Seed, StationId};
 
 use crate::{ChannelLaw, Db, Dbm, ObstacleField, Position, Shadowing};
 

@@ -5,7 +5,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{StationId, Seed, SettingError};
+use sextant_kernel::{Seed, SettingError, StationId};
 
 use crate::purpose;
 use crate::{Db, Position};

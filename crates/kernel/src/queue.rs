@@ -12,7 +12,7 @@ mod quad_heap;
 mod radix_heap;
 mod slab;
 
-use crate::{StationId, SimTime};
+use crate::{SimTime, StationId};
 use entry::Entry;
 use radix_heap::RadixHeap;
 use slab::Slab;

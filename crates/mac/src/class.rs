@@ -1,6 +1,6 @@
 //! The order in which events of the same instant happen on the air.
 
-use sextant_kernel::{StationId, Rank};
+use sextant_kernel::{Rank, StationId};
 
 /// Class of an event among those of the same instant; the lower one happens first.
 ///

@@ -29,16 +29,14 @@ mod world;
 
 pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, SinrThresholdConfig};
 pub use application::{Application, Delivery, DriveEnd, Driving, Port};
-pub use applications::controller::{
-    CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation,
-};
+pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use applications::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use applications::traffic::{BeaconConfig, QueryConfig, Traffic, TrafficConfig};
 pub use engine::event::Timer;
-pub use engine::{Engine, EngineSetup, NetworkSetup};
+pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
 pub use link::ieee802154::{Mac, MacConfig, Radio, RadioConfig};
 pub use link::network_id::NetworkId;
-pub use link::packets::Packets;
+pub use link::packets::{NetworkRecord, Packets};
 pub use link::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};

@@ -27,8 +27,7 @@ const SURVEYED: NetworkId = NetworkId(0);
 /// A simulation that runs once, to its end.
 pub struct Simulation {
     engine: Engine<Standard>,
-    names: Vec<String>,
-    robot_names: Vec<String>,
+    nodes: usize,
 }
 
 impl Simulation {
@@ -40,7 +39,8 @@ impl Simulation {
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
         let Setup { world, networks, robots, sinks, duration, seed } = setup;
         let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
-        let network = networks.first().ok_or_else(|| SettingError::new("networks", "empty", "at least one network"))?;
+        let network =
+            networks.first().ok_or_else(|| SettingError::new("networks", "empty", "at least one network"))?;
         check_traffic(network, &roll)?;
         let to = destination(network, &roll);
         let coordinator = coordinator(network, &roll, &robots, |post, demand| {
@@ -49,8 +49,6 @@ impl Simulation {
             let phy = network.link.radio.phy();
             ieee802154::coordinator(settings, phy, (SURVEYED, seed), post, names, &[demand]).map(Some)
         })?;
-        let names = world.nodes.iter().map(|node| node.name.clone()).collect();
-        let robot_names = robots.iter().map(|robot| robot.body.name.clone()).collect();
         let bodies = robots.iter().map(|robot| robot.body.clone()).collect();
         let source = Source::new(SURVEYED, network.traffic, to);
         let applications = (0..roll.nodes)
@@ -61,16 +59,13 @@ impl Simulation {
         let networks = networks.into_iter().map(|network| network.link).collect();
         let setup = EngineSetup { world, robots: bodies, sinks, networks, duration, seed };
         let extras = Extras { first_packet: 0, channel_seed: seed, coordinator };
-        Ok(Self { engine: Engine::with(setup, applications, extras)?, names, robot_names })
+        Ok(Self { engine: Engine::with(setup, applications, extras)?, nodes: roll.nodes })
     }
 
     /// Runs until the last robot has finished, or the time is over, or the observer ends the simulation.
     pub fn run(self, observer: &mut impl Observer) -> Survey {
-        let Self { engine, names, robot_names } = self;
-        let nodes = names.len();
-        let Ended { applications, stops, receptions, contacts, path_lengths_m, networks, end, events, interrupted } =
-            engine.run(observer);
-        let log = receptions.build(names, stops, contacts).expect("a simulation hears each node at most once a stop");
+        let Self { engine, nodes } = self;
+        let Ended { applications, log, path_lengths_m, networks, end, events, interrupted } = engine.run(observer);
         let surveys = applications.into_iter().filter_map(|application| match application {
             Standard::Survey(survey) => Some(survey.into_record()),
             Standard::Source(_) | Standard::Sink => None,
@@ -91,15 +86,7 @@ impl Simulation {
             network.energy[..nodes].iter().for_each(|&spent| energy += spent);
             packets += network.packets[..nodes].iter().copied().sum();
         }
-        Survey {
-            log: log.with_robots(robot_names).expect("each stop and contact is of a robot"),
-            robots,
-            packets,
-            energy,
-            end,
-            events,
-            interrupted,
-        }
+        Survey { log, robots, packets, energy, end, events, interrupted }
     }
 }
 

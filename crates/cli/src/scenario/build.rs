@@ -8,7 +8,8 @@ use sextant_kernel::{Seed, SettingError};
 use sextant_mac::RadioStates;
 use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
-    BusyNetwork, Discovery, Mac, NetworkSetup, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, Simulation, Traffic, World,
+    BusyNetwork, Discovery, Mac, NetworkSetup, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup,
+    Simulation, Traffic, World,
 };
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};

@@ -91,7 +91,14 @@ impl CsmaSettings {
 impl Default for CsmaSettings {
     /// The defaults of the standard, receiver off between frames.
     fn default() -> Self {
-        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, resting_state: RadioState::Idle, queue_frames: 0 }
+        Self {
+            min_be: 3,
+            max_be: 5,
+            max_backoffs: 4,
+            max_retries: 3,
+            resting_state: RadioState::Idle,
+            queue_frames: 0,
+        }
     }
 }
 
@@ -145,6 +152,9 @@ mod tests {
         assert_eq!(key(CsmaConfig { max_backoffs: 6, ..good }).as_deref(), Some("max_backoffs"));
         assert_eq!(key(CsmaConfig { queue_frames: 10_001, ..good }).as_deref(), Some("queue_frames"));
         assert_eq!(key(CsmaConfig { max_retries: 8, ..good }).as_deref(), Some("max_retries"));
-        assert_eq!(key(CsmaConfig { min_be: 0, max_be: 8, max_backoffs: 5, max_retries: 7, queue_frames: 10_000, ..good }), None);
+        assert_eq!(
+            key(CsmaConfig { min_be: 0, max_be: 8, max_backoffs: 5, max_retries: 7, queue_frames: 10_000, ..good }),
+            None
+        );
     }
 }

@@ -56,7 +56,8 @@ fn one() -> u8 {
 
 impl Default for BeaconEnabledConfig {
     fn default() -> Self {
-        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames } = CsmaConfig::default();
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames } =
+            CsmaConfig::default();
         Self {
             beacon_order: 6,
             superframe_order: 6,

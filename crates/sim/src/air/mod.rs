@@ -214,9 +214,7 @@ impl Air {
             let seed = self.seed;
             let luck = || seed.uniform(purpose::RECEPTION, [signal.packet, receiver.0.into(), 0]);
             let rules = *self.rules(receiver);
-            if let Some((power, outcome)) =
-                self.receivers[receiver.index()].end(now, signal.packet, &rules, luck)
-            {
+            if let Some((power, outcome)) = self.receivers[receiver.index()].end(now, signal.packet, &rules, luck) {
                 if self.is_collector(station) {
                     best = best.max(outcome);
                 }

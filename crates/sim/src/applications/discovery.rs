@@ -165,8 +165,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
     let seed = Seed(setup.seed.bits(purpose::DISCOVERY, [number, 0, 0]));
     let source = Source::new(NETWORK, discovery.traffic, Destination::All).with_limit(discovery.packets.into());
     let applications = sends.into_iter().map(|sends| Hello::new(sends.then(|| source.clone()))).collect();
-    let extras =
-        Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
+    let extras = Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
     let setup = EngineSetup {
         world: setup.world.clone(),
         robots: Vec::new(),

@@ -74,8 +74,7 @@ impl Survey {
         for _ in 0..IDLE_COMMANDS {
             let command = {
                 let (time, place, nodes) = (port.now(), port.pose().position, port.node_count());
-                let situation =
-                    Situation::new(time, place, outcome, nodes, port.obstacles(), self.body.radius_m);
+                let situation = Situation::new(time, place, outcome, nodes, port.obstacles(), self.body.radius_m);
                 self.controller.decide(&situation)
             };
             match command {

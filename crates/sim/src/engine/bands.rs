@@ -32,7 +32,8 @@ pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, Settin
             None => bands.push(vec![i]),
             Some(band) => {
                 if networks[band[0]].channel != network.channel {
-                    let found = format!("another channel than that of network {}, on the same radio channel", band[0]);
+                    let found =
+                        format!("another channel than that of network {}, on the same radio channel", band[0]);
                     let allowed = "one channel for all networks on a radio channel";
                     return Err(SettingError::new(format!("networks[{i}].channel"), found, allowed));
                 }

@@ -99,11 +99,12 @@ impl Core {
                 }
                 Note::Stopped(stop, receptions) => {
                     stopped = true;
-                    log.stop(stop, receptions, |index, stop, receptions| observer.stopped(index, stop, now, receptions));
+                    log.stop(stop, receptions, |index, stop, receptions| {
+                        observer.stopped(index, stop, now, receptions)
+                    });
                 }
             }
         }
         stopped
     }
 }
-

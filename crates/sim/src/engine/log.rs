@@ -1,6 +1,6 @@
 //! What robots heard and met, as it grows.
 
-use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
+use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::NodeId;
 
 /// What robots heard and met, as it grows.
@@ -34,5 +34,15 @@ impl Log {
         tell(index, &stop, &receptions);
         self.stops.push(stop);
         self.receptions.extend(receptions);
+    }
+
+    /// The whole log of nodes and robots with these names.
+    ///
+    /// # Panics
+    /// If a robot logged a node twice at a stop.
+    pub(crate) fn build(self, nodes: Vec<String>, robots: Vec<String>) -> ReceptionLog {
+        let log = self.receptions.build(nodes, self.stops, self.contacts);
+        let log = log.expect("a robot logs each node at most once a stop");
+        log.with_robots(robots).expect("each stop and contact is of a robot")
     }
 }

@@ -2,11 +2,11 @@
 
 mod bands;
 pub(crate) mod core;
+mod ended;
 pub(crate) mod event;
 mod log;
 mod setup;
 
-use sextant_channel::{Contact, ReceptionLogBuilder, Stop};
 use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
@@ -15,7 +15,6 @@ use crate::application::{Application, Delivery, DriveEnd, Port};
 use crate::link::ieee802154;
 use crate::link::network::Network;
 use crate::link::network_id::NetworkId;
-use crate::link::packets::Finished;
 use crate::link::upcall::Upcall;
 use crate::observer::{Observer, Progress};
 use crate::scene::Scene;
@@ -25,6 +24,7 @@ use self::core::{Core, Vehicle};
 use event::Event;
 use log::Log;
 
+pub use ended::Ended;
 pub use setup::{EngineSetup, NetworkSetup};
 
 /// Events between two looks at whether to go on.
@@ -39,19 +39,6 @@ pub struct Engine<A> {
     /// Whether the end comes when all tasks are done.
     ends_with_tasks: bool,
     events: u64,
-}
-
-/// What an engine leaves behind.
-pub(crate) struct Ended<A> {
-    pub(crate) applications: Vec<A>,
-    pub(crate) stops: Vec<Stop>,
-    pub(crate) receptions: ReceptionLogBuilder,
-    pub(crate) contacts: Vec<Contact>,
-    pub(crate) path_lengths_m: Vec<f64>,
-    pub(crate) networks: Vec<Finished>,
-    pub(crate) end: SimTime,
-    pub(crate) events: u64,
-    pub(crate) interrupted: bool,
 }
 
 /// What only some runs need.
@@ -138,7 +125,7 @@ impl<A: Application> Engine<A> {
     }
 
     /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
-    pub(crate) fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
+    pub fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
         self.begin(observer);
         let mut interrupted = false;
         while !(interrupted || self.ends_with_tasks && self.core.unfinished == 0) {
@@ -241,11 +228,11 @@ impl<A: Application> Engine<A> {
 
     fn finish(self, interrupted: bool) -> Ended<A> {
         let now = self.core.scene.now;
+        let names = self.core.world.nodes.into_iter().map(|node| node.name).collect();
+        let robots = self.core.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
         Ended {
             applications: self.applications,
-            stops: self.log.stops,
-            receptions: self.log.receptions,
-            contacts: self.log.contacts,
+            log: self.log.build(names, robots),
             path_lengths_m: self.core.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
             networks: self.core.networks.into_iter().map(|network| network.finish(now)).collect(),
             end: now,

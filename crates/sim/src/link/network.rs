@@ -7,7 +7,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::event::Event;
 use super::ieee802154::network as ieee802154;
-use super::packets::{Finished, Packets};
+use super::packets::NetworkRecord;
 use super::report::{Destination, FrameId, Payload, SendError};
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -87,15 +87,8 @@ impl Network {
         }
     }
 
-    /// What became of the packets of a station so far.
-    pub(crate) fn packets_of(&self, station: StationId) -> &Packets {
-        match self {
-            Self::Ieee802154(network) => network.packets_of(station),
-        }
-    }
-
     /// What the network leaves behind, by station.
-    pub(crate) fn finish(self, now: SimTime) -> Finished {
+    pub(crate) fn finish(self, now: SimTime) -> NetworkRecord {
         match self {
             Self::Ieee802154(network) => network.finish(now),
         }

@@ -91,10 +91,14 @@ impl std::iter::Sum for Packets {
     }
 }
 
-/// What a network leaves behind, by station.
-pub(crate) struct Finished {
-    pub(crate) packets: Vec<Packets>,
-    pub(crate) energy: Vec<EnergySpent>,
-    /// Time from offer to reception of each packet that was received.
-    pub(crate) delays: Vec<(StationId, Duration)>,
+/// What a network leaves behind, by station: nodes come first, then robots, then sinks.
+#[derive(Clone, Debug, Default)]
+pub struct NetworkRecord {
+    /// What became of the packets of each station.
+    pub packets: Vec<Packets>,
+    /// Energy that the radio of each station used.
+    pub energy: Vec<EnergySpent>,
+    /// Time from offer to first reception of each packet that was received, in the order of receptions, with its
+    /// sender. Kept only if there are sinks.
+    pub delays: Vec<(StationId, Duration)>,
 }

@@ -20,11 +20,9 @@ fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64
         ..ChannelConfig::default()
     };
     let setup = network::setup(places, -50.0, channel, TrafficConfig::Query(query), seed);
-    Setup {
-        world: World { obstacles: ObstacleField::new(obstacles), ..setup.world },
-        reception: ReceptionModel::try_from(ReceptionConfig::default()).expect("good settings"),
-        ..setup
-    }
+    let reception = ReceptionModel::try_from(ReceptionConfig::default()).expect("good settings");
+    let setup = network::with(setup, |network| network.link.reception = reception);
+    Setup { world: World { obstacles: ObstacleField::new(obstacles), ..setup.world }, ..setup }
 }
 
 fn grid(side: u32) -> Vec<Position> {

@@ -8,8 +8,8 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    CommandOutcome, Controller, Ending, Mac, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
-    RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
+    BusyNetwork, CommandOutcome, Controller, Ending, Mac, NetworkSetup, Packets, Radio, RadioConfig, ReceptionModel,
+    Robot, RobotBody, RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -52,6 +52,18 @@ pub(crate) fn cluster(count: usize) -> Vec<Position> {
     (0..count).map(|i| Position::new(1.0 + 0.01 * i as f64, 0.0, 0.0)).collect()
 }
 
+/// Radios that send with `tx_power_dbm`.
+pub(crate) fn radio(tx_power_dbm: f64) -> RadioConfig {
+    RadioConfig {
+        phy: Phy::Oqpsk2450,
+        channel: None,
+        tx_power_dbm,
+        sensitivity_dbm: -90.0,
+        cca_threshold_dbm: None,
+        noise_floor_dbm: None,
+    }
+}
+
 /// Nodes at `places` without obstacles that send with `tx_power_dbm` by unslotted CSMA-CA over `channel`. Overlapping
 /// frames are lost. No robot listens.
 pub(crate) fn setup(
@@ -61,19 +73,27 @@ pub(crate) fn setup(
     traffic: TrafficConfig,
     seed: u64,
 ) -> Setup {
-    let radio = RadioConfig { tx_power_dbm, sensitivity_dbm: -90.0, cca_threshold_dbm: None, noise_floor_dbm: None };
+    let link = NetworkSetup {
+        channel: channel.try_into().expect("good settings"),
+        radio: Radio::try_from(radio(tx_power_dbm)).expect("good settings"),
+        reception: ReceptionModel::Overlap,
+        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
+        radio_states: RadioStates::cc2420(),
+    };
     Setup {
         world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
-        channel: channel.try_into().expect("good settings"),
-        radio: Radio::try_from(radio).expect("good settings"),
-        reception: ReceptionModel::Overlap,
-        phy: Phy::Oqpsk2450,
-        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
-        traffic: Traffic::try_from(traffic).expect("good settings"),
-        radio_states: RadioStates::cc2420(),
+        networks: vec![BusyNetwork { link, traffic: Traffic::try_from(traffic).expect("good settings") }],
         robots: Vec::new(),
+        sinks: Vec::new(),
+        duration: None,
         seed: Seed(seed),
     }
+}
+
+/// The same with changes to its network.
+pub(crate) fn with(mut setup: Setup, change: impl FnOnce(&mut BusyNetwork)) -> Setup {
+    change(&mut setup.networks[0]);
+    setup
 }
 
 /// Number of packets over all outcomes; must equal the number offered.

@@ -58,11 +58,10 @@ fn periodic(interval_s: f64) -> TrafficConfig {
 
 /// Nodes near the origin that all hear each other and a robot that listens once there.
 fn setup(nodes: usize, mac: BeaconEnabledConfig, traffic: TrafficConfig, seed: u64) -> Setup {
-    Setup {
-        mac: Mac::BeaconEnabled(BeaconEnabled::try_from(mac).expect("good settings")),
-        robots: vec![robot(vec![Position::ORIGIN], Duration::from_millis(250))],
-        ..network::setup(&network::cluster(nodes), -20.0, ChannelConfig::default(), traffic, seed)
-    }
+    let setup = network::setup(&network::cluster(nodes), -20.0, ChannelConfig::default(), traffic, seed);
+    let mac = Mac::BeaconEnabled(BeaconEnabled::try_from(mac).expect("good settings"));
+    let setup = network::with(setup, |network| network.link.mac = mac);
+    Setup { robots: vec![robot(vec![Position::ORIGIN], Duration::from_millis(250))], ..setup }
 }
 
 fn robot(places: Vec<Position>, listen: Duration) -> Robot {
@@ -203,7 +202,7 @@ fn acknowledgements_start_on_the_first_boundary_that_is_a_turnaround_away() {
 #[test]
 fn nodes_that_hear_no_beacon_stay_silent() {
     let mut setup = setup(3, orders(3, 2), periodic(0.1), 1);
-    setup.channel = setup.channel.within_m(5.0);
+    setup.networks[0].link.channel = setup.networks[0].link.channel.within_m(5.0);
     setup.world.nodes[2].position = Position::new(-30.0, 0.0, 0.0);
     // Node 2 hears at most the neighbour of node 1; the robot goes to node 2 last.
     let places = vec![Position::ORIGIN, Position::new(-29.0, 0.0, 0.0)];
@@ -235,7 +234,8 @@ fn a_node_follows_beacons_through_a_short_drive_and_searches_after_a_long_one() 
         setup.robots = vec![robot(places, Duration::from_millis(500))];
         // One watt while receiving, nothing else: joules are seconds.
         let watt = CustomRadioConfig { supply_v: 1.0, tx_ma: 0.0, rx_ma: 1000.0, idle_ma: 0.0, sleep_ma: 0.0 };
-        setup.radio_states = RadioStates::try_from(EnergyConfig::Custom(watt)).expect("good currents");
+        setup.networks[0].link.radio_states =
+            RadioStates::try_from(EnergyConfig::Custom(watt)).expect("good currents");
         let (survey, _) = run(setup);
         // Also two backoff periods for its frame, and the wake-up for the beacon at which the robot has finished.
         let expected_us = receiving_us + 640 + 192;
@@ -277,8 +277,8 @@ fn every_packet_is_counted_once_and_the_same_seed_gives_the_same_survey() {
         for (i, node) in setup.world.nodes.iter_mut().enumerate() {
             node.position = Position::new((i % 6) as f64, (i / 6) as f64, 0.0);
         }
-        setup.channel = setup.channel.within_m(3.0);
-        setup.reception = ReceptionModel::SinrThreshold { least: 2.0 };
+        setup.networks[0].link.channel = setup.networks[0].link.channel.within_m(3.0);
+        setup.networks[0].link.reception = ReceptionModel::SinrThreshold { least: 2.0 };
         let places = (0..6).map(|i| Position::new(f64::from(i), 2.5, 0.0)).collect();
         setup.robots = vec![robot(places, Duration::from_secs(1))];
         run(setup).0

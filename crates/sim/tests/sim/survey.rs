@@ -7,8 +7,8 @@ use sextant_channel::{
 };
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    BeaconConfig, Ending, FrameOnAir, Observer, Progress, QueryConfig, Radio, RadioConfig, ReceptionModel, Robot,
-    Setup, Simulation, Survey, Traffic, TrafficConfig, Unobserved,
+    BeaconConfig, Ending, FrameOnAir, Observer, Progress, QueryConfig, Radio, ReceptionModel, Robot, Setup,
+    Simulation, Survey, Traffic, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -25,11 +25,9 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         ..ChannelConfig::default()
     };
     let traffic = TrafficConfig::Beacon(BeaconConfig { mpdu_octets: 20, interval_s: 0.5, jitter: 0.1 });
-    Setup {
-        reception: ReceptionModel::SinrThreshold { least: 2.0 },
-        robots: vec![robot],
-        ..network::setup(places, -50.0, channel, traffic, seed)
-    }
+    let setup = network::setup(places, -50.0, channel, traffic, seed);
+    let setup = network::with(setup, |network| network.link.reception = ReceptionModel::SinrThreshold { least: 2.0 });
+    Setup { robots: vec![robot], ..setup }
 }
 
 fn field_of(count: i32) -> Vec<Position> {
@@ -48,9 +46,8 @@ fn every_packet_is_counted_once() {
     for model in [ReceptionModel::Overlap, ReceptionModel::SinrThreshold { least: 2.0 }, ReceptionModel::Ber] {
         let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
         let robot = tour(stops, Duration::from_secs(1));
-        let survey = Simulation::new(Setup { reception: model, ..setup(&field_of(12), robot, 5) })
-            .unwrap()
-            .run(&mut Unobserved);
+        let setup = network::with(setup(&field_of(12), robot, 5), |network| network.link.reception = model);
+        let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
         let p = survey.packets;
         assert_eq!(network::ended(&p), p.offered, "{p:?}");
         assert!(p.received > 0 && p.lost_collision > 0 && p.lost_signal > 0 && p.not_listened > 0, "{p:?}");
@@ -226,7 +223,7 @@ fn several_robots_are_rejected_if_nodes_send_to_one() {
     let mut setup = setup(&field_of(2), first, 1);
     setup.robots.push(second);
     let query = QueryConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: true };
-    setup.traffic = Traffic::try_from(TrafficConfig::Query(query)).unwrap();
+    setup.networks[0].traffic = Traffic::try_from(TrafficConfig::Query(query)).unwrap();
     assert_eq!(Simulation::new(setup).err().expect("refused").key, "robots");
 }
 
@@ -240,7 +237,7 @@ impl Observer for Air {
     }
 
     fn framed(&mut self, frame: FrameOnAir<'_>) {
-        self.0.push((frame.source, frame.start + frame.airtime, !frame.heard.is_empty()));
+        self.0.push((NodeId(frame.source.0), frame.start + frame.airtime, !frame.heard.is_empty()));
     }
 }
 
@@ -250,13 +247,7 @@ fn a_reception_counts_the_packets_received_and_those_sent_from_the_first_to_the_
     let places = (0..4).map(|i| Position::new(2.0 * f64::from(i), 1.0, 0.0)).collect();
     let mut setup = setup(&field_of(3), tour(places, listen), 9);
     // Shadowing takes about one packet in six at the longest distances.
-    setup.radio = Radio::try_from(RadioConfig {
-        tx_power_dbm: -65.0,
-        sensitivity_dbm: -90.0,
-        cca_threshold_dbm: None,
-        noise_floor_dbm: None,
-    })
-    .unwrap();
+    setup.networks[0].link.radio = Radio::try_from(network::radio(-65.0)).unwrap();
     let mut air = Air::default();
     let survey = Simulation::new(setup).unwrap().run(&mut air);
     assert_eq!(survey.packets.lost_channel_access, 0, "each sequence number was on air");

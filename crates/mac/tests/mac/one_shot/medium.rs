@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_kernel::{EventKey, EventQueue, StationId, Rank, SimTime};
+use sextant_kernel::{EventKey, EventQueue, Rank, SimTime, StationId};
 use sextant_mac::csma::{self, Csma, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::frame::{Address, Endpoint, Frame};
 use sextant_mac::responder::{self, Responder, Verdict};

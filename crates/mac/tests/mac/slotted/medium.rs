@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use sextant_kernel::{EventKey, EventQueue, StationId, Rank, SimTime};
+use sextant_kernel::{EventKey, EventQueue, Rank, SimTime, StationId};
 use sextant_mac::csma::{self, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::slotted::{SlottedCsma, Window};
 use sextant_mac::superframe::Contention;

@@ -23,7 +23,7 @@ use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, Emission, Transmission};
 use crate::link::network_id::NetworkId;
-use crate::link::packets::{Finished, Packets};
+use crate::link::packets::{NetworkRecord, Packets};
 use crate::link::upcall::Upcall;
 use crate::observer::{HeardFrame, Observer};
 use crate::purpose;
@@ -205,13 +205,8 @@ impl Network {
         self.mpdu = mpdu;
     }
 
-    /// What became of the packets of a station so far.
-    pub(crate) fn packets_of(&self, station: StationId) -> &Packets {
-        &self.packets[station.index()]
-    }
-
     /// Counts what is still to be sent, and returns the packets and the energy of each station.
-    pub(crate) fn finish(mut self, now: SimTime) -> Finished {
+    pub(crate) fn finish(mut self, now: SimTime) -> NetworkRecord {
         let mut energy = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let state = stack.state();
@@ -219,7 +214,7 @@ impl Network {
             energy.push(stack.meter.spent(&self.radio_states, self.radios.emission.power));
             self.packets[i].pending = u64::from(self.macs[i].is_busy()) + stack.waiting.len() as u64;
         }
-        Finished { packets: self.packets, energy, delays: self.delays.unwrap_or_default() }
+        NetworkRecord { packets: self.packets, energy, delays: self.delays.unwrap_or_default() }
     }
 
     fn transceiver<'a>(&'a mut self, station: StationId, scene: &'a mut Scene) -> Transceiver<'a> {

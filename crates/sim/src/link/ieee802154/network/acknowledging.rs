@@ -48,8 +48,7 @@ impl Network {
             }
             let event = csma::Event::AckReceived { sequence };
             let stack = &mut self.stacks[listener.index()];
-            let mut radio =
-                Transceiver { radios: &self.radios, stack, scene, station: listener, awaits_ack: false };
+            let mut radio = Transceiver { radios: &self.radios, stack, scene, station: listener, awaits_ack: false };
             if let Some(report) = self.macs[listener.index()].handle(now, event, &mut radio) {
                 self.end_access(listener, report, scene);
             }

@@ -1,0 +1,25 @@
+//! What an engine leaves behind.
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::SimTime;
+
+use crate::link::packets::NetworkRecord;
+
+/// What an engine leaves behind.
+#[derive(Debug)]
+pub struct Ended<A> {
+    /// The applications, by station.
+    pub applications: Vec<A>,
+    /// What the robots wrote into the log.
+    pub log: ReceptionLog,
+    /// Length of the path of each robot (m).
+    pub path_lengths_m: Vec<f64>,
+    /// What became of the packets in each network, and of the energy.
+    pub networks: Vec<NetworkRecord>,
+    /// When it ended.
+    pub end: SimTime,
+    /// Number of events.
+    pub events: u64,
+    /// Whether the observer ended it.
+    pub interrupted: bool,
+}
