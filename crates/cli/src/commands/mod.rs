@@ -87,7 +87,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Check(arguments) => check::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments),
         Command::Inspect(arguments) => inspect::execute(arguments),
-        Command::Recover(arguments) => recover::execute(arguments),
+        Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),
         Command::Completions(arguments) => completions::execute(arguments, Cli::command()),
         Command::Man => man::execute(Cli::command()),

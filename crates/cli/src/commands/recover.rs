@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::options::Printing;
 use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
 use crate::recording;
 
 /// What `sextant recover` is told.
@@ -23,8 +24,8 @@ pub struct Arguments {
     pub printing: Printing,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let recovery = recording::recover(&arguments.broken, &arguments.out)?;
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let recovery = recording::recover(&arguments.broken, &arguments.out, interrupt)?;
     let (messages, out) = (recovery.messages, arguments.out.display());
     let text = match &recovery.damage {
         Some(damage) => format!(

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use sextant_channel::LogError;
+use sextant_kernel::Interrupted;
 
 use crate::diagnostic::Failure;
 use crate::output::DraftError;
@@ -32,6 +33,14 @@ pub enum RecordingError {
     #[error("cannot write `{}`: {why}; the frames written before are left there", .path.display())]
     WriteCapture {
         /// The file that was being written.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// A write to a recovered copy failed; the incomplete copy was removed.
+    #[error("cannot write `{}`: {why}; the incomplete copy was removed", .path.display())]
+    WriteCopy {
+        /// The copy.
         path: PathBuf,
         /// The system's answer.
         why: String,
@@ -104,13 +113,23 @@ pub enum RecordingError {
         /// The file.
         path: PathBuf,
     },
+    /// The user interrupted the work.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl RecordingError {
     /// Whether the disk or the system is at fault (exit code 1), and not what was given (exit code 2).
     #[must_use]
     pub fn is_of_the_system(&self) -> bool {
-        matches!(self, Self::Create { .. } | Self::Write { .. } | Self::WriteCapture { .. } | Self::Rename { .. })
+        matches!(
+            self,
+            Self::Create { .. }
+                | Self::Write { .. }
+                | Self::WriteCapture { .. }
+                | Self::WriteCopy { .. }
+                | Self::Rename { .. }
+        )
     }
 
     pub(super) fn write(path: &Path, why: &mcap::McapError) -> Self {
@@ -138,7 +157,11 @@ impl From<DraftError> for RecordingError {
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
+        match error {
+            RecordingError::Interrupted(_) => Self::Interrupted,
+            error if error.is_of_the_system() => Self::failed(error.to_string()),
+            error => Self::bad_input(error.to_string()),
+        }
     }
 }
 

@@ -1,14 +1,16 @@
 //! Ctrl-C and requests to terminate: every command ends, with exit code 130, and what was finished is kept.
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStderr, Output};
+use std::process::{Child, ChildStderr, Command, Output};
 use std::time::{Duration, Instant};
 
 use sextant::recording;
 use tempfile::TempDir;
 
 use crate::program::{scenario, sextant, signal, summary};
+use crate::recording::sample;
 
 /// Nobody waits longer: what takes so long hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -117,4 +119,59 @@ fn a_signal_while_a_recording_is_mapped_keeps_the_maps_that_were_finished() {
     let summary = summary(&file("map.json"));
     assert_eq!(summary["interrupted"], true, "{summary:#}");
     assert!(summary.get("maps").is_none() && summary["gathering"]["stops"].as_u64() > Some(10), "{summary:#}");
+}
+
+/// The octets of a recording up to the end of its first chunk, and that chunk alone.
+fn first_chunk(recording: &[u8]) -> (&[u8], &[u8]) {
+    const MAGIC: usize = 8;
+    const CHUNK: u8 = 0x06;
+    let mut start = MAGIC;
+    loop {
+        let length = u64::from_le_bytes(recording[start + 1..start + 9].try_into().expect("eight octets"));
+        let end = start + 9 + usize::try_from(length).expect("a short record");
+        if recording[start] == CHUNK {
+            return (&recording[..end], &recording[start..end]);
+        }
+        start = end;
+    }
+}
+
+/// The broken recording is a pipe that has no end: either chunks come for ever, or nothing more comes.
+#[test]
+fn a_signal_during_recovery_leaves_neither_a_copy_nor_a_temporary_file() {
+    let folder = TempDir::new().expect("there is room");
+    let file = |name: &str| folder.path().join(name);
+    sample::record_file(&file("whole.mcap"), &sample::log(1, 5, 50));
+    let octets = std::fs::read(file("whole.mcap")).expect("a recording");
+    let (start, chunk) = first_chunk(&octets);
+    assert!(Command::new("mkfifo").arg(file("pipe")).status().expect("mkfifo starts").success());
+    for (name, is_endless) in [("-INT", true), ("-TERM", true), ("-INT", false), ("-TERM", false)] {
+        let mut command = sextant();
+        let child = command.arg("recover").arg(file("pipe")).arg("--out").arg(file("good.mcap")).spawn();
+        let child = child.expect("it starts");
+        let mut pipe = File::create(file("pipe")).expect("the program reads it");
+        pipe.write_all(start).expect("the program reads it");
+        let (status, time) = std::thread::scope(|scope| {
+            let _silent = (!is_endless).then(|| pipe.try_clone().expect("a pipe"));
+            if is_endless {
+                scope.spawn(move || while pipe.write_all(chunk).is_ok() {});
+            }
+            while !file("good.mcap.recovering").exists() {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            #[expect(clippy::disallowed_methods, reason = "the time until a program ends is what is tested")]
+            let signalled = Instant::now();
+            signal(&child, name);
+            (ended(child).status, signalled.elapsed())
+        });
+        assert_eq!(status.code(), Some(130), "{name}, endless: {is_endless}");
+        // A second by contract; the rest is for a busy machine.
+        assert!(time < Duration::from_secs(3), "{name}, endless: {is_endless}: {time:?}");
+        let mut left: Vec<_> = std::fs::read_dir(folder.path())
+            .expect("a folder")
+            .map(|entry| entry.expect("a file").file_name())
+            .collect();
+        left.sort();
+        assert_eq!(left, ["pipe", "whole.mcap"], "{name}, endless: {is_endless}");
+    }
 }

@@ -7,4 +7,4 @@ mod failure;
 mod python;
 mod robot_log;
 mod round_trip;
-mod sample;
+pub(crate) mod sample;

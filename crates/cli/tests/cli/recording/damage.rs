@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use sextant::interrupt::Interrupt;
 use sextant::recording::{FileRecorder, RecordingError, inspect, read_log, recover};
 use sextant_channel::ReceptionLog;
 use tempfile::TempDir;
@@ -46,7 +47,7 @@ fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
     let mut before = 0;
     for length in lengths {
         std::fs::write(&broken, &octets[..length]).unwrap();
-        let recovery = recover(&broken, &good).unwrap();
+        let recovery = recover(&broken, &good, &Interrupt::default()).unwrap();
         assert!(recovery.damage.is_some(), "cut to {length} octets");
         let inspection = inspect(&good).unwrap();
         assert_eq!(inspection.damage, None);
@@ -72,7 +73,7 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
     // What a killed process leaves: no destructor runs.
     std::mem::forget(recorder);
     let good = folder.path().join("good.mcap");
-    let recovery = recover(&part, &good).unwrap();
+    let recovery = recover(&part, &good, &Interrupt::default()).unwrap();
     assert!(recovery.damage.is_some());
     let stops = assert_prefix(&good, &log);
     assert!(stops >= 300 - 32, "{stops} of 300 stops");
@@ -90,7 +91,7 @@ fn flipped_bits_are_found_and_what_comes_before_is_saved() {
         let at = usize::try_from(numbers.below(octets.len() as u64)).unwrap();
         damaged[at] ^= 1 << numbers.below(8);
         std::fs::write(&broken, &damaged).unwrap();
-        match recover(&broken, &good) {
+        match recover(&broken, &good, &Interrupt::default()) {
             Ok(recovery) => {
                 found += usize::from(recovery.damage.is_some());
                 assert_eq!(inspect(&good).unwrap().damage, None);
@@ -111,7 +112,7 @@ fn a_sound_recording_is_copied_whole() {
     let log = sample::log(12, 5, 50);
     let (folder, path, _) = recorded(&log);
     let copy = folder.path().join("copy.mcap");
-    let recovery = recover(&path, &copy).unwrap();
+    let recovery = recover(&path, &copy, &Interrupt::default()).unwrap();
     assert_eq!(recovery.damage, None);
     assert_eq!(recovery.attachments, 2);
     assert_eq!(read_log(&copy).unwrap(), read_log(&path).unwrap());
@@ -126,7 +127,7 @@ fn a_part_file_is_recovered_into_its_final_name() {
     let part = folder.path().join("run.mcap.part");
     std::fs::write(&part, &octets[..octets.len() * 9 / 10]).unwrap();
     let path = folder.path().join("run.mcap");
-    recover(&part, &path).unwrap();
+    recover(&part, &path, &Interrupt::default()).unwrap();
     assert_prefix(&path, &log);
     assert!(part.exists());
 }
@@ -136,11 +137,29 @@ fn recovery_never_overwrites_what_it_reads() {
     let log = sample::log(14, 3, 5);
     let (folder, path, octets) = recorded(&log);
     let dotted = folder.path().join(".").join("whole.mcap");
-    assert!(matches!(recover(&path, &dotted), Err(RecordingError::SameFile { .. })));
+    assert!(matches!(recover(&path, &dotted, &Interrupt::default()), Err(RecordingError::SameFile { .. })));
     let mut temporary = path.clone().into_os_string();
     temporary.push(".recovering");
     std::fs::copy(&path, &temporary).unwrap();
-    assert!(matches!(recover(temporary.as_ref(), &path), Err(RecordingError::SameFile { .. })));
+    assert!(matches!(
+        recover(temporary.as_ref(), &path, &Interrupt::default()),
+        Err(RecordingError::SameFile { .. })
+    ));
+    assert_eq!(std::fs::read(&path).unwrap(), octets);
+}
+
+/// `/dev/full` answers every write as a full disk does.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_no_part_of_a_recovered_copy() {
+    let log = sample::log(15, 5, 50);
+    let (folder, path, octets) = recorded(&log);
+    let out = folder.path().join("good.mcap");
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("good.mcap.recovering")).unwrap();
+    let error = recover(&path, &out, &Interrupt::default()).unwrap_err();
+    assert!(matches!(&error, RecordingError::WriteCopy { path, .. } if *path == out), "{error}");
+    assert!(error.is_of_the_system());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     assert_eq!(std::fs::read(&path).unwrap(), octets);
 }
 
@@ -152,11 +171,11 @@ fn files_of_other_formats_are_refused_and_leave_nothing_behind() {
     let out = folder.path().join("out.mcap");
     assert!(matches!(inspect(&other), Err(RecordingError::NotMcap { .. })));
     assert!(matches!(read_log(&other), Err(RecordingError::NotMcap { .. })));
-    assert!(matches!(recover(&other, &out), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(recover(&other, &out, &Interrupt::default()), Err(RecordingError::NotMcap { .. })));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let missing = folder.path().join("missing.mcap");
     assert!(matches!(read_log(&missing), Err(RecordingError::Read { .. })));
-    assert!(matches!(recover(&missing, &out), Err(RecordingError::Read { .. })));
+    assert!(matches!(recover(&missing, &out, &Interrupt::default()), Err(RecordingError::Read { .. })));
     assert!(matches!(inspect(folder.path()), Err(RecordingError::Read { .. })));
 }
 
