@@ -24,6 +24,7 @@ use crate::text::counted;
 pub struct Scenario {
     config: ScenarioConfig,
     file: PathBuf,
+    named_files: Vec<PathBuf>,
     text: String,
     parts: Parts,
     maps: Vec<NamedMap>,
@@ -56,15 +57,17 @@ impl Scenario {
         let mut document = layers::read(path, set, seed)?;
         let text = std::mem::take(&mut document.text);
         let mut config: ScenarioConfig = deserialize(&document)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut named_files = Vec::new();
         for (key, file) in config.world.files_mut() {
-            document.rebase(&format!("world.{key}"), file, path.parent().unwrap_or(Path::new("")));
+            document.rebase(&format!("world.{key}"), file, folder);
+            named_files.push(folder.join(file));
         }
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let folder = path.parent().unwrap_or(Path::new(""));
         let (parts, maps) = check(&config, folder, &mut errors);
         ScenarioErrors::check(errors.found)?;
         let parts = parts.expect("what has no errors has all its parts");
-        Ok(Self { config, file: path.to_path_buf(), text, parts, maps })
+        Ok(Self { config, file: path.to_path_buf(), named_files, text, parts, maps })
     }
 
     /// The scenario as written, all layers merged.
@@ -96,6 +99,13 @@ impl Scenario {
     #[must_use]
     pub fn file_name(&self) -> String {
         self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// The files that its settings name: tables of nodes and meshes of obstacles. They are not part of its
+    /// [`text`](Self::text).
+    #[must_use]
+    pub fn named_files(&self) -> &[PathBuf] {
+        &self.named_files
     }
 
     /// The world.

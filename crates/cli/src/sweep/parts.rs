@@ -26,9 +26,10 @@ impl Parts {
         match fs::read_to_string(&mark) {
             Ok(found) if found != fingerprint => Err(Failure::bad_input_with_help(
                 format!(
-                    "`{name}` holds parts of another sweep (another scenario, seed, number of runs, shard or version)"
+                    "`{name}` holds parts of a different sweep: the scenario, a file that it names, the seed, the number of \
+                     runs, the shard or the version has changed"
                 ),
-                "remove the folder, or choose another --out",
+                "remove the folder to start again, or choose another --out",
             )),
             Ok(_) if !resume => Err(Failure::bad_input_with_help(
                 format!("`{name}` holds parts of this sweep, which was interrupted"),

@@ -1,5 +1,6 @@
 //! What a sweep will run, checked before anything does.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::column::{Column, Kind};
 use super::row::{Row, written};
 use super::statistics::Mean;
-use crate::scenario::{Scenario, ScenarioErrors, Setting, SurveyIdentity, Sweep};
+use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, Sweep};
 use crate::summary::{Measure, measures};
 
 /// The cells and runs of a sweep.
@@ -68,12 +69,16 @@ impl Plan {
         let mut maps: Vec<String> = Vec::new();
         let mut cells = Vec::with_capacity(sweep.cells.len());
         let mut digest = Sha256::new();
+        let mut contents = Contents::default();
         let mut first_seed = None;
         for settings in &sweep.cells {
             let flags = flags(set, settings);
             let scenario = Scenario::load(path, &flags, seed)?;
             first_seed.get_or_insert(scenario.seed().0);
             digest.update(scenario.text());
+            for file in scenario.named_files() {
+                digest.update(contents.of(file)?);
+            }
             for named in scenario.maps() {
                 if !maps.contains(&named.name) {
                     maps.push(named.name.clone());
@@ -189,7 +194,8 @@ impl Plan {
         Mean::of(&values)
     }
 
-    /// What distinguishes this sweep from all others.
+    /// Hash of everything that decides the rows: the scenario of each cell, the files that it names, the seed, the number of
+    /// runs, the columns and the version.
     pub(super) fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
@@ -229,6 +235,22 @@ impl Plan {
             }
         }
         units
+    }
+}
+
+/// Hashes of the contents of files, each of which is read once.
+#[derive(Default)]
+struct Contents(BTreeMap<PathBuf, [u8; 32]>);
+
+impl Contents {
+    fn of(&mut self, file: &Path) -> Result<[u8; 32], ScenarioError> {
+        if let Some(&hash) = self.0.get(file) {
+            return Ok(hash);
+        }
+        let bytes = std::fs::read(file).map_err(|error| ScenarioError::unreadable(file, &error))?;
+        let hash = Sha256::digest(bytes).into();
+        self.0.insert(file.to_owned(), hash);
+        Ok(hash)
     }
 }
 

@@ -164,6 +164,43 @@ fn a_killed_sweep_is_taken_up_again_with_the_same_rows() {
 }
 
 #[test]
+fn an_interrupted_sweep_is_not_resumed_after_a_file_that_the_scenario_names_has_changed() {
+    const NODES: &str = "node,x_m,y_m\na,1,1\nb,9,1\nc,9,8\nd,1,8\n";
+    const MESH: &str = "v 5 4 0\nv 7 4 0\nv 6 6 0\nv 6 5 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    const WORLD: &str = "[world.nodes.csv]\nfile = \"nodes.csv\"\n[[world.obstacles]]\nmaterial = \"concrete\"\n\
+                         [world.obstacles.shape.mesh]\nfile = \"block.obj\"\n";
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let smoke = std::fs::read_to_string(program::scenario("smoke.toml")).unwrap();
+    let (start, rest) = smoke.split_once("[world.nodes.lattice]").unwrap();
+    let rest = &rest[rest.find("[radio]").unwrap()..rest.find("[recording]").unwrap()];
+    let text = format!("{start}{WORLD}{rest}[sweep]\nruns = 2\n");
+    for (name, text) in [("swept.toml", &*text), ("nodes.csv", NODES), ("block.obj", MESH)] {
+        std::fs::write(file(name), text).unwrap();
+    }
+    let (scenario, out) = (file("swept.toml"), file("t.csv"));
+    // A folder in the place of the table: all runs are made, but the table cannot be written.
+    std::fs::create_dir(&out).unwrap();
+    assert_eq!(sweep(&scenario, &out, &[]).status.code(), Some(1));
+    std::fs::remove_dir(&out).unwrap();
+
+    for (name, old, new) in
+        [("nodes.csv", NODES, NODES.replace("9,8", "9,7")), ("block.obj", MESH, MESH.replace('7', "8"))]
+    {
+        std::fs::write(file(name), new).unwrap();
+        let changed = sweep(&scenario, &out, &["--resume"]);
+        let text = String::from_utf8_lossy(&changed.stderr).into_owned();
+        assert_eq!(changed.status.code(), Some(2), "{name}: {text}");
+        assert!(text.contains("a different sweep") && text.contains("a file that it names"), "{name}: {text}");
+        assert!(!out.exists(), "{name}");
+        std::fs::write(file(name), old).unwrap();
+    }
+    let resumed = sweep(&scenario, &out, &["--resume"]);
+    assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
+    assert_eq!(table(&out).len(), 2);
+}
+
+#[test]
 fn a_bad_cell_is_refused_before_anything_runs() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("t.csv");
