@@ -7,6 +7,7 @@ use clap::Args;
 
 use crate::diagnostic::Failure;
 use crate::figure::{self, FileFormat, Source};
+use crate::interrupt::Interrupt;
 use crate::recording::{self, ORIGIN_METADATA};
 
 /// What `sextant figure` is told.
@@ -23,7 +24,7 @@ pub struct Arguments {
     pub format: FileFormat,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.recording;
     let run = recording::read_log(path)?;
     let drawn = recording::read_drawn(path)?;
@@ -39,7 +40,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let folder = arguments.out.clone().unwrap_or_else(|| path.with_extension("figures"));
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let mut stdout = io::stdout().lock();
+    let _keeper = interrupt.keep();
     for figure in figure::all(&source) {
+        if interrupt.is_requested() {
+            return Err(Failure::Interrupted);
+        }
         let written =
             figure.write(&folder, arguments.format).map_err(|error| Failure::unwritable(&folder, &error))?;
         writeln!(stdout, "{}", written.display())?;

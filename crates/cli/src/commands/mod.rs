@@ -85,7 +85,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Sweep(arguments) => sweep::execute(arguments, &interrupt),
         Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),
-        Command::Figure(arguments) => figure::execute(arguments),
+        Command::Figure(arguments) => figure::execute(arguments, &interrupt),
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::paint;
 use super::picture::Picture;
+use crate::output::write_whole;
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -41,24 +42,17 @@ impl Figure {
         &self.name
     }
 
-    /// Writes it into `folder` and returns where: first beside it, then renamed, so that the file is whole.
+    /// Writes the picture to a file in `folder` and returns the path. The file is written completely or not at all.
     ///
     /// # Errors
-    /// If the system refuses.
+    /// If the file cannot be written.
     pub fn write(&self, folder: &Path, format: FileFormat) -> io::Result<PathBuf> {
         let path = folder.join(format!("{}.{}", self.name, format.extension()));
-        let part = folder.join(format!("{}.{}.part", self.name, format.extension()));
         let bytes = match format {
             FileFormat::Svg => paint::svg(&self.picture)?.into_bytes(),
             FileFormat::Png => paint::png(&self.picture)?,
         };
-        match std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path)) {
-            Ok(()) => Ok(path),
-            Err(error) => {
-                // Only the error that came first is worth telling.
-                let _ = std::fs::remove_file(&part);
-                Err(error)
-            }
-        }
+        write_whole(&path, &bytes)?;
+        Ok(path)
     }
 }
