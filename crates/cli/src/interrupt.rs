@@ -1,4 +1,4 @@
-//! Ctrl-C and requests to terminate.
+//! Ctrl-C and other signals that end the program.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -10,13 +10,13 @@ use crate::figure::{self, FileFormat, Source};
 use crate::interrupt::Interrupt;
 use crate::recording::{self, ORIGIN_METADATA};
 
-/// What `sextant figure` is told.
+/// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// A recording of `run`
     #[arg(value_name = "RUN.mcap")]
     pub recording: PathBuf,
-    /// The folder for the figures; RUN.figures beside the recording if absent. It is made if it is not there
+    /// The folder for the figures [default: RUN.figures beside the recording]. It is created if it does not exist
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// The format of the figures
@@ -30,8 +30,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let drawn = recording::read_drawn(path)?;
     if drawn.maps.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(
-            format!("`{}` has neither a map nor a stop: there is nothing to draw", path.display()),
-            "`sextant run` records a stop for each place where a robot listened, and a map for each [[maps]] of a scenario",
+            format!("`{}` has neither maps nor stops, so there is nothing to draw", path.display()),
+            "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",
         ));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -1,4 +1,4 @@
-//! A picture with the name of its file.
+//! A picture and its file.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,18 +7,18 @@ use super::paint;
 use super::picture::Picture;
 use crate::output::write_whole;
 
-/// A format of picture files.
+/// The format of a picture file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum FileFormat {
-    /// Lines and text, for papers and pages
+    /// Vector graphics
     #[default]
     Svg,
-    /// Pixels, 192 an inch
+    /// Pixels, 192 per inch
     Png,
 }
 
 impl FileFormat {
-    /// What the names of its files end in.
+    /// The extension of file names.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -28,7 +28,7 @@ impl FileFormat {
     }
 }
 
-/// A picture and the name of its file without the format.
+/// A picture and the name of its file, without extension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     pub(super) name: String,
@@ -36,7 +36,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Name of its file without the format; unique in a recording.
+    /// The name of its file, without extension; unique in a recording.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name

@@ -1,4 +1,4 @@
-//! Ctrl-C and requests to terminate: every command ends, with exit code 130, and what was finished is kept.
+//! Ctrl-C and SIGTERM: each command ends with exit code 130 and keeps finished results.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -12,9 +12,9 @@ use tempfile::TempDir;
 use crate::program::{scenario, sextant, signal, summary};
 use crate::recording::sample;
 
-/// Nobody waits longer: what takes so long hangs.
+/// A program that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// The second map of `slow`, by its step, takes minutes.
+/// The second map, `slow`, has such a fine grid that it takes minutes.
 const SLOW: &str = "extends = \"SMOKE\"\n\
     [[maps]]\n\
     name = \"quick\"\n\
@@ -24,9 +24,9 @@ const SLOW: &str = "extends = \"SMOKE\"\n\
     algorithm.ml_tm = { grid_step_m = 0.0003, estimate = \"posterior_mean\", max_memory_mb = 100000, \
     profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n";
 
-/// What `child` leaves behind, if it ends in time.
+/// The output of `child`, which must end in time.
 fn ended(mut child: Child) -> Output {
-    #[expect(clippy::disallowed_methods, reason = "a program that does not end is a failure, not a wait for ever")]
+    #[expect(clippy::disallowed_methods, reason = "a program that hangs must fail the test")]
     let start = Instant::now();
     while child.try_wait().expect("a child").is_none() {
         if start.elapsed() > PATIENCE {
@@ -38,7 +38,7 @@ fn ended(mut child: Child) -> Output {
     child.wait_with_output().expect("a child")
 }
 
-/// A scenario of two maps, of which the second takes minutes.
+/// A scenario with two maps, of which the second takes minutes.
 fn slow(folder: &Path) -> std::path::PathBuf {
     let path = folder.join("slow.toml");
     let smoke = scenario("smoke.toml").canonicalize().expect("it is there");
@@ -46,7 +46,7 @@ fn slow(folder: &Path) -> std::path::PathBuf {
     path
 }
 
-/// Waits until standard error says that the large map has begun.
+/// Waits until a note on standard error says that the slow map has begun.
 fn wait_for_note(stderr: &mut ChildStderr) {
     let mut text = String::new();
     let mut byte = [0; 1];
@@ -57,12 +57,12 @@ fn wait_for_note(stderr: &mut ChildStderr) {
 }
 
 #[test]
-fn signals_while_robots_gather_leave_a_whole_recording() {
+fn a_signal_during_the_survey_leaves_a_complete_recording() {
     for name in ["-INT", "-TERM"] {
         let folder = TempDir::new().expect("there is room");
         let out = folder.path().join("cut.mcap");
         let mut command = sextant();
-        // One stop takes minutes here: the run cannot wait for its end.
+        // One stop takes minutes here, so the run must end within a stop.
         command.arg("run").arg(scenario("smoke.toml")).args(["--set", "robots.0.listen_s=1000000", "--out"]);
         let child = command.arg(&out).spawn().expect("it starts");
         while !out.with_extension("mcap.part").exists() {
@@ -79,7 +79,7 @@ fn signals_while_robots_gather_leave_a_whole_recording() {
 }
 
 #[test]
-fn signals_while_maps_are_made_keep_the_survey_and_the_maps_that_were_finished() {
+fn a_signal_during_mapping_keeps_the_survey_and_the_finished_maps() {
     for name in ["-INT", "-TERM"] {
         let folder = TempDir::new().expect("there is room");
         let (out, json) = (folder.path().join("cut.mcap"), folder.path().join("cut.json"));
@@ -102,7 +102,7 @@ fn signals_while_maps_are_made_keep_the_survey_and_the_maps_that_were_finished()
 }
 
 #[test]
-fn a_signal_while_a_recording_is_mapped_keeps_the_maps_that_were_finished() {
+fn a_signal_while_a_recording_is_mapped_keeps_the_finished_maps() {
     let folder = TempDir::new().expect("there is room");
     let file = |name: &str| folder.path().join(name);
     let run = sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(file("run.mcap")).output();
@@ -136,7 +136,7 @@ fn first_chunk(recording: &[u8]) -> (&[u8], &[u8]) {
     }
 }
 
-/// The broken recording is a pipe that has no end: either chunks come for ever, or nothing more comes.
+/// The broken recording is a pipe that stays open: it delivers either chunks without end or nothing more.
 #[test]
 fn a_signal_during_recovery_leaves_neither_a_copy_nor_a_temporary_file() {
     let folder = TempDir::new().expect("there is room");
@@ -165,7 +165,7 @@ fn a_signal_during_recovery_leaves_neither_a_copy_nor_a_temporary_file() {
             (ended(child).status, signalled.elapsed())
         });
         assert_eq!(status.code(), Some(130), "{name}, endless: {is_endless}");
-        // A second by contract; the rest is for a busy machine.
+        // The limit is one second; a busy machine gets more.
         assert!(time < Duration::from_secs(3), "{name}, endless: {is_endless}: {time:?}");
         let mut left: Vec<_> = std::fs::read_dir(folder.path())
             .expect("a folder")

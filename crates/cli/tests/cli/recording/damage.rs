@@ -1,4 +1,4 @@
-//! What is left of a damaged recording is saved; what is not a recording says so.
+//! Damaged recordings are recovered, and other files are rejected.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use super::sample::{self, Numbers};
 
-/// A recording in a folder of its own: the folder, its path, its octets.
+/// A recording in a temporary folder: the folder, its path, its octets.
 fn recorded(log: &ReceptionLog) -> (TempDir, PathBuf, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("whole.mcap");
@@ -18,7 +18,7 @@ fn recorded(log: &ReceptionLog) -> (TempDir, PathBuf, Vec<u8>) {
     (folder, path, octets)
 }
 
-/// Holds that what is read of `path` is what `log` begins with; returns its number of stops.
+/// Checks that the log in `path` is the beginning of `log`; returns its number of stops.
 fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
     let found = match read_log(path) {
         Ok(run) => run.log,
@@ -35,7 +35,7 @@ fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
 }
 
 #[test]
-fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
+fn everything_before_a_cut_is_recovered() {
     let log = sample::log(5, 7, 300);
     let (folder, _, octets) = recorded(&log);
     let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
@@ -54,7 +54,7 @@ fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
         assert_eq!(inspection.messages, recovery.messages);
         assert!(inspection.metadata.contains_key("recovered"));
         let stops = assert_prefix(&good, &log);
-        assert!(stops >= before, "a longer rest holds no less");
+        assert!(stops >= before, "a longer file has at least as many stops");
         before = stops;
         assert_eq!(inspect(&broken).unwrap().damage, recovery.damage);
         assert!(matches!(read_log(&broken), Err(RecordingError::Broken { .. })));
@@ -70,7 +70,7 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
     let part = folder.path().join("run.mcap.part");
     let mut recorder = FileRecorder::create(&path).unwrap();
     recorder.log(&log).unwrap();
-    // What a killed process leaves: no destructor runs.
+    // No destructor runs, as in a killed process.
     std::mem::forget(recorder);
     let good = folder.path().join("good.mcap");
     let recovery = recover(&part, &good, &Interrupt::default()).unwrap();
@@ -80,7 +80,7 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
 }
 
 #[test]
-fn flipped_bits_are_found_and_what_comes_before_is_saved() {
+fn flipped_bits_are_detected_and_everything_before_is_recovered() {
     let log = sample::log(11, 6, 200);
     let (folder, _, octets) = recorded(&log);
     let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
@@ -95,7 +95,7 @@ fn flipped_bits_are_found_and_what_comes_before_is_saved() {
             Ok(recovery) => {
                 found += usize::from(recovery.damage.is_some());
                 assert_eq!(inspect(&good).unwrap().damage, None);
-                // A flip in the header or an attachment may leave no name of a node: then there is no log to compare.
+                // After a flip in the header or an attachment there may be no names of nodes, and so no log to compare.
                 if recovery.messages > 4 {
                     assert_prefix(&good, &log);
                 }
@@ -108,7 +108,7 @@ fn flipped_bits_are_found_and_what_comes_before_is_saved() {
 }
 
 #[test]
-fn a_sound_recording_is_copied_whole() {
+fn a_sound_recording_is_copied_completely() {
     let log = sample::log(12, 5, 50);
     let (folder, path, _) = recorded(&log);
     let copy = folder.path().join("copy.mcap");
@@ -121,7 +121,7 @@ fn a_sound_recording_is_copied_whole() {
 }
 
 #[test]
-fn a_part_file_is_recovered_into_its_final_name() {
+fn a_part_file_can_be_recovered_to_its_final_name() {
     let log = sample::log(13, 5, 50);
     let (folder, _, octets) = recorded(&log);
     let part = folder.path().join("run.mcap.part");
@@ -133,7 +133,7 @@ fn a_part_file_is_recovered_into_its_final_name() {
 }
 
 #[test]
-fn recovery_never_overwrites_what_it_reads() {
+fn recovery_never_overwrites_its_input() {
     let log = sample::log(14, 3, 5);
     let (folder, path, octets) = recorded(&log);
     let dotted = folder.path().join(".").join("whole.mcap");
@@ -148,23 +148,23 @@ fn recovery_never_overwrites_what_it_reads() {
     assert_eq!(std::fs::read(&path).unwrap(), octets);
 }
 
-/// `/dev/full` answers every write as a full disk does.
+/// Writes to `/dev/full` fail like writes to a full disk.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_leaves_no_part_of_a_recovered_copy() {
+fn a_full_disk_leaves_no_incomplete_copy() {
     let log = sample::log(15, 5, 50);
     let (folder, path, octets) = recorded(&log);
     let out = folder.path().join("good.mcap");
     std::os::unix::fs::symlink("/dev/full", folder.path().join("good.mcap.recovering")).unwrap();
     let error = recover(&path, &out, &Interrupt::default()).unwrap_err();
     assert!(matches!(&error, RecordingError::WriteCopy { path, .. } if *path == out), "{error}");
-    assert!(error.is_of_the_system());
+    assert!(error.is_system_error());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     assert_eq!(std::fs::read(&path).unwrap(), octets);
 }
 
 #[test]
-fn files_of_other_formats_are_refused_and_leave_nothing_behind() {
+fn files_of_other_formats_are_rejected_and_no_file_is_created() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other.mcap");
     std::fs::write(&other, "stop,t_s,x_m,y_m\n").unwrap();
@@ -180,7 +180,7 @@ fn files_of_other_formats_are_refused_and_leave_nothing_behind() {
 }
 
 #[test]
-fn a_recording_without_a_log_names_the_topics_that_it_has() {
+fn the_error_of_a_recording_without_a_log_lists_its_topics() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut recorder = FileRecorder::create(&path).unwrap();
