@@ -8,6 +8,7 @@ use clap::Args;
 use crate::diagnostic::Failure;
 use crate::figure::{self, FileFormat, Source};
 use crate::interrupt::Interrupt;
+use crate::output::write_file;
 use crate::recording::{self, ORIGIN_METADATA};
 
 /// Arguments of `sextant figure`.
@@ -40,14 +41,16 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let folder = arguments.out.clone().unwrap_or_else(|| path.with_extension("figures"));
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let mut stdout = io::stdout().lock();
-    let _keeper = interrupt.keep();
     for figure in figure::all(&source) {
+        let file = figure.path(&folder, arguments.format);
+        let bytes = figure.encode(arguments.format).map_err(|error| Failure::unwritable(&file, &error))?;
+        // Drawing may be stopped at any time, writing may not.
+        let _keeper = interrupt.keep();
         if interrupt.is_requested() {
             return Err(Failure::Interrupted);
         }
-        let written =
-            figure.write(&folder, arguments.format).map_err(|error| Failure::unwritable(&folder, &error))?;
-        writeln!(stdout, "{}", written.display())?;
+        write_file(&file, &bytes)?;
+        writeln!(stdout, "{}", file.display())?;
     }
     Ok(())
 }

@@ -47,12 +47,25 @@ impl Figure {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, folder: &Path, format: FileFormat) -> io::Result<PathBuf> {
-        let path = folder.join(format!("{}.{}", self.name, format.extension()));
-        let bytes = match format {
-            FileFormat::Svg => paint::svg(&self.picture)?.into_bytes(),
-            FileFormat::Png => paint::png(&self.picture)?,
-        };
-        write_whole(&path, &bytes)?;
+        let path = self.path(folder, format);
+        write_whole(&path, &self.encode(format)?)?;
         Ok(path)
+    }
+
+    /// The path of its file in `folder`.
+    #[must_use]
+    pub fn path(&self, folder: &Path, format: FileFormat) -> PathBuf {
+        folder.join(format!("{}.{}", self.name, format.extension()))
+    }
+
+    /// The contents of its file.
+    ///
+    /// # Errors
+    /// If the picture cannot be encoded.
+    pub fn encode(&self, format: FileFormat) -> io::Result<Vec<u8>> {
+        match format {
+            FileFormat::Svg => paint::svg(&self.picture).map(String::into_bytes),
+            FileFormat::Png => paint::png(&self.picture),
+        }
     }
 }
