@@ -1,4 +1,4 @@
-//! How commands fail: what is printed, and the exit code.
+//! Failures of commands: messages and exit codes.
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -9,16 +9,16 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, Report};
 use sextant_kernel::Interrupted;
 use sextant_mapper::MapError;
 
-/// Why a command did not do what it was asked.
+/// Why a command failed.
 #[derive(Debug)]
 pub enum Failure {
-    /// Wrong usage or bad input: everything found wrong. Exit code 2.
+    /// Wrong usage or bad input, with all errors found. Exit code 2.
     BadInput(Vec<Report>),
     /// The input is good, but the work failed. Exit code 1.
     Failed(Report),
-    /// Stopped by Ctrl-C or a request to terminate. Exit code 130.
+    /// Stopped by Ctrl-C or another signal. Exit code 130.
     Interrupted,
-    /// Nobody reads standard output any more: nothing is left to do. Exit code 0.
+    /// The reader of standard output closed it, as `head` does. Exit code 0.
     Unread,
 }
 
@@ -28,7 +28,7 @@ impl Failure {
         Self::BadInput(vec![Report::new(Plain { message: message.into(), help: None })])
     }
 
-    /// Bad input, in one sentence, and what to do about it.
+    /// Bad input, in one sentence, and how to fix it.
     pub fn bad_input_with_help(message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::BadInput(vec![Report::new(Plain { message: message.into(), help: Some(help.into()) })])
     }
@@ -55,7 +55,7 @@ impl Failure {
         }
     }
 
-    /// Prints what there is to say on standard error.
+    /// Prints the message on standard error.
     pub fn print(&self) {
         let text = match self {
             Self::BadInput(reports) => reports.iter().map(render).collect::<String>(),
@@ -63,12 +63,12 @@ impl Failure {
             Self::Interrupted => "interrupted\n".to_owned(),
             Self::Unread => return,
         };
-        // Nobody is left to be told if standard error is gone.
+        // If standard error is closed, nobody can be told.
         let _ = io::stderr().write_all(text.as_bytes());
     }
 }
 
-/// Whoever watched long work ended it.
+/// The user stopped long work.
 impl From<Interrupted> for Failure {
     fn from(_: Interrupted) -> Self {
         Self::Interrupted
@@ -111,7 +111,7 @@ fn render(report: &Report) -> String {
     }
 }
 
-/// A message without a place.
+/// A message without a place in a file.
 #[derive(Debug)]
 struct Plain {
     message: String,

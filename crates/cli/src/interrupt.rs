@@ -1,8 +1,11 @@
-//! Ctrl-C and requests to terminate.
+//! Ctrl-C and other signals that end the program.
 
+use std::collections::BTreeSet;
+use std::fs;
 use std::io::{self, Write};
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -10,43 +13,75 @@ use sextant_kernel::{Watch, Work};
 
 use crate::diagnostic::Failure;
 
-/// What work gets to end by itself if there is nothing to keep.
+/// Time that the work has to end by itself when there is nothing to keep.
 const GRACE: Duration = Duration::from_millis(500);
-/// How often it is looked whether what is to be kept is whole.
+/// Time between two checks whether results still have to be kept.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Knows whether the user wants the work to end. After the first request the process ends within a second, or as soon as
-/// what is to be [kept](Self::keep) is whole; the second one ends it at once.
+/// Tells whether the user wants the work to end. After the first signal the process ends within a second, or as soon as
+/// the results to [keep](Self::keep) are written. A second signal ends it at once. [Temporary](Self::temporary) files are
+/// removed in both cases.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     is_requested: Arc<AtomicBool>,
     keepers: Arc<AtomicUsize>,
+    temporaries: Temporaries,
 }
 
-/// While it lives, the process is not ended but ends by itself.
+/// While it exists, the first signal does not end the process: the work ends by itself.
 #[derive(Debug)]
 #[must_use]
 pub struct Keeper(Arc<AtomicUsize>);
 
+/// A temporary file, which is removed when this value is dropped or a signal ends the process.
+#[derive(Debug)]
+#[must_use]
+pub struct Temporary {
+    path: PathBuf,
+    temporaries: Temporaries,
+}
+
+/// The temporary files of the process.
+#[derive(Clone, Debug, Default)]
+struct Temporaries(Arc<Mutex<BTreeSet<PathBuf>>>);
+
+impl Temporaries {
+    fn change<T>(&self, change: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Removes the files; the process ends next.
+    fn remove(&self) {
+        self.change(|paths| {
+            for path in paths.iter() {
+                // A file that has got its final name is no longer there.
+                let _ = fs::remove_file(path);
+            }
+        });
+    }
+}
+
 impl Interrupt {
-    /// Listens for SIGINT, SIGTERM and SIGHUP (Ctrl-C on Windows). At most once a process.
+    /// Installs the handler of SIGINT, SIGTERM and SIGHUP (Ctrl-C on Windows). Call it once per process.
     ///
     /// # Errors
-    /// If the system refuses the handler.
+    /// If the system rejects the handler.
     pub fn install() -> Result<Self, Failure> {
         let interrupt = Self::default();
-        let Self { is_requested, keepers } = interrupt.clone();
+        let Self { is_requested, keepers, temporaries } = interrupt.clone();
         ctrlc::set_handler(move || {
             if is_requested.swap(true, Ordering::SeqCst) {
+                temporaries.remove();
                 std::process::exit(130);
             }
-            let keepers = Arc::clone(&keepers);
+            let (keepers, temporaries) = (Arc::clone(&keepers), temporaries.clone());
             thread::spawn(move || {
                 thread::sleep(GRACE);
                 while keepers.load(Ordering::SeqCst) > 0 {
                     thread::sleep(LOOK);
                 }
-                // Nobody is left to be told if standard error is gone.
+                temporaries.remove();
+                // If standard error is closed, nobody can be told.
                 let _ = writeln!(io::stderr(), "interrupted");
                 std::process::exit(130);
             });
@@ -61,11 +96,17 @@ impl Interrupt {
         self.is_requested.load(Ordering::Relaxed)
     }
 
-    /// From now on there is something to be kept: files that are whole only when they are finished, or results that are yet
-    /// to be written. The work then has to look often whether it should end.
+    /// Keeps the process alive after the first signal, so that open files can be finished and results written. The
+    /// work must check often whether it should end.
     pub fn keep(&self) -> Keeper {
         self.keepers.fetch_add(1, Ordering::SeqCst);
         Keeper(Arc::clone(&self.keepers))
+    }
+
+    /// Marks the file at `path`, which may not exist yet, as temporary.
+    pub fn temporary(&self, path: &Path) -> Temporary {
+        self.temporaries.change(|paths| paths.insert(path.to_owned()));
+        Temporary { path: path.to_owned(), temporaries: self.temporaries.clone() }
     }
 }
 
@@ -75,7 +116,17 @@ impl Drop for Keeper {
     }
 }
 
-/// Ends work without showing how far it is.
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        self.temporaries.change(|paths| {
+            // A file that has got its final name is no longer there.
+            let _ = fs::remove_file(&self.path);
+            paths.remove(&self.path);
+        });
+    }
+}
+
+/// Stops work without showing its progress.
 impl Watch for Interrupt {
     fn begin(&self, _: Work) {}
 

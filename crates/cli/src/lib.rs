@@ -1,7 +1,7 @@
 //! The command line of Sextant: scenario files, commands, recordings, tables.
 //!
-//! Goes in: the words of a command line and the files that they name. Comes out: recordings, summaries, tables,
-//! and an exit code. The library crates do the work; here is what reads, prints and writes.
+//! Input: the arguments of a command and the files that they name. Output: recordings, summaries, tables and an exit
+//! code. The library crates do the work; this crate reads, prints and writes.
 //!
 //! ```
 //! let folder = std::env::temp_dir();

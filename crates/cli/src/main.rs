@@ -1,4 +1,4 @@
-//! The binary `sextant`.
+//! The program `sextant`.
 
 use std::process::ExitCode;
 

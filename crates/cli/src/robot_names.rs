@@ -1,10 +1,10 @@
-//! Names of robots in the order in which a file names them.
+//! Names of robots in the order of their first use in a file.
 
 use std::collections::BTreeMap;
 
 use sextant_kernel::RobotId;
 
-/// Names of robots, each with its identity: the first that is named is robot 0.
+/// Names of robots and their numbers: the first name is robot 0.
 #[derive(Debug, Default)]
 pub(crate) struct RobotNames {
     names: Vec<String>,
@@ -12,7 +12,7 @@ pub(crate) struct RobotNames {
 }
 
 impl RobotNames {
-    /// The robot called `name`.
+    /// The number of the robot called `name`; a new name gets the next number.
     pub(crate) fn id(&mut self, name: &str) -> RobotId {
         if let Some(&id) = self.ids.get(name) {
             return id;

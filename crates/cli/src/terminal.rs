@@ -1,4 +1,4 @@
-//! What a person at a terminal sees while the work goes on.
+//! Progress messages on the terminal.
 
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
@@ -9,7 +9,7 @@ use sextant_kernel::{Watch, Work};
 
 use crate::interrupt::Interrupt;
 
-/// A bar of progress on standard error. Nothing is drawn if that is no terminal, or if asked to be quiet.
+/// A progress bar on standard error. Nothing is drawn if standard error is not a terminal, or with `--quiet`.
 #[derive(Clone, Debug)]
 pub struct Progress(ProgressBar);
 
@@ -29,23 +29,23 @@ impl Progress {
         Self(bar)
     }
 
-    /// `done` steps are done; `note` says what is interesting.
+    /// Shows that `done` steps are done, and `note` beside the bar.
     pub fn set(&self, done: u64, note: String) {
         self.0.set_position(done);
         self.0.set_message(note);
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn clear(&self) {
         self.0.finish_and_clear();
     }
 }
 
-/// Operations from which on a line says how much there is to do where no bar shows it: about a minute of work.
+/// Work of at least this many operations (about a minute) is announced by a line if no bar can be drawn.
 const LARGE: f64 = 3e10;
 
-/// Shows on standard error how far the maps are, and ends them when the user says so. Without a terminal only a line tells
-/// of large work; if asked to be quiet, nothing does.
+/// Shows the progress of maps on standard error, and stops them when the user interrupts. Without a terminal it only
+/// prints a line for large work; with `--quiet` it prints nothing.
 #[derive(Debug)]
 pub struct Watcher<'a> {
     interrupt: &'a Interrupt,
@@ -54,13 +54,13 @@ pub struct Watcher<'a> {
 }
 
 impl<'a> Watcher<'a> {
-    /// Nothing is under way yet.
+    /// A watcher of work that has not begun.
     #[must_use]
     pub fn new(interrupt: &'a Interrupt, is_quiet: bool) -> Self {
         Self { interrupt, is_quiet, bar: Mutex::default() }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn clear(&self) {
         if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
             bar.finish_and_clear();
@@ -83,7 +83,7 @@ impl Watch for Watcher<'_> {
             bar.enable_steady_tick(Duration::from_millis(250));
             *self.bar.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar);
         } else if work.operations >= LARGE {
-            // Nobody is left to be told if standard error is gone.
+            // If standard error is closed, nobody can be told.
             let _ = writeln!(
                 io::stderr(),
                 "note: {}: {} {}s, at most {:.0e} operations",

@@ -1,4 +1,4 @@
-//! Texts for people: numbers with their nouns, and columns.
+//! Printed text: counts with nouns, and tables in columns.
 
 use std::io::{self, Write};
 
@@ -7,14 +7,14 @@ pub(crate) fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Which edge the texts of a column share.
+/// How the texts of a column are aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Align {
     Left,
     Right,
 }
 
-/// Writes `rows` in columns as wide as their longest text, two spaces between them.
+/// Writes `rows` in columns as wide as their longest text, with two spaces between columns.
 pub(crate) fn columns(rows: &[Vec<String>], align: &[Align], out: &mut impl Write) -> io::Result<()> {
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max().unwrap_or(0)
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn one_thing_is_singular() {
+    fn a_count_of_one_is_singular() {
         assert_eq!([counted(0, "node"), counted(1, "node"), counted(2, "node")], ["0 nodes", "1 node", "2 nodes"]);
     }
 }

@@ -1,4 +1,4 @@
-//! `sextant check`: is a scenario good?
+//! `sextant check`: checks scenario files without running them.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use crate::scenario::Scenario;
 use crate::sweep::Plan;
 use crate::text::counted;
 
-/// What `sextant check` is told.
+/// Arguments of `sextant check`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// The scenario files

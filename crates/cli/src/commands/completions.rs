@@ -1,4 +1,4 @@
-//! `sextant completions`: so that the shell knows the words.
+//! `sextant completions`: completion scripts for shells.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use clap_complete::Shell;
 
 use crate::diagnostic::Failure;
 
-/// What `sextant completions` is told.
+/// Arguments of `sextant completions`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// The shell
@@ -15,7 +15,7 @@ pub struct Arguments {
     pub shell: Shell,
 }
 
-/// Prints completions for `words`, the words of the program.
+/// Prints the completion script of the command line `words`.
 pub(crate) fn execute(arguments: &Arguments, mut words: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut words, "sextant", &mut script);

@@ -7,15 +7,17 @@ use clap::Args;
 
 use crate::diagnostic::Failure;
 use crate::figure::{self, FileFormat, Source};
+use crate::interrupt::Interrupt;
+use crate::output::write_file;
 use crate::recording::{self, ORIGIN_METADATA};
 
-/// What `sextant figure` is told.
+/// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// A recording of `run`
     #[arg(value_name = "RUN.mcap")]
     pub recording: PathBuf,
-    /// The folder for the figures; RUN.figures beside the recording if absent. It is made if it is not there
+    /// The folder for the figures [default: RUN.figures beside the recording]. It is created if it does not exist
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// The format of the figures
@@ -23,14 +25,14 @@ pub struct Arguments {
     pub format: FileFormat,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.recording;
     let run = recording::read_log(path)?;
     let drawn = recording::read_drawn(path)?;
     if drawn.maps.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(
-            format!("`{}` has neither a map nor a stop: there is nothing to draw", path.display()),
-            "`sextant run` records a stop for each place where a robot listened, and a map for each [[maps]] of a scenario",
+            format!("`{}` has neither maps nor stops, so there is nothing to draw", path.display()),
+            "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",
         ));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -40,9 +42,15 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let mut stdout = io::stdout().lock();
     for figure in figure::all(&source) {
-        let written =
-            figure.write(&folder, arguments.format).map_err(|error| Failure::unwritable(&folder, &error))?;
-        writeln!(stdout, "{}", written.display())?;
+        let file = figure.path(&folder, arguments.format);
+        let bytes = figure.encode(arguments.format).map_err(|error| Failure::unwritable(&file, &error))?;
+        // Drawing may be stopped at any time, writing may not.
+        let _keeper = interrupt.keep();
+        if interrupt.is_requested() {
+            return Err(Failure::Interrupted);
+        }
+        write_file(&file, &bytes)?;
+        writeln!(stdout, "{}", file.display())?;
     }
     Ok(())
 }

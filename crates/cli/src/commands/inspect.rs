@@ -1,4 +1,4 @@
-//! `sextant inspect`: what is inside a recording?
+//! `sextant inspect`: the contents of a recording.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use super::options::Printing;
 use crate::diagnostic::Failure;
 use crate::recording;
 
-/// What `sextant inspect` is told.
+/// Arguments of `sextant inspect`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// The recording

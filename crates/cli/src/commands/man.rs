@@ -7,7 +7,7 @@ use clap_mangen::Man;
 
 use crate::diagnostic::Failure;
 
-/// Prints the manual page of `words`, the words of the program.
+/// Prints the manual page of the command line `words`.
 pub(crate) fn execute(words: Command) -> Result<(), Failure> {
     io::stdout().write_all(&page(words)?)?;
     Ok(())
@@ -32,7 +32,7 @@ fn page(words: Command) -> io::Result<Vec<u8>> {
     Ok(page)
 }
 
-/// The section of one command: its purpose, then its synopsis and options as subsections.
+/// The section of one command: its purpose, its synopsis and its options.
 fn section(command: &Command, page: &mut Vec<u8>) -> io::Result<()> {
     writeln!(page, ".SH \"SEXTANT {}\"", command.get_name().to_uppercase())?;
     if let Some(about) = command.get_about() {

@@ -1,4 +1,4 @@
-//! `sextant map`: from a reception log to maps.
+//! `sextant map`: computes maps from a reception log.
 
 use std::path::PathBuf;
 
@@ -14,27 +14,27 @@ use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::Stopwatch;
 use crate::terminal::Watcher;
 
-/// What `sextant map` is told.
+/// Arguments of `sextant map`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// A recording of `run`, or a folder with stops.csv and receptions.csv
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
-    /// How likely a packet is received over a distance: `fitted` (estimated from the log itself),
+    /// The probability of a reception as a function of distance: `fitted` (estimated from the log),
     /// trapezoid:p0=0.95,plateau_m=2,range_m=10[,floor=..,ceiling=..], or channel:exponent=..,sigma_db=..,
-    /// tx_power_dbm=..,sensitivity_dbm=..[,max_range_m=..]. If absent, that of the scenario for a recording, `fitted`
-    /// for a folder
+    /// tx_power_dbm=..,sensitivity_dbm=..[,max_range_m=..]. The default for a recording is that of its scenario; for a
+    /// folder it is `fitted`
     #[arg(long, value_name = "PROFILE")]
     pub profile: Option<String>,
-    /// Make one map by this algorithm, with the settings that it has by itself, in place of the maps of a recording's
-    /// scenario
+    /// Compute one map with this algorithm and its default settings, instead of the maps of the recorded scenario
     #[arg(long, value_enum, value_name = "ALGORITHM")]
     pub algorithm: Option<AlgorithmName>,
-    /// Measure the maps against the true places: a CSV file with columns node,x_m,y_m,z_m. For a recording, the
-    /// places that it holds if absent
+    /// Compare the maps with the true positions in this CSV file, with columns node,x_m,y_m,z_m. The default for a
+    /// recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
-    /// Write the map to this file, with columns node,x_m,y_m,z_m,ties,infeasible and the entries of the covariance, if there is one. Further maps go to files beside it, named after them
+    /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible and the entries of the covariance,
+    /// if there is one. Each further map is written to MAP.NAME.csv in the same folder
     #[arg(long, value_name = "MAP.csv")]
     pub out: Option<PathBuf>,
     /// Settings that override those of the maps.

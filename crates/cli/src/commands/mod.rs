@@ -1,4 +1,4 @@
-//! The command line: its words, and which part of the library each goes to.
+//! The command line: commands, flags and help texts, and the calls into the library.
 
 pub mod check;
 pub mod completions;
@@ -21,49 +21,49 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 
-/// Simulates wireless sensor networks and the robots that listen to them, and maps the nodes from what was heard.
+/// Simulates wireless sensor networks and robots that listen to them, and computes maps of the nodes from the receptions.
 #[derive(Debug, Parser)]
 #[command(name = "sextant", version, max_term_width = 110)]
 #[command(after_help = "Exit codes: 0 done, 1 failed, 2 usage or bad input, 130 interrupted.")]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// A command.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Simulate a scenario, record what the robots hear, and map the nodes from it
+    /// Simulate a scenario, record it, and map the nodes
     Run(run::Arguments),
-    /// Map the nodes from a recording of `run`, or from the logs of a real robot
+    /// Map the nodes from a recording of `run` or from the log of a real robot
     Map(map::Arguments),
-    /// Run a scenario under many settings and seeds, and write one table
+    /// Run a scenario with many settings and seeds, and write one table
     Sweep(sweep::Arguments),
-    /// Compute the tables and figures of the thesis anew: published and ours
+    /// Reproduce the tables and figures of the thesis, beside the published values
     Reproduce(reproduce::Arguments),
     /// Check scenario files without running them
     Check(check::Arguments),
-    /// Draw the network, the maps and their errors
+    /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
-    /// Print what a recording holds
+    /// Print the contents of a recording
     Inspect(inspect::Arguments),
-    /// Save what is whole in a broken recording
+    /// Copy the readable part of a broken recording
     Recover(recover::Arguments),
     /// Print the JSON schema of scenario files
     Schema,
-    /// Print completions for a shell
+    /// Print a completion script for a shell
     Completions(completions::Arguments),
     /// Print the manual page (view it with `sextant man | man -l -`)
     Man,
 }
 
-/// Runs the command that `words` (the program's name first) ask for.
+/// Runs the command line `words`, of which the first is the name of the program.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and version come here too. Nobody is left to be told if the terminal is gone.
+            // Help and version come here too. If the terminal is closed, nobody can be told.
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
@@ -85,9 +85,9 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Sweep(arguments) => sweep::execute(arguments, &interrupt),
         Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),
-        Command::Figure(arguments) => figure::execute(arguments),
+        Command::Figure(arguments) => figure::execute(arguments, &interrupt),
         Command::Inspect(arguments) => inspect::execute(arguments),
-        Command::Recover(arguments) => recover::execute(arguments),
+        Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),
         Command::Completions(arguments) => completions::execute(arguments, Cli::command()),
         Command::Man => man::execute(Cli::command()),

@@ -30,7 +30,7 @@ pub struct Printing {
 }
 
 impl Printing {
-    /// Prints `answer`, which people read as `text` writes it.
+    /// Prints `answer` as JSON, or as the text that `text` writes.
     pub(super) fn print<T: Serialize>(
         self,
         answer: &T,
@@ -47,13 +47,13 @@ impl Printing {
     }
 }
 
-/// Where the results of `run` and `map` go beside their files.
+/// Where `run` and `map` write their results.
 #[derive(Clone, Debug, Args)]
 pub struct Results {
     /// Also write the results to this file, as one JSON object
     #[arg(long, value_name = "FILE.json")]
     pub summary: Option<PathBuf>,
-    /// How they are printed.
+    /// How results are printed.
     #[command(flatten)]
     pub printing: Printing,
 }
@@ -68,19 +68,19 @@ impl Results {
     }
 }
 
-/// How long work is done.
+/// Options of long work.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct Work {
-    /// Threads to compute with; one a core if absent. The results do not depend on it
+    /// Number of threads [default: one per core]. The results do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// No progress bar and no notes
+    /// Print no progress bar and no notes
     #[arg(long)]
     pub quiet: bool,
 }
 
 impl Work {
-    /// Starts the threads that compute; once a process.
+    /// Starts the threads. Call it once per process.
     pub(super) fn start_threads(self) -> Result<(), Failure> {
         let Some(threads) = self.threads else {
             return Ok(());
@@ -91,10 +91,10 @@ impl Work {
             .map_err(|error| Failure::failed(format!("{threads} threads cannot be started: {error}")))
     }
 
-    /// Tells people something on standard error, unless they asked for quiet.
+    /// Prints a note on standard error, unless `--quiet` is given.
     pub(super) fn note(self, note: &str) {
         if !self.quiet {
-            // Nobody is left to be told if standard error is gone.
+            // If standard error is closed, nobody can be told.
             let _ = writeln!(io::stderr(), "note: {note}");
         }
     }
@@ -103,13 +103,13 @@ impl Work {
 /// Settings that override those of a scenario.
 #[derive(Clone, Debug, Args)]
 pub struct Overrides {
-    /// Override a setting: path.to.key=value, for example maps.0.algorithm.ml_tm.grid_step_m=0.5; the value in TOML,
-    /// quotes optional; may be repeated
+    /// Override a setting: path.to.key=value, for example maps.0.algorithm.ml_tm.grid_step_m=0.5. The value is TOML;
+    /// quotes around a text are optional. May be repeated
     #[arg(long, value_name = "K=V", value_parser = setting)]
     pub set: Vec<String>,
 }
 
-/// The form of a `--set` flag, checked before anything is read.
+/// Checks the form of a `--set` flag before any file is read.
 fn setting(text: &str) -> Result<String, &'static str> {
     match text.split_once('=') {
         Some((key, _)) if !key.trim().is_empty() => Ok(text.to_owned()),
@@ -117,13 +117,13 @@ fn setting(text: &str) -> Result<String, &'static str> {
     }
 }
 
-/// The scenario to run, and what overrides it.
+/// The scenario to run, and the flags that override it.
 #[derive(Clone, Debug, Args)]
 pub struct ScenarioSource {
     /// The scenario file
     #[arg(value_name = "SCENARIO.toml")]
     pub scenario: PathBuf,
-    /// Seed of all randomness, in place of the scenario's; of a sweep, the seed of the first run of each cell
+    /// Random seed; overrides that of the scenario. In a sweep, the seed of the first run of each cell
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// Settings that override those of the scenario.

@@ -1,4 +1,4 @@
-//! `sextant recover`: save what is whole in a broken recording.
+//! `sextant recover`: copies the readable part of a broken recording.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -7,15 +7,16 @@ use clap::Args;
 
 use super::options::Printing;
 use crate::diagnostic::Failure;
+use crate::interrupt::Interrupt;
 use crate::recording;
 
-/// What `sextant recover` is told.
+/// Arguments of `sextant recover`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// The broken recording, RUN.mcap.part after a crash
+    /// The broken recording; RUN.mcap.part after a crash
     #[arg(value_name = "BROKEN.mcap")]
     pub broken: PathBuf,
-    /// Where the sound copy goes
+    /// The recording to write
     #[arg(long, value_name = "GOOD.mcap")]
     pub out: PathBuf,
     /// How results are printed.
@@ -23,12 +24,12 @@ pub struct Arguments {
     pub printing: Printing,
 }
 
-pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let recovery = recording::recover(&arguments.broken, &arguments.out)?;
+pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let recovery = recording::recover(&arguments.broken, &arguments.out, interrupt)?;
     let (messages, out) = (recovery.messages, arguments.out.display());
     let text = match &recovery.damage {
         Some(damage) => format!(
-            "{messages} messages saved in {out}; the recording is broken at byte {}: {}",
+            "{messages} messages copied to {out}; the recording is broken at byte {}: {}",
             damage.at_byte, damage.why
         ),
         None => format!("{messages} messages copied to {out}; the recording was not broken"),

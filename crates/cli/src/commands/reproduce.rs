@@ -1,4 +1,4 @@
-//! `sextant reproduce`: the thesis' tables and figures, published beside ours.
+//! `sextant reproduce`: the tables and figures of the thesis, with published values and ours.
 
 use std::io::{self, Write};
 use std::num::NonZeroU32;
@@ -16,22 +16,22 @@ use crate::reproduce::{
 use crate::sweep::write_table;
 use crate::text::{Align, columns, counted};
 
-/// What `sextant reproduce` is told.
+/// Arguments of `sextant reproduce`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// Numbers of tables or figures, as `--list` shows them
+    /// Numbers of tables or figures, as listed by `--list`
     #[arg(value_name = "ID", required_unless_present_any = ["all", "list"])]
     pub ids: Vec<String>,
-    /// Everything
+    /// Reproduce all tables and figures
     #[arg(long, conflicts_with = "ids")]
     pub all: bool,
-    /// Print what there is and which scenarios it runs
+    /// List the tables and figures, and the scenarios that they run
     #[arg(long)]
     pub list: bool,
     /// Runs of each scenario, with the seeds 1, 2, ..
     #[arg(long, value_name = "N", default_value = "10")]
     pub runs: NonZeroU32,
-    /// The folder for tables, figures and the scenarios that were run; it is made if it is not there
+    /// The folder for tables, figures and the scenarios that were run. It is created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "reproduction")]
     pub out: PathBuf,
     /// How results are printed.
@@ -96,7 +96,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
 }
 
-/// Writes the table of the runs of each of `scenarios`, as far as they were made.
+/// Writes the table of the finished runs of each of `scenarios`.
 fn write_runs(runs: &Runs, scenarios: &[&str], out: &Path) -> Result<(), Failure> {
     for (scenario, plan, rows) in runs.scenarios().filter(|(scenario, ..)| scenarios.contains(scenario)) {
         let name = scenario.trim_end_matches(".toml").replace('/', "-");
@@ -131,7 +131,7 @@ fn list(stdout: &mut impl Write) -> io::Result<()> {
     columns(&rows, &[Align::Left; 3], stdout)
 }
 
-/// What an experiment brought.
+/// The results of an experiment.
 struct Results<'a> {
     experiment: &'a Experiment,
     lines: Vec<Line>,
@@ -176,9 +176,9 @@ impl<'a> Results<'a> {
     }
 }
 
-const MARGIN: &str = "A margin is the mean difference in the comparison that decides, between runs of the same seed, with its \
-                      95 % interval: above 0 it is on the side of the conclusion; if the interval has 0 in it, the runs \
-                      cannot tell.";
+const MARGIN: &str = "A margin is the mean difference between runs of the same seed, in the comparison that decides the \
+                      result, with its 95 % confidence interval. A margin above 0 supports the conclusion; if the \
+                      interval contains 0, it cannot be told whether the conclusion holds.";
 
 fn json(finished: &[Results<'_>], runs: NonZeroU32) -> Value {
     let experiments: Vec<_> = finished.iter().map(Results::json).collect();

@@ -1,4 +1,4 @@
-//! `sextant run`: simulate, record, map, measure.
+//! `sextant run`: simulates a scenario, records it, computes its maps and measures them.
 
 use std::path::PathBuf;
 
@@ -7,20 +7,20 @@ use clap::Args;
 use super::options::{Results, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::output::refuse_shared;
+use crate::output::reject_shared;
 use crate::run::{self, Request};
 
-/// What `sextant run` is told.
+/// Arguments of `sextant run`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// The scenario.
     #[command(flatten)]
     pub source: ScenarioSource,
-    /// Where the recording goes; SCENARIO.mcap in the working folder if absent
+    /// The recording to write [default: SCENARIO.mcap in the working folder]
     #[arg(long, value_name = "RUN.mcap")]
     pub out: Option<PathBuf>,
-    /// Also write the frames to this file, for Wireshark: all on air, or those that the robot hears that the
-    /// scenario names as recording.pcap.robot
+    /// Also write frames to this file, for Wireshark: all frames on air, or only those that one robot receives if the
+    /// scenario names it in recording.pcap.robot
     #[arg(long, value_name = "FILE.pcap")]
     pub pcap: Option<PathBuf>,
     /// Where the results go.
@@ -32,7 +32,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Where the recording goes.
+    /// The file of the recording.
     #[must_use]
     pub fn recording(&self) -> PathBuf {
         let default = || PathBuf::from(self.source.scenario.file_name().unwrap_or_default()).with_extension("mcap");
@@ -44,7 +44,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     arguments.work.start_threads()?;
     let scenario = arguments.source.load()?;
     let recording = arguments.recording();
-    refuse_shared(&[
+    reject_shared(&[
         ("--out", Some(&recording)),
         ("--summary", arguments.results.summary.as_ref()),
         ("--pcap", arguments.pcap.as_ref()),

@@ -1,4 +1,4 @@
-//! `sextant schema`: what a scenario file may say, for editors and programs.
+//! `sextant schema`: the JSON schema of scenario files, for editors and programs.
 
 use std::io::{self, Write};
 
@@ -19,9 +19,9 @@ pub(crate) fn execute() -> Result<(), Failure> {
 fn schema() -> schemars::Schema {
     let mut schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<ScenarioConfig>();
     schema.insert("title".to_owned(), "Sextant scenario".into());
-    // `extends` is read before the rest, and what it names may hold what is required.
+    // `extends` is read first, and the file that it names may contain the required keys.
     let extends = json!({
-        "description": "Another scenario file, relative to this one: what this file says overrides it, table by table.",
+        "description": "Path of another scenario file, relative to this one. The settings of this file override those of the other file, table by table.",
         "type": "string",
     });
     if let Some(properties) = schema.get_mut("properties").and_then(Value::as_object_mut) {

@@ -1,4 +1,4 @@
-//! `sextant sweep`: one scenario under many settings and seeds.
+//! `sextant sweep`: runs one scenario with many settings and seeds.
 
 use std::io::{self, Write};
 use std::num::NonZeroU32;
@@ -14,26 +14,26 @@ use crate::summary::{Measure, measures};
 use crate::sweep::{Column, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
 use crate::text::{Align, columns, counted};
 
-/// What `sextant sweep` is told.
+/// Arguments of `sextant sweep`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// The scenario; its `[sweep]` says which settings vary.
+    /// The scenario; its table `[sweep]` lists the settings that vary.
     #[command(flatten)]
     pub source: ScenarioSource,
-    /// Where the table goes, one row a cell and run: TABLE.csv or TABLE.parquet; SCENARIO.csv in the working folder if
-    /// absent
+    /// The table to write, TABLE.csv or TABLE.parquet, with one row per cell and run [default: SCENARIO.csv in the
+    /// working folder]
     #[arg(long, value_name = "TABLE")]
     pub out: Option<PathBuf>,
-    /// Runs of each cell, with the seeds seed, seed + 1, ..; in place of the scenario's
+    /// Runs of each cell, with the seeds seed, seed + 1, ..; overrides that of the scenario
     #[arg(long, value_name = "N")]
     pub runs: Option<NonZeroU32>,
-    /// Only the I-th of N shares of the work, from 1: the tables of all shares hold the rows of the whole
+    /// Do only part I of N of the work (I from 1 to N). The tables of all parts together have all rows
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub shard: Shard,
-    /// Go on with a sweep that was interrupted
+    /// Continue a sweep that was interrupted
     #[arg(long)]
     pub resume: bool,
-    /// Print what would be run, and run nothing
+    /// Print the plan, and run nothing
     #[arg(long)]
     pub dry_run: bool,
     /// How results are printed.
@@ -45,7 +45,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Where the table goes.
+    /// The file of the table.
     #[must_use]
     pub fn table(&self) -> PathBuf {
         let default = || {
@@ -69,7 +69,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
     let rows = match run(&plan, arguments.shard, &out, arguments.resume, interrupt, arguments.work.quiet) {
         Err(Failure::Interrupted) => {
-            arguments.work.note("what is finished is kept; go on with --resume");
+            arguments.work.note("finished runs are kept; continue with --resume");
             return Err(Failure::Interrupted);
         }
         other => other?,
@@ -105,14 +105,14 @@ fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()
     Ok(())
 }
 
-/// The rows of a sweep, summed up a cell.
+/// The rows of a sweep, summarised for each cell.
 struct Results<'a> {
     plan: &'a Plan,
     rows: &'a [Row],
 }
 
 impl Results<'_> {
-    /// The mean of a measure with its interval, in the unit for people: `6.0 ± 0.3 %`.
+    /// The mean of a measure with its interval, in the unit of the printed table: `6.0 ± 0.3 %`.
     fn written(&self, cell: usize, measure: Measure<'_>) -> String {
         let (factor, unit) = measure.unit().for_people();
         let mean = self.plan.mean(self.rows, cell, measure);
@@ -167,7 +167,7 @@ impl Results<'_> {
     }
 }
 
-/// The end of each key that tells it from the others: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.
+/// The shortest end of each key that no other key has: `p0` for `maps.0.algorithm.ml_tm.profile.trapezoid.p0`.
 fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
     let is_end_of = |end: &str, key: &str| key == end || key.ends_with(&format!(".{end}"));
     keys.iter().map(move |Column { name, .. }| {
@@ -183,7 +183,7 @@ mod tests {
     use crate::sweep::Kind;
 
     #[test]
-    fn keys_are_shortened_as_far_as_they_stay_apart() {
+    fn keys_are_shortened_but_stay_distinct() {
         let keys = ["a.b.p0", "a.c.range_m", "a.d.range_m", "seed"].map(|key| Column::new(key, Kind::Real));
         assert_eq!(shortened(&keys).collect::<Vec<_>>(), ["p0", "c.range_m", "d.range_m", "seed"]);
     }

@@ -1,4 +1,4 @@
-//! A frame with numbers at its sides: from metres or shares to places on the picture.
+//! Axes of a plot: converts values to points of the picture, and draws frame, ticks and numbers.
 
 use super::palette::{FAINT_INK, GRID, INK};
 use super::picture::{Anchor, Area, Picture, Point, Stroke, TextStyle, Weight, text_width};
@@ -10,13 +10,13 @@ pub(super) const TICK_TEXT: TextStyle = TextStyle { em: 12.0, weight: Weight::Re
 pub(super) const LABEL_TEXT: TextStyle = TextStyle { em: 13.0, weight: Weight::Regular, color: INK };
 /// Titles.
 pub(super) const TITLE_TEXT: TextStyle = TextStyle { em: 16.0, weight: Weight::Bold, color: INK };
-/// What stands below a title.
+/// Note below a title.
 pub(super) const NOTE_TEXT: TextStyle = TextStyle { em: 13.0, weight: Weight::Regular, color: FAINT_INK };
 /// Frames and ticks.
 pub(super) const FRAME: Stroke = Stroke::new(INK, 1.0);
 /// Length of a tick (px).
 pub(super) const TICK: f64 = 5.0;
-/// Ticks of an axis are this far apart (px), or a little more.
+/// Minimum distance of the ticks of an axis (px).
 const TICK_DISTANCE: f64 = 62.0;
 
 /// The range of an axis and its name.
@@ -28,12 +28,12 @@ pub(super) struct Axis {
     pub(super) shown: Shown,
 }
 
-/// What of an axis is drawn.
+/// Which parts of an axis are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Shown {
     /// Ticks, numbers and name.
     All,
-    /// Ticks only: a panel below has the numbers.
+    /// Ticks only; a panel below has the numbers.
     Ticks,
 }
 
@@ -46,7 +46,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Where a pair of numbers is on the picture.
+    /// The point of the picture for a pair of values.
     pub(super) fn at(&self, x: f64, y: f64) -> Point {
         let Self { across, up, area } = self;
         Point::new(
@@ -55,7 +55,7 @@ impl Axes {
         )
     }
 
-    /// The ticks of both axes; of equal step where both have the same scale.
+    /// The ticks of both axes, with equal steps if both axes have the same scale.
     fn ticks(&self) -> (Ticks, Ticks) {
         let Self { across, up, area } = self;
         let most = |length: f64| (length / TICK_DISTANCE).max(1.0);
@@ -67,13 +67,13 @@ impl Axes {
                 Ticks::new(up.low, up.high, most(area.height), 0.0),
             );
         }
-        // A low plot has finer ticks upwards, so that it has some.
+        // A low plot needs finer ticks on its vertical axis.
         let px = step(across, area.width);
         let ticks = |axis: &Axis, distance: f64| Ticks::new(axis.low, axis.high, f64::MAX, px * distance);
         (ticks(across, TICK_DISTANCE), ticks(up, TICK_DISTANCE.min(area.height / 3.5)))
     }
 
-    /// Thin lines at the ticks; draw them before what they help to read.
+    /// Draws thin lines at the ticks. Call it before the data is drawn.
     pub(super) fn draw_grid(&self, picture: &mut Picture) {
         let (across, up) = self.ticks();
         let stroke = Stroke::new(GRID, 1.0);
@@ -85,7 +85,7 @@ impl Axes {
         }
     }
 
-    /// The frame with its ticks, numbers and names.
+    /// Draws the frame with its ticks, numbers and names.
     pub(super) fn draw(&self, picture: &mut Picture) {
         let (across, up) = self.ticks();
         let area = self.area;

@@ -1,4 +1,4 @@
-//! Curves of numbers over numbers.
+//! Plots of curves.
 
 use super::axes::{Axes, Axis, Shown};
 use super::file::Figure;
@@ -12,29 +12,29 @@ const SIZE: (f64, f64) = (560.0, 360.0);
 /// A curve and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What it is, in the legend.
+    /// Its name in the legend.
     pub name: String,
-    /// Its points in the order in which they are joined.
+    /// Its points, in the order of the line.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Several curves over common axes; the upward axis begins at 0.
+/// Several curves with common axes; the vertical axis begins at 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
-    /// What is seen.
+    /// The title.
     pub title: String,
-    /// What one should know of it.
+    /// The note below the title.
     pub note: String,
-    /// Name of the axis to the right, with its unit.
+    /// Name of the horizontal axis, with its unit.
     pub across: String,
-    /// Name of the axis upwards, with its unit.
+    /// Name of the vertical axis, with its unit.
     pub up: String,
     /// The curves.
     pub series: Vec<Series>,
 }
 
 impl Curves {
-    /// The figure, whose file has this name.
+    /// The figure; `name` is the name of its file.
     #[must_use]
     pub fn figure(self, name: &str) -> Figure {
         Figure { name: name.to_owned(), picture: self.draw() }
@@ -46,7 +46,7 @@ impl Curves {
         let low = points().map(|point| point.0).fold(f64::INFINITY, f64::min);
         let high = points().map(|point| point.0).fold(f64::NEG_INFINITY, f64::max);
         let top = points().map(|point| point.1).fold(0.0, f64::max);
-        // A single place still needs an axis.
+        // An axis needs a width even if there is only one value.
         let (low, high) = if low < high { (low, high) } else { (low.min(0.0) - 0.5, high.max(0.0) + 0.5) };
         let legend = self.series.iter().enumerate().map(|(i, series)| {
             let (stroke, pattern) = style(i);
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_point_of_each_curve_is_marked_in_its_colour() {
+    fn each_point_is_marked_in_the_colour_of_its_curve() {
         let series = |name: &str, y: f64| Series { name: name.into(), points: vec![(0.0, y), (1.0, 2.0 * y)] };
         let curves = Curves {
             title: "t".into(),

@@ -1,4 +1,4 @@
-//! How the errors of all maps are distributed over the nodes.
+//! The distribution of the errors of the nodes in all maps.
 
 use plotters::style::RGBColor;
 use sextant_channel::Position;
@@ -16,20 +16,20 @@ use crate::recording::Places;
 const SIZE: (f64, f64) = (560.0, 360.0);
 /// The line of half of the nodes.
 const HALF: Stroke = Stroke::new(FAINT_INK, 1.0);
-/// Radius of the neighbourhood whose errors are drawn (m).
+/// Radius of the neighbourhood for the connectivity error (m).
 const NEIGHBOURHOOD_M: f64 = 5.0;
 
-/// An error that a node has on a map.
+/// An error of a node in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NodeError {
-    /// Its distance from its true place.
+    /// The distance from its true position.
     Position,
-    /// The share of its neighbours that it has lost.
+    /// The share of its neighbours that it loses.
     Connectivity,
 }
 
 impl NodeError {
-    /// Its name; the unit follows if it has one.
+    /// The name of the error, without its unit.
     fn name(self) -> String {
         match self {
             Self::Position => "position error".to_owned(),
@@ -37,7 +37,7 @@ impl NodeError {
         }
     }
 
-    /// What follows a number.
+    /// The unit after a number.
     fn unit(self) -> &'static str {
         match self {
             Self::Position => " m",
@@ -45,7 +45,7 @@ impl NodeError {
         }
     }
 
-    /// Of which nodes the shares are.
+    /// The nodes that are counted.
     fn nodes(self) -> &'static str {
         match self {
             Self::Position => "mapped nodes",
@@ -53,7 +53,7 @@ impl NodeError {
         }
     }
 
-    /// The errors of the nodes of a map for which it is defined.
+    /// The errors of the nodes of a map, where they are defined.
     fn of(self, source: &Source<'_>, places: &Places) -> Vec<f64> {
         match self {
             Self::Position => source.errors(places).iter().map(|&(_, error_m)| error_m).collect(),
@@ -70,7 +70,7 @@ impl NodeError {
 
 /// The curve of one map.
 struct Curve {
-    /// Errors from small to large.
+    /// Errors in ascending order.
     errors: Vec<f64>,
     median: f64,
     color: RGBColor,
@@ -101,7 +101,7 @@ pub(super) fn draw(source: &Source<'_>, what: NodeError) -> Option<Picture> {
         return None;
     }
     let title = format!("{}: {}", source.title, what.name());
-    let note = format!("share of the {} whose error is at most this; a dot marks the median", what.nodes());
+    let note = format!("share of the {} with at most this error; a dot marks the median", what.nodes());
     let (mut picture, areas) = Sheet { title, note, bar: None, legend }.lay_out(&[SIZE]);
     let across = if unit.is_empty() { what.name() } else { format!("{} [{}]", what.name(), unit.trim()) };
     let axes = Axes {
@@ -125,7 +125,7 @@ pub(super) fn draw(source: &Source<'_>, what: NodeError) -> Option<Picture> {
 }
 
 impl Curve {
-    /// The share that is not above, as a staircase from 0 to the right end of the plot.
+    /// The cumulative distribution as a step function from 0 to the right end of the plot.
     fn steps(&self, axes: &Axes) -> Vec<Point> {
         let share = |count: usize| count as f64 / self.errors.len() as f64;
         let mut points = vec![axes.at(0.0, 0.0)];
@@ -144,7 +144,7 @@ mod tests {
     use crate::figure::picture::Area;
 
     #[test]
-    fn a_curve_climbs_by_one_share_at_each_error() {
+    fn a_curve_has_one_step_per_error() {
         let axis = |high: f64| Axis { low: 0.0, high, name: String::new(), shown: Shown::All };
         let area = Area { left: 0.0, top: 0.0, width: 4.0, height: 1.0 };
         let axes = Axes { across: axis(4.0), up: axis(1.0), area };

@@ -1,23 +1,24 @@
-//! A picture with the name of its file.
+//! A picture and its file.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::paint;
 use super::picture::Picture;
+use crate::output::write_whole;
 
-/// A format of picture files.
+/// The format of a picture file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum FileFormat {
-    /// Lines and text, for papers and pages
+    /// Vector graphics
     #[default]
     Svg,
-    /// Pixels, 192 an inch
+    /// Pixels, 192 per inch
     Png,
 }
 
 impl FileFormat {
-    /// What the names of its files end in.
+    /// The extension of file names.
     #[must_use]
     pub fn extension(self) -> &'static str {
         match self {
@@ -27,7 +28,7 @@ impl FileFormat {
     }
 }
 
-/// A picture and the name of its file without the format.
+/// A picture and the name of its file, without extension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     pub(super) name: String,
@@ -35,30 +36,36 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Name of its file without the format; unique in a recording.
+    /// The name of its file, without extension; unique in a recording.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Writes it into `folder` and returns where: first beside it, then renamed, so that the file is whole.
+    /// Writes the picture to a file in `folder` and returns the path. The file is written completely or not at all.
     ///
     /// # Errors
-    /// If the system refuses.
+    /// If the file cannot be written.
     pub fn write(&self, folder: &Path, format: FileFormat) -> io::Result<PathBuf> {
-        let path = folder.join(format!("{}.{}", self.name, format.extension()));
-        let part = folder.join(format!("{}.{}.part", self.name, format.extension()));
-        let bytes = match format {
-            FileFormat::Svg => paint::svg(&self.picture)?.into_bytes(),
-            FileFormat::Png => paint::png(&self.picture)?,
-        };
-        match std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path)) {
-            Ok(()) => Ok(path),
-            Err(error) => {
-                // Only the error that came first is worth telling.
-                let _ = std::fs::remove_file(&part);
-                Err(error)
-            }
+        let path = self.path(folder, format);
+        write_whole(&path, &self.encode(format)?)?;
+        Ok(path)
+    }
+
+    /// The path of its file in `folder`.
+    #[must_use]
+    pub fn path(&self, folder: &Path, format: FileFormat) -> PathBuf {
+        folder.join(format!("{}.{}", self.name, format.extension()))
+    }
+
+    /// The contents of its file.
+    ///
+    /// # Errors
+    /// If the picture cannot be encoded.
+    pub fn encode(&self, format: FileFormat) -> io::Result<Vec<u8>> {
+        match format {
+            FileFormat::Svg => paint::svg(&self.picture).map(String::into_bytes),
+            FileFormat::Png => paint::png(&self.picture),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The figures that a recording gives.
+//! All figures of a recording.
 
 use std::collections::BTreeSet;
 
@@ -8,8 +8,7 @@ use super::source::Source;
 use super::{likelihood, map, network};
 
 /// All figures of a recording: `network`, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
-/// places are known,
-/// `likelihood-NAME-NODE` for each surface.
+/// positions are known, and `likelihood-NAME-NODE` for each likelihood surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
     let mut figures = vec![("network".to_owned(), network::draw(source))];
@@ -27,15 +26,15 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
     figures.into_iter().map(|(name, picture)| Figure { name: file_name(&name, &mut taken), picture }).collect()
 }
 
-/// `name` with what file systems do not like replaced, and a number if it is taken; systems that do not tell
-/// capitals from small letters are thought of.
+/// `name` as a file name: characters that a file system may reject are replaced, and a number is added if the name is
+/// already used. Names that differ only in upper and lower case count as equal, as on some file systems.
 fn file_name(name: &str, taken: &mut BTreeSet<String>) -> String {
     const LONGEST: usize = 80;
     let plain = |letter: char| if letter.is_alphanumeric() || "-_.+".contains(letter) { letter } else { '_' };
     let name: String = name.chars().take(LONGEST).map(plain).collect();
     let numbered = |number: u32| if number == 1 { name.clone() } else { format!("{name}-{number}") };
     let free = (1..).map(numbered).find(|name| taken.insert(name.to_lowercase()));
-    free.expect("one of all numbers is free")
+    free.expect("there are more numbers than names")
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The likelihood of one node over the plane of the grid through its maximum.
+//! The likelihood of one node, on the plane of the grid through its maximum.
 
 use sextant_channel::Position;
 
@@ -11,12 +11,12 @@ use super::silhouette::draw_rims;
 use super::source::Source;
 use super::view::{Extent, Panel, View, Views};
 
-/// Powers of ten below the maximum that are told apart.
+/// Number of powers of ten below the maximum that have different colours.
 const DECADES: f64 = 12.0;
-/// Colours that are told apart.
+/// Number of different colours.
 const SHADES: f64 = 48.0;
 
-/// World around the surface that is shown (m).
+/// Width of the world that is shown around the surface (m).
 const SURROUNDINGS_M: f64 = 1.0;
 
 const TRUTH: Stroke = Stroke::new(ACCENT, 2.2);
@@ -54,7 +54,7 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
     let mut legend = Vec::new();
     if truth.is_some() {
         let symbol = Symbol::Plus { stroke: TRUTH, casing: TRUTH_CASING };
-        legend.push(Entry { symbol, text: "true place".to_owned() });
+        legend.push(Entry { symbol, text: "true position".to_owned() });
     }
     if estimate.is_some() {
         let symbol = Symbol::Ring { stroke: ESTIMATE, casing: ESTIMATE_CASING };
@@ -63,7 +63,7 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
     legend.push(Entry { symbol: Symbol::Body { fill: PAPER, rim: NOTHING }, text: "impossible".to_owned() });
     if !solids.is_empty() {
         let symbol = Symbol::Line { stroke: RIM, pattern: &[] };
-        legend.push(Entry { symbol, text: "rim of an obstacle".to_owned() });
+        legend.push(Entry { symbol, text: "outline of an obstacle".to_owned() });
     }
     let error = truth.zip(estimate).map(|(truth, estimate)| truth.distance_m(estimate));
     let error = error.map_or(String::new(), |error_m| format!(", error {error_m:.2} m"));
@@ -90,7 +90,7 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
     picture
 }
 
-/// Powers of ten to the maximum, at each vertex.
+/// Logarithm (base 10) of the likelihood relative to the maximum, at each vertex.
 fn levels(plane: &LikelihoodPlane) -> Vec<f64> {
     let highest = plane.log_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !highest.is_finite() {
@@ -99,7 +99,7 @@ fn levels(plane: &LikelihoodPlane) -> Vec<f64> {
     plane.log_likelihood.iter().map(|&log| (log - highest) / std::f64::consts::LN_10).collect()
 }
 
-/// Two opposite corners of the cells around all vertices.
+/// Two opposite corners of the area of all cells.
 fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
     let rows = plane.log_likelihood.len() / plane.columns as usize;
     let (across, up) = (f64::from(plane.columns), rows as f64);
@@ -108,7 +108,7 @@ fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
     [first, first + Position::new(across, up, 0.0) * plane.step_m]
 }
 
-/// One rectangle for each run of equal shade along x; where the likelihood is zero, paper is left.
+/// Draws one rectangle for each run of cells of equal shade along x, and nothing where the likelihood is zero.
 fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &LikelihoodPlane, levels: &[f64], bar: &ColourBar) {
     let shade = |level: f64| {
         let shade = ((level - bar.low) / (bar.high - bar.low) * SHADES).round().clamp(0.0, SHADES);
@@ -119,14 +119,14 @@ fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &LikelihoodPlane, lev
         let shades: Vec<Option<f64>> = levels.iter().map(|&level| shade(level)).collect();
         let mut column = 0_u32;
         for run in shades.chunk_by(|a, b| a == b) {
-            let end = column + u32::try_from(run.len()).expect("a run within the columns");
+            let end = column + u32::try_from(run.len()).expect("a run has at most as many cells as columns");
             let corner = |column: u32, row: u32| {
                 panel.at(first + Position::new(f64::from(column), f64::from(row), 0.0) * plane.step_m)
             };
             let (low, high) = (corner(column, row), corner(end, row + 1));
             if let Some(shade) = run[0] {
                 let (width, height) = (high.x - low.x, low.y - high.y);
-                // A run covers the seams to its neighbours.
+                // The rectangle is slightly larger, so that no gap is visible to its neighbours.
                 let area = Area { left: low.x, top: high.y - 0.6, width: width + 0.6, height: height + 0.6 };
                 picture.rectangle(area, bar.ramp.color(shade / SHADES));
             }

@@ -1,4 +1,4 @@
-//! A map beside the truth: where each node is placed, and how far from its true place.
+//! A map compared with the truth: the position of each node, and its distance from the true position.
 
 use sextant_kernel::NodeId;
 use sextant_mapper::PositionError;
@@ -11,7 +11,7 @@ use super::sheet::{ColourBar, Entry, Sheet, Symbol};
 use super::silhouette::draw_solids;
 use super::source::Source;
 
-/// From the true place to the mapped one.
+/// Lines from true positions to mapped positions.
 const ERROR: Stroke = Stroke::new(THREAD, 1.0);
 /// A node that is not on the map.
 const ABSENT: Stroke = Stroke::new(ACCENT, 1.6);
@@ -30,7 +30,7 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
     legend.push(Entry { symbol: Symbol::Disc { radius, fill }, text: "mapped node".to_owned() });
     if !errors.is_empty() {
         let symbol = Symbol::Line { stroke: ERROR, pattern: &[] };
-        legend.push(Entry { symbol, text: "line to its true place".to_owned() });
+        legend.push(Entry { symbol, text: "line to its true position".to_owned() });
     }
     if !absent.is_empty() {
         let text = "node that is not mapped".to_owned();
@@ -41,7 +41,7 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
     let sheet = Sheet { title, note, bar, legend };
     let (mut picture, areas) = sheet.lay_out(&views.sizes());
     let mut order = errors;
-    // The worst are on top.
+    // The largest errors are drawn last, on top.
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     for panel in views.panels(&areas) {
         draw_solids(&mut picture, &panel, source.solids());
@@ -63,7 +63,7 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
     picture
 }
 
-/// From no error to the largest, or to where 95 % are below if few are far beyond.
+/// The colour bar, from 0 to the largest error, or to the 95th percentile if a few errors are much larger.
 fn colour_bar(distribution: &PositionError) -> ColourBar {
     let open_end = distribution.max > 1.5 * distribution.p95 && distribution.p95 > 0.0;
     let high = if open_end { distribution.p95 } else { distribution.max };
@@ -80,6 +80,6 @@ fn heading(source: &Source<'_>, name: &str, mapped: usize, distribution: Option<
             format!("{share}, mean error {mean:.2} m"),
             format!("{}; median {median:.2} m, 90 % below {p90:.2} m, largest {max:.2} m", source.title),
         ),
-        None => (share, format!("{}; true places unknown", source.title)),
+        None => (share, format!("{}; true positions unknown", source.title)),
     }
 }

@@ -1,9 +1,8 @@
-//! Figures of a run for papers and pages: from a recording to pictures, SVG or PNG.
+//! Figures of a recording as SVG or PNG files, for papers and web pages.
 //!
-//! Goes in: the reception log of a recording and what it shows in space. Comes out: a [`Figure`] each of the network
-//! with the survey, of every map, of the distribution of all maps' errors, and of every likelihood surface. The same
-//! recording gives the same bytes. Colours are told apart with any colour vision: Okabe and Ito's for kinds, viridis,
-//! darker for more, for numbers.
+//! There is one [`Figure`] of the network with the survey, one of each map, one of the distribution of each kind of error,
+//! and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
+//! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
 //! ```no_run
 //! use std::path::Path;

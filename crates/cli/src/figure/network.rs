@@ -1,4 +1,4 @@
-//! The network and the survey: nodes, obstacles, where the robots drove, where they listened and what they met.
+//! The network and the survey: nodes, obstacles, and the paths, stops and contacts of the robots.
 
 use plotters::style::RGBColor;
 use sextant_channel::{Position, ReceptionLog};
@@ -78,12 +78,12 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
     Sheet { title: format!("{title}: network and survey"), note: note.join(", "), bar: Some(bar.clone()), legend }
 }
 
-/// The line of the `i`th robot.
+/// The line style of the `i`th robot.
 fn track(i: usize) -> Stroke {
     Stroke::new(CURVES[(i + 4) % CURVES.len()], 1.4)
 }
 
-/// The number of nodes that were heard, by stop.
+/// The number of nodes heard at each stop.
 fn nodes_heard(log: &ReceptionLog) -> Vec<u32> {
     let mut heard = vec![0; log.stops().len()];
     for reception in log.receptions().iter().filter(|reception| reception.received > 0) {

@@ -1,4 +1,4 @@
-//! From a picture to the octets of a file, by the backends of plotters.
+//! Converts a picture to SVG or PNG, with the backends of plotters.
 
 use std::fmt::Display;
 use std::io;
@@ -10,19 +10,19 @@ use plotters::style::{FontTransform, ShapeStyle, TextStyle as PlottersText};
 use super::palette::PAPER;
 use super::picture::{Anchor, Mark, Picture, Point, Run, Stroke, font};
 
-/// Units of the backend's whole-number coordinates in a pixel of an SVG: places are exact to a tenth of a pixel.
+/// Units per pixel in an SVG. Coordinates of the backend are integers, so positions are exact to a tenth of a pixel.
 const SVG_UNITS: f64 = 10.0;
-/// Pixels of a PNG in a pixel of the picture: 192 dots an inch.
+/// Pixels of a PNG per pixel of the picture: 192 dots per inch.
 const PNG_SCALE: u32 = 2;
-/// Samples along each side of a pixel of a PNG, for smooth edges.
+/// Samples along each side of a PNG pixel, for smooth edges.
 const SAMPLES: u32 = 3;
 
-/// How a backend wants to be spoken to.
+/// The properties of a backend.
 #[derive(Clone, Copy)]
 struct Manner {
-    /// Units of the backend in a pixel of the picture.
+    /// Units of the backend per pixel of the picture.
     units: f64,
-    /// How far below the middle of capital letters the backend takes the middle of a text to be (em).
+    /// Distance from the middle of capital letters down to the middle of a text in the backend (em).
     text_drop_em: f64,
     joints: Joints,
 }
@@ -32,7 +32,8 @@ struct Manner {
 enum Joints {
     /// The backend joins them.
     Backend,
-    /// Piece by piece with a disc at each joint, because the backend leaves holes where a wide path crosses itself.
+    /// Each piece is drawn by itself, with a disc at each joint. The backend leaves holes where a wide path crosses
+    /// itself.
     Discs,
 }
 
@@ -45,7 +46,7 @@ pub(super) fn svg(picture: &Picture) -> io::Result<String> {
         let mut backend = SVGBackend::with_string(&mut document, (wide, high));
         paint(picture, &mut backend, Manner { units: SVG_UNITS, text_drop_em: 0.09, joints: Joints::Backend })?;
     }
-    // The backend writes the size in its own units, of which pixels are tenths.
+    // The backend writes the size in its units, which are tenths of a pixel.
     let size = format!("width=\"{wide}\" height=\"{high}\"");
     Ok(document.replacen(&size, &format!("width=\"{width}\" height=\"{height}\""), 1))
 }
@@ -151,17 +152,17 @@ fn draw_jointed<B: DrawingBackend>(
     })
 }
 
-/// What a backend says, in words.
+/// An error of a backend.
 fn refused(why: impl Display) -> io::Error {
     io::Error::other(why.to_string())
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "pictures are some thousand units wide")]
+#[expect(clippy::cast_possible_truncation, reason = "pictures are a few thousand units wide")]
 fn units(px: f64) -> i32 {
     px.round() as i32
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes of some thousand units")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes are a few thousand units")]
 fn whole(px: f64) -> u32 {
     px.round() as u32
 }

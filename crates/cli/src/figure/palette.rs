@@ -1,4 +1,4 @@
-//! Colours that people with any colour vision, and printers without colour, tell apart.
+//! Colours that can be distinguished with any colour vision and in black and white.
 
 use plotters::style::RGBColor;
 
@@ -8,18 +8,18 @@ pub(super) const INK: RGBColor = RGBColor(0x26, 0x26, 0x26);
 pub(super) const FAINT_INK: RGBColor = RGBColor(0x5a, 0x5a, 0x5a);
 /// Lines of a grid behind curves.
 pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
-/// Paper.
+/// Background.
 pub(super) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
 /// The body of an obstacle.
 pub(super) const OBSTACLE: RGBColor = RGBColor(0xc9, 0xc9, 0xc9);
-/// The rim of an obstacle.
+/// The outline of an obstacle.
 pub(super) const OBSTACLE_RIM: RGBColor = RGBColor(0x8a, 0x8a, 0x8a);
-/// A line that must not outshine what it joins.
+/// A line that is less visible than the points that it connects.
 pub(super) const THREAD: RGBColor = RGBColor(0x9a, 0x9a, 0x9a);
-/// What must be seen first (vermillion of Okabe and Ito).
+/// Important marks (vermillion of Okabe and Ito).
 pub(super) const ACCENT: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
 
-/// Colours of several curves: Okabe and Ito, "Color Universal Design" (2008), without yellow, which fades on paper.
+/// Colours of curves: Okabe and Ito, "Color Universal Design" (2008), without yellow, which is hard to see on white.
 pub(super) const CURVES: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
@@ -30,10 +30,10 @@ pub(super) const CURVES: [RGBColor; 7] = [
     RGBColor(0x00, 0x00, 0x00),
 ];
 
-/// Strokes and gaps of several curves in turn (px).
+/// Dash patterns of curves: lengths of dashes and gaps (px).
 pub(super) const PATTERNS: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.0], &[9.0, 3.0, 2.5, 3.0]];
 
-/// Viridis (van der Walt and Smith, 2015) at equal steps, bright end first.
+/// Viridis (van der Walt and Smith, 2015) at equal steps, from bright to dark.
 const VIRIDIS: [RGBColor; 9] = [
     RGBColor(0xfd, 0xe7, 0x25),
     RGBColor(0xad, 0xdc, 0x30),
@@ -46,17 +46,17 @@ const VIRIDIS: [RGBColor; 9] = [
     RGBColor(0x44, 0x01, 0x54),
 ];
 
-/// A colour for each number from 0 to 1, darker the larger the number.
+/// A colour for each number from 0 to 1; larger numbers are darker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ramp {
-    /// For small marks on paper: without the brightest part.
+    /// For small marks on white: without the brightest part.
     Marks,
     /// For areas that touch each other.
     Areas,
 }
 
 impl Ramp {
-    /// The colour of `share`, which is brought into 0 to 1; not a number counts as 0.
+    /// The colour of `share`, which is clamped to 0 to 1; NaN counts as 0.
     pub(super) fn color(self, share: f64) -> RGBColor {
         let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         let brightest = match self {
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_beyond_the_ramp_have_the_colour_of_its_end() {
+    fn numbers_outside_the_range_are_clamped() {
         assert_eq!(Ramp::Areas.color(7.0), VIRIDIS[8]);
         assert_eq!(Ramp::Areas.color(f64::NAN), VIRIDIS[0]);
         assert_eq!(Ramp::Areas.color(-1.0), VIRIDIS[0]);

@@ -1,10 +1,10 @@
-//! A picture as a list of marks, in pixels of 1/96 inch from the upper left corner; later marks cover earlier ones.
+//! A picture as a list of marks, in pixels of 1/96 inch from the upper left corner. Later marks cover earlier ones.
 
 use std::sync::Once;
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, RGBColor, register_font};
 
-/// A place on the picture (px), y downwards.
+/// A point of the picture (px); y points down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Point {
     pub(super) x: f64,
@@ -25,7 +25,7 @@ impl Point {
     }
 }
 
-/// An upright rectangle (px).
+/// A rectangle (px).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -58,7 +58,7 @@ impl Stroke {
     }
 }
 
-/// Which part of a text is at its place; the middle of its height always is.
+/// Which part of a text is at its point. Vertically it is always the middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -66,7 +66,7 @@ pub(super) enum Anchor {
     End,
 }
 
-/// How a text is written.
+/// The style of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TextStyle {
     /// Height of an em (px).
@@ -75,7 +75,7 @@ pub(super) struct TextStyle {
     pub(super) color: RGBColor,
 }
 
-/// How heavy a text is.
+/// The weight of a font.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Weight {
     Regular,
@@ -89,7 +89,7 @@ pub(super) enum Run {
     Upwards,
 }
 
-/// One thing that is drawn.
+/// An element of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Mark {
     Path { points: Vec<Point>, stroke: Stroke },
@@ -110,7 +110,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Bare paper.
+    /// An empty picture.
     pub(super) fn new(width: f64, height: f64) -> Self {
         Self { width: width.ceil(), height: height.ceil(), marks: Vec::new() }
     }
@@ -125,7 +125,7 @@ impl Picture {
         self.path(vec![from, to], stroke);
     }
 
-    /// The part of a path that is within `area`.
+    /// Draws the part of a path that is within `area`.
     pub(super) fn path_within(&mut self, area: Area, points: &[Point], stroke: Stroke) {
         for pair in points.windows(2) {
             if let Some([from, to]) = clipped(area, [pair[0], pair[1]]) {
@@ -134,7 +134,8 @@ impl Picture {
         }
     }
 
-    /// A path drawn as dashes: lengths of strokes and gaps in turn (px); an unbroken one if `pattern` is empty.
+    /// Draws a path as dashes; `pattern` are the lengths of dashes and gaps in turn (px). Without a pattern the line is
+    /// solid.
     pub(super) fn dashed(&mut self, points: &[Point], pattern: &[f64], stroke: Stroke) {
         if pattern.is_empty() {
             self.path(points.to_vec(), stroke);
@@ -155,14 +156,14 @@ impl Picture {
         self.marks.push(Mark::Rectangle { area, fill });
     }
 
-    /// The rim of a rectangle.
+    /// Draws the outline of a rectangle.
     pub(super) fn frame(&mut self, area: Area, stroke: Stroke) {
         let (l, t, r, b) = (area.left, area.top, area.right(), area.bottom());
         let corners = [(l, t), (r, t), (r, b), (l, b), (l, t), (r, t)];
         self.path(corners.map(|(x, y)| Point::new(x, y)).into(), stroke);
     }
 
-    /// A square around `center` of the given side (px).
+    /// Draws a square around `center` with the given side (px).
     pub(super) fn square(&mut self, center: Point, side: f64, fill: RGBColor) {
         let half = side / 2.0;
         self.rectangle(Area { left: center.x - half, top: center.y - half, width: side, height: side }, fill);
@@ -172,37 +173,37 @@ impl Picture {
         self.marks.push(Mark::Disc { center, radius, fill });
     }
 
-    /// A ring of straight pieces, too short to be seen as such.
+    /// Draws a circle as a polygon with many sides.
     pub(super) fn ring(&mut self, center: Point, radius: f64, stroke: Stroke) {
         const PIECES: u8 = 48;
         let at = |i: u8| {
             let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(PIECES)).sin_cos();
             Point::new(center.x + radius * cos, center.y + radius * sin)
         };
-        // The end covers the beginning, or a notch would be seen between them.
+        // The last side covers the first one, so that no gap is visible.
         self.path((0..=PIECES + 1).map(at).collect(), stroke);
     }
 
-    /// An upright cross with arms of length `arm` (px).
+    /// Draws an upright cross with arms of length `arm` (px).
     pub(super) fn plus(&mut self, center: Point, arm: f64, stroke: Stroke) {
         let Point { x, y } = center;
         self.line(Point::new(x - arm, y), Point::new(x + arm, y), stroke);
         self.line(Point::new(x, y - arm), Point::new(x, y + arm), stroke);
     }
 
-    /// A slanting cross with arms that reach `arm` to each side (px).
+    /// Draws a diagonal cross that reaches `arm` to each side (px).
     pub(super) fn cross(&mut self, center: Point, arm: f64, stroke: Stroke) {
         let Point { x, y } = center;
         self.line(Point::new(x - arm, y - arm), Point::new(x + arm, y + arm), stroke);
         self.line(Point::new(x - arm, y + arm), Point::new(x + arm, y - arm), stroke);
     }
 
-    /// A text across the picture.
+    /// Draws a horizontal text.
     pub(super) fn text(&mut self, at: Point, text: &str, anchor: Anchor, style: TextStyle) {
         self.marks.push(Mark::Text { at, text: text.to_owned(), style, anchor, run: Run::Across });
     }
 
-    /// A text that runs upwards, its middle at `at`.
+    /// Draws a vertical text with its middle at `at`.
     pub(super) fn upward_text(&mut self, at: Point, text: &str, style: TextStyle) {
         let text = text.to_owned();
         self.marks.push(Mark::Text { at, text, style, anchor: Anchor::Middle, run: Run::Upwards });
@@ -228,7 +229,7 @@ fn clipped(area: Area, [from, to]: [Point; 2]) -> Option<[Point; 2]> {
     (enter < leave).then(|| [from.toward(to, enter), from.toward(to, leave)])
 }
 
-/// The pieces of a path that remain when it is cut by `pattern`: strokes and gaps in turn (px).
+/// The dashes of a path; `pattern` are the lengths of dashes and gaps in turn (px).
 fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     let mut pieces = Vec::new();
     let (mut step, mut left) = (0, pattern[0]);
@@ -257,16 +258,16 @@ fn dashes(points: &[Point], pattern: &[f64]) -> Vec<Vec<Point>> {
     pieces
 }
 
-/// The font of all text. Its embedded copy gives widths and draws pixels; the viewer of an SVG takes its own.
+/// The font of all text. Its embedded copy is used for widths and for PNG files; an SVG viewer uses its own font.
 pub(super) fn font(style: TextStyle, scale: f64) -> FontDesc<'static> {
     static REGISTERED: Once = Once::new();
     REGISTERED.call_once(|| {
         let fonts = [(FontStyle::Normal, dejavu::sans::regular()), (FontStyle::Bold, dejavu::sans::bold())];
         for (style, font) in fonts {
-            assert!(register_font("sans-serif", style, font).is_ok(), "the embedded font is sound");
+            assert!(register_font("sans-serif", style, font).is_ok(), "the embedded font is valid");
         }
     });
-    // The size of plotters is the height of a line, 1.24 em.
+    // In plotters the size of a font is the height of a line, 1.24 em.
     let face = match style.weight {
         Weight::Regular => FontStyle::Normal,
         Weight::Bold => FontStyle::Bold,
@@ -281,7 +282,7 @@ pub(super) fn text_width(text: &str, style: TextStyle) -> f64 {
     f64::from(width) / FINE
 }
 
-/// `text` cut to at most `width` (px), with an ellipsis if anything is missing.
+/// `text` shortened to at most `width` (px), with an ellipsis if it was cut.
 pub(super) fn shortened(text: &str, width: f64, style: TextStyle) -> String {
     if text_width(text, style) <= width {
         return text.to_owned();
@@ -304,7 +305,7 @@ mod tests {
     const STYLE: TextStyle = TextStyle { em: 12.0, weight: Weight::Regular, color: RGBColor(0, 0, 0) };
 
     #[test]
-    fn dashes_go_on_around_corners() {
+    fn dashes_continue_around_corners() {
         let corner = [Point::new(0.0, 0.0), Point::new(3.0, 0.0), Point::new(3.0, 4.0)];
         let pieces = dashes(&corner, &[4.0, 2.0]);
         assert_eq!(pieces[0], [Point::new(0.0, 0.0), Point::new(3.0, 0.0), Point::new(3.0, 1.0)]);
@@ -313,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_cut_at_the_sides_of_an_area() {
+    fn a_line_is_clipped_to_an_area() {
         let area = Area { left: 0.0, top: 0.0, width: 10.0, height: 4.0 };
         let line = |a: (f64, f64), b: (f64, f64)| clipped(area, [Point::new(a.0, a.1), Point::new(b.0, b.1)]);
         assert_eq!(line((-5.0, 2.0), (15.0, 2.0)), Some([Point::new(0.0, 2.0), Point::new(10.0, 2.0)]));
@@ -324,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_text_of_many_letters_is_cut_to_the_width() {
+    fn a_long_text_is_shortened_to_the_width() {
         let long = "a name that nobody should give to a scenario ".repeat(50);
         let short = shortened(&long, 200.0, STYLE);
         assert!(short.ends_with('…') && text_width(&short, STYLE) <= 200.0 && short.len() > 15, "{short}");

@@ -1,4 +1,4 @@
-//! The page of a figure: title, plots, colour bar and legend, each in a place of its own.
+//! The layout of a figure: title, plots, colour bar and legend.
 
 use plotters::style::RGBColor;
 
@@ -19,19 +19,19 @@ const BETWEEN: f64 = 18.0;
 const BAR_SPACE: f64 = 88.0;
 /// Height of a row of the legend (px).
 const ROW: f64 = 22.0;
-/// From the symbol of a legend to its text (px).
+/// Width of the symbol of an entry of the legend (px).
 const SYMBOL: f64 = 26.0;
-/// Longest title (px).
+/// Maximum width of a title (px).
 const LONGEST: f64 = 900.0;
 
-/// What explains the marks of a figure.
+/// An entry of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
     pub(super) symbol: Symbol,
     pub(super) text: String,
 }
 
-/// A mark beside its explanation.
+/// The symbol of an entry of the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Symbol {
     Disc { radius: f64, fill: RGBColor },
@@ -43,16 +43,16 @@ pub(super) enum Symbol {
     Ring { stroke: Stroke, casing: Stroke },
 }
 
-/// The meaning of a ramp.
+/// A colour bar: the numbers of a ramp of colours.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ColourBar {
     pub(super) name: String,
     pub(super) low: f64,
-    /// Above `low`.
+    /// The upper end, above `low`.
     pub(super) high: f64,
-    /// Numbers beyond `high` have its colour.
+    /// Whether there are numbers above `high`; they have its colour.
     pub(super) open_end: bool,
-    /// Numbers are at least this far apart.
+    /// Minimum step between ticks.
     pub(super) finest: f64,
     pub(super) ramp: Ramp,
 }
@@ -64,7 +64,7 @@ impl ColourBar {
     }
 }
 
-/// What stands on a page beside the plots.
+/// The parts of a figure around the plots.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sheet {
     pub(super) title: String,
@@ -74,7 +74,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// A page with plots of the given widths and heights (px), one above the other, and where they are on it.
+    /// Lays out plots of the given widths and heights (px), one above the other. Returns the picture and their areas.
     pub(super) fn lay_out(&self, plots: &[(f64, f64)]) -> (Picture, Vec<Area>) {
         let title = shortened(&self.title, LONGEST, TITLE_TEXT);
         let note = shortened(&self.note, LONGEST, NOTE_TEXT);
@@ -109,7 +109,7 @@ impl Sheet {
         (picture, areas)
     }
 
-    /// The legend in rows of at most `width` (px), each entry with the place where it begins.
+    /// The legend in rows of at most `width` (px); each entry with its horizontal position.
     fn rows(&self, width: f64) -> Vec<Vec<(f64, Entry)>> {
         const GAP: f64 = 20.0;
         let mut rows: Vec<Vec<(f64, Entry)>> = Vec::new();
@@ -167,7 +167,7 @@ impl ColourBar {
         for i in 0..STEPS {
             let share = (f64::from(i) + 0.5) / f64::from(STEPS);
             let top = area.bottom() - f64::from(i + 1) * step;
-            // A step covers the seam to the one before it.
+            // The step is slightly larger, so that no gap is visible to the one before it.
             picture.rectangle(Area { top, height: step + 0.5, ..area }, self.ramp.color(share));
         }
         picture.frame(area, FRAME);

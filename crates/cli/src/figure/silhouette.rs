@@ -1,4 +1,4 @@
-//! An obstacle as it is seen from one direction.
+//! The silhouette of an obstacle, seen from one direction.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::palette::{OBSTACLE, OBSTACLE_RIM};
 use super::picture::{Picture, Stroke};
 use super::view::{Panel, View};
 
-/// The rim of an obstacle.
+/// The outline of an obstacle.
 pub(super) const RIM: Stroke = Stroke::new(OBSTACLE_RIM, 1.0);
 
 type Corner = (f64, f64);
@@ -18,7 +18,7 @@ pub(super) fn draw_solids(picture: &mut Picture, panel: &Panel, solids: &[Solid]
     solids.iter().for_each(|solid| Silhouette::of(solid, panel.view).draw(picture, panel));
 }
 
-/// Draws the rims of the obstacles, as far as they are within the frame.
+/// Draws the outlines of the obstacles within the frame.
 pub(super) fn draw_rims(picture: &mut Picture, panel: &Panel, solids: &[Solid], stroke: Stroke) {
     let at = |corner: &Corner| panel.axes.at(corner.0, corner.1);
     for solid in solids {
@@ -35,12 +35,12 @@ pub(super) fn draw_rims(picture: &mut Picture, panel: &Panel, solids: &[Solid], 
     }
 }
 
-/// What an obstacle covers (m).
+/// The area that an obstacle covers (m).
 #[derive(Clone, Debug, PartialEq)]
 enum Silhouette {
-    /// Its corners, counterclockwise.
+    /// The corners of a convex area, counterclockwise.
     Convex(Vec<Corner>),
-    /// Triangles that cover it together, and the edges behind which its surface turns away.
+    /// Triangles that cover the area, and the edges of its outline.
     Pieces { triangles: Vec<[Corner; 3]>, rim: Vec<[Corner; 2]> },
 }
 
@@ -50,13 +50,13 @@ impl Silhouette {
         let triangles: Vec<[Corner; 3]> =
             solid.triangles.iter().map(|triangle| triangle.map(|i| corners[i as usize])).collect();
         let hull = hull(corners.clone());
-        // The side that faces the viewer covers the hull once, if the obstacle is convex, and less or more if not.
+        // If the obstacle is convex, the area of the faces towards the viewer equals that of the hull.
         let facing: f64 = triangles.iter().map(|triangle| area(triangle).max(0.0)).sum();
         let whole: f64 = (1..hull.len().saturating_sub(1)).map(|i| area(&[hull[0], hull[i], hull[i + 1]])).sum();
         if (facing - whole).abs() <= 1e-6 * whole {
             return Self::Convex(hull);
         }
-        // An edge is on the rim if the surface faces the viewer on one side of it only.
+        // An edge is on the outline if only one of its two faces points towards the viewer.
         let mut faces: BTreeMap<[u32; 2], usize> = BTreeMap::new();
         for (indices, triangle) in solid.triangles.iter().zip(&triangles) {
             let [a, b, c] = *indices;
@@ -79,7 +79,7 @@ impl Silhouette {
             Self::Pieces { triangles, rim } => {
                 for triangle in triangles.iter().filter(|triangle| area(triangle).abs() > 0.0) {
                     picture.polygon(triangle.iter().map(at).collect(), OBSTACLE);
-                    // Without it, paper shines through the seam of two triangles.
+                    // Without this line, the background is visible between two triangles.
                     let around = triangle.iter().chain(&triangle[..1]).map(at).collect();
                     picture.path(around, Stroke::new(OBSTACLE, 1.0));
                 }
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
     use sextant_channel::{Obstacle, Position};
 
-    /// A wall of triangles from `bottom` to `bottom + 1`, with the given footprint in triangles.
+    /// A prism of height 1 with the given footprint; `faces` are the triangles of the footprint.
     fn prism(footprint: &[[f64; 2]], faces: &[[u32; 3]]) -> Solid {
         let count = u32::try_from(footprint.len()).unwrap();
         let level = |z: f64| footprint.iter().map(move |&[x, y]| Position::new(x, y, z));
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_is_its_footprint() {
+    fn the_silhouette_of_a_box_is_a_rectangle() {
         let config: sextant_channel::ObstacleConfig = serde_json::from_str(
             r#"{"absorption_per_m": 1.0, "shape": {"box": {"center_m": [1.0, 2.0, 0.0], "size_m": [2.0, 4.0, 6.0]}}}"#,
         )
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_shaped_wall_has_a_rim_of_its_six_sides() {
+    fn the_outline_of_an_l_shaped_wall_has_six_sides() {
         let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         let solid = prism(&corners, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
         let Silhouette::Pieces { rim, .. } = Silhouette::of(&solid, View::Top) else {
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hull_leaves_out_what_is_inside_or_on_a_side() {
+    fn a_hull_omits_points_inside_or_on_a_side() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         let mut corners = square.to_vec();
         corners.extend([(0.5, 0.0), (0.5, 0.5), (1.0, 0.0)]);
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_obstacle_seen_edge_on_is_a_line() {
+    fn the_hull_of_points_on_a_line_is_a_line() {
         assert_eq!(hull(vec![(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)]), [(0.0, 0.0), (2.0, 2.0)]);
     }
 }

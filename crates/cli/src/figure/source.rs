@@ -1,4 +1,4 @@
-//! What figures are drawn from.
+//! The data of figures.
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
@@ -10,30 +10,30 @@ use super::sheet::{Entry, Symbol};
 use super::silhouette::RIM;
 use super::view::{Extent, View, Views};
 
-/// What figures are drawn from: a recording that was read.
+/// The data of figures, from a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct Source<'a> {
-    /// What the titles call the run.
+    /// Name of the run in titles.
     pub title: &'a str,
-    /// What was heard.
+    /// The reception log.
     pub log: &'a ReceptionLog,
-    /// What is shown in space.
+    /// Everything with a position.
     pub drawn: &'a Drawn,
 }
 
-/// No map finds a place as exactly as this (m).
+/// A smaller error (m) means that the map was given the position.
 const TOLD_M: f64 = 1e-6;
 
 impl Source<'_> {
-    /// Where the robots were and what they met.
+    /// The positions of paths, stops and contacts of the robots.
     pub(super) fn survey(&self) -> impl Iterator<Item = Position> {
         let paths = self.drawn.paths.iter().flat_map(|(_, path)| path).copied();
         let stops = self.log.stops().iter().map(|stop| stop.position);
         paths.chain(stops).chain(self.log.contacts().iter().map(|contact| contact.position))
     }
 
-    /// Plots of the world that have room for the nodes, the obstacles and `more`: from above, and from the side too if
-    /// anything but obstacles has a height.
+    /// Views of the world that contain the nodes, the obstacles and `more`: from above, and also from the side unless the
+    /// nodes and `more` all have the same height.
     pub(super) fn views(&self, more: impl Iterator<Item = Position>) -> Views {
         let Drawn { nodes, obstacles, .. } = self.drawn;
         let places: Vec<_> = nodes.values().copied().chain(more).collect();
@@ -43,7 +43,7 @@ impl Source<'_> {
         Views::new(&extent, if flat { &[View::Top] } else { &[View::Top, View::Side] })
     }
 
-    /// The explanation of obstacles, if there are any.
+    /// The legend of obstacles, if there are any.
     pub(super) fn obstacle_entry(&self) -> Option<Entry> {
         let text = "obstacle".to_owned();
         let symbol = Symbol::Body { fill: OBSTACLE, rim: RIM };
@@ -55,8 +55,8 @@ impl Source<'_> {
         &self.drawn.obstacles
     }
 
-    /// The distances of a map's places to the true ones, in the order of the nodes (m). An anchor that stands at its very
-    /// place was told it: it does not count.
+    /// The distances between mapped and true positions (m), in the order of the nodes. An anchor exactly at its position
+    /// is not an estimate and does not count.
     pub(super) fn errors(&self, places: &Places) -> Vec<(NodeId, f64)> {
         let error = |(&node, &place): (&NodeId, &Position)| {
             let error_m = self.drawn.nodes.get(&node)?.distance_m(place);

@@ -1,4 +1,4 @@
-//! Round numbers along an axis.
+//! Ticks of an axis at round numbers.
 
 /// Numbers at equal steps of 1, 2 or 5 times a power of ten.
 #[derive(Clone, Debug, PartialEq)]
@@ -8,7 +8,7 @@ pub(super) struct Ticks {
 }
 
 impl Ticks {
-    /// At most `most` round numbers from `low` to `high`, and at least `finest` apart; none in a range without width.
+    /// At most `most` round numbers from `low` to `high`, at least `finest` apart. A range of zero width has none.
     pub(super) fn new(low: f64, high: f64, most: f64, finest: f64) -> Self {
         if high - low <= 1e-9 * low.abs().max(high.abs()) {
             return Self { values: Vec::new(), decimals: 0 };
@@ -26,13 +26,13 @@ impl Ticks {
         Self { values, decimals }
     }
 
-    /// The number as it stands at its tick.
+    /// The label of a tick.
     pub(super) fn label(&self, value: f64) -> String {
         number(value, self.decimals)
     }
 }
 
-/// A number with a true minus sign, and no minus before zero.
+/// A number with a typographic minus sign, and without a minus before zero.
 pub(super) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());
     let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
@@ -57,12 +57,12 @@ mod tests {
     }
 
     #[test]
-    fn counts_have_whole_ticks() {
+    fn ticks_of_counts_are_integers() {
         assert_eq!(labels(0.0, 3.0, 8.0, 1.0), ["0", "1", "2", "3"]);
     }
 
     #[test]
-    fn a_range_without_width_has_no_ticks() {
+    fn a_range_of_zero_width_has_no_ticks() {
         for value in [0.0, 2.0, -1e9] {
             assert!(labels(value, value, 8.0, 0.0).is_empty());
         }

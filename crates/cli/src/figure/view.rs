@@ -1,17 +1,17 @@
-//! Looking at the world from above and from the side, with one scale for all directions.
+//! Views of the world from above and from the side, with the same scale in all directions.
 
 use sextant_channel::Position;
 
 use super::axes::{Axes, Axis, Shown};
 use super::picture::{Area, Point};
 
-/// Widest plot (px).
+/// Maximum width of a plot (px).
 const WIDEST: f64 = 600.0;
-/// Plots one above the other are at most this high in all (px).
+/// Maximum height of all plots together (px).
 const HIGHEST: f64 = 760.0;
-/// Narrowest and lowest plot (px).
+/// Minimum width and height of a plot (px).
 const LEAST: f64 = 100.0;
-/// World between the outermost marks and the frame, as a share of the world's size.
+/// Border between the outermost marks and the frame, as a share of the size of the world.
 const BORDER: f64 = 0.03;
 
 /// A direction of sight.
@@ -24,7 +24,7 @@ pub(super) enum View {
 }
 
 impl View {
-    /// A place as seen (m).
+    /// A position as seen in this view (m).
     pub(super) fn project(self, place: Position) -> (f64, f64) {
         match self {
             Self::Top => (place.x_m, place.y_m),
@@ -51,13 +51,13 @@ impl Extent {
         }))
     }
 
-    /// With `by` more on each side (m).
+    /// The part enlarged by `by` on each side (m).
     pub(super) fn widened(&self, by: f64) -> Self {
         let by = Position::new(by, by, by);
         Self { low: self.low - by, high: self.high + by }
     }
 
-    /// Whether any of it is within `other` as `view` shows them.
+    /// Whether it overlaps with `other` in `view`.
     pub(super) fn is_seen_within(&self, other: &Self, view: View) -> bool {
         let pairs = self.ranges(view).into_iter().zip(other.ranges(view));
         pairs.into_iter().all(|(own, other)| own.0 < other.1 && own.1 > other.0)
@@ -68,21 +68,21 @@ impl Extent {
         self.high.z_m - self.low.z_m < 1e-6
     }
 
-    /// The range of what `view` shows across and upwards (m).
+    /// The horizontal and the vertical range in `view` (m).
     fn ranges(&self, view: View) -> [(f64, f64); 2] {
         let (low, high) = (view.project(self.low), view.project(self.high));
         [(low.0, high.0), (low.1, high.1)]
     }
 }
 
-/// Plots of one part of the world, before their place on the page is known.
+/// Plots of one part of the world, before the layout.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Views {
     panels: Vec<(View, [(f64, f64); 2])>,
     px_per_m: f64,
 }
 
-/// A plot of the world on the page.
+/// A plot of the world in the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Panel {
     pub(super) view: View,
@@ -90,7 +90,7 @@ pub(super) struct Panel {
 }
 
 impl Views {
-    /// `extent` as the `views` show it, one above the other.
+    /// The `views` of `extent`, one above the other.
     pub(super) fn new(extent: &Extent, views: &[View]) -> Self {
         let ranges: Vec<_> = views.iter().map(|&view| extent.ranges(view)).collect();
         let length = |range: (f64, f64)| range.1 - range.0;
@@ -132,7 +132,7 @@ impl Views {
         panels
     }
 
-    /// A radius for `count` dots that leaves space between them (px).
+    /// A radius (px) for `count` dots that leaves space between them.
     pub(super) fn dot_radius(&self, count: usize) -> f64 {
         let (width, height) = self.sizes().first().copied().unwrap_or((WIDEST, WIDEST));
         let distance = (width * height / count.max(1) as f64).sqrt();
@@ -141,7 +141,7 @@ impl Views {
 }
 
 impl Panel {
-    /// Where a place of the world is on the picture.
+    /// The point of the picture for a position in the world.
     pub(super) fn at(&self, place: Position) -> Point {
         let (x, y) = self.view.project(place);
         self.axes.at(x, y)
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_metre_is_as_long_across_as_upwards() {
+    fn both_axes_have_the_same_scale() {
         let corners = [Position::new(-3.0, 2.0, 0.0), Position::new(40.0, 9.0, 6.0)];
         let extent = Extent::around(corners).unwrap();
         let views = Views::new(&extent, &[View::Top, View::Side]);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn all_places_are_within_the_frame() {
+    fn all_positions_are_within_the_frame() {
         for corners in [
             [Position::new(0.0, 0.0, 0.0), Position::new(0.0, 0.0, 0.0)],
             [Position::new(0.0, 0.0, 0.0), Position::new(1000.0, 1.0, 0.0)],

@@ -1,4 +1,4 @@
-//! A log to map, and what came with it.
+//! The input of `map`: a reception log and what is known with it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,22 +10,22 @@ use crate::diagnostic::Failure;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
 use crate::robot_log;
 
-/// A log to map, and what came with it.
+/// A reception log and what is known with it.
 #[derive(Debug)]
 pub struct Input {
-    /// What was heard.
+    /// The reception log.
     pub log: ReceptionLog,
-    /// The paths of robots, by name, where they are known.
+    /// The known paths of robots, by name.
     pub paths: Vec<(String, Vec<Position>)>,
-    /// The scenario that made it, if it is a recording.
+    /// The scenario of the log, if it is from a recording.
     pub scenario: Option<String>,
-    /// The true places of nodes, by name.
+    /// The true positions of nodes, by name.
     pub truth: Option<BTreeMap<String, Position>>,
-    /// What else a map may know.
+    /// What the nodes know of each other, for maps that use it.
     pub known: Known,
-    /// Seed of the algorithms that draw.
+    /// Seed of the algorithms that use random numbers.
     pub seed: Seed,
-    /// What people should know of the log.
+    /// Notes on the log for the user.
     pub notes: Vec<String>,
 }
 
@@ -54,11 +54,11 @@ impl Input {
         let mut notes = Vec::new();
         if run.cut_stops > 0 {
             notes.push(
-                "the recording was cut short: its last stop is left out, because it may lack receptions".to_owned(),
+                "the recording is incomplete: its last stop is ignored, because receptions may be missing".to_owned(),
             );
         }
         if !run.metadata.contains_key(ORIGIN_METADATA) {
-            notes.push("the recording does not say what made it".to_owned());
+            notes.push("the recording does not name its scenario".to_owned());
         }
         let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
         let known = recording::read_known(path, run.log.node_count())?;
@@ -66,13 +66,13 @@ impl Input {
         Ok(Self { log: run.log, paths: run.paths, scenario, truth, known, seed: Seed(seed.unwrap_or(1)), notes })
     }
 
-    /// The true place of each node of the log. A node whose place is unknown cannot be measured: then nothing is.
+    /// The true position of each node of the log; `None` if any is unknown, because then the maps cannot be measured.
     pub(super) fn true_places(&mut self) -> Option<Vec<Position>> {
         let (log, truth) = (&self.log, self.truth.as_ref()?);
         let unknown: Vec<_> = log.names().iter().filter(|name| !truth.contains_key(*name)).collect();
         if let Some(first) = unknown.first() {
             self.notes.push(format!(
-                "the true places of {} of {} nodes are unknown (`{first}`): the maps are not measured",
+                "the true positions of {} of {} nodes are unknown (`{first}` for example): the maps are not measured",
                 unknown.len(),
                 log.node_count()
             ));

@@ -1,4 +1,4 @@
-//! The pipeline of `map`: from a log, of a recording or of a real robot, to maps.
+//! The pipeline of `map`: computes maps from a recording or from the log of a real robot.
 
 mod input;
 mod pipeline;

@@ -1,4 +1,4 @@
-//! The maps of a log: compute, measure, write, sum up.
+//! The stages of `map`: compute, measure, write, summarise.
 
 use std::path::{Path, PathBuf};
 
@@ -12,9 +12,9 @@ use crate::robot_log;
 use crate::scenario::MapSettings;
 use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
-/// Computes the maps that `settings` ask for of the log of `input`, measures them where the true places are known, writes
-/// them to the file `out` and files beside it, and returns the results. `start` is when the work began. Once `watch` ends
-/// the work, the results are those of the maps that were finished.
+/// Computes the maps of `settings` from the log of `input`, measures them if the true positions are known, writes them to
+/// the file `out` and files beside it, and returns the results. `start` is when the work began. If `watch` stops the
+/// work, the results are those of the finished maps.
 ///
 /// # Errors
 /// If a map cannot be computed or a file cannot be written.
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn further_maps_are_named_beside_the_first() {
+    fn further_maps_have_the_name_of_the_map_in_their_file_name() {
         assert_eq!(beside(Path::new("a/map.csv"), "coarse"), Path::new("a/map.coarse.csv"));
         assert_eq!(beside(Path::new("map"), "coarse"), Path::new("map.coarse"));
     }

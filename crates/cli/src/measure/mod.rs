@@ -1,4 +1,4 @@
-//! From maps to the summary: what a map says of itself, and how good it is.
+//! The summary of a map: its properties, and its errors if the truth is known.
 
 mod outline;
 mod truth;

@@ -1,4 +1,4 @@
-//! What a map says of itself, as a part of the summary.
+//! The properties of a map in the summary, without the truth.
 
 use sextant_mapper::{
     AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, ObstacleKnowledge, PositionError,
@@ -10,7 +10,7 @@ use crate::summary::{
     CalibrationSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary, MapSummary,
 };
 
-/// What a map of nodes with these `names` says of itself, without a look at the truth.
+/// The properties of a map of nodes with these `names`, without the truth.
 #[must_use]
 pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
     let mut at_bound = Vec::new();

@@ -1,4 +1,4 @@
-//! Where truth meets estimate: how good a map is.
+//! The errors of a map: the only place where estimates are compared with the truth.
 
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{Interrupted, NodeId, Watch};
@@ -11,17 +11,17 @@ use super::outline::outline;
 use crate::scenario::{MetricsConfig, NamedMap};
 use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS};
 
-/// What is really where.
+/// The true positions of nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth<'a> {
-    /// The true place of each node (m).
+    /// The true position of each node (m).
     pub places: &'a [Position],
-    /// The nodes that know their place: what a map that uses anchors says of them is no estimate.
+    /// The nodes that know their position. In a map that uses anchors, these positions are not estimates.
     pub anchors: &'a [Anchor],
 }
 
-/// A map in the world: as it is, or, if it is known only up to a similarity, as near to the true places as a similarity
-/// brings each of its parts. Without the truth such a map stays as it is.
+/// A map in world coordinates. A map that is known only up to a similarity is aligned to the true positions, each of its
+/// parts by itself; without the truth it stays as it is.
 #[must_use]
 pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, AlignmentSummary) {
     match (&map.frame, truth) {
@@ -35,17 +35,17 @@ pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, A
     }
 }
 
-/// Nodes of a part of a map, at least, that are aligned to the truth: fewer fit anything.
+/// A part of a map is aligned to the truth only if it has at least this many nodes: fewer nodes always fit.
 const LEAST_TO_ALIGN: usize = 4;
 
-/// What a map of nodes with these `names` says of itself and, if the true place of each node is known, how far it is from the truth.
-/// Connectivity is measured at each radius of `metrics`; a measure that the nodes do not allow (all in one place, say)
-/// is absent.
+/// The properties of a map of nodes with these `names` and, if the true position of each node is known, its errors.
+/// Connectivity is measured at each radius of `metrics`. A measure that cannot be computed, for example because all
+/// nodes are in one place, is absent.
 ///
-/// Position errors are those of the nodes whose place the map had to find; connectivity is that of all nodes.
+/// Position errors are those of the nodes whose position the map had to estimate; connectivity is that of all nodes.
 ///
 /// # Errors
-/// If `watch` ends the work.
+/// If `watch` stops the work.
 pub fn measure(
     named: &NamedMap,
     map: &TopologyMap,
@@ -82,7 +82,7 @@ pub fn measure(
     })
 }
 
-/// Share of the nodes with a 95 % region that are in it.
+/// Share of the nodes with a 95 % region whose true position is inside it.
 fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
     let step_m = map.grid_step_m.unwrap_or(0.0);
     let regions = map.estimates.iter().map(|estimate| Region::of_95(estimate.as_ref()?, step_m));
@@ -92,7 +92,7 @@ fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
     (!inside.is_empty()).then(|| count as f64 / inside.len() as f64)
 }
 
-/// The errors that are left after the similarity that brings the map closest to the truth.
+/// The errors after the similarity that brings the map closest to the truth.
 fn aligned(truth: &[Position], mapped: &[Option<Position>], reflection: Reflection) -> Option<PositionError> {
     let pairs: Vec<_> =
         truth.iter().zip(mapped).filter_map(|(&truth, mapped)| mapped.map(|mapped| (mapped, truth))).collect();
@@ -119,6 +119,6 @@ fn connectivity(
         symmetric_loss: affine.as_ref().map(ConnectivityError::symmetric_loss),
         node_error_cdf: affine.map(|error| NODE_ERRORS.map(|limit| [limit, error.share_of_nodes_within(limit)])),
     };
-    // A measure that was interrupted is absent, as one that does not apply is.
+    // An interrupted measure looks like one that does not apply, so the interrupt is checked here.
     watch.check().map(|()| summary)
 }

@@ -1,15 +1,15 @@
-//! A file that bears another name until it is whole.
+//! A file that has a temporary name until it is complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-/// A file that bears another name until it is whole.
+/// A file that has a temporary name until it is complete.
 #[derive(Debug)]
 pub(crate) struct Draft {
-    /// Name until then.
+    /// The temporary name.
     pub(crate) part: PathBuf,
-    /// Name from then on.
+    /// The final name.
     pub(crate) path: PathBuf,
 }
 
@@ -23,25 +23,25 @@ pub(crate) enum DraftError {
         /// The reason.
         why: String,
     },
-    /// What was written does not reach the disk.
+    /// The data cannot be written to the disk.
     Write {
         /// The file that was being written.
         path: PathBuf,
         /// The system's answer.
         why: io::Error,
     },
-    /// It cannot be given its name.
+    /// It cannot be renamed.
     Rename {
         /// The finished file.
         part: PathBuf,
-        /// The name that it should have.
+        /// Its final name.
         path: PathBuf,
         /// The system's answer.
         why: io::Error,
     },
 }
 
-/// The name of the file `path` until it is whole.
+/// The temporary name of the file `path`.
 pub(super) fn part_of(path: &Path, suffix: &str) -> PathBuf {
     let mut part = path.as_os_str().to_owned();
     part.push(suffix);
@@ -49,12 +49,12 @@ pub(super) fn part_of(path: &Path, suffix: &str) -> PathBuf {
 }
 
 impl Draft {
-    /// The file `path`, called `path` + `suffix` until it is whole.
+    /// The file `path`, which is called `path` + `suffix` until it is complete.
     pub(crate) fn new(path: &Path, suffix: &str) -> Self {
         Self { part: part_of(path, suffix), path: path.to_owned() }
     }
 
-    /// Creates it, empty. A folder, a device and a pipe are refused: they cannot be replaced by a file.
+    /// Creates the empty file. Folders, devices and pipes are rejected, because a file cannot replace them.
     pub(crate) fn open(&self) -> Result<BufWriter<File>, DraftError> {
         let refused = |path: &Path, why: String| DraftError::Create { path: path.to_owned(), why };
         if self.path.is_dir() {
@@ -67,8 +67,8 @@ impl Draft {
         Ok(BufWriter::new(file))
     }
 
-    /// Syncs what was written, names the file, and syncs the folder, in this order: whoever sees the name sees a
-    /// whole file, even after a power cut.
+    /// Syncs the file, renames it, and syncs the folder, in this order. So a file with the final name is complete, even
+    /// after a power failure.
     pub(crate) fn name(&self, output: BufWriter<File>) -> Result<(), DraftError> {
         let unwritten = |path: &Path, why: io::Error| DraftError::Write { path: path.to_owned(), why };
         let file = output.into_inner().map_err(|why| unwritten(&self.part, why.into_error()))?;
@@ -89,7 +89,7 @@ fn sync_folder_of(path: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
 }
 
-/// Other systems cannot open a folder as a file; they order renames by themselves.
+/// Other systems cannot open a folder as a file; they keep the order of renames without help.
 #[cfg(not(unix))]
 fn sync_folder_of(_path: &Path) -> io::Result<()> {
     Ok(())

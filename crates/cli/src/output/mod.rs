@@ -1,9 +1,9 @@
-//! The files that a command leaves: whole or not at all, each with a name of its own.
+//! The output files of a command. Each is written completely or not at all, and no two share a name.
 
 mod distinct;
 mod draft;
 mod whole;
 
-pub(crate) use distinct::refuse_shared;
+pub(crate) use distinct::reject_shared;
 pub(crate) use draft::{Draft, DraftError};
 pub(crate) use whole::{write_file, write_whole};

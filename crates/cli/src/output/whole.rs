@@ -1,4 +1,4 @@
-//! A small file, written in one piece.
+//! A small file, written at once.
 
 use std::io;
 use std::path::Path;
@@ -6,26 +6,26 @@ use std::path::Path;
 use super::draft::part_of;
 use crate::diagnostic::Failure;
 
-/// Writes `bytes` to the file at `path`, whole or not at all: first beside it, then renamed. A device or a pipe is
-/// written to as it is.
+/// Writes `bytes` to the file at `path`, completely or not at all: to `PATH.part`, which is then renamed. Devices and
+/// pipes are written directly.
 ///
 /// # Errors
-/// If the system refuses.
+/// If the file cannot be written.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if path.exists() && !path.is_file() && !path.is_dir() {
         return std::fs::write(path, bytes);
     }
     let part = part_of(path, ".part");
     std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
-        // Only the error that came first is worth telling.
+        // Only the first error is reported.
         let _ = std::fs::remove_file(&part);
     })
 }
 
-/// The same as the last word of a command: a file that cannot be written is a failure.
+/// The same with a [`Failure`] of the command as the error.
 ///
 /// # Errors
-/// If the system refuses.
+/// If the file cannot be written.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_whole(path, bytes).map_err(|error| Failure::unwritable(path, &error))
 }
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_replaced_whole_and_nothing_is_left_beside_it() {
+    fn a_file_is_replaced_and_no_temporary_file_remains() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         write_whole(&path, b"first").unwrap();
@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_what_was_there() {
+    fn a_failed_write_changes_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("taken");
         std::fs::create_dir(&path).unwrap();

@@ -1,4 +1,4 @@
-//! Captures of frames for protocol analysers: classic pcap with nanosecond stamps, link type IEEE 802.15.4 TAP.
+//! Captures of frames for protocol analysers: classic pcap with timestamps in nanoseconds, link type IEEE 802.15.4 TAP.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -11,16 +11,16 @@ use sextant_kernel::SimTime;
 use super::error::RecordingError;
 use crate::output::{Draft, DraftError};
 
-/// Magic number of a pcap file whose stamps count nanoseconds.
+/// Magic number of a pcap file with timestamps in nanoseconds.
 const NANOSECOND_MAGIC: u32 = 0xA1B2_3C4D;
 /// Version of the format, major and minor.
 const VERSION: [u16; 2] = [2, 4];
-/// Longest record that a reader must be ready for (octets).
+/// Maximum length of a record (octets).
 const SNAP_LENGTH: u32 = 65_535;
-/// LINKTYPE_IEEE802_15_4_TAP: frames with a header of fields that a sniffer knows.
+/// LINKTYPE_IEEE802_15_4_TAP: each frame has a header with data of the receiver.
 const LINK_TYPE: u32 = 283;
-/// Power above the sensitivity from which on a link has the best quality (dB): the range that energy detection has
-/// at least (IEEE 802.15.4-2006, 6.9.7 and 6.9.8).
+/// A link with at least this power above the sensitivity has the best quality (dB). It is the minimum range of energy
+/// detection (IEEE 802.15.4-2006, 6.9.7 and 6.9.8).
 const QUALITY_RANGE_DB: f64 = 40.0;
 
 /// Types of the fields of a TAP header (IEEE 802.15.4 TAP, section 4).
@@ -35,16 +35,16 @@ mod field {
 /// FCS type of a 16-bit CRC.
 const CRC_16: u8 = 1;
 
-/// A frame as it goes into a capture.
+/// A frame of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapturedFrame<'a> {
     /// First symbol on air.
     pub start: SimTime,
     /// Time on air.
     pub airtime: Duration,
-    /// The MAC frame (MPDU), check sequence included.
+    /// The MAC frame (MPDU) with its check sequence.
     pub mpdu: &'a [u8],
-    /// How it was received, if the capture is that of one receiver.
+    /// How it was received, if the capture is by one receiver.
     pub signal: Option<Signal>,
 }
 
@@ -53,12 +53,12 @@ pub struct CapturedFrame<'a> {
 pub struct Signal {
     /// Received signal strength (dBm).
     pub power: Dbm,
-    /// Least power that this receiver can receive (dBm).
+    /// The lowest power that this receiver can receive (dBm).
     pub sensitivity: Dbm,
 }
 
 impl Signal {
-    /// Link quality: 0 at the sensitivity, 255 from 40 dB above it on, uniform in between.
+    /// Link quality: 0 at the sensitivity, 255 at 40 dB or more above it, linear in between.
     #[must_use]
     pub fn link_quality(&self) -> u8 {
         let share = (self.power - self.sensitivity).0 / QUALITY_RANGE_DB;
@@ -68,8 +68,8 @@ impl Signal {
     }
 }
 
-/// Writes a capture. Frames are stamped with their end, because that is when a receiver has them; their start is in the
-/// header of each. After the first failure every call returns that failure again.
+/// Writes a capture. The timestamp of a frame is its end, when a receiver has all of it; its start is in its header. After
+/// the first failure, every call returns the same failure.
 pub struct Capture<W: Write> {
     output: W,
     path: PathBuf,
@@ -79,7 +79,7 @@ pub struct Capture<W: Write> {
 }
 
 impl<W: Write> Capture<W> {
-    /// A capture on radio channel `channel` (page 0) into `output`, which errors call `path`.
+    /// A capture on radio channel `channel` (page 0) that is written to `output`; `path` is its name in errors.
     ///
     /// # Errors
     /// If the header cannot be written.
@@ -90,7 +90,7 @@ impl<W: Write> Capture<W> {
         capture.record.extend(NANOSECOND_MAGIC.to_le_bytes());
         capture.record.extend(major.to_le_bytes());
         capture.record.extend(minor.to_le_bytes());
-        // Time zone and accuracy of the stamps, which nobody fills in.
+        // Time zone and accuracy of the timestamps, which are always zero.
         capture.record.extend([0; 8]);
         capture.record.extend(SNAP_LENGTH.to_le_bytes());
         capture.record.extend(LINK_TYPE.to_le_bytes());
@@ -98,7 +98,7 @@ impl<W: Write> Capture<W> {
         Ok(capture)
     }
 
-    /// A frame that was on air.
+    /// Writes a frame.
     ///
     /// # Errors
     /// If a write failed, now or before.
@@ -109,10 +109,10 @@ impl<W: Write> Capture<W> {
         let end = frame.start + frame.airtime;
         let since_start = end - SimTime::ZERO;
         self.record.clear();
-        // More than 136 years do not fit into a stamp.
+        // A timestamp cannot hold more than 136 years.
         self.record.extend(u32::try_from(since_start.as_secs()).unwrap_or(u32::MAX).to_le_bytes());
         self.record.extend(since_start.subsec_nanos().to_le_bytes());
-        // Length as captured and on air, known when the rest is written.
+        // The captured length and the original length, which are filled in below.
         self.record.extend([0; 8]);
         let tap = self.record.len();
         // Version, reserved octet, length of the TAP header.
@@ -156,7 +156,7 @@ impl<W: Write> Capture<W> {
         })
     }
 
-    /// Flushes and hands the output back.
+    /// Flushes and returns the output.
     ///
     /// # Errors
     /// If a write failed, now or before.
@@ -172,15 +172,15 @@ fn unwritten(path: &Path, why: io::Error) -> RecordingError {
     RecordingError::WriteCapture { path: path.to_owned(), why: why.to_string() }
 }
 
-/// A capture that is `PATH.part` until it is whole.
+/// A capture in the file `PATH.part`, which is renamed when it is complete.
 pub struct FileCapture {
     capture: Capture<BufWriter<File>>,
     draft: Draft,
 }
 
 impl FileCapture {
-    /// A capture on radio channel `channel` that is to be the file `path`; a file of this name is replaced when the
-    /// capture is finished.
+    /// A capture on radio channel `channel` for the file `path`. An existing file is replaced when the capture is
+    /// finished.
     ///
     /// # Errors
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
@@ -190,7 +190,7 @@ impl FileCapture {
         Ok(Self { capture, draft })
     }
 
-    /// A frame that was on air.
+    /// Writes a frame.
     ///
     /// # Errors
     /// If a write failed, now or before.
@@ -201,7 +201,7 @@ impl FileCapture {
     /// Syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
     ///
     /// # Errors
-    /// If a write failed, now or before. The file `PATH.part` then stays.
+    /// If a write failed, now or before. The file `PATH.part` is then kept.
     pub fn finish(self) -> Result<(), RecordingError> {
         self.draft.name(self.capture.into_output()?).map_err(|error| match error {
             DraftError::Write { path, why } => unwritten(&path, why),

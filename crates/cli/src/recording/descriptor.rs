@@ -1,4 +1,4 @@
-//! Descriptors of the own message types, embedded in each recording, so that any reader can decode it.
+//! Descriptors of Sextant's message types. They are embedded in each recording, so that any reader can decode it.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -6,7 +6,7 @@ use prost_types::{
     DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, OneofDescriptorProto,
 };
 
-/// A message type: its name below the package `sextant`, and its fields.
+/// A message type: its name in the package `sextant`, and its fields.
 pub(super) struct Declaration {
     pub(super) name: &'static str,
     pub(super) fields: &'static [Field],
@@ -19,7 +19,7 @@ pub(super) struct Field {
     pub(super) kind: Kind,
 }
 
-/// What a field holds.
+/// The type of a field.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Uint32,
@@ -74,7 +74,7 @@ fn message(declaration: &Declaration) -> DescriptorProto {
             r#type: Some(wire.into()),
             ..FieldDescriptorProto::default()
         };
-        // proto3 tells an absent scalar from zero by a oneof of its own.
+        // In proto3 an absent scalar differs from zero only if it has its own oneof.
         if kind.has_presence() {
             field.proto3_optional = Some(true);
             field.oneof_index = i32::try_from(message.oneof_decl.len()).ok();
@@ -94,7 +94,7 @@ mod tests {
     use super::super::messages::DECLARATIONS;
 
     #[test]
-    fn the_page_of_the_recording_names_every_field_with_its_number() {
+    fn the_documentation_lists_every_field_with_its_number() {
         let page = include_str!("../../../../docs/recording.md");
         for declaration in DECLARATIONS {
             let (_, section) = page

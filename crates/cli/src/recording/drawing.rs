@@ -1,4 +1,4 @@
-//! What viewers draw: places and shapes as messages of the Foxglove schemas, in frame `world` (m).
+//! Messages for viewers: positions and shapes in the Foxglove schemas, in the frame `world` (m).
 
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{
@@ -10,10 +10,10 @@ use prost::bytes::Bytes;
 use sextant_channel::{Obstacle, Position};
 use sextant_kernel::{NodeId, SimTime};
 
-/// The frame of reference of every place in a recording.
+/// The coordinate frame of every position in a recording.
 const WORLD: &str = "world";
 
-/// Obstacles: concrete, a little translucent.
+/// Colour of obstacles: like concrete, slightly transparent.
 const OBSTACLE_COLOR: Color = Color { r: 0.55, g: 0.53, b: 0.50, a: 0.85 };
 
 /// The surface of an obstacle.
@@ -23,12 +23,12 @@ pub struct Solid {
     pub name: String,
     /// Corners of the surface (m).
     pub vertices: Vec<Position>,
-    /// Triangles: three indices into `vertices` each, counterclockwise seen from outside.
+    /// Triangles as three indices into `vertices`, counterclockwise when seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Solid {
-    /// The surface of `obstacle`, the `index`th of the world; it bears this number if it has no name.
+    /// The surface of `obstacle`. If the obstacle has no name, it is named by its `index` in the world.
     #[must_use]
     pub fn of(obstacle: &Obstacle, index: usize) -> Self {
         let (vertices, triangles) = obstacle.mesh();
@@ -40,28 +40,28 @@ impl Solid {
 /// A node in the world or on a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedNode {
-    /// Which node.
+    /// The node.
     pub node: NodeId,
-    /// Where it is, or is thought to be (m).
+    /// Its true or estimated position (m).
     pub position: Position,
-    /// Distance between map and truth (m), where it is known.
+    /// Distance between map and truth (m), if known.
     pub error_m: Option<f64>,
 }
 
 /// The likelihood of one node on a plane of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LikelihoodPlane {
-    /// The first vertex: lowest x, lowest y (m).
+    /// The first vertex, with the lowest x and y (m).
     pub first: Position,
-    /// Distance of neighbouring vertices (m).
+    /// Distance between neighbouring vertices (m).
     pub step_m: f64,
     /// Vertices along x.
     pub columns: u32,
-    /// Natural logarithm of the likelihood at each vertex, x running fastest.
+    /// Natural logarithm of the likelihood at each vertex; x varies fastest.
     pub log_likelihood: Vec<f64>,
 }
 
-/// Simulated time as the viewers' timestamp; at most 136 years.
+/// Simulated time as a timestamp for viewers, at most 136 years.
 pub(super) fn timestamp(time: SimTime) -> Timestamp {
     const SECOND_NS: u64 = 1_000_000_000;
     let nanos = u32::try_from(time.as_nanos() % SECOND_NS).expect("less than a second");
@@ -75,7 +75,7 @@ fn vector(p: Position) -> Vector3 {
     Vector3 { x: p.x_m, y: p.y_m, z: p.z_m }
 }
 
-/// A turn about the vertical axis, counterclockwise seen from above.
+/// A rotation about the vertical axis, counterclockwise when seen from above.
 fn yaw(heading_rad: f64) -> Quaternion {
     Quaternion { x: 0.0, y: 0.0, z: (heading_rad / 2.0).sin(), w: (heading_rad / 2.0).cos() }
 }
@@ -84,7 +84,7 @@ fn pose(position: Position) -> Pose {
     Pose { position: Some(vector(position)), orientation: Some(yaw(0.0)) }
 }
 
-/// The robot's own frame in the world.
+/// The frame of a robot in the world.
 pub(super) fn transform(time: SimTime, robot: &str, position: Position, heading_rad: f64) -> FrameTransform {
     FrameTransform {
         timestamp: Some(timestamp(time)),
@@ -95,7 +95,7 @@ pub(super) fn transform(time: SimTime, robot: &str, position: Position, heading_
     }
 }
 
-/// The places that a robot passed.
+/// The path of a robot.
 pub(super) fn path(time: SimTime, places: &[Position]) -> PosesInFrame {
     PosesInFrame {
         timestamp: Some(timestamp(time)),
@@ -104,12 +104,12 @@ pub(super) fn path(time: SimTime, places: &[Position]) -> PosesInFrame {
     }
 }
 
-/// The robot whose path is on `topic`, if it is one of a path.
+/// The robot whose path is on `topic`; `None` if it is not the topic of a path.
 pub(super) fn robot_of_path(topic: &str) -> Option<&str> {
     topic.strip_prefix("/robot/")?.strip_suffix("/path")
 }
 
-/// The places of a path, as [`path`] draws it; says what is wrong with them.
+/// The positions of a path that [`path`] wrote, or an error message.
 pub(super) fn path_of(data: &[u8]) -> Result<Vec<Position>, String> {
     let poses = PosesInFrame::decode(data).map_err(|why| why.to_string())?.poses;
     poses
@@ -119,18 +119,18 @@ pub(super) fn path_of(data: &[u8]) -> Result<Vec<Position>, String> {
         .collect()
 }
 
-/// A place that can be; says what is wrong with another.
+/// A valid position, or an error message.
 pub(super) fn place(x_m: f64, y_m: f64, z_m: f64) -> Result<Position, String> {
     let position = Position::new(x_m, y_m, z_m);
     if position.is_within_reason() {
         Ok(position)
     } else {
         let farthest_m = Position::FARTHEST_M;
-        Err(format!("a place at [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {farthest_m:e} m"))
+        Err(format!("position [{x_m}, {y_m}, {z_m}]; allowed: coordinates of at most {farthest_m:e} m"))
     }
 }
 
-/// One entity an obstacle, so that a viewer can name what is clicked.
+/// One entity per obstacle, so that a viewer can show the name of an obstacle.
 pub(super) fn scene(time: SimTime, solids: &[Solid]) -> SceneUpdate {
     let entity = |solid: &Solid| SceneEntity {
         timestamp: Some(timestamp(time)),
@@ -148,10 +148,10 @@ pub(super) fn scene(time: SimTime, solids: &[Solid]) -> SceneUpdate {
     SceneUpdate { deletions: Vec::new(), entities: solids.iter().map(entity).collect() }
 }
 
-/// Octets of a point of [`cloud`]: x, y, z and error of eight each, then node of four.
+/// Octets per point of [`cloud`]: eight each for x, y, z and error, and four for the node.
 pub(super) const POINT_OCTETS: u32 = 36;
 
-/// Nodes as points with fields x, y, z, error (m) and node (index); the error is not a number where it is unknown.
+/// Nodes as points with the fields x, y, z, error (m) and node (index); an unknown error is NaN.
 pub(super) fn cloud(time: SimTime, nodes: &[PlacedNode]) -> PointCloud {
     let mut data = Vec::with_capacity(nodes.len() * POINT_OCTETS as usize);
     for &PlacedNode { node, position: p, error_m } in nodes {
@@ -176,7 +176,7 @@ pub(super) fn cloud(time: SimTime, nodes: &[PlacedNode]) -> PointCloud {
     }
 }
 
-/// The nodes of a cloud that [`cloud`] wrote; what is wrong with it otherwise.
+/// The nodes of a cloud that [`cloud`] wrote, or an error message.
 pub(super) fn nodes_of(cloud: &PointCloud) -> Result<Vec<(NodeId, Position)>, String> {
     let (points, rest) = cloud.data.as_chunks::<{ POINT_OCTETS as usize }>();
     if cloud.point_stride != POINT_OCTETS || !rest.is_empty() {
@@ -192,11 +192,11 @@ pub(super) fn nodes_of(cloud: &PointCloud) -> Result<Vec<(NodeId, Position)>, St
         .collect())
 }
 
-/// A plane of the likelihood surface, one cell a vertex, the vertex in the middle of its cell.
+/// A plane of the likelihood surface, with one cell per vertex and the vertex in the middle of its cell.
 pub(super) fn grid(time: SimTime, plane: &LikelihoodPlane) -> Grid {
     const OCTETS: u32 = 4;
     let half = plane.step_m / 2.0;
-    #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than seven digits")]
+    #[expect(clippy::cast_possible_truncation, reason = "seven digits are enough for a picture")]
     let data: Vec<u8> = plane.log_likelihood.iter().flat_map(|&value| (value as f32).to_le_bytes()).collect();
     Grid {
         timestamp: Some(timestamp(time)),
@@ -220,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_nodes_of_a_cloud_come_back_to_the_last_bit() {
+    fn the_nodes_of_a_cloud_are_read_back_exactly() {
         let nodes = [
             PlacedNode { node: NodeId(7), position: Position::new(0.1, -2e-300, 1e9), error_m: Some(0.5) },
             PlacedNode { node: NodeId(0), position: Position::ORIGIN, error_m: None },
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cloud_of_another_layout_is_refused() {
+    fn a_cloud_of_another_layout_is_rejected() {
         let mut foreign = cloud(SimTime::ZERO, &[]);
         foreign.point_stride = 16;
         assert!(nodes_of(&foreign).is_err());
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn instants_beyond_the_viewers_range_are_its_last_instant() {
+    fn times_beyond_the_range_of_timestamps_are_clamped() {
         assert_eq!(timestamp(SimTime::from_nanos(1_500_000_007)), Timestamp::new(1, 500_000_007));
         assert_eq!(timestamp(SimTime::MAX), Timestamp::MAX);
     }

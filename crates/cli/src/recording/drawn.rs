@@ -1,4 +1,4 @@
-//! Reading back what viewers draw: places, shapes and likelihood surfaces.
+//! Reads from a recording what figures show: positions, shapes and likelihood surfaces.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -14,27 +14,27 @@ use super::names::{ANCHORS_TOPIC, WORLD_NODES_TOPIC};
 use super::reader::sound;
 use super::scan::Piece;
 
-/// Node places by node (m).
+/// Positions by node (m).
 pub type Places = BTreeMap<NodeId, Position>;
 
-/// All that a recording shows in space; of each topic the last message.
+/// Everything in a recording that has a position. The last message of each topic counts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Where the nodes really are; empty if the recording does not tell.
+    /// The true positions of the nodes; empty if the recording does not have them.
     pub nodes: Places,
-    /// The nodes that knew their place.
+    /// The nodes that know their position.
     pub anchors: BTreeSet<NodeId>,
     /// The obstacles.
     pub obstacles: Vec<Solid>,
-    /// Robots with the places that they passed, in the order of the file.
+    /// Robots and their paths, in the order of the file.
     pub paths: Vec<(String, Vec<Position>)>,
-    /// Maps with the places that they give to nodes, in the order of the file.
+    /// Maps and their positions of nodes, in the order of the file.
     pub maps: Vec<(String, Places)>,
     /// Likelihood surfaces in the order of the file.
     pub likelihoods: Vec<DrawnLikelihood>,
 }
 
-/// The likelihood of one node as one map sees it.
+/// The likelihood of one node in one map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawnLikelihood {
     /// Name of the map.
@@ -45,10 +45,10 @@ pub struct DrawnLikelihood {
     pub plane: LikelihoodPlane,
 }
 
-/// What the recording `path` shows in space.
+/// Reads everything with a position from the recording `path`.
 ///
 /// # Errors
-/// If the file cannot be read, is damaged, or has a drawing of another layout than [`super::Recorder`] writes.
+/// If the file cannot be read, is damaged, or has a drawing with another layout than [`super::Recorder`] writes.
 pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
     let mut drawn = Drawn::default();
     sound(path, &mut |piece| {
@@ -64,7 +64,7 @@ pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
 }
 
 impl Drawn {
-    /// Takes a message in, if it is a drawing; says what is wrong with it.
+    /// Adds a message, if it is a drawing. Returns an error message if it is invalid.
     fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
             "foxglove.PointCloud" if topic == WORLD_NODES_TOPIC => self.nodes = places(data)?,
@@ -97,7 +97,7 @@ impl Drawn {
     }
 }
 
-/// Gives `name` a value; a name that is there keeps its place in the order.
+/// Sets the value of `name`; an existing name keeps its place in the order.
 fn replace<T>(list: &mut Vec<(String, T)>, name: &str, value: T) {
     match list.iter_mut().find(|(other, _)| other == name) {
         Some((_, old)) => *old = value,
@@ -120,7 +120,7 @@ fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {
             let (triangles, rest) = surface.indices.as_chunks::<3>();
             let beyond = surface.indices.iter().find(|&&index| index as usize >= vertices.len());
             if let Some(beyond) = beyond {
-                return Err(format!("`{}`: corner {beyond}; there are {}", entity.id, vertices.len()));
+                return Err(format!("`{}`: corner {beyond} of {}", entity.id, vertices.len()));
             }
             if !rest.is_empty() {
                 return Err(format!("`{}`: a triangle with {} corners; allowed: 3", entity.id, rest.len()));
@@ -134,17 +134,19 @@ fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {
 fn plane(data: &[u8]) -> Result<LikelihoodPlane, String> {
     let grid = Grid::decode(data).map_err(|why| why.to_string())?;
     let (Some(corner), Some(cell)) = (grid.pose.and_then(|pose| pose.position), grid.cell_size) else {
-        return Err("a grid without a pose or without a size of its cells".to_owned());
+        return Err("a grid without a pose or a cell size".to_owned());
     };
     let step_m = cell.x;
     if !(step_m > 0.0 && step_m <= Position::FARTHEST_M && (cell.y - step_m).abs() <= 1e-9 * step_m) {
-        return Err(format!("cells of {} m by {} m; allowed: squares", cell.x, cell.y));
+        return Err(format!("cells of {} m by {} m; allowed: square cells", cell.x, cell.y));
     }
     let (values, rest) = grid.data.as_chunks::<4>();
     let columns = grid.column_count as usize;
     if grid.cell_stride != 4 || columns == 0 || values.is_empty() || !rest.is_empty() || values.len() % columns != 0 {
         let octets = grid.data.len();
-        return Err(format!("{octets} octets in {columns} columns; allowed: whole rows of four octets a cell"));
+        return Err(format!(
+            "{octets} octets in {columns} columns; allowed: complete rows with four octets per cell"
+        ));
     }
     let log_likelihood: Vec<f64> = values.iter().map(|&octets| f64::from(f32::from_le_bytes(octets))).collect();
     let first = place(corner.x + step_m / 2.0, corner.y + step_m / 2.0, corner.z)?;
@@ -157,7 +159,7 @@ mod tests {
     use sextant_kernel::SimTime;
 
     #[test]
-    fn a_likelihood_plane_comes_back_as_it_was_drawn() {
+    fn a_likelihood_plane_is_read_back_equal() {
         let plane = LikelihoodPlane {
             first: Position::new(1.0, 2.0, 0.5),
             step_m: 0.25,
@@ -169,21 +171,21 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_with_a_torn_row_is_refused() {
+    fn a_grid_with_an_incomplete_row_is_rejected() {
         let plane =
             LikelihoodPlane { first: Position::ORIGIN, step_m: 0.25, columns: 2, log_likelihood: vec![0.0; 3] };
         assert!(super::plane(&drawing::grid(SimTime::ZERO, &plane).encode_to_vec()).is_err());
     }
 
     #[test]
-    fn a_triangle_with_a_corner_that_is_not_there_is_refused() {
+    fn a_triangle_with_a_missing_corner_is_rejected() {
         let solid = Solid { name: "wall".to_owned(), vertices: vec![Position::ORIGIN], triangles: vec![[0, 0, 1]] };
         let problem = solids(&drawing::scene(SimTime::ZERO, &[solid]).encode_to_vec()).unwrap_err();
-        assert!(problem.contains("corner 1; there are 1"), "{problem}");
+        assert!(problem.contains("corner 1 of 1"), "{problem}");
     }
 
     #[test]
-    fn the_last_message_of_a_topic_counts_and_keeps_the_order() {
+    fn the_last_message_of_a_topic_counts_and_the_order_stays() {
         let mut list = Vec::new();
         for (name, value) in [("a", 1), ("b", 2), ("a", 3)] {
             replace(&mut list, name, value);

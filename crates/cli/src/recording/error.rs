@@ -1,15 +1,16 @@
-//! What can go wrong with a recording.
+//! Errors of recordings.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use sextant_channel::LogError;
+use sextant_kernel::Interrupted;
 
 use crate::diagnostic::Failure;
 use crate::output::DraftError;
 
-/// Why a recording could not be written or read. Clonable, because the first failure of a recorder is
-/// the answer to every later call.
+/// Why a recording could not be written or read. Clonable, because a recorder returns its first failure from every later
+/// call.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RecordingError {
     /// The file cannot be created.
@@ -20,8 +21,8 @@ pub enum RecordingError {
         /// The system's answer.
         why: String,
     },
-    /// A write failed; what was written until then is in `PATH.part`.
-    #[error("cannot write `{}`: {why}; what was written before is left there, and `sextant recover` reads it", .path.display())]
+    /// A write failed; the data written before is in `PATH.part`.
+    #[error("cannot write `{}`: {why}; the data written before is kept, and `sextant recover` can read it", .path.display())]
     Write {
         /// The file that was being written.
         path: PathBuf,
@@ -29,19 +30,27 @@ pub enum RecordingError {
         why: String,
     },
     /// A write to a capture failed; the frames written until then are in `PATH.part`.
-    #[error("cannot write `{}`: {why}; the frames written before are left there", .path.display())]
+    #[error("cannot write `{}`: {why}; the frames written before are kept", .path.display())]
     WriteCapture {
         /// The file that was being written.
         path: PathBuf,
         /// The system's answer.
         why: String,
     },
-    /// The finished file cannot be given its name.
+    /// A write to a recovered copy failed; the incomplete copy was removed.
+    #[error("cannot write `{}`: {why}; the incomplete copy was removed", .path.display())]
+    WriteCopy {
+        /// The copy.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The finished file cannot be renamed.
     #[error("cannot rename `{}` to `{}`: {why}", .part.display(), .path.display())]
     Rename {
         /// The finished file.
         part: PathBuf,
-        /// The name that it should have.
+        /// Its final name.
         path: PathBuf,
         /// The system's answer.
         why: String,
@@ -55,62 +64,72 @@ pub enum RecordingError {
         why: String,
     },
     /// The file is of another format.
-    #[error("`{}` is not an MCAP file: it does not begin with the eight bytes of one", .path.display())]
+    #[error("`{}` is not an MCAP file: the first eight bytes differ", .path.display())]
     NotMcap {
         /// The file.
         path: PathBuf,
     },
-    /// The file is damaged or ends too early.
-    #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` restores what comes before", .path.display())]
+    /// The file is damaged or incomplete.
+    #[error("`{}` is broken at byte {at_byte}, after {messages} messages: {why}; `sextant recover` copies everything before", .path.display())]
     Broken {
         /// The file.
         path: PathBuf,
-        /// How far the file was read (octets).
+        /// Number of octets read.
         at_byte: u64,
         /// Messages before the damage.
         messages: u64,
-        /// What is wrong there.
+        /// The error.
         why: String,
     },
     /// The file has no reception log.
-    #[error("`{}` has no reception log: no whole stop on a topic with schema `sextant.Stop`; its topics: {topics}", .path.display())]
+    #[error("`{}` has no reception log: no complete stop on a topic with schema `sextant.Stop`; its topics: {topics}", .path.display())]
     NoLog {
         /// The file.
         path: PathBuf,
-        /// The topics that it has.
+        /// Its topics.
         topics: String,
     },
-    /// A message does not say what its type should.
+    /// A message is invalid.
     #[error("`{}`, topic `{topic}`: {problem}", .path.display())]
     Message {
         /// The file.
         path: PathBuf,
         /// Topic of the message.
         topic: String,
-        /// What is wrong with it.
+        /// The error.
         problem: String,
     },
-    /// The messages do not make a reception log.
+    /// The messages do not form a valid reception log.
     #[error("`{}`: {why}", .path.display())]
     Log {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         why: LogError,
     },
-    /// Recovery would overwrite what it reads.
-    #[error("`{}` is the file to recover; give another name for the result", .path.display())]
+    /// Recovery would overwrite its input.
+    #[error("`{}` is the file to recover; choose another name for the copy", .path.display())]
     SameFile {
         /// The file.
         path: PathBuf,
     },
+    /// The user interrupted the work.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl RecordingError {
-    /// Whether the disk or the system is at fault (exit code 1), and not what was given (exit code 2).
+    /// Whether the disk or the system caused the error (exit code 1), not the input (exit code 2).
     #[must_use]
-    pub fn is_of_the_system(&self) -> bool {
-        matches!(self, Self::Create { .. } | Self::Write { .. } | Self::WriteCapture { .. } | Self::Rename { .. })
+    pub fn is_system_error(&self) -> bool {
+        matches!(
+            self,
+            Self::Create { .. }
+                | Self::Write { .. }
+                | Self::WriteCapture { .. }
+                | Self::WriteCopy { .. }
+                | Self::Rename { .. }
+        )
     }
 
     pub(super) fn write(path: &Path, why: &mcap::McapError) -> Self {
@@ -138,11 +157,15 @@ impl From<DraftError> for RecordingError {
 
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
-        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
+        match error {
+            RecordingError::Interrupted(_) => Self::Interrupted,
+            error if error.is_system_error() => Self::failed(error.to_string()),
+            error => Self::bad_input(error.to_string()),
+        }
     }
 }
 
-/// The system's answer below an error of the container, or the error itself.
+/// The system's error inside an error of the container, or the error itself.
 pub(super) fn cause(error: &mcap::McapError) -> String {
     match error {
         mcap::McapError::Io(system) => system.to_string(),

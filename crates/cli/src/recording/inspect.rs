@@ -1,4 +1,4 @@
-//! What is inside a recording.
+//! The contents of a recording.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,24 +9,24 @@ use serde::Serialize;
 use super::error::RecordingError;
 use super::scan::{Damage, Piece, scan};
 
-/// Contents of a recording, found by reading all of it.
+/// The contents of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inspection {
-    /// What wrote it.
+    /// The program that wrote it.
     pub library: String,
     /// Size of the file (octets).
     pub size_bytes: u64,
-    /// Where it is broken; absent from a sound file.
+    /// The first damage; absent if the file is sound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<Damage>,
     /// Topics by name.
     pub topics: Vec<Topic>,
-    /// Number of messages that can be read.
+    /// Number of readable messages.
     pub messages: u64,
-    /// Earliest simulated time of a message (s); absent without messages.
+    /// Simulated time of the earliest message (s); absent without messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
-    /// Latest simulated time of a message (s); absent without messages.
+    /// Simulated time of the latest message (s); absent without messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end_s: Option<f64>,
     /// Attachments in the order of the file.
@@ -59,7 +59,7 @@ pub struct AttachmentInfo {
     pub size_bytes: u64,
 }
 
-/// Reads all of the recording `path` and tells what is inside, of a broken one as far as it is sound.
+/// Lists the contents of the recording `path`. Of a broken recording it lists everything before the damage.
 ///
 /// # Errors
 /// If the file cannot be read or is of another format.
@@ -118,7 +118,7 @@ impl fmt::Display for Inspection {
             None => writeln!(f, "complete, {} bytes, written by {}", self.size_bytes, self.library)?,
             Some(damage) => writeln!(
                 f,
-                "BROKEN at byte {} of {}: {}; `sextant recover` restores what comes before",
+                "BROKEN at byte {} of {}: {}; `sextant recover` copies everything before",
                 damage.at_byte, self.size_bytes, damage.why
             )?,
         }

@@ -1,4 +1,4 @@
-//! What nodes knew of each other, as a recording holds it.
+//! Reads from a recording what the nodes know of each other.
 
 use std::path::Path;
 
@@ -12,21 +12,21 @@ use super::names::{ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC};
 use super::reader::sound;
 use super::scan::Piece;
 
-/// What nodes knew of each other.
+/// What the nodes know of each other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
-    /// What they heard of each other's hello packets, if they sent any that were heard.
+    /// Receptions of hello packets between nodes, if there are any.
     pub neighbours: Option<NeighbourLog>,
-    /// What they heard of the anchors' packets, if these sent any that were heard.
+    /// Receptions of the anchors' packets, if there are any.
     pub beacons: Option<NeighbourLog>,
-    /// The nodes that knew their place, by node.
+    /// The nodes that know their position, by node.
     pub anchors: Vec<Anchor>,
 }
 
-/// What the `nodes` nodes of the recording `path` knew of each other.
+/// Reads what the nodes of the recording `path` know of each other; `nodes` is their number.
 ///
 /// # Errors
-/// If the file cannot be read, is damaged, or names nodes that there are not.
+/// If the file cannot be read, is damaged, or refers to nodes that do not exist.
 pub fn read_known(path: &Path, nodes: usize) -> Result<Known, RecordingError> {
     let (mut neighbours, mut beacons) = (Vec::new(), Vec::new());
     let mut known = Known::default();
@@ -73,7 +73,7 @@ pub(super) fn anchor(data: &[u8], nodes: usize) -> Result<Anchor, String> {
         return Err(format!("an anchor is node {node}, but there are {nodes} nodes"));
     }
     if !position.is_finite() {
-        return Err(format!("anchor {node} is at {position}; coordinates are finite metres"));
+        return Err(format!("anchor {node} is at {position}; allowed: finite coordinates"));
     }
     Ok(Anchor { node: NodeId(node), position })
 }

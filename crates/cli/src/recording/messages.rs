@@ -1,12 +1,12 @@
-//! Sextant's own message types, as they stand in a recording. Field numbers are for ever: a field may be
-//! added under a new number and never renumbered. `docs/recording.md` gives their meaning and units.
+//! The message types of Sextant. Field numbers are permanent: a new field gets a new number, and no field is renumbered.
+//! `docs/recording.md` gives the meaning and the units of the fields.
 
 use foxglove::{Encode, Schema};
 use prost::bytes::BufMut;
 
 use super::descriptor::{self, Declaration};
 
-/// Names of nodes that the robot knows of, heard or not; no places.
+/// Names of the nodes that the robot knows, heard or not, without positions.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct NodesMessage {
     /// Index of the first of `names`.
@@ -20,7 +20,7 @@ pub struct NodesMessage {
 /// A place where a robot listened.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct StopMessage {
-    /// Index of the stop in the recording, from 0 without gaps.
+    /// Index of the stop in the recording, counted from 0 without gaps.
     #[prost(uint32, tag = "1")]
     pub stop: u32,
     /// When listening began (ns of simulated time).
@@ -38,12 +38,12 @@ pub struct StopMessage {
     /// Name of the robot.
     #[prost(string, tag = "6")]
     pub robot: String,
-    /// Number of `Reception` messages of this stop, which follow it: tells a whole stop from a cut one.
+    /// Number of the `Reception` messages of this stop, which follow it. With it a reader detects an incomplete stop.
     #[prost(uint32, tag = "7")]
     pub receptions: u32,
 }
 
-/// What was heard of one node at one stop.
+/// The packets received from one node at one stop.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct ReceptionMessage {
     /// Index of the node.
@@ -55,10 +55,10 @@ pub struct ReceptionMessage {
     /// Packets received, at most `sent`.
     #[prost(uint32, tag = "3")]
     pub received: u32,
-    /// Packets that the node is known to have sent while the robot listened; 0 of 0: no evidence either way.
+    /// Packets that the node is known to have sent while the robot listened. 0 received of 0 sent is no evidence.
     #[prost(uint32, tag = "4")]
     pub sent: u32,
-    /// Antenna sector of best reception, 0 to 255.
+    /// Antenna sector with the best reception, 0 to 255.
     #[prost(uint32, optional, tag = "5")]
     pub sector: Option<u32>,
     /// Mean received signal strength (dBm).
@@ -66,7 +66,7 @@ pub struct ReceptionMessage {
     pub rssi_dbm: Option<f64>,
 }
 
-/// A point of an obstacle that a robot's range sensor met.
+/// A point of an obstacle that the range sensor of a robot detected.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct ContactMessage {
     /// When (ns of simulated time).
@@ -83,7 +83,7 @@ pub struct ContactMessage {
     pub z_m: f64,
 }
 
-/// What one node heard of another, or of an anchor.
+/// The packets that one node received from another node or from an anchor.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct LinkMessage {
     /// Index of the node that heard.
@@ -95,7 +95,7 @@ pub struct LinkMessage {
     /// Packets received, at most `sent`.
     #[prost(uint32, tag = "3")]
     pub received: u32,
-    /// Packets that the sender put on air.
+    /// Packets that the sender sent.
     #[prost(uint32, tag = "4")]
     pub sent: u32,
     /// Mean received signal strength (dBm).
@@ -103,7 +103,7 @@ pub struct LinkMessage {
     pub rssi_dbm: Option<f64>,
 }
 
-/// A node that knows its place.
+/// A node that knows its position.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct AnchorMessage {
     /// Index of the node.
@@ -135,11 +135,11 @@ pub struct FrameMessage {
     /// The MAC frame, its check sequence included.
     #[prost(bytes = "vec", tag = "4")]
     pub mpdu: Vec<u8>,
-    /// The best that became of it at any robot, or, of a robot's frame, at any node: `received`, `collided`, `weak`,
-    /// `out_of_range`, `not_listened`.
+    /// The best outcome at any robot or, for a frame of a robot, at any node: `received`, `collided`, `weak`,
+    /// `out_of_range` or `not_listened`.
     #[prost(string, tag = "5")]
     pub outcome: String,
-    /// Power at that station (dBm), where a signal was measured.
+    /// Received power at that station (dBm), if it was measured.
     #[prost(double, optional, tag = "6")]
     pub power_dbm: Option<f64>,
 }
@@ -161,8 +161,8 @@ pub struct MetricMessage {
 /// Gives a message type its stable name and its descriptor.
 macro_rules! recorded {
     ($($message:ident = $name:literal: [$($field:literal = $number:literal $kind:ident),+ $(,)?];)+) => {
-        /// What the recording says of each own message type: the same numbers as the structs above
-        /// (a test holds them together, an independent reader decodes them).
+        /// The declarations of the message types in the recording. The numbers are those of the structs above; tests
+        /// compare them, and decode them with an independent reader.
         pub(super) const DECLARATIONS: &[Declaration] = &[$(Declaration {
             name: $name,
             fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::Kind::$kind }),+],

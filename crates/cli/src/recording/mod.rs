@@ -1,8 +1,8 @@
-//! Recordings: MCAP files with all that a run did, for viewers, mappers and people.
+//! Recordings: MCAP files of runs, for viewers, mappers and people.
 //!
-//! Goes in: what happened, call by call, to a [`FileRecorder`]. Comes out: a file that Foxglove and Rerun draw, that
-//! [`read_log`] turns back into the reception log of the run, [`inspect`] describes and [`recover`] saves after a crash.
-//! Topics, types and units are in `docs/recording.md`.
+//! A [`FileRecorder`] writes the events of a run to a file. Foxglove and Rerun can draw the file, [`read_log`] reads the
+//! reception log from it, [`inspect`] lists its contents, and [`recover`] copies what is readable after a crash.
+//! Topics, types and units are described in `docs/recording.md`.
 //!
 //! ```
 //! use sextant::recording::{FileRecorder, read_log};

@@ -1,18 +1,18 @@
-//! What the parts of a recording are called.
+//! Names of topics, attachments and metadata records.
 
-/// Name of the attachment with the scenario as it was read.
+/// Name of the attachment with the text of the scenario.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 /// Name of the attachment with the summary.
 pub const SUMMARY_ATTACHMENT: &str = "summary.json";
 /// Name of the metadata record with `seed`, `version` and `scenario`.
 pub const ORIGIN_METADATA: &str = "sextant";
-/// Topic of what nodes heard of each other.
+/// Topic of receptions between nodes.
 pub(super) const NEIGHBOURS_TOPIC: &str = "/neighbours";
-/// Topic of what nodes heard of the anchors.
+/// Topic of receptions of the anchors' packets by nodes.
 pub(super) const BEACONS_TOPIC: &str = "/beacons";
-/// Topic of the nodes that know their place.
+/// Topic of the nodes that know their position.
 pub(super) const ANCHORS_TOPIC: &str = "/anchors";
-/// Topic of the true nodes.
+/// Topic of the true positions of the nodes.
 pub(super) const WORLD_NODES_TOPIC: &str = "/world/nodes";
-/// Name of the metadata record that a recovered recording has.
+/// Name of the metadata record of a recovered recording.
 pub(super) const RECOVERED_METADATA: &str = "recovered";

@@ -1,4 +1,4 @@
-//! Reading back what a mapper, a metric or a report needs of a recording.
+//! Reads from a recording what mappers, metrics and figures need.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,24 +15,24 @@ use super::messages;
 use super::names::WORLD_NODES_TOPIC;
 use super::scan::{Piece, scan};
 
-/// The reception log of a recording, and what the recording says of itself.
+/// The reception log of a recording, with its metadata and attachments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedRun {
     /// The reception log.
     pub log: ReceptionLog,
-    /// The places that robots passed, by name; empty if the recording was cut short.
+    /// The paths of the robots, by name; empty if the recording is incomplete.
     pub paths: Vec<(String, Vec<Position>)>,
-    /// Stops that were left out, 0 or 1: the last stop of a recovered recording may lack receptions, and a
-    /// reception that is absent would mean that nothing was heard.
+    /// Number of ignored stops, 0 or 1. Receptions of the last stop of a recovered recording may be missing, and a
+    /// missing reception would mean that nothing was heard.
     pub cut_stops: usize,
-    /// Metadata records by name; a recording of `run` has [`super::ORIGIN_METADATA`].
+    /// Metadata records by name. A recording of `run` has [`super::ORIGIN_METADATA`].
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Attachments in the order of the file.
     pub attachments: Vec<Attachment>,
 }
 
 impl RecordedRun {
-    /// The attachment `name`, the last one of this name.
+    /// The last attachment with this `name`.
     #[must_use]
     pub fn attachment(&self, name: &str) -> Option<&Attachment> {
         self.attachments.iter().rfind(|attachment| attachment.name == name)
@@ -50,8 +50,8 @@ pub struct Attachment {
     pub data: Vec<u8>,
 }
 
-/// The reception log in the recording `path`, with the names of unheard nodes. Drawings, frames and the true places
-/// of the nodes are passed over. Needs memory for the log and one chunk.
+/// Reads the reception log of the recording `path`, with the names of unheard nodes. Drawings, frames and the true
+/// positions of the nodes are skipped. Needs memory for the log and one chunk.
 ///
 /// # Errors
 /// If the file cannot be read, is damaged, or holds no reception log.
@@ -96,7 +96,7 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
     Ok(RecordedRun { log, paths: draft.paths, cut_stops, metadata, attachments })
 }
 
-/// Where the nodes of the recording `path` really are, by name (m); `None` if it does not tell.
+/// Reads the true positions of the nodes of the recording `path`, by name (m); `None` if it does not have them.
 ///
 /// # Errors
 /// If the file cannot be read or is damaged.
@@ -123,7 +123,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
     };
     let named = places.into_iter().map(|(node, position)| {
         let name = names.names.get(node.index()).ok_or_else(|| {
-            let problem = format!("node {} has no name; there are {} names", node.0, names.names.len());
+            let problem = format!("node {} has no name; the number of names is {}", node.0, names.names.len());
             RecordingError::message(path, WORLD_NODES_TOPIC, problem)
         })?;
         Ok((name.clone(), position))
@@ -131,7 +131,7 @@ pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, Rec
     named.collect::<Result<_, _>>().map(Some)
 }
 
-/// Scans a file that must be whole.
+/// Scans a file and rejects damage.
 pub(super) fn sound(
     path: &Path,
     visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
@@ -147,7 +147,7 @@ pub(super) fn sound(
     }
 }
 
-/// A reception log in the making.
+/// A reception log that is being read.
 #[derive(Default)]
 struct LogDraft {
     names: Vec<String>,
@@ -156,12 +156,12 @@ struct LogDraft {
     receptions: ReceptionLogBuilder,
     contacts: Vec<Contact>,
     paths: Vec<(String, Vec<Position>)>,
-    /// Receptions that the last stop still lacks.
+    /// Number of receptions of the last stop that are still missing.
     owed: u32,
 }
 
 impl LogDraft {
-    /// Takes a message of the given schema in, if it is part of a reception log; says what is wrong with it.
+    /// Adds a message of the given schema, if it is part of a reception log. Returns an error message if it is invalid.
     fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
             "sextant.Nodes" => self.add_nodes(decode(data)?),
@@ -187,11 +187,7 @@ impl LogDraft {
 
     fn add_nodes(&mut self, message: messages::NodesMessage) -> Result<(), String> {
         if message.first as usize != self.names.len() {
-            return Err(format!(
-                "names begin at node {}; allowed: {}, the next one",
-                message.first,
-                self.names.len()
-            ));
+            return Err(format!("names begin at node {}; expected: node {}", message.first, self.names.len()));
         }
         self.names.extend(message.names);
         Ok(())
@@ -200,7 +196,7 @@ impl LogDraft {
     fn add_stop(&mut self, message: &messages::StopMessage) -> Result<(), String> {
         self.settled()?;
         if message.stop as usize != self.stops.len() {
-            return Err(format!("stop {} where stop {} is due", message.stop, self.stops.len()));
+            return Err(format!("found stop {}; expected: stop {}", message.stop, self.stops.len()));
         }
         self.owed = message.receptions;
         let position = Position::new(message.x_m, message.y_m, message.z_m);
@@ -210,7 +206,7 @@ impl LogDraft {
     }
 
     fn add_reception(&mut self, message: &messages::ReceptionMessage) -> Result<(), String> {
-        self.owed = self.owed.checked_sub(1).ok_or("more receptions than the stop before them announces")?;
+        self.owed = self.owed.checked_sub(1).ok_or("more receptions than their stop has announced")?;
         let sector = message.sector.map(|sector| {
             u8::try_from(sector).map_err(|_| format!("node {}: sector {sector}; allowed: 0 to 255", message.node))
         });
@@ -232,7 +228,7 @@ impl LogDraft {
         Err(format!("{} receptions are missing before stop {}", self.owed, self.stops.len()))
     }
 
-    /// Takes the last stop out if it is not whole; returns how many were.
+    /// Removes the last stop if it is incomplete. Returns the number of removed stops.
     fn cut_last_stop(&mut self) -> usize {
         if self.owed == 0 {
             return 0;

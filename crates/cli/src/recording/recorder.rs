@@ -1,4 +1,4 @@
-//! Writing a recording.
+//! The writer of recordings.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -22,10 +22,10 @@ use super::names::{
 use super::sink::Sink;
 use crate::output::Draft;
 
-/// Stops after which a chunk is closed, however few messages they have.
+/// A chunk is closed after this many stops, even if it has few messages.
 const STOPS_PER_CHUNK: u32 = 32;
 
-/// From what a recording comes: with the scenario all that its bytes depend on.
+/// The origin of a recording. Its bytes depend on the origin and the text of the scenario alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin<'a> {
     /// Name of the scenario.
@@ -36,8 +36,8 @@ pub struct Origin<'a> {
     pub version: &'a str,
 }
 
-/// Writes a recording. Each call may fail, and after the first failure every call returns that failure again.
-/// Only [`FileRecorder::finish`] makes a recording whole; without it, what was written stays in `PATH.part`.
+/// Writes a recording. Each call may fail. After the first failure, every call returns the same failure.
+/// [`FileRecorder::finish`] completes the recording; without it, the data stays in `PATH.part`.
 pub struct Recorder<W: Write> {
     sink: Sink<W>,
     /// Channel and number of messages so far, by topic.
@@ -46,14 +46,14 @@ pub struct Recorder<W: Write> {
     stops_in_chunk: u32,
 }
 
-/// A recorder that writes `PATH.part` and makes it `PATH` in the end.
+/// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
 pub struct FileRecorder {
     recorder: Recorder<BufWriter<File>>,
     draft: Draft,
 }
 
 impl FileRecorder {
-    /// A recording that is to be the file `path`; a file of this name is replaced when the recording is finished.
+    /// A recorder for the file `path`. An existing file is replaced when the recording is finished.
     ///
     /// # Errors
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
@@ -66,7 +66,7 @@ impl FileRecorder {
     /// Writes the summary section, syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.
     ///
     /// # Errors
-    /// If any write failed, now or before. The file `PATH.part` then stays.
+    /// If any write failed, now or before. The file `PATH.part` is then kept.
     pub fn finish(self) -> Result<(), RecordingError> {
         self.recorder.sink.publish(&self.draft)
     }
@@ -87,7 +87,7 @@ impl std::ops::DerefMut for FileRecorder {
 }
 
 impl<W: Write> Recorder<W> {
-    /// A recording into `output`, which errors call `name`.
+    /// A recorder that writes to `output`; `name` is its name in errors.
     ///
     /// # Errors
     /// If the header cannot be written.
@@ -99,7 +99,7 @@ impl<W: Write> Recorder<W> {
         Self { sink, topics: BTreeMap::new(), encoded: Vec::new(), stops_in_chunk: 0 }
     }
 
-    /// Writes the summary section and hands the output back.
+    /// Writes the summary section and returns the output.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -107,7 +107,7 @@ impl<W: Write> Recorder<W> {
         self.sink.finish()
     }
 
-    /// Where the recording comes from: the first record after the header.
+    /// Writes the origin of the recording, as the first record after the header.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -120,7 +120,7 @@ impl<W: Write> Recorder<W> {
         })
     }
 
-    /// The scenario as it was read, overrides applied (TOML).
+    /// Writes the text of the scenario with all overrides (TOML).
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -128,8 +128,8 @@ impl<W: Write> Recorder<W> {
         self.attach(SCENARIO_ATTACHMENT, "application/toml", toml.as_bytes())
     }
 
-    /// The summary (JSON). A recording is a function of scenario, seed and version only if the summary is: leave out
-    /// its `timing`.
+    /// Writes the summary (JSON). Leave out its `timing`, so that the recording depends on scenario, seed and version
+    /// alone.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -147,7 +147,7 @@ impl<W: Write> Recorder<W> {
         })
     }
 
-    /// Names of all nodes that the robots know of (index = `NodeId`), before the first stop.
+    /// Writes the names of all nodes that the robots know (index = `NodeId`). Call it before the first stop.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -155,7 +155,7 @@ impl<W: Write> Recorder<W> {
         self.write(SimTime::ZERO, "/nodes", &messages::NodesMessage { first: 0, names: names.to_vec() })
     }
 
-    /// What nodes heard of each other's hello packets before the survey.
+    /// Writes the receptions of hello packets between nodes before the survey.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -163,7 +163,7 @@ impl<W: Write> Recorder<W> {
         self.links(NEIGHBOURS_TOPIC, log)
     }
 
-    /// What nodes heard of the anchors' packets before the survey.
+    /// Writes the receptions of the anchors' packets by nodes before the survey.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -178,7 +178,7 @@ impl<W: Write> Recorder<W> {
         })
     }
 
-    /// The nodes that know their place.
+    /// Writes the nodes that know their position.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -189,8 +189,8 @@ impl<W: Write> Recorder<W> {
         })
     }
 
-    /// A stop and all that was heard there. Stops are numbered from 0 in the order of the calls; `receptions`
-    /// name the stop by that number. A chunk ends between stops only, so that a crash loses whole stops.
+    /// Writes a stop and all receptions there. Stops are numbered from 0 in the order of the calls, and `receptions`
+    /// refer to that number. A chunk never ends within a stop, so that a crash loses complete stops only.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -234,7 +234,7 @@ impl<W: Write> Recorder<W> {
         self.sink.settle()
     }
 
-    /// A point of an obstacle that the range sensor of `robot` met.
+    /// Writes a point of an obstacle that the range sensor of `robot` detected.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -244,7 +244,7 @@ impl<W: Write> Recorder<W> {
         self.write(contact.time, &format!("/robot/{robot}/contacts"), &message)
     }
 
-    /// A whole reception log: names, stops with receptions, contacts.
+    /// Writes a complete reception log: names, stops with receptions, contacts.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -265,7 +265,7 @@ impl<W: Write> Recorder<W> {
         log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))
     }
 
-    /// Where `robot` is, and where it looks (rad, counterclockwise from x).
+    /// Writes the position of `robot` and its heading (rad, counterclockwise from x).
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -279,7 +279,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, "/tf", &drawing::transform(time, robot, position, heading_rad))
     }
 
-    /// The places that `robot` has passed, from its start to now (m).
+    /// Writes the path of `robot` from its start to now (m).
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -287,7 +287,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, &format!("/robot/{robot}/path"), &drawing::path(time, places))
     }
 
-    /// The obstacles of the world.
+    /// Writes the obstacles of the world.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -295,7 +295,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, "/world/obstacles", &drawing::scene(time, solids))
     }
 
-    /// Where the nodes really are: for viewers and metrics, never for a mapper.
+    /// Writes the true positions of the nodes, for viewers and metrics but never for a mapper.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -303,7 +303,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
     }
 
-    /// Where `algorithm` places the nodes; those that it does not place are absent.
+    /// Writes the map by `algorithm`; nodes without a position are absent.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -311,7 +311,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, &format!("/map/{algorithm}"), &drawing::cloud(time, nodes))
     }
 
-    /// The likelihood of `node` as `algorithm` sees it.
+    /// Writes the likelihood of `node` by `algorithm`.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -325,7 +325,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, &format!("/likelihood/{algorithm}/{node}"), &drawing::grid(time, plane))
     }
 
-    /// A frame that was on air, at its end.
+    /// Writes a frame, at the time of its end.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -333,7 +333,7 @@ impl<W: Write> Recorder<W> {
         self.write(SimTime::from_nanos(frame.start_ns.saturating_add(frame.airtime_ns)), "/mac/frames", frame)
     }
 
-    /// One value of the time series `name`, which ends in its unit.
+    /// Writes one value of the time series `name`, which ends in its unit.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -345,7 +345,7 @@ impl<W: Write> Recorder<W> {
         )
     }
 
-    /// A message for people, from the part of the program called `source`.
+    /// Writes a text message from the part of the program called `source`.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -360,7 +360,7 @@ impl<W: Write> Recorder<W> {
         self.write(time, "/log", &log)
     }
 
-    /// A message after which a chunk may end.
+    /// Writes a message after which a chunk may end.
     fn write<M: Encode + prost::Message>(
         &mut self,
         time: SimTime,
@@ -382,13 +382,13 @@ impl<W: Write> Recorder<W> {
             let channel = self.sink.channel(topic, &schema)?;
             self.topics.insert(topic.to_owned(), (channel, 0));
         }
-        let (channel_id, sequence) = self.topics.get_mut(topic).expect("a topic that is there");
+        let (channel_id, sequence) = self.topics.get_mut(topic).expect("the topic was added above");
         let time_ns = time.as_nanos();
         let header =
             MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: time_ns, publish_time: time_ns };
         *sequence = sequence.wrapping_add(1);
         self.encoded.clear();
-        prost::Message::encode(message, &mut self.encoded).expect("a vector that grows");
+        prost::Message::encode(message, &mut self.encoded).expect("a vector has room");
         self.sink.message(&header, &self.encoded)
     }
 }

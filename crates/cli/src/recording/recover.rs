@@ -1,48 +1,60 @@
-//! Saving what a crash has left of a recording.
+//! Recovery of the readable part of a broken recording.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use mcap::records::Metadata;
 use serde::Serialize;
+use sextant_kernel::Watch;
 
 use super::error::RecordingError;
 use super::names::RECOVERED_METADATA;
 use super::scan::{Damage, Piece, scan};
 use super::sink::Sink;
+use crate::interrupt::Interrupt;
 use crate::output::Draft;
 
-/// What was saved.
+/// The result of a recovery.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Recovery {
     /// Messages copied.
     pub messages: u64,
     /// Attachments copied.
     pub attachments: u64,
-    /// What was wrong with the file; absent if it was sound, and then it was copied whole.
+    /// What was wrong with the file; absent if the file was sound and was copied completely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<Damage>,
 }
 
-/// Copies all that can be read of the recording `broken`, up to the first damaged or cut chunk, into a sound
-/// recording `out`. An existing file `out` is replaced once the copy is whole.
+/// Copies the recording `broken`, up to the first damaged or incomplete chunk, into a sound recording `out`. The copy
+/// is written to `OUT.recovering`, which is renamed to `out` when it is complete; only then is an existing file replaced.
 ///
 /// # Errors
-/// If `broken` cannot be read or is no MCAP file, if `out` is the same file, or if `out` cannot be written.
-pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
+/// If `broken` cannot be read or is not an MCAP file, if `out` is the same file, if `out` cannot be written, or if the
+/// user interrupts. `OUT.recovering` is removed in each case.
+pub fn recover(broken: &Path, out: &Path, interrupt: &Interrupt) -> Result<Recovery, RecordingError> {
     let draft = Draft::new(out, ".recovering");
     let input = broken.canonicalize().map_err(|why| RecordingError::read(broken, why))?;
     if [&draft.path, &draft.part].iter().any(|path| path.canonicalize().is_ok_and(|path| path == input)) {
         return Err(RecordingError::SameFile { path: broken.to_owned() });
     }
+    let _temporary = interrupt.temporary(&draft.part);
+    copy(broken, &draft, interrupt).map_err(|error| match error {
+        RecordingError::Write { why, .. } => RecordingError::WriteCopy { path: out.to_owned(), why },
+        error => error,
+    })
+}
+
+fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, RecordingError> {
     let mut sink = None;
     let mut known = BTreeSet::new();
     let mut recovery = Recovery { messages: 0, attachments: 0, damage: None };
     recovery.damage = scan(broken, &mut |piece| {
-        // Created at the first piece, so that a file of another format leaves nothing behind.
+        watch.check()?;
+        // Created at the first piece, so that nothing is created for a file of another format.
         let sink = match &mut sink {
             Some(sink) => sink,
-            none => none.insert(Sink::create(&draft)?),
+            none => none.insert(Sink::create(draft)?),
         };
         match piece {
             Piece::Header { .. } => Ok(()),
@@ -69,7 +81,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
     })?;
     let mut sink = match sink {
         Some(sink) => sink,
-        None => Sink::create(&draft)?,
+        None => Sink::create(draft)?,
     };
     if let Some(damage) = &recovery.damage {
         let values = [("at_byte", damage.at_byte.to_string()), ("why", damage.why.clone())];
@@ -78,6 +90,7 @@ pub fn recover(broken: &Path, out: &Path) -> Result<Recovery, RecordingError> {
             metadata: BTreeMap::from(values.map(|(key, value)| (key.to_owned(), value))),
         })?;
     }
-    sink.publish(&draft)?;
+    watch.check()?;
+    sink.publish(draft)?;
     Ok(recovery)
 }

@@ -1,4 +1,4 @@
-//! Reading a container from front to back, as far as it is sound, one chunk in memory.
+//! Reads a container from start to end, up to the first damage, with one chunk in memory.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,21 +13,21 @@ use serde::Serialize;
 
 use super::error::{RecordingError, cause};
 
-/// No record or chunk of a recording is longer (octets); a damaged length is refused before memory is asked for.
+/// Maximum length of a record or chunk (octets). A damaged length is detected before memory is allocated.
 const LONGEST_RECORD: usize = 1 << 29;
 
-/// Where and why the reading of a file ended before its end.
+/// Where and why a file cannot be read further.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Damage {
-    /// How far the file was read (octets).
+    /// Number of octets read.
     pub at_byte: u64,
     /// Messages before the damage.
     pub messages: u64,
-    /// What is wrong there.
+    /// The error.
     pub why: String,
 }
 
-/// What a container holds, in the order of the file.
+/// An element of a container.
 pub(super) enum Piece<'a> {
     Header { library: &'a str },
     Message { channel: &'a Channel<'static>, header: MessageHeader, data: &'a [u8] },
@@ -35,8 +35,8 @@ pub(super) enum Piece<'a> {
     Metadata(&'a Metadata),
 }
 
-/// Shows every piece of the file `path` to `visit`. Messages of a chunk whose check sum is wrong, or which is cut,
-/// are not shown. Returns the damage that ended the reading, if any.
+/// Calls `visit` with each piece of the file `path`, in order. Messages of a chunk that is incomplete or has a wrong
+/// checksum are skipped. Returns the damage that ended the reading, if any.
 pub(super) fn scan(
     path: &Path,
     visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
@@ -81,7 +81,7 @@ pub(super) fn scan(
             let why = match why {
                 McapError::UnexpectedEof => "it ends in the middle of a record".to_owned(),
                 McapError::RecordTooLarge { len, .. } | McapError::ChunkTooLarge(len) => {
-                    format!("a record claims to have {len} octets; allowed: {LONGEST_RECORD}")
+                    format!("the length of a record is {len} octets; allowed: at most {LONGEST_RECORD}")
                 }
                 why => cause(&why),
             };
@@ -91,7 +91,7 @@ pub(super) fn scan(
     Ok(None)
 }
 
-/// What was read of a container so far.
+/// The state of the reading.
 #[derive(Default)]
 struct Scan {
     schemas: BTreeMap<u16, Arc<Schema<'static>>>,
@@ -102,7 +102,7 @@ struct Scan {
 }
 
 impl Scan {
-    /// Shows a record; the inner error is damage, the outer one ends the reading.
+    /// Visits a record. The inner error is damage; the outer one ends the reading.
     fn show(
         &mut self,
         record: Record<'_>,
@@ -110,7 +110,7 @@ impl Scan {
         visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
     ) -> Result<Result<(), McapError>, RecordingError> {
         self.begun = true;
-        // The summary section repeats what has been shown.
+        // The summary section only repeats earlier records.
         self.past_data |= opcode == op::DATA_END;
         if self.past_data {
             return Ok(Ok(()));

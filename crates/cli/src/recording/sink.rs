@@ -1,4 +1,4 @@
-//! The container under a recording: chunks closed by count, the first error latched.
+//! The MCAP container of a recording. Chunks are closed by count, and the first error is kept.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -12,16 +12,17 @@ use mcap::{Attachment, Compression, WriteOptions, Writer};
 use super::error::RecordingError;
 use crate::output::Draft;
 
-/// Name of the writer in the header of a recording: fixed, so that equal runs give equal bytes.
+/// Name of the writer in the header of a recording; fixed, so that equal runs give equal bytes.
 const LIBRARY: &str = concat!("sextant ", env!("CARGO_PKG_VERSION"));
 
-/// Messages after which a chunk is closed: what a killed process loses at most. Never by wall clock.
+/// A chunk is closed after this many messages, which a killed process may lose. Time does not close a chunk.
 const MESSAGES_PER_CHUNK: u32 = 4096;
 
-/// Uncompressed octets after which the container closes a chunk by itself.
+/// The container closes a chunk after this many uncompressed octets.
 const OCTETS_PER_CHUNK: u64 = 1 << 20;
 
-/// A container being written. It does not seek, so that a killed process leaves whole chunks and at most one that is cut.
+/// A container being written. It does not seek, so that a killed process leaves complete chunks and at most one
+/// incomplete chunk.
 pub(super) struct Sink<W: Write> {
     /// None after the first failure.
     writer: Option<Writer<NoSeek<W>>>,
@@ -31,7 +32,7 @@ pub(super) struct Sink<W: Write> {
 }
 
 impl<W: Write> Sink<W> {
-    /// A sink that writes to `output`; `path` is its name in errors.
+    /// A container that is written to `output`; `path` is its name in errors.
     pub(super) fn new(output: W, path: &Path) -> Result<Self, RecordingError> {
         let writer = WriteOptions::new()
             .compression(Some(Compression::Zstd))
@@ -45,8 +46,8 @@ impl<W: Write> Sink<W> {
         Ok(Self { writer: Some(writer), failure: None, path: path.to_owned(), in_chunk: 0 })
     }
 
-    /// One act on the container, unless an earlier one failed. A failed container is let go at once: a later
-    /// write to it might succeed, and dropping it would put a summary behind the hole.
+    /// Does one operation on the container, unless an earlier one failed. A failed container is closed at once: a later
+    /// write might succeed, and dropping the writer would add a summary after the gap.
     fn act<T>(
         &mut self,
         act: impl FnOnce(&mut Writer<NoSeek<W>>) -> Result<T, mcap::McapError>,
@@ -54,7 +55,7 @@ impl<W: Write> Sink<W> {
         if let Some(failure) = &self.failure {
             return Err(failure.clone());
         }
-        let writer = self.writer.as_mut().expect("a writer until the first failure");
+        let writer = self.writer.as_mut().expect("there is a writer until the first failure");
         act(writer).map_err(|why| {
             let failure = RecordingError::write(&self.path, &why);
             self.failure = Some(failure.clone());
@@ -65,7 +66,7 @@ impl<W: Write> Sink<W> {
         })
     }
 
-    /// The channel `topic` with messages of `schema`, both with ids in the order of their first use.
+    /// Adds the channel `topic` with messages of `schema`. Ids are given in the order of first use.
     pub(super) fn channel(&mut self, topic: &str, schema: &foxglove::Schema) -> Result<u16, RecordingError> {
         self.act(|writer| {
             let schema = writer.add_schema(&schema.name, &schema.encoding, &schema.data)?;
@@ -73,7 +74,7 @@ impl<W: Write> Sink<W> {
         })
     }
 
-    /// The same channel as in another container, id included.
+    /// Adds the same channel as in another container, with the same id.
     pub(super) fn copied_channel(&mut self, channel: &mcap::Channel<'_>) -> Result<(), RecordingError> {
         self.act(|writer| {
             let schema = match &channel.schema {
@@ -86,18 +87,18 @@ impl<W: Write> Sink<W> {
         })
     }
 
-    /// A message; call [`Sink::settle`] where a chunk may end.
+    /// Writes a message. Call [`Sink::settle`] where a chunk may end.
     pub(super) fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), RecordingError> {
         self.in_chunk += 1;
         self.act(|writer| writer.write_to_known_channel(header, data))
     }
 
-    /// Ends the chunk if it has enough messages: a place where what follows does not depend on what came before.
+    /// Ends the chunk if it has enough messages. Call it only between messages that do not belong together.
     pub(super) fn settle(&mut self) -> Result<(), RecordingError> {
         if self.in_chunk >= MESSAGES_PER_CHUNK { self.end_chunk() } else { Ok(()) }
     }
 
-    /// Ends the chunk and hands it to the system.
+    /// Ends the chunk and flushes it.
     pub(super) fn end_chunk(&mut self) -> Result<(), RecordingError> {
         self.in_chunk = 0;
         self.act(Writer::flush)
@@ -113,10 +114,10 @@ impl<W: Write> Sink<W> {
         self.act(|writer| writer.write_metadata(metadata))
     }
 
-    /// Writes the summary section and hands the output back, flushed.
+    /// Writes the summary section, flushes, and returns the output.
     pub(super) fn finish(mut self) -> Result<W, RecordingError> {
         self.act(Writer::finish)?;
-        let writer = self.writer.take().expect("a writer until the first failure");
+        let writer = self.writer.take().expect("there is a writer until the first failure");
         let mut output = writer.into_inner().into_inner();
         output.flush().map_err(|why| RecordingError::write(&self.path, &why.into()))?;
         Ok(output)
@@ -124,12 +125,12 @@ impl<W: Write> Sink<W> {
 }
 
 impl Sink<BufWriter<File>> {
-    /// A container in a new file, which has the name of `draft` until it is published.
+    /// A container in a new file, which has the temporary name of `draft`.
     pub(super) fn create(draft: &Draft) -> Result<Self, RecordingError> {
         Self::new(draft.open()?, &draft.part)
     }
 
-    /// Finishes the container and names the file.
+    /// Finishes the container and gives the file its final name.
     pub(super) fn publish(self, draft: &Draft) -> Result<(), RecordingError> {
         Ok(draft.name(self.finish()?)?)
     }

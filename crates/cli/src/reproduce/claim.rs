@@ -1,4 +1,4 @@
-//! What the thesis concludes, and whether it is so here.
+//! Conclusions of the thesis, checked with our runs.
 
 use std::ops::Range;
 
@@ -13,33 +13,33 @@ use crate::sweep::Mean;
 pub struct Claim {
     /// The conclusion.
     pub text: String,
-    /// What the thesis says of it; `None` if it is not in the thesis.
+    /// The text of the thesis; `None` if the conclusion is ours.
     pub published: Option<Published>,
-    /// What must be so.
+    /// The condition.
     pub check: Check,
 }
 
-/// What a conclusion says of means over runs.
+/// The condition of a conclusion, on means over runs.
 #[derive(Clone, Debug)]
 pub enum Check {
-    /// Each is above the one before.
+    /// Each mean is above the previous one.
     Rising(Vec<Term>),
     /// The first is below each of the others.
     Least(Vec<Term>),
     /// The first is above each of the others.
     Greatest(Vec<Term>),
-    /// No two differ by this much.
+    /// All differences are less than this.
     Within(Vec<Term>, f64),
-    /// The first is the second times a factor in this range.
+    /// The ratio of the first to the second is in this range.
     Ratio([Term; 2], Range<f64>),
-    /// It is below this limit.
+    /// The mean is below this limit.
     Below(Term, f64),
-    /// It is above this limit.
+    /// The mean is above this limit.
     Above(Term, f64),
 }
 
 impl Claim {
-    /// What `runs` say of it; `None` if a term has no value in any run.
+    /// The result of `runs`; `None` if a term has no value in any run.
     #[must_use]
     pub fn finding(&self, runs: &Runs) -> Option<Finding> {
         self.check.finding(runs)
@@ -56,7 +56,7 @@ impl Claim {
 }
 
 impl Check {
-    /// What `runs` say of it; `None` if a term has no value in any run.
+    /// The result of `runs`; `None` if a term has no value in any run.
     #[must_use]
     pub fn finding(&self, runs: &Runs) -> Option<Finding> {
         let margins = self.margins(&|term| runs.values(term))?;
@@ -64,7 +64,7 @@ impl Check {
         Finding::of(&margins, factor, unit)
     }
 
-    /// What it compares.
+    /// The terms that it compares.
     #[must_use]
     pub fn terms(&self) -> Vec<&Term> {
         match self {
@@ -76,7 +76,7 @@ impl Check {
         }
     }
 
-    /// Unit of its margins for people, and the factor to it.
+    /// The factor from margins to their printed unit, and that unit.
     fn unit(&self) -> (f64, &'static str) {
         match self {
             Self::Ratio(..) => (1.0, ""),
@@ -87,8 +87,8 @@ impl Check {
         }
     }
 
-    /// By how much each comparison is on the side of the conclusion; `None` if a term has no values. Terms are compared
-    /// run by run: runs of the same number have the same seed.
+    /// The margin of each comparison, positive if it supports the conclusion; `None` if a term has no values. Terms are
+    /// compared run by run, because runs of the same number have the same seed.
     fn margins(&self, values: &impl Fn(&Term) -> Vec<(u32, f64)>) -> Option<Vec<Mean>> {
         let margin = |a: &Term, b: &Term, of: &dyn Fn(f64, f64) -> f64| paired(&values(a), &values(b), of);
         let below = |a: &Term, b: &Term| margin(a, b, &|a, b| b - a);
@@ -113,7 +113,7 @@ impl Check {
     }
 }
 
-/// The mean of `of` over the runs that both have.
+/// The mean of `of` over the runs that have both values.
 fn paired(a: &[(u32, f64)], b: &[(u32, f64)], of: &dyn Fn(f64, f64) -> f64) -> Option<Mean> {
     let pair = |&(run, a): &(u32, f64)| b.iter().find(|(other, _)| *other == run).map(|&(_, b)| of(a, b));
     Mean::of(&a.iter().filter_map(pair).collect::<Vec<_>>())
@@ -138,11 +138,11 @@ mod tests {
     }
 
     #[test]
-    fn a_conclusion_holds_fails_or_cannot_be_told() {
+    fn a_conclusion_holds_does_not_hold_or_cannot_be_told() {
         use Verdict::{CannotBeTold, DoesNotHold, Holds};
         let abc = || vec![term("a"), term("b"), term("c")];
         let ab = || [term("a"), term("b")];
-        // Three runs each, whose scatters differ: t(0.975; 2) = 4.30, so a difference has an interval of some 0.4 about it.
+        // Three runs each, with different scatter: t(0.975; 2) = 4.30, so the interval of a difference is about ±0.4.
         let scatter = |mean: f64, turn: usize| {
             let mut runs = [mean - 0.1, mean, mean + 0.1];
             runs.rotate_left(turn);
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn runs_of_the_same_seed_are_compared_with_each_other() {
         let check = Check::Least(vec![term("a"), term("b")]);
-        // Worlds differ much, the two in one world little: as independent samples nothing could be told.
+        // Runs differ much between seeds, but little within a seed: independent samples could not show the difference.
         let found = finding(&check, &[("a", &[1.0, 5.0, 9.0]), ("b", &[1.2, 5.25, 9.15])]).unwrap();
         assert_eq!(found.verdict, Verdict::Holds);
         assert!((found.margin.mean - 0.2).abs() < 1e-9, "{found:?}");
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn one_run_tells_nothing_and_no_run_is_no_finding() {
+    fn one_run_decides_nothing_and_no_run_gives_no_finding() {
         let check = Check::Least(vec![term("a"), term("b")]);
         let found = finding(&check, &[("a", &[1.0]), ("b", &[2.0])]).unwrap();
         assert_eq!((found.verdict, found.margin.mean), (Verdict::CannotBeTold, 1.0));

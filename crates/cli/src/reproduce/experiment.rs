@@ -1,4 +1,4 @@
-//! What an experiment consists of.
+//! The parts of an experiment.
 
 use super::claim::Claim;
 use super::line::{Line, Ours};
@@ -12,15 +12,15 @@ use crate::summary::Measure;
 pub struct Experiment {
     /// Number of the table or figure, or a word.
     pub id: &'static str,
-    /// What it is about.
+    /// Its title.
     pub title: &'static str,
-    /// What is computed.
+    /// What it computes.
     pub content: Content,
-    /// Scenarios, and maps of them, of which the distribution of the nodes' connectivity errors is drawn.
+    /// Pairs of a scenario and a map whose distribution of connectivity errors is drawn.
     pub distributions: &'static [(&'static str, &'static str)],
-    /// What follows, in the thesis or here, and is checked.
+    /// Conclusions to check, of the thesis or ours.
     pub claims: Vec<Claim>,
-    /// Where definitions differ, and what the thesis leaves open.
+    /// Notes on different definitions, and on what the thesis does not say.
     pub notes: &'static [&'static str],
 }
 
@@ -29,9 +29,9 @@ pub struct Experiment {
 pub enum Content {
     /// Means over the runs of scenarios.
     Quantities(Vec<Quantity>),
-    /// Lines and figures of its own.
+    /// Lines and figures by special functions.
     Computed {
-        /// The scenarios that it needs.
+        /// The scenarios that it runs.
         scenarios: &'static [&'static str],
         /// Its lines.
         lines: fn(&Runs) -> Vec<Line>,
@@ -40,32 +40,32 @@ pub enum Content {
     },
 }
 
-/// A mean over the runs of a scenario, and what was published for it.
+/// A mean over the runs of a scenario, and its published value.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// What it is.
+    /// Its description.
     pub what: String,
     /// What is measured.
     pub term: Term,
-    /// The unit for people, if it is not that of the measure.
+    /// The printed unit, if it is not that of the measure.
     pub unit: Option<&'static str>,
-    /// What the thesis says, in the unit for people.
+    /// The published value, in the printed unit.
     pub published: Option<Published>,
 }
 
 impl Quantity {
-    /// A measure of a scenario that the thesis does not state.
+    /// A measure of a scenario without a published value.
     pub fn new(what: impl Into<String>, scenario: &'static str, measure: Measure<'static>) -> Self {
         Self { what: what.into(), term: Term::new(scenario, measure), unit: None, published: None }
     }
 
-    /// The same, of which the thesis says `value` in `source`.
+    /// The same with the published `value` from `source`.
     #[must_use]
     pub fn published(self, value: impl Into<String>, source: &'static str) -> Self {
         Self { published: Some(Published::new(value, source)), ..self }
     }
 
-    /// The same in another unit of the same size.
+    /// The same with another printed unit; the number does not change.
     #[must_use]
     pub fn in_unit(self, unit: &'static str) -> Self {
         Self { unit: Some(unit), ..self }
@@ -83,7 +83,7 @@ impl Quantity {
 }
 
 impl Experiment {
-    /// The scenarios that it needs, each once.
+    /// The scenarios that it runs, each once.
     #[must_use]
     pub fn scenarios(&self) -> Vec<&'static str> {
         let mut scenarios: Vec<&'static str> = Vec::new();
@@ -99,7 +99,7 @@ impl Experiment {
         scenarios
     }
 
-    /// Published and ours.
+    /// The lines of its table.
     #[must_use]
     pub fn lines(&self, runs: &Runs) -> Vec<Line> {
         match &self.content {
@@ -108,7 +108,7 @@ impl Experiment {
         }
     }
 
-    /// What follows, published and found here.
+    /// The lines of its conclusions.
     #[must_use]
     pub fn conclusions(&self, runs: &Runs) -> Vec<Line> {
         self.claims.iter().map(|claim| claim.line(runs)).collect()

@@ -14,8 +14,8 @@ use crate::run::{self, Request};
 use crate::scenario::Scenario;
 use crate::summary::{Measure, NODE_ERRORS, measures::node_errors};
 
-/// Draws the scenarios `names` of the files in `scenarios`, each with its own seed, into `out`/NAME: the network with the
-/// survey, the maps, their errors.
+/// Runs the scenarios `names` from the folder `scenarios`, each with its own seed, and draws their figures into
+/// `out`/NAME: the network with the survey, the maps and their errors.
 ///
 /// # Errors
 /// If a run or a file fails, or the user interrupts.
@@ -37,7 +37,7 @@ pub fn write_pictures(names: &[&str], scenarios: &Path, out: &Path, interrupt: &
     })
 }
 
-/// Draws what `experiment` shows into `out`.
+/// Draws the figures of `experiment` into `out`.
 ///
 /// # Errors
 /// If a file cannot be written.
@@ -53,7 +53,7 @@ pub fn write_figures(experiment: &Experiment, runs: &Runs, out: &Path) -> Result
     Ok(())
 }
 
-/// Which share of the nodes loses at most how many of its neighbours, a curve for each scenario and map.
+/// The distribution of the connectivity errors of the nodes, with a curve for each scenario and map.
 fn distribution(experiment: &Experiment, runs: &Runs) -> Option<Figure> {
     let mut series = Vec::new();
     for &(scenario, map) in experiment.distributions {

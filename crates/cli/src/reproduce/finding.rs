@@ -1,24 +1,24 @@
-//! What runs say of a conclusion.
+//! The result of a check of a conclusion.
 
 use crate::sweep::Mean;
 
-/// Whether something is so.
+/// Whether a conclusion holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is so: the whole 95 % interval of each comparison says so.
+    /// It holds: the 95 % interval of each comparison supports it completely.
     Holds,
-    /// It is not so: the whole 95 % interval of a comparison says so.
+    /// It does not hold: the 95 % interval of a comparison contradicts it completely.
     DoesNotHold,
-    /// The runs do not tell: a comparison is within its interval.
+    /// The runs do not decide: the interval of a comparison contains 0.
     CannotBeTold,
 }
 
-/// What the runs say of a conclusion.
+/// The result of a check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
     /// Whether it holds.
     pub verdict: Verdict,
-    /// By how much, in the comparison that decides: above 0 on the side of the conclusion.
+    /// Margin of the comparison that decides; above 0 if it supports the conclusion.
     pub margin: Mean,
     /// Unit of the margin.
     pub unit: &'static str,
@@ -37,7 +37,7 @@ impl Verdict {
 }
 
 impl Finding {
-    /// The finding of several comparisons, all of which must be on the side of the conclusion; `None` of none.
+    /// The finding of several comparisons, all of which must support the conclusion; `None` if there are none.
     pub(super) fn of(margins: &[Mean], factor: f64, unit: &'static str) -> Option<Self> {
         let least = |end: fn(&Mean) -> f64| margins.iter().min_by(|a, b| end(a).total_cmp(&end(b)));
         let (by_low_end, by_high_end) = (least(|margin| interval(margin).0)?, least(|margin| interval(margin).1)?);
@@ -52,7 +52,7 @@ impl Finding {
     }
 }
 
-/// The ends of the 95 % interval; of a single run all numbers.
+/// The ends of the 95 % interval; for a single run it contains all numbers.
 fn interval(mean: &Mean) -> (f64, f64) {
     let half_width = mean.half_width_95.unwrap_or(f64::INFINITY);
     (mean.mean - half_width, mean.mean + half_width)

@@ -11,14 +11,14 @@ use crate::diagnostic::Failure;
 use crate::output::write_file;
 use crate::sweep::Mean;
 
-/// What was published beside what comes out here.
+/// A published value beside ours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// What it is.
+    /// Its description.
     pub what: String,
-    /// What the thesis says; `None` if it states nothing.
+    /// The published value; `None` if the thesis states none.
     pub published: Option<Published>,
-    /// The unit of ours, and of what was published if that is a number.
+    /// The unit of our value, and of the published one if it is a number.
     pub unit: &'static str,
     /// Our value.
     pub ours: Ours,
@@ -29,9 +29,9 @@ pub struct Line {
 pub enum Ours {
     /// A mean over runs.
     Mean(Mean),
-    /// A number without chance in it.
+    /// A number that does not depend on random runs.
     Exact(f64),
-    /// Words.
+    /// A text.
     Text(String),
     /// Whether a conclusion holds.
     Finding(Finding),
@@ -43,7 +43,7 @@ pub enum Ours {
 const NOT_STATED: &str = "not stated";
 
 impl Line {
-    /// What, published, where, ours: as they stand in a table for people.
+    /// The cells of the printed table: description, published value, source, our value.
     pub(crate) fn cells(&self) -> [String; 4] {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let ours = match &self.ours {
@@ -109,8 +109,8 @@ impl Line {
     }
 }
 
-/// Writes lines as CSV, with columns what, published, unit, mean, `half_width_95`, runs, result, source. Of a conclusion,
-/// the result is the verdict and the mean its margin. What the thesis does not state is empty.
+/// Writes lines as CSV with the columns what, published, unit, mean, `half_width_95`, runs, result, source. For a
+/// conclusion, the result is the verdict and the mean is the margin. Values that the thesis does not state are empty.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_shows_published_and_ours_in_one_unit() {
+    fn a_line_shows_both_values_in_the_same_unit() {
         let mean = Mean { mean: 6.013, half_width_95: Some(0.284), runs: 5 };
         let published = Some(Published::new("5", "table 3.6"));
         let line = Line { what: "ML-TM".into(), published, unit: "%", ours: Ours::Mean(mean) };

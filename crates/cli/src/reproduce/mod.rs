@@ -1,8 +1,8 @@
-//! The tables and figures of the thesis (2018, chapter 3), computed anew: what it published beside what comes out here.
+//! Reproduction of the tables and figures of the thesis (2018, chapter 3): published values beside ours.
 //!
-//! Each experiment has the id of its table or figure and runs scenarios that ship with the program, over several seeds.
-//! Nothing is fitted to a published number; where the definitions differ, a note says how. Each published number names
-//! the table, figure or section that it stands in, and each conclusion is computed from the runs.
+//! Each experiment has the id of its table or figure, and runs scenarios that ship with the program with several seeds.
+//! Nothing is fitted to published values. Where definitions differ, a note says how. Each published value names its table,
+//! figure or section, and each conclusion is computed from the runs.
 
 mod chapter_3;
 mod claim;

@@ -1,16 +1,16 @@
-//! What the thesis says.
+//! Published values.
 
-/// What the thesis says, and where.
+/// A value of the thesis and its source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Published {
     /// A number as printed, or a conclusion in a few words.
     pub value: String,
-    /// The table, figure or section that says so.
+    /// The table, figure or section.
     pub source: &'static str,
 }
 
 impl Published {
-    /// The `value` that stands in `source`.
+    /// The `value` from `source`.
     pub fn new(value: impl Into<String>, source: &'static str) -> Self {
         Self { value: value.into(), source }
     }

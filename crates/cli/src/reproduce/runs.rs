@@ -1,4 +1,4 @@
-//! The runs that experiments read.
+//! The runs of experiments.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -9,27 +9,26 @@ use crate::interrupt::Interrupt;
 use crate::summary::Measure;
 use crate::sweep::{self, Mean, Plan, Row};
 
-/// What is measured in a cell of a scenario.
+/// A measure of a cell of a scenario.
 #[derive(Clone, Debug)]
 pub struct Term {
     /// The scenario that ships with the program.
     pub scenario: &'static str,
-    /// Settings that tell the cell from the others of the sweep, and their values in tables; of a scenario without a sweep
-    /// none.
+    /// The settings of the cell in the sweep, with their values as in tables; empty for a scenario without a sweep.
     pub settings: Vec<(&'static str, String)>,
     /// What is measured.
     pub measure: Measure<'static>,
 }
 
 impl Term {
-    /// A measure of a scenario that sweeps over nothing.
+    /// A measure of a scenario without a sweep.
     #[must_use]
     pub fn new(scenario: &'static str, measure: Measure<'static>) -> Self {
         Self { scenario, settings: Vec::new(), measure }
     }
 }
 
-/// All runs of scenarios that were made so far.
+/// All finished runs of scenarios.
 #[derive(Debug)]
 pub struct Runs {
     folder: PathBuf,
@@ -38,17 +37,17 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// No runs yet; each scenario, whose file lies in `folder`, will be run `count` times.
+    /// No runs yet. The files of scenarios are in `folder`, and each scenario will be run `count` times.
     #[must_use]
     pub fn new(folder: PathBuf, count: NonZeroU32) -> Self {
         Self { folder, count, of: BTreeMap::new() }
     }
 
-    /// Runs those of `scenarios` that were not run yet, and returns their names. What was finished when the user interrupts
-    /// is kept.
+    /// Runs those of `scenarios` that have not been run yet, and returns their names. If the user interrupts, finished
+    /// runs are kept.
     ///
     /// # Errors
-    /// If a scenario is wrong, or the user interrupts.
+    /// If a scenario is invalid, or the user interrupts.
     pub fn make(
         &mut self,
         scenarios: &[&'static str],
@@ -65,12 +64,12 @@ impl Runs {
         outcome.map(|()| new)
     }
 
-    /// Takes the `rows` of a scenario as they are.
+    /// Adds the rows of a scenario.
     pub fn insert(&mut self, scenario: &'static str, (plan, rows): (Plan, Vec<Row>)) {
         self.of.insert(scenario, (plan, rows));
     }
 
-    /// The values of a term in the runs that did not fail, with the number of the run.
+    /// The values of a term in the successful runs, each with the number of the run.
     #[must_use]
     pub fn values(&self, term: &Term) -> Vec<(u32, f64)> {
         let Some((plan, rows)) = self.of.get(term.scenario) else { return Vec::new() };
@@ -78,7 +77,7 @@ impl Runs {
         plan.values_of(rows, cell, term.measure)
     }
 
-    /// The mean of a term over the runs that did not fail; `None` if there are none.
+    /// The mean of a term over the successful runs; `None` if there are none.
     #[must_use]
     pub fn mean(&self, term: &Term) -> Option<Mean> {
         let values: Vec<f64> = self.values(term).into_iter().map(|(_, value)| value).collect();
@@ -96,7 +95,7 @@ impl Runs {
         self.of.iter().map(|(&scenario, (plan, rows))| (scenario, plan, rows.as_slice()))
     }
 
-    /// What went wrong in runs that failed: scenario, seed and error.
+    /// The failed runs: scenario, seed and error.
     #[must_use]
     pub fn failures(&self) -> Vec<String> {
         let mut failures = Vec::new();

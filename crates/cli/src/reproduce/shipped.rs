@@ -11,7 +11,7 @@ macro_rules! shipped {
     };
 }
 
-/// Paths below the folder of scenarios, and texts.
+/// The scenarios: path below the folder of scenarios, and text.
 pub const SHIPPED: &[(&str, &str)] = shipped![
     "ml-tm/circular.toml",
     "ml-tm/classics.toml",
@@ -30,7 +30,7 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "ml-tm/two-robots.toml",
 ];
 
-/// Writes the scenarios into `folder`, so that everything that is run can be read and changed.
+/// Writes the scenarios into `folder`, so that the user can read and change them.
 ///
 /// # Errors
 /// If a file cannot be written.

@@ -1,4 +1,4 @@
-//! The experiments against their scenarios: nothing that one reads is missing, and each conclusion can come out either way.
+//! Tests of the experiments: everything that they read exists in their scenarios, and each conclusion can hold or fail.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -13,7 +13,7 @@ use crate::sweep::{self, Plan, Row};
 
 const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
 
-/// What makes a scenario so small that it runs in a moment.
+/// Settings that make a scenario so small that it runs in a moment.
 fn tiny(scenario: &str) -> Vec<String> {
     let nodes = match scenario {
         _ if scenario.contains("trajectory") => "world.nodes.random.count=30",
@@ -22,13 +22,13 @@ fn tiny(scenario: &str) -> Vec<String> {
     };
     let mut set = vec![nodes, "maps.0.algorithm.ml_tm.grid_step_m=1.0"];
     if scenario.contains("comparison") {
-        // So few nodes would fall apart into islands for hops of 3 m.
+        // With so few nodes and hops of 3 m, the network would not be connected.
         set.push("discovery.range_m=8.0");
     }
     set.into_iter().map(str::to_owned).collect()
 }
 
-/// The plans of all scenarios of the chapter, as they ship or tiny. Their files lie in `folder`.
+/// The plans of all scenarios of the chapter, in full size or tiny. Their files are in `folder`.
 fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
     write_scenarios(folder.path()).unwrap();
     let mut plans = BTreeMap::new();
@@ -40,7 +40,7 @@ fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
     plans
 }
 
-/// Everything that an experiment reads, and what it is called there.
+/// Everything that an experiment reads, with its description.
 fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
     let quantities = match &experiment.content {
         Content::Quantities(quantities) => quantities.as_slice(),
@@ -53,7 +53,7 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
     quantities.iter().map(|quantity| (quantity.what.as_str(), &quantity.term)).chain(of_claims).collect()
 }
 
-/// Runs in which `value` tells each value of each cell, the same in each replicate up to a little scatter.
+/// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
 fn made_up(plans: &BTreeMap<&'static str, Plan>, value: impl Fn(&str, usize, Measure<'_>) -> Option<f64>) -> Runs {
     let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
     for (&scenario, plan) in plans {
@@ -69,7 +69,7 @@ fn made_up(plans: &BTreeMap<&'static str, Plan>, value: impl Fn(&str, usize, Mea
 }
 
 #[test]
-fn every_experiment_has_an_id_of_its_own_and_reads_scenarios_that_ship() {
+fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
     let experiments = chapter_3();
     for (i, experiment) in experiments.iter().enumerate() {
         assert!(experiments[..i].iter().all(|other| other.id != experiment.id), "{}", experiment.id);
@@ -84,7 +84,7 @@ fn every_experiment_has_an_id_of_its_own_and_reads_scenarios_that_ship() {
 }
 
 #[test]
-fn everything_that_an_experiment_reads_is_a_column_of_a_cell_of_its_scenario() {
+fn everything_that_an_experiment_reads_exists_in_its_scenario() {
     let plans = plans(&TempDir::new().unwrap(), false);
     let runs = made_up(&plans, |_, _, _| Some(1.0));
     for experiment in chapter_3() {
@@ -101,7 +101,7 @@ fn everything_that_an_experiment_reads_is_a_column_of_a_cell_of_its_scenario() {
 }
 
 #[test]
-fn the_neighbourhood_in_a_name_is_that_of_the_scenario() {
+fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
     let folder = TempDir::new().unwrap();
     write_scenarios(folder.path()).unwrap();
     let mut count = 0;
@@ -126,7 +126,7 @@ fn the_neighbourhood_in_a_name_is_that_of_the_scenario() {
 }
 
 #[test]
-fn the_published_connectivity_error_stands_at_the_radius_of_communication_alone() {
+fn published_connectivity_errors_are_only_given_for_the_radius_of_communication() {
     let folder = TempDir::new().unwrap();
     write_scenarios(folder.path()).unwrap();
     for experiment in chapter_3() {
@@ -143,13 +143,13 @@ fn the_published_connectivity_error_stands_at_the_radius_of_communication_alone(
 }
 
 #[test]
-fn every_conclusion_can_hold_and_can_fail() {
+fn every_conclusion_can_hold_or_not() {
     let plans = plans(&TempDir::new().unwrap(), false);
     for experiment in chapter_3() {
         for claim in &experiment.claims {
             let terms = claim.check.terms();
             let mut verdicts = Vec::new();
-            // The values of the terms rise, fall or are alike, about several sizes.
+            // The values of the terms rise, fall or are equal, at several sizes.
             for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5] {
                 for size in [0.01, 0.05, 0.95, 100.0] {
                     let runs = made_up(&plans, |scenario, cell, measure| {

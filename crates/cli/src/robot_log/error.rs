@@ -1,4 +1,4 @@
-//! What can be wrong with the CSV files of a robot.
+//! Errors of the CSV files of a robot.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use sextant_channel::LogError;
 
 use crate::diagnostic::Failure;
 
-/// Why a log of a robot cannot be read or written.
+/// Why the log of a robot cannot be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RobotLogError {
     /// A file cannot be read.
@@ -33,7 +33,7 @@ pub enum RobotLogError {
         path: PathBuf,
         /// Line of the file, from 1.
         line: usize,
-        /// What is wrong.
+        /// The error.
         problem: String,
     },
     /// A cell is wrong.
@@ -45,21 +45,21 @@ pub enum RobotLogError {
         line: usize,
         /// Name of the column.
         column: &'static str,
-        /// What the cell says.
+        /// The text of the cell.
         found: String,
-        /// What it may say.
+        /// What is allowed.
         allowed: String,
     },
-    /// The files do not make a reception log.
+    /// The files do not form a valid reception log.
     #[error("`{}`: {why}", .path.display())]
     Log {
         /// The folder.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         why: LogError,
     },
-    /// A log without stops has nothing that its receptions could refer to.
-    #[error("`{}`: the log has no stops; a folder needs one at least", .path.display())]
+    /// The log has no stops.
+    #[error("`{}`: the log has no stops; at least one is required", .path.display())]
     NoStops {
         /// The folder.
         path: PathBuf,
@@ -67,9 +67,9 @@ pub enum RobotLogError {
 }
 
 impl RobotLogError {
-    /// Whether the disk or the system is at fault (exit code 1), and not what was given (exit code 2).
+    /// Whether the disk or the system caused the error (exit code 1), not the input (exit code 2).
     #[must_use]
-    pub fn is_of_the_system(&self) -> bool {
+    pub fn is_system_error(&self) -> bool {
         matches!(self, Self::Write { .. })
     }
 
@@ -84,6 +84,6 @@ impl RobotLogError {
 
 impl From<RobotLogError> for Failure {
     fn from(error: RobotLogError) -> Self {
-        if error.is_of_the_system() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
+        if error.is_system_error() { Self::failed(error.to_string()) } else { Self::bad_input(error.to_string()) }
     }
 }

@@ -1,4 +1,4 @@
-//! The folder of a survey: `stops.csv`, `receptions.csv`, `contacts.csv`, `sectors.csv`.
+//! The folder of a log: `stops.csv`, `receptions.csv`, `contacts.csv`, `sectors.csv`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,11 +17,11 @@ const RECEPTIONS: &str = "receptions.csv";
 const CONTACTS: &str = "contacts.csv";
 const SECTORS: &str = "sectors.csv";
 
-/// The log in `folder`. Stops are numbered in the order of `stops.csv`, nodes in the order of their first row in
-/// `receptions.csv`; a row with nothing received makes a node known that was not heard.
+/// Reads the log in `folder`. Stops are numbered in the order of `stops.csv`, nodes in the order of their first row in
+/// `receptions.csv`. A row with nothing received adds a node that was not heard.
 ///
 /// # Errors
-/// If a file is missing, cannot be read, or has a row that is wrong; the error names file, line and column.
+/// If a file is missing, cannot be read, or has an invalid row; the error names file, line and column.
 pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
     let mut robots = RobotNames::default();
     let (stops, stop_ids) = read_stops(&folder.join(STOPS), &mut robots)?;
@@ -41,7 +41,7 @@ pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
     .map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
 }
 
-/// The stops, and the index of each by its identity in the files.
+/// The stops, and the index of each by its name in the files.
 fn read_stops(path: &Path, robots: &mut RobotNames) -> Result<(Vec<Stop>, BTreeMap<String, u32>), RobotLogError> {
     let table = Table::read(path, &["stop", "t_s", "x_m", "y_m"], &["z_m", "robot"])?;
     let robot = table.column("robot");
@@ -50,10 +50,10 @@ fn read_stops(path: &Path, robots: &mut RobotNames) -> Result<(Vec<Stop>, BTreeM
     let mut stops = Vec::new();
     let mut ids = BTreeMap::new();
     table.rows(|row| {
-        let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name, other than those above"))?;
+        let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name that is not used above"))?;
         let index = u32::try_from(stops.len()).expect("fewer than 2^32 stops");
         if ids.insert(name.to_owned(), index).is_some() {
-            return Err(row.wrong(id, "each stop once; this one is given above"));
+            return Err(row.wrong(id, "each stop once; this stop is already given above"));
         }
         stops.push(Stop {
             robot: row.robot(robot, robots)?,
@@ -65,7 +65,7 @@ fn read_stops(path: &Path, robots: &mut RobotNames) -> Result<(Vec<Stop>, BTreeM
     Ok((stops, ids))
 }
 
-/// Names of the nodes and what was heard of them.
+/// Names of the nodes and their receptions.
 fn read_receptions(
     path: &Path,
     stop_ids: &BTreeMap<String, u32>,
@@ -98,11 +98,11 @@ fn read_receptions(
             rssi_dbm: row.finite(rssi)?,
         };
         if reception.received > reception.sent {
-            let default = if row.filled(sent).is_some() { "" } else { ", which is 1 where `sent` is absent" };
+            let default = if row.filled(sent).is_some() { "" } else { " (1 if `sent` is absent)" };
             return Err(row.wrong(received, format!("at most {}, the packets sent{default}", reception.sent)));
         }
         pairs.push((node, stop, row.offset));
-        // Listening to one packet in vain is what an absent pair means.
+        // 0 of 1 packets means the same as an absent pair.
         if (reception.received, reception.sent, reception.sector, reception.rssi_dbm) != (0, 1, None, None) {
             receptions.push(reception);
         }
@@ -132,9 +132,9 @@ fn known_stops(ids: &BTreeMap<String, u32>) -> String {
     by_index.sort_unstable();
     match by_index.as_slice() {
         [(_, first), .., (_, last)] => {
-            format!("one of the {} stops of {STOPS}, the first of which is `{first}`, the last `{last}`", ids.len())
+            format!("one of the {} stops in {STOPS}, from `{first}` to `{last}`", ids.len())
         }
-        _ => format!("the only stop of {STOPS}: {}", by_index.iter().map(|(_, id)| id.as_str()).collect::<String>()),
+        _ => format!("the only stop in {STOPS}: {}", by_index.iter().map(|(_, id)| id.as_str()).collect::<String>()),
     }
 }
 
@@ -155,8 +155,8 @@ fn read_contacts(path: &Path, robots: &mut RobotNames) -> Result<Vec<Contact>, R
     Ok(contacts)
 }
 
-/// Writes `log` as a folder that [`read`] turns back into the same log; the folder is created if it is not there.
-/// Receptions of 0 of 1 packets are left out, because an absent pair means the same.
+/// Writes `log` to a folder, from which [`read`] reads the same log. The folder is created if it does not exist.
+/// Receptions of 0 of 1 packets are omitted, because an absent pair means the same.
 ///
 /// # Errors
 /// If the log has no stops, or a file cannot be written.
@@ -193,7 +193,8 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
             sector: None,
             rssi_dbm: None,
         };
-        // Nodes keep their order only if each has a row; in vain at the first stop is what no row means as well.
+        // Each node needs a row to keep its order. For an unheard node it is 0 of 1 packets at the first stop, which
+        // means the same as no row.
         let unheard = heard.is_empty().then_some(in_vain);
         for reception in heard.iter().chain(unheard) {
             receptions.text(name);

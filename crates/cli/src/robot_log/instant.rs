@@ -1,16 +1,16 @@
-//! Instants as decimal seconds, exact to the nanosecond both ways.
+//! Times as decimal seconds, exact to the nanosecond when read and written.
 
 use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
-/// What a cell of seconds may say.
-pub(super) const ALLOWED: &str = "seconds as a decimal number, 0 or above and below 18446744073";
+/// The allowed values of a cell with seconds.
+pub(super) const ALLOWED: &str = "seconds as a decimal number, at least 0 and below 18446744073";
 
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// The instant `text` seconds after the start, to the nearest nanosecond. Plain decimals do not pass through floating
-/// point: seconds since 1970 have too many digits for it.
+/// The time `text` seconds after the start, to the nearest nanosecond. Plain decimals are not converted to floating point,
+/// which has too few digits for seconds since 1970.
 pub(super) fn parse(text: &str) -> Option<SimTime> {
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
     let plain = |digits: &str| digits.bytes().all(|byte| byte.is_ascii_digit());
@@ -25,7 +25,7 @@ pub(super) fn parse(text: &str) -> Option<SimTime> {
     seconds.checked_mul(SECOND_NS)?.checked_add(nanos).map(SimTime::from_nanos)
 }
 
-/// The shortest decimal that [`parse`] turns back into `time`.
+/// The shortest decimal that [`parse`] reads as `time`.
 pub(super) fn format(time: SimTime) -> String {
     let (seconds, nanos) = (time.as_nanos() / SECOND_NS, time.as_nanos() % SECOND_NS);
     if nanos == 0 {
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_time_is_refused() {
+    fn invalid_times_are_rejected() {
         for text in ["", ".", "-1", "nan", "inf", "1,5", "12:30", "18446744073.709551616", "1e300", "1.2.3", "0x10"] {
             assert_eq!(parse(text), None, "{text}");
         }

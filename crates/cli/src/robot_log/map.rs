@@ -1,4 +1,4 @@
-//! A topology map as a CSV file.
+//! A map as a CSV file.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use sextant_mapper::TopologyMap;
 use super::error::RobotLogError;
 use super::output::Output;
 
-/// Rows and columns of the covariance that are written: it is symmetric.
+/// The entries of the symmetric covariance that are written: row, column, and name.
 const COVARIANCE: [(usize, usize, &str); 6] = [
     (0, 0, "cov_xx_m2"),
     (0, 1, "cov_xy_m2"),
@@ -17,8 +17,8 @@ const COVARIANCE: [(usize, usize, &str); 6] = [
     (2, 2, "cov_zz_m2"),
 ];
 
-/// Writes the nodes that `map` places to the file `path`: `node,x_m,y_m,z_m,ties,infeasible`, then the covariance (m²)
-/// if the map has one. Nodes that it does not place have no row. `names` are those of the log.
+/// Writes the mapped nodes to the file `path`, with the columns `node,x_m,y_m,z_m,ties,infeasible` and the covariance (m²)
+/// if the map has one. Unmapped nodes have no row. `names` are the names of the nodes in the log.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -1,10 +1,10 @@
-//! Logs of real robots: a folder of CSV files, and the maps that come of them.
+//! Logs of real robots and maps of them, as CSV files.
 //!
-//! Goes in: a folder with `stops.csv` and `receptions.csv`, `contacts.csv` if the robot has a range
-//! sensor, and `sectors.csv` if its antenna has sectors. Comes out:
-//! the reception log that a mapper reads, or an error with file, line and column. A byte order mark, either line ending,
-//! any order of columns and quoted cells are understood; a column of unknown name is refused, because a misspelt
-//! `sent` must not pass for an absent one. The columns and their meaning are in `docs/recording.md`.
+//! Input: a folder with `stops.csv` and `receptions.csv`, with `contacts.csv` if the robot has a range sensor, and with
+//! `sectors.csv` if its antenna has sectors. Output: the reception log for a mapper, or an error with file, line and
+//! column. A byte order mark, both line endings, any order of columns and quoted cells are accepted. An unknown column is
+//! rejected, because a misspelt `sent` would otherwise count as absent. The columns are described in
+//! `docs/recording.md`.
 //!
 //! ```
 //! use sextant::robot_log;

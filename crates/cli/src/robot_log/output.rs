@@ -9,7 +9,7 @@ use super::error::RobotLogError;
 use super::instant;
 use crate::output::write_whole;
 
-/// Rows in memory, quoted where a cell needs it, lines ended by a line feed.
+/// A CSV file in memory. Cells are quoted where needed, and lines end with a line feed.
 pub(super) struct Output {
     content: Vec<u8>,
     begun: bool,
@@ -26,7 +26,7 @@ impl Output {
         output
     }
 
-    /// A cell of text, as it is.
+    /// Adds a cell with a text.
     pub(super) fn text(&mut self, text: &str) -> &mut Self {
         if std::mem::replace(&mut self.begun, true) {
             self.content.push(b',');
@@ -41,17 +41,17 @@ impl Output {
         self
     }
 
-    /// A cell with a number, in as many digits as it takes to read the same number back.
+    /// Adds a cell with a number, with as many digits as it takes to read the same number back.
     pub(super) fn number(&mut self, number: f64) -> &mut Self {
         self.text(&number.to_string())
     }
 
-    /// A cell with an instant (s).
+    /// Adds a cell with a time (s).
     pub(super) fn instant(&mut self, time: SimTime) -> &mut Self {
         self.text(&instant::format(time))
     }
 
-    /// Three cells with a place (m).
+    /// Adds three cells with a position (m).
     pub(super) fn position(&mut self, position: Position) -> &mut Self {
         self.number(position.x_m).number(position.y_m).number(position.z_m)
     }
@@ -62,7 +62,7 @@ impl Output {
         self.begun = false;
     }
 
-    /// Writes the file `path`, whole or not at all.
+    /// Writes the file `path`, completely or not at all.
     pub(super) fn save(&self, path: &Path) -> Result<(), RobotLogError> {
         write_whole(path, &self.content).map_err(|why| RobotLogError::write(path, why))
     }

@@ -1,4 +1,4 @@
-//! `sectors.csv`: in which directions the sectors of the robot's antenna point.
+//! `sectors.csv`: the directions of the sectors of the robot's antenna.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::table::{Row, Table};
 const AZIMUTHS: [&str; 2] = ["azimuth_from_deg", "azimuth_to_deg"];
 const ELEVATIONS: [&str; 2] = ["elevation_from_deg", "elevation_to_deg"];
 
-/// The sectors in the file `path`.
+/// Reads the sectors in the file `path`.
 pub(super) fn read(path: &Path) -> Result<SectorTable, RobotLogError> {
     let table = Table::read(path, &["sector", AZIMUTHS[0], AZIMUTHS[1]], &ELEVATIONS)?;
     let sector = table.column("sector");
@@ -34,7 +34,7 @@ pub(super) fn read(path: &Path) -> Result<SectorTable, RobotLogError> {
             return Err(row.wrong(columns[name], wrong.allowed));
         }
         if sectors.iter().any(|other| other.sector == config.sector) {
-            return Err(row.wrong(sector, "each sector once; this one is given above"));
+            return Err(row.wrong(sector, "each sector once; this sector is already given above"));
         }
         sectors.push(config);
         Ok(())
@@ -46,7 +46,7 @@ pub(super) fn read(path: &Path) -> Result<SectorTable, RobotLogError> {
     })
 }
 
-/// Writes `sectors` as the file `path`.
+/// Writes `sectors` to the file `path`.
 pub(super) fn write(path: &Path, sectors: &SectorTable) -> Result<(), RobotLogError> {
     let mut output = Output::new(&["sector", AZIMUTHS[0], AZIMUTHS[1], ELEVATIONS[0], ELEVATIONS[1]]);
     for sector in sectors.iter() {

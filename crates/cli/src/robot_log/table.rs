@@ -1,4 +1,4 @@
-//! One CSV file: its columns by name, its cells with their place.
+//! A CSV file with columns by name; errors name line and column.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,14 @@ use super::error::RobotLogError;
 use super::instant;
 use crate::robot_names::RobotNames;
 
-/// A CSV file in memory with the columns that it has.
+/// A CSV file in memory and the names of its columns.
 pub(super) struct Table {
     path: PathBuf,
     content: Vec<u8>,
     columns: Vec<String>,
 }
 
-/// A column by name, and where it is in a row, if the file has it.
+/// A column by name, and its index in a row if the file has it.
 #[derive(Clone, Copy)]
 pub(super) struct Column {
     name: &'static str,
@@ -32,7 +32,7 @@ pub(super) struct Row<'a> {
 }
 
 impl Table {
-    /// The file `path`, whose columns must be among `required` and `optional`, with all of `required`.
+    /// Reads the file `path`. It must have all `required` columns, may have the `optional` ones, and no others.
     pub(super) fn read(
         path: &Path,
         required: &[&'static str],
@@ -59,7 +59,7 @@ impl Table {
         }
         if let Some(missing) = required.iter().find(|name| !columns.iter().any(|column| column == *name)) {
             return Err(problem(format!(
-                "column `{missing}` is missing; the first line names the columns: {}",
+                "column `{missing}` is missing; the first line must name the columns: {}",
                 required.join(",")
             )));
         }
@@ -72,7 +72,7 @@ impl Table {
         Column { name, at: self.columns.iter().position(|column| column == name) }
     }
 
-    /// Shows each row below the header to `visit`.
+    /// Calls `visit` with each row below the header.
     pub(super) fn rows(
         &self,
         mut visit: impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
@@ -87,8 +87,8 @@ impl Table {
         Ok(())
     }
 
-    /// Line of the row that begins at `offset`, from 1. Counted here, because the reader puts a row that follows a
-    /// blank line, or a line that ends in two characters, on the line before.
+    /// Line of the row that begins at `offset`, counted from 1. The reader's own count is wrong after a blank line and
+    /// after a line that ends in two characters.
     pub(super) fn line(&self, offset: usize) -> usize {
         let blank = self.content[offset..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
         1 + self.content[..offset + blank].iter().filter(|&&byte| byte == b'\n').count()
@@ -112,17 +112,17 @@ impl Table {
 }
 
 impl Row<'_> {
-    /// What the cell says, spaces around it included; empty if there is no such column.
+    /// The text of the cell, with the spaces around it; empty if there is no such column.
     pub(super) fn text(&self, column: Column) -> &str {
         column.at.and_then(|at| self.record.get(at)).unwrap_or("")
     }
 
-    /// What the cell says without spaces around it; `None` if it is empty or there is no such column.
+    /// The text of the cell, without the spaces around it; `None` if it is empty or there is no such column.
     pub(super) fn filled(&self, column: Column) -> Option<&str> {
         Some(self.text(column).trim()).filter(|text| !text.is_empty())
     }
 
-    /// A whole number, at most `max`; `None` if the cell is empty.
+    /// A whole number of at most `max`; `None` if the cell is empty.
     pub(super) fn whole(&self, column: Column, max: u32) -> Result<Option<u32>, RobotLogError> {
         let parse = |text: &str| {
             let number = text.parse().ok().filter(|&number| number <= max);
@@ -140,22 +140,23 @@ impl Row<'_> {
         self.filled(column).map(parse).transpose()
     }
 
-    /// An instant.
+    /// A time.
     pub(super) fn instant(&self, column: Column) -> Result<SimTime, RobotLogError> {
         instant::parse(self.text(column).trim()).ok_or_else(|| self.wrong(column, instant::ALLOWED))
     }
 
-    /// A place; its height is 0 where the file has no column for it.
+    /// A position. Its height is 0 if the file has no column for it.
     pub(super) fn position(&self, [x, y, z]: [Column; 3]) -> Result<Position, RobotLogError> {
         let coordinate = |column| {
             let value_m = self.finite(column)?.filter(|value_m| value_m.abs() <= Position::FARTHEST_M);
-            value_m.ok_or_else(|| self.wrong(column, "a finite number of metres, at most 1e9 from zero"))
+            value_m.ok_or_else(|| self.wrong(column, "a number of metres from -1e9 to 1e9"))
         };
         let z_m = if z.at.is_some() { coordinate(z)? } else { 0.0 };
         Ok(Position::new(coordinate(x)?, coordinate(y)?, z_m))
     }
 
-    /// The robot that the cell names, once the file has a column for it: then each cell must name one.
+    /// The robot that the cell names. If the file has a column for robots, each cell must name one; otherwise it is
+    /// robot 0.
     pub(super) fn robot(&self, column: Column, robots: &mut RobotNames) -> Result<RobotId, RobotLogError> {
         if column.at.is_none() {
             return Ok(RobotId(0));
@@ -164,7 +165,7 @@ impl Row<'_> {
         Ok(robots.id(name))
     }
 
-    /// The error that the cell says none of what is `allowed`.
+    /// The error that the cell is not what is `allowed`.
     pub(super) fn wrong(&self, column: Column, allowed: impl Into<String>) -> RobotLogError {
         RobotLogError::Cell {
             path: self.table.path.clone(),
@@ -176,7 +177,7 @@ impl Row<'_> {
     }
 }
 
-/// The known name that `name` was probably meant to be.
+/// The known name that is most similar to `name`, if any is similar enough.
 fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let distance = |candidate: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), candidate);
     known

@@ -1,4 +1,4 @@
-//! Where nodes really are: `nodes.csv`, for metrics and never for a mapper.
+//! The true positions of nodes, `nodes.csv`: for metrics, never for a mapper.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,10 +8,10 @@ use sextant_channel::Position;
 use super::error::RobotLogError;
 use super::table::Table;
 
-/// The places in the file `path` (`node,x_m,y_m[,z_m]`) by name of node (m).
+/// Reads the positions (m) in the file `path` (`node,x_m,y_m[,z_m]`), by name of node.
 ///
 /// # Errors
-/// If the file cannot be read, or has a row that is wrong; the error names file, line and column.
+/// If the file cannot be read or has an invalid row; the error names file, line and column.
 pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
     let table = Table::read(path, &["node", "x_m", "y_m"], &["z_m"])?;
     let node = table.column("node");
@@ -23,7 +23,7 @@ pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogErr
             return Err(row.wrong(node, "the name of a node"));
         }
         if places.insert(name.to_owned(), row.position(place)?).is_some() {
-            return Err(row.wrong(node, "each node once; this one is given above"));
+            return Err(row.wrong(node, "each node once; this node is already given above"));
         }
         Ok(())
     })?;

@@ -1,4 +1,4 @@
-//! How accurate a map of a simulated survey can be.
+//! A lower bound on the error of any map of a simulated survey.
 
 use sextant_channel::{Channel, Dbm, Position};
 use sextant_kernel::{Interrupted, Watch};
@@ -7,9 +7,9 @@ use sextant_sim::{MacConfig, Survey};
 
 use crate::scenario::Scenario;
 
-/// The posterior bound of which slots heard a node, under the channel and the obstacles of the scenario, with collisions as losses that do not depend
-/// on the distance (m). `None` if receptions at different stops are not independent, robots listen for spans of their own,
-/// a node must hear a beacon before it is heard, or nothing was heard.
+/// The posterior bound (m), computed from which slots heard a node, with the true channel and obstacles. Losses by
+/// collision are taken to be independent of the distance. `None` if receptions at different stops are not independent,
+/// robots listen for different times, a node must hear a beacon before it sends, or nothing was heard.
 pub(super) fn posterior_bound_m(
     scenario: &Scenario,
     survey: &Survey,
@@ -41,6 +41,6 @@ pub(super) fn posterior_bound_m(
     let low = truth.iter().map(|place| place.z_m).fold(f64::INFINITY, f64::min);
     let high = truth.iter().map(|place| place.z_m).fold(f64::NEG_INFINITY, f64::max);
     let model = TrueModel { probability, near: truth, reach_m: law.reach_m(tx, sensitivity), z_range_m: [low, high] };
-    // The probability is that of a slot.
+    // The probability is that of a slot: at least one packet is received.
     sextant_mapper::posterior_bound_m(&survey.log.at_least_one(), &model, watch)
 }

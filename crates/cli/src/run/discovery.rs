@@ -1,4 +1,4 @@
-//! What nodes find out of each other before the survey, as far as the maps of a scenario need it.
+//! Neighbour discovery before the survey, if the maps of a scenario need it.
 
 use sextant_kernel::{NodeId, Watch};
 use sextant_mac::EnergySpent;
@@ -10,12 +10,12 @@ use crate::recording::{FileRecorder, RecordingError};
 use crate::scenario::Scenario;
 use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
 
-/// What nodes found out of each other before the survey.
+/// The results of discovery before the survey.
 #[derive(Clone, Debug, Default)]
 pub struct Discoveries {
-    /// What the nodes heard of each other's hello packets.
+    /// Receptions of hello packets between nodes.
     pub neighbours: Option<Discovered>,
-    /// What the nodes heard of the anchors' packets.
+    /// Receptions of the anchors' packets by nodes.
     pub beacons: Option<Discovered>,
 }
 
@@ -23,7 +23,7 @@ impl Discoveries {
     /// Simulates the rounds of discovery that the maps of `scenario` need: none, one or both.
     ///
     /// # Errors
-    /// If the settings of channel and packets do not fit, or `watch` ends the work.
+    /// If the settings of channel and packets do not fit together, or `watch` stops the work.
     pub fn of(scenario: &Scenario, watch: &dyn Watch) -> Result<Self, Failure> {
         let needs = |kind: fn(KnowledgeKind) -> bool| {
             scenario.maps().iter().any(|map| map.mapper.uses().iter().any(|&uses| kind(uses)))
@@ -46,7 +46,7 @@ impl Discoveries {
         })
     }
 
-    /// All that the maps of `scenario` may know of `survey`.
+    /// Everything that the maps of `scenario` may use of `survey`.
     #[must_use]
     pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, survey: &'a Survey) -> Knowledge<'a> {
         Knowledge {
@@ -59,10 +59,10 @@ impl Discoveries {
         }
     }
 
-    /// Records what was found out, so that the maps can be made of the recording again.
+    /// Records the results, so that the maps can be computed from the recording.
     ///
     /// # Errors
-    /// If the disk does not take it.
+    /// If the recording cannot be written.
     pub(super) fn record(&self, scenario: &Scenario, recorder: &mut FileRecorder) -> Result<(), RecordingError> {
         let uses_anchors = scenario.maps().iter().any(|map| map.mapper.least_anchors(2) > 0);
         if uses_anchors {
@@ -74,7 +74,7 @@ impl Discoveries {
         self.beacons.as_ref().map_or(Ok(()), |beacons| recorder.beacons(&beacons.log))
     }
 
-    /// What the results say of them; `None` if there were none.
+    /// The summary of the rounds; `None` if there were none.
     #[must_use]
     pub fn summary(&self, scenario: &Scenario) -> Option<DiscoverySummary> {
         if self.neighbours.is_none() && self.beacons.is_none() {

@@ -1,4 +1,4 @@
-//! One map of a survey, and how good it is.
+//! One map of a survey, and its errors.
 
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
@@ -13,22 +13,22 @@ use crate::measure::{Truth, in_world, measure};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::MapSummary;
 
-/// A map, what was estimated on the way, and how far it is from the truth.
+/// A map, what was estimated with it, and its errors.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// The map, in the world.
+    /// The map, in world coordinates.
     pub map: TopologyMap,
-    /// What was learned from the log beside the map.
+    /// What else was estimated from the log.
     pub learned: Option<Learned>,
-    /// What the map says of itself, and its errors.
+    /// Properties of the map, and its errors.
     pub summary: MapSummary,
 }
 
-/// Computes the map `named` of what `survey` heard and `discoveries` tell, and measures it against the world of
-/// `scenario`. `bound_m` is the [`bound_m`] of the survey, which all its maps share.
+/// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound_m` is
+/// the [`bound_m`] of the survey, which is the same for all its maps.
 ///
 /// # Errors
-/// If the map cannot be computed, or `watch` ends the work.
+/// If the map cannot be computed, or `watch` stops the work.
 pub fn evaluate(
     scenario: &Scenario,
     named: &NamedMap,
@@ -50,10 +50,10 @@ pub fn evaluate(
     Ok(Evaluation { map, learned, summary })
 }
 
-/// The posterior bound of all maps of `survey` (m); `None` if the scenario has no maps, or where it does not apply.
+/// The posterior bound for all maps of `survey` (m); `None` if the scenario has no maps or the bound does not apply.
 ///
 /// # Errors
-/// If `watch` ends the work.
+/// If `watch` stops the work.
 pub fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
     if scenario.maps().is_empty() {
         return Ok(None);
@@ -61,7 +61,7 @@ pub fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Resul
     bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
 }
 
-/// The true places of the nodes.
+/// The true positions of the nodes.
 pub(super) fn truth(scenario: &Scenario) -> Vec<Position> {
     scenario.world().nodes.iter().map(|node| node.position).collect()
 }

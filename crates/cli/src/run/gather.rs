@@ -1,4 +1,4 @@
-//! The simulation, recorded while it runs.
+//! Recording of a simulation while it runs.
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::SimTime;
@@ -8,7 +8,7 @@ use crate::interrupt::Interrupt;
 use crate::recording::{CapturedFrame, FileCapture, FileRecorder, RecordingError, Signal, messages};
 use crate::terminal;
 
-/// Records a simulation while it runs, shows how far it is, and ends it when the user or the disk says so.
+/// Records a simulation while it runs, shows its progress, and stops it if the user interrupts or a write fails.
 pub(super) struct Gathering<'a> {
     recorder: &'a mut FileRecorder,
     frames: bool,
@@ -21,11 +21,11 @@ pub(super) struct Gathering<'a> {
 
 /// Captures frames.
 pub(super) struct Sniffer<'a> {
-    /// Where they go.
+    /// The file to write.
     pub(super) capture: &'a mut FileCapture,
-    /// The robot whose frames they are; all frames on air if absent.
+    /// The robot whose receptions are captured; all frames on air if absent.
     pub(super) robot: Option<usize>,
-    /// Least power that a robot can receive.
+    /// The lowest power that a robot can receive.
     pub(super) sensitivity: Dbm,
 }
 
@@ -44,7 +44,7 @@ impl Sniffer<'_> {
     }
 }
 
-/// Where a robot was.
+/// The path of a robot.
 pub(super) struct Track {
     pub(super) name: String,
     pub(super) places: Vec<Position>,
@@ -52,7 +52,7 @@ pub(super) struct Track {
 }
 
 impl<'a> Gathering<'a> {
-    /// A gathering by the robots `names`; every frame is recorded if `frames`.
+    /// A gathering by the robots `names`. If `frames` is set, every frame is recorded.
     pub(super) fn new(
         recorder: &'a mut FileRecorder,
         frames: bool,
@@ -65,7 +65,7 @@ impl<'a> Gathering<'a> {
         Self { recorder, frames, sniffer, interrupt, progress, robots, failure: None }
     }
 
-    /// Where the robots were, or the first failure to record.
+    /// The paths of the robots, or the first failure to record.
     pub(super) fn finish(self) -> Result<Vec<Track>, RecordingError> {
         self.progress.clear();
         self.failure.map_or(Ok(self.robots), Err)

@@ -1,4 +1,4 @@
-//! What a map costs the nodes by the thesis' count of messages.
+//! The energy that a map costs the nodes, by the message count of the thesis.
 
 use sextant_mac::MessageEnergy;
 use sextant_mapper::{Comparator, KnowledgeKind, Mapper};
@@ -7,8 +7,9 @@ use sextant_sim::{Discovered, Survey};
 use super::discovery::Discoveries;
 use crate::scenario::Scenario;
 
-/// Energy by messages that `mapper` takes of the nodes (thesis, eq. 3.17 to 3.19) (J); `None` for algorithms that the thesis
-/// does not count. Time samples are the stops; the anchors and neighbours that a node heard are the mean over the nodes.
+/// Energy of the messages that `mapper` needs from the nodes (J; thesis, eq. 3.17 to 3.19). `None` for algorithms
+/// without a formula in the thesis. Time samples are the stops. The anchors and neighbours that a node hears are means
+/// over the nodes.
 pub(super) fn message_energy_j(
     scenario: &Scenario,
     mapper: &Mapper,

@@ -1,4 +1,4 @@
-//! The pipeline of `run`: simulate, record, map, measure, sum up.
+//! The pipeline of `run`: simulate, record, map, measure, summarise.
 
 mod bound;
 mod discovery;

@@ -1,4 +1,4 @@
-//! What a run brought, as a summary.
+//! The summary of a run.
 
 use sextant_kernel::SimTime;
 use sextant_sim::{Ending, Survey};
@@ -10,7 +10,7 @@ use crate::summary::{
     EnergySummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SimulationSummary, Summary,
 };
 
-/// The results of a survey, what went before it and its maps, without timing.
+/// The summary of a survey, of the discovery before it and of its maps, without timing.
 #[must_use]
 pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, maps: Vec<MapSummary>) -> Summary {
     let packets = survey.packets;
@@ -62,7 +62,7 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
     }
 }
 
-/// What was run.
+/// The identity of the scenario.
 fn identity(scenario: &Scenario) -> ScenarioSummary {
     ScenarioSummary {
         name: scenario.name().to_owned(),
@@ -73,7 +73,7 @@ fn identity(scenario: &Scenario) -> ScenarioSummary {
     }
 }
 
-/// Names of the nodes of which all robots together heard fewer packets than `wanted`.
+/// Names of the nodes from which all robots together received fewer than `wanted` packets.
 fn unreached(survey: &Survey, wanted: u32) -> Vec<String> {
     let heard = |node: usize| survey.robots.iter().fold(0, |sum: u32, robot| sum.saturating_add(robot.packets[node]));
     let names = survey.log.names().iter().enumerate();

@@ -1,4 +1,4 @@
-//! The stages of a run, one after the other.
+//! The stages of a run.
 
 use std::borrow::Cow;
 
@@ -19,8 +19,8 @@ use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 use crate::terminal::{self, Watcher};
 
-/// Simulates `scenario`, records it, computes and measures its maps, and returns the results. What was gathered, and the maps
-/// that were finished, are recorded and returned if the user interrupts.
+/// Simulates `scenario`, records it, computes and measures its maps, and returns the results. If the user interrupts, the
+/// receptions and the finished maps are recorded and returned.
 ///
 /// # Errors
 /// If the simulation or a file fails.
@@ -67,7 +67,7 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     Ok(summary)
 }
 
-/// What a recording holds before the first event.
+/// Records what is known before the first event.
 fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure> {
     let world = scenario.world();
     recorder.origin(Origin {
@@ -89,7 +89,7 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     Ok(())
 }
 
-/// The files that a simulation fills.
+/// The output files of a simulation.
 struct Outputs<'a> {
     recorder: &'a mut FileRecorder,
     capture: Option<&'a mut FileCapture>,
@@ -116,7 +116,7 @@ fn gather(
     Ok((survey, tracks))
 }
 
-/// Computes, records and measures the maps of the scenario, one after the other, as far as the user lets them.
+/// Computes, records and measures the maps of the scenario in order, until the user interrupts.
 fn map(
     scenario: &Scenario,
     survey: &Survey,
@@ -157,7 +157,7 @@ fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
     map.positions().into_iter().zip(truth).enumerate().filter_map(place).collect()
 }
 
-/// Records the likelihood surfaces of the chosen nodes: of each the plane through its maximum.
+/// Records the likelihood of each chosen node, on the plane through its maximum.
 fn record_likelihoods(
     scenario: &Scenario,
     named: &NamedMap,
@@ -176,7 +176,7 @@ fn record_likelihoods(
     for name in &scenario.recording().likelihood {
         let at = survey.log.names().iter().position(|other| other == name).expect("the scenario was checked");
         if survey.log.of(NodeId::from_index(at)).is_empty() {
-            let note = format!("node {name} was never heard: it has no likelihood");
+            let note = format!("node {name} was never heard and has no likelihood");
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
             continue;
         }
@@ -186,7 +186,7 @@ fn record_likelihoods(
     Ok(())
 }
 
-/// The plane of a surface through its maximum.
+/// The plane through the maximum of a surface.
 fn plane(surface: &Surface) -> LikelihoodPlane {
     let lattice = &surface.lattice;
     let [columns, rows, _] = lattice.counts();
@@ -197,7 +197,7 @@ fn plane(surface: &Surface) -> LikelihoodPlane {
     LikelihoodPlane {
         first: lattice.position([0, 0, layer]),
         step_m: lattice.step_m(),
-        columns: u32::try_from(columns).expect("a window of less than 2^32 columns"),
+        columns: u32::try_from(columns).expect("fewer than 2^32 columns"),
         log_likelihood: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
     }
 }

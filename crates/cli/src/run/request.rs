@@ -1,14 +1,14 @@
-//! What a run is asked for.
+//! The options of a run.
 
 use std::path::Path;
 
-/// What a run is asked for beside its scenario.
+/// The options of a run, apart from its scenario.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// Where the recording goes.
+    /// The recording to write.
     pub recording: &'a Path,
-    /// Where the capture of frames goes, if one is wanted.
+    /// The capture of frames to write, if any.
     pub pcap: Option<&'a Path>,
-    /// Whether nothing is shown while the work goes on.
+    /// Whether progress is hidden.
     pub quiet: bool,
 }

@@ -1,4 +1,4 @@
-//! From a scenario as written to one that can run: everything is checked before anything starts.
+//! Checks a scenario and builds everything that a run needs, before anything runs.
 
 use std::path::{Path, PathBuf};
 
@@ -21,10 +21,11 @@ use super::layers;
 use super::survey_identity::SurveyIdentity;
 use crate::text::counted;
 
-/// A scenario that was read and checked.
+/// A scenario that has been read and checked.
 pub struct Scenario {
     config: ScenarioConfig,
     file: PathBuf,
+    named_files: Vec<PathBuf>,
     text: String,
     parts: Parts,
     maps: Vec<NamedMap>,
@@ -33,13 +34,13 @@ pub struct Scenario {
 /// A map to compute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedMap {
-    /// Its name in tables and recordings; no two maps share one.
+    /// Its name in tables and recordings; unique in the scenario.
     pub name: String,
-    /// How it is computed.
+    /// The algorithm with its settings.
     pub mapper: Mapper,
 }
 
-/// What the settings amount to. Paths of robots are planned, which takes a while, so that is done once.
+/// The validated settings. They are built once, because planning the paths of robots takes a while.
 #[derive(Clone)]
 struct Parts {
     setup: Setup,
@@ -48,27 +49,29 @@ struct Parts {
 }
 
 impl Scenario {
-    /// Reads the scenario at `path`, lays the flags `set` (each `path.to.key=value`) and `seed` over it, and
-    /// checks the whole.
+    /// Reads the scenario at `path`, overrides it by the flags `set` (each `path.to.key=value`) and by `seed`, and checks
+    /// it.
     ///
     /// # Errors
-    /// If a file cannot be read, or anything in it is wrong: everything that was found.
+    /// If a file cannot be read or a setting is invalid: all errors found.
     pub fn load(path: &Path, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
         let mut document = layers::read(path, set, seed)?;
         let text = std::mem::take(&mut document.text);
         let mut config: ScenarioConfig = deserialize(&document)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut named_files = Vec::new();
         for (key, file) in config.world.files_mut() {
-            document.rebase(&format!("world.{key}"), file, path.parent().unwrap_or(Path::new("")));
+            document.rebase(&format!("world.{key}"), file, folder);
+            named_files.push(folder.join(file));
         }
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let folder = path.parent().unwrap_or(Path::new(""));
         let (parts, maps) = check(&config, folder, &mut errors);
         ScenarioErrors::check(errors.found)?;
         let parts = parts.expect("what has no errors has all its parts");
-        Ok(Self { config, file: path.to_path_buf(), text, parts, maps })
+        Ok(Self { config, file: path.to_path_buf(), named_files, text, parts, maps })
     }
 
-    /// The scenario as written, all layers merged.
+    /// The scenario as written, with all layers merged.
     #[must_use]
     pub fn config(&self) -> &ScenarioConfig {
         &self.config
@@ -80,14 +83,14 @@ impl Scenario {
         &self.config.name
     }
 
-    /// The seed of all randomness.
+    /// The random seed.
     #[must_use]
     pub fn seed(&self) -> Seed {
         Seed(self.config.seed)
     }
 
-    /// One text that says all: the file as read, or, if it extends another or flags override it, what they
-    /// amount to. The seed of `--seed` is not in it.
+    /// The text of the file or, if it extends another one or flags override it, of the merged settings. The value of
+    /// `--seed` is not in it.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -99,13 +102,20 @@ impl Scenario {
         self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
+    /// The files that its settings name: tables of nodes and meshes of obstacles. They are not part of its
+    /// [`text`](Self::text).
+    #[must_use]
+    pub fn named_files(&self) -> &[PathBuf] {
+        &self.named_files
+    }
+
     /// The world.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.parts.setup.world
     }
 
-    /// What there is to know of its channel.
+    /// Its channel, for maps that may know it.
     #[must_use]
     pub fn known_channel(&self) -> KnownChannel {
         known_channel(&self.config, self.parts.setup.network().link.channel)
@@ -117,13 +127,13 @@ impl Scenario {
         &self.maps
     }
 
-    /// The nodes that know their place, by node.
+    /// The nodes that know their position, by node.
     #[must_use]
     pub fn anchors(&self) -> &[Anchor] {
         &self.parts.anchors
     }
 
-    /// How the nodes find out whom they hear.
+    /// How the nodes discover their neighbours.
     #[must_use]
     pub fn discovery(&self) -> &Discovery {
         &self.parts.discovery
@@ -135,32 +145,32 @@ impl Scenario {
         &self.config.metrics
     }
 
-    /// What is recorded beside what a mapper needs.
+    /// What is recorded in addition to what a mapper needs.
     #[must_use]
     pub fn recording(&self) -> &RecordingConfig {
         &self.config.recording
     }
 
-    /// Number of the robot whose frames a capture holds; `None` if it holds all frames on air.
+    /// Number of the robot whose receptions are captured; `None` if all frames on air are captured.
     #[must_use]
     pub fn captured_robot(&self) -> Option<usize> {
         let name = self.config.recording.pcap.robot.as_ref()?;
         self.config.robots.iter().position(|robot| robot.name == *name)
     }
 
-    /// Everything that the simulation needs; the robots start afresh with each call.
+    /// The setup of a simulation; each call returns robots at their start.
     #[must_use]
     pub fn setup(&self) -> Setup {
         self.parts.setup.clone()
     }
 
-    /// What it shares with the scenarios whose surveys are the same for each seed.
+    /// Identifies the scenarios with the same surveys.
     #[must_use]
     pub fn survey_identity(&self) -> SurveyIdentity {
         SurveyIdentity::of(&self.config)
     }
 
-    /// What it has, in a few words: `496 nodes, 3 obstacles, 1 robot, 1 map`.
+    /// A short description: `496 nodes, 3 obstacles, 1 robot, 1 map`.
     #[must_use]
     pub fn outline(&self) -> String {
         let world = self.world();
@@ -174,10 +184,10 @@ impl Scenario {
     }
 }
 
-/// Nobody drives farther to a network (m).
+/// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
 
-/// Collects what is wrong.
+/// Collects errors.
 pub(super) struct Errors<'a> {
     pub(super) document: &'a Document,
     pub(super) found: Vec<ScenarioError>,
@@ -188,16 +198,16 @@ impl Errors<'_> {
         self.found.push(self.document.outside(error));
     }
 
-    /// The value, or none and a refusal within `table`.
+    /// The value; an error is collected as one within `table`.
     pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
         result.map_err(|error| self.refuse(&error.within(table))).ok()
     }
 }
 
-/// Checks each part of the scenario on its own, then the whole.
+/// Checks each part of the scenario, then all parts together.
 fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Option<Parts>, Vec<NamedMap>) {
     if config.name.trim().is_empty() {
-        errors.refuse(&SettingError::new("name", "empty", "a name of at least one letter"));
+        errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
     let radio = errors.take("radio", Radio::try_from(config.radio));
@@ -230,7 +240,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let networks = vec![BusyNetwork { link, traffic }];
     let setup = Setup { world, networks, robots, sinks: Vec::new(), duration: None, seed };
     if errors.found.is_empty() {
-        // What depends on several parts, the size of frames and addresses, the simulation checks itself.
+        // The simulation checks what depends on several parts, such as the size of frames.
         if let Err(error) = Simulation::new(setup.clone()) {
             errors.refuse(&error);
         }
@@ -238,7 +248,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     (Some(Parts { setup, anchors, discovery }), maps)
 }
 
-/// The nodes that know their place, enough of them for each of `maps`.
+/// The nodes that know their position; checks that there are enough for each of `maps`.
 fn check_anchors(
     config: &ScenarioConfig,
     world: &World,
@@ -262,13 +272,13 @@ fn check_anchors(
 fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Robot> {
     let mut robots: Vec<Robot> = Vec::new();
     if config.robots.is_empty() {
-        errors.refuse(&SettingError::new("robots", "empty", "at least one robot, to listen"));
+        errors.refuse(&SettingError::new("robots", "empty", "at least one robot"));
     }
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = format!("robots[{i}]");
         let none = ObstacleField::default();
         let obstacles = world.map_or(&none, |world| &world.obstacles);
-        // A path to the end of the world is not planned.
+        // Planning a path over such a distance would take too long.
         if let Some(world) = world
             && !world.nodes.iter().any(|node| node.position.distance_m(robot_config.start_m) <= FARTHEST_START_M)
         {
@@ -282,8 +292,8 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
             continue;
         };
         if robots.iter().any(|other| other.body.name == robot.body.name) {
-            let found = format!("`{}`, as of a robot before", robot.body.name);
-            errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));
+            let found = format!("`{}`, the name of an earlier robot", robot.body.name);
+            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
         }
         robots.push(robot);
     }
@@ -294,7 +304,7 @@ fn known_channel(config: &ScenarioConfig, channel: ChannelLaw) -> KnownChannel {
     KnownChannel::new(config.radio, channel, config.traffic, &config.robots)
 }
 
-/// The maps to compute; what they leave open of their profile is taken from `channel`, if it is known.
+/// The maps to compute; absent channel settings are taken from `channel`, if it is known.
 pub(super) fn check_maps(
     configs: &[MapConfig],
     channel: Option<KnownChannel>,
@@ -314,12 +324,12 @@ pub(super) fn check_maps(
         let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
         let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
         if name.is_empty() || !name.chars().all(is_plain) {
-            let allowed = "letters, digits, `-`, `_` and `.`, at least one";
+            let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";
             errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(&table));
         }
         if maps.iter().any(|map| map.name == name) {
-            let found = format!("`{name}`, as of a map before");
-            errors.refuse(&SettingError::new("name", found, "a name of its own").within(&table));
+            let found = format!("`{name}`, the name of an earlier map");
+            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
         }
         maps.push(NamedMap { name, mapper });
     }

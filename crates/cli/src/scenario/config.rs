@@ -1,4 +1,4 @@
-//! A scenario as written: the whole of the file.
+//! A scenario as written in its file.
 
 use std::ops::RangeInclusive;
 
@@ -15,21 +15,21 @@ use sextant_sim::{
 
 use super::SweepConfig;
 
-/// A scenario: the world, the radios, what the robots do in it, and which maps are made of what they hear.
-/// Lengths are in metres, times in seconds, powers in dBm; each key says so.
+/// A scenario: the world, the radios, the robots, and the maps to compute. Lengths are in metres, times in seconds and
+/// powers in dBm; a key with a unit ends in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScenarioConfig {
     /// Name of the scenario, in tables and recordings.
     pub name: String,
-    /// Seed of all randomness: the same seed gives the same results.
+    /// Random seed: the same seed gives the same results.
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// The nodes, and what stands in the way of radio and robots.
+    /// The nodes and the obstacles.
     pub world: WorldConfig,
     /// The radios of nodes and robots.
     pub radio: RadioConfig,
-    /// What happens to radio power on its way; suburban, without a hard radius, if absent.
+    /// Path loss and shadowing of the radio channel; suburban, without a maximum range, if absent.
     #[serde(default)]
     pub channel: ChannelConfig,
     /// How nodes share the channel; unslotted CSMA-CA as in the standard if absent.
@@ -37,30 +37,30 @@ pub struct ScenarioConfig {
     pub mac: MacConfig,
     /// What the nodes send, and when.
     pub traffic: TrafficConfig,
-    /// When a frame that arrives is received; a threshold of 3 dB if absent.
+    /// Which frames are received; those with an SINR of at least 3 dB if absent.
     #[serde(default)]
     pub reception: ReceptionConfig,
     /// The radio chip whose energy is counted.
     #[serde(default)]
     pub energy: EnergyConfig,
-    /// The robots that drive and listen: at least one.
+    /// The robots that drive and listen; at least one.
     pub robots: Vec<RobotConfig<ControllerConfig>>,
-    /// The nodes that know their place, for maps that need such nodes; a fifth of the nodes, at random, if absent.
+    /// The nodes that know their position, for maps that need them; a random fifth of the nodes if absent.
     #[serde(default)]
     pub anchors: AnchorsConfig,
-    /// How the nodes find out whom they hear, for maps that need to know.
+    /// How the nodes discover their neighbours, for maps that need it.
     #[serde(default)]
     pub discovery: DiscoveryConfig,
-    /// The maps to compute from what was heard.
+    /// The maps to compute from the receptions.
     #[serde(default)]
     pub maps: Vec<MapConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]
     pub metrics: MetricsConfig,
-    /// What is recorded beside what a mapper needs.
+    /// What is recorded in addition to what a mapper needs.
     #[serde(default)]
     pub recording: RecordingConfig,
-    /// Which settings a sweep varies; `run` leaves them as they are.
+    /// The settings that a sweep varies; `run` ignores this table.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepConfig>,
 }
@@ -73,7 +73,7 @@ fn default_seed() -> u64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MetricsConfig {
-    /// Radii of the neighbourhood of the connectivity error (m); the first one goes into the table.
+    /// Radii of the neighbourhood for the connectivity error (m). The printed table shows the first one.
     pub neighbourhood_m: Vec<f64>,
 }
 
@@ -93,13 +93,13 @@ impl MetricsConfig {
     }
 }
 
-/// What is recorded beside what a mapper needs, as written in a scenario.
+/// What is recorded in addition to what a mapper needs, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordingConfig {
-    /// Whether every frame on air is recorded.
+    /// Whether every frame is recorded.
     pub frames: bool,
-    /// Names of the nodes whose likelihood surface is recorded, for each map that has one.
+    /// Names of the nodes whose likelihood is recorded, for each map that has one.
     pub likelihood: Vec<String>,
     /// What `--pcap` writes.
     pub pcap: PcapConfig,
@@ -109,10 +109,11 @@ pub struct RecordingConfig {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PcapConfig {
-    /// Name of the robot whose received frames are written, with their strength and quality; all frames on air if absent.
+    /// Name of a robot: only the frames that it receives are written, with their strength and quality. All frames on air
+    /// if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// Radio channel that the capture names, at 2.4 GHz: 11 to 26. It changes nothing else.
+    /// The channel number in the capture, 11 to 26 (2.4 GHz). It has no effect on the simulation.
     pub channel: u8,
 }
 
@@ -126,7 +127,7 @@ impl Default for PcapConfig {
 const CHANNELS_2450: RangeInclusive<u8> = 11..=26;
 
 impl PcapConfig {
-    /// Refuses channels of other bands and robots that are not there.
+    /// Rejects channels of other bands and unknown robots.
     pub(crate) fn check(&self, robots: &[RobotConfig<ControllerConfig>]) -> Result<(), SettingError> {
         if !CHANNELS_2450.contains(&self.channel) {
             return Err(SettingError::new("channel", self.channel, "11 to 26"));

@@ -1,4 +1,4 @@
-//! From the tree of settings to the types that describe them, with refusals that can be explained.
+//! Converts the tree of settings to typed settings; errors keep the path of the setting.
 
 mod choice;
 mod refused;
@@ -28,15 +28,15 @@ pub(crate) fn deserialize<T: DeserializeOwned>(document: &Document) -> Result<T,
     })
 }
 
-/// A value, ready to be read.
+/// A value to deserialize.
 ///
-/// Each method reads one kind of value only: one for all kinds, compiled for each type of setting, would be most of
-/// the program.
+/// Each method reads only one kind of value. A method for all kinds would be compiled for each type of setting, and be
+/// most of the program.
 #[derive(Clone, Copy)]
 struct Reader<'a>(&'a Value);
 
 impl<'a> Reader<'a> {
-    /// The value is not one of those that are `allowed`.
+    /// The error that the value is not what is `allowed`.
     fn unfit(self, allowed: &str) -> Refused {
         let found = match self.0 {
             Value::Boolean(value) => found(Unexpected::Bool(*value)),
@@ -193,7 +193,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         match self.0 {
             Value::String(name) => visitor.visit_enum(Choice { name, content: None }),
             Value::Table(table) => visitor.visit_enum(choice(table, variants)?),
-            _ => Err(self.unfit("the name of a choice, or a table with one")),
+            _ => Err(self.unfit("the name of a choice, or a table with one choice")),
         }
     }
 
@@ -205,12 +205,12 @@ impl<'de> Deserializer<'de> for Reader<'_> {
 /// The items of an array.
 struct Items<'a> {
     entries: &'a [Entry],
-    /// How many of them were read.
+    /// Number of items read.
     read: usize,
 }
 
 impl Items<'_> {
-    /// Refuses items that nobody read.
+    /// Rejects items that were not read.
     fn end(&self) -> Result<(), Refused> {
         if self.read == self.entries.len() {
             return Ok(());
@@ -261,7 +261,7 @@ impl<'de> MapAccess<'de> for Settings<'_> {
     }
 }
 
-/// A visitor's expectation as text.
+/// What a visitor expects, as text.
 struct Expectation<V>(V);
 
 impl<'de, V: Visitor<'de>> fmt::Display for Expectation<V> {

@@ -1,4 +1,4 @@
-//! A scenario as a tree of settings, each of which knows where it was written.
+//! A scenario as a tree of settings with their places in the source texts.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,12 +10,12 @@ use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
 use super::source::{Origin, Source};
 
-/// A setting and where it was written.
+/// A setting and its place in the source texts.
 #[derive(Clone, Debug)]
 pub(crate) struct Entry {
     pub(crate) value: Value,
     pub(crate) origin: Origin,
-    /// The latest source that wrote this or anything in it.
+    /// The last source that set this or anything in it.
     pub(crate) layer: usize,
 }
 
@@ -35,12 +35,12 @@ pub(crate) enum Value {
     Table(Table),
 }
 
-/// All settings of a scenario, merged, and the sources that they come from.
+/// The merged settings of a scenario, and their sources.
 #[derive(Clone, Debug)]
 pub(crate) struct Document {
     pub(crate) root: Entry,
     pub(crate) sources: Vec<Source>,
-    /// One text that says the same: the file as read, or what all layers but `--seed` amount to.
+    /// The text of the file or, if there are several layers, of the merged settings; without `--seed`.
     pub(crate) text: String,
 }
 
@@ -54,7 +54,7 @@ impl Default for Document {
 }
 
 impl Document {
-    /// The entry at `path`, or the deepest one above it that exists; true if it is the very one.
+    /// The entry at `path` and true, or the deepest existing entry above it and false.
     pub(crate) fn nearest(&self, path: &KeyPath) -> (&Entry, bool) {
         let mut entry = &self.root;
         for step in &path.0 {
@@ -77,7 +77,7 @@ impl Entry {
         }
     }
 
-    /// Lays `over` on this entry: tables are merged key by key, everything else is replaced.
+    /// Overrides this entry by `over`: tables are merged key by key, all other values are replaced.
     pub(crate) fn overlay(&mut self, over: Self) {
         match (&mut self.value, over.value) {
             (Value::Table(under), Value::Table(table)) => {
@@ -98,7 +98,7 @@ impl Entry {
 }
 
 impl Document {
-    /// Lets `file`, the value at `key`, lead from `folder` to where it leads from the layer that names it.
+    /// Changes the path `file`, the value at `key`, from relative to the layer that names it to relative to `folder`.
     pub(super) fn rebase(&self, key: &str, file: &mut PathBuf, folder: &Path) {
         let Ok(path) = KeyPath::parse(key) else { return };
         let (entry, _) = self.nearest(&path);
@@ -120,7 +120,7 @@ pub(crate) fn parse(sources: &[Source], index: usize) -> Result<Entry, ScenarioE
     Ok(Entry { value: reader.table(root.get_ref())?, origin, layer: index })
 }
 
-/// Parses one value that stands at byte `shift` of `sources[index]`; none if it is no TOML value.
+/// Parses one value at byte `shift` of `sources[index]`; `None` if it is not a TOML value.
 pub(crate) fn parse_value(
     sources: &[Source],
     index: usize,
@@ -136,7 +136,7 @@ pub(crate) fn parse_value(
     }
 }
 
-/// Turns the parser's tree into ours.
+/// Converts the parser's tree to ours.
 struct Reader<'a> {
     sources: &'a [Source],
     index: usize,

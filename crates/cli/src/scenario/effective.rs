@@ -1,4 +1,4 @@
-//! What the layers of a scenario amount to, as one TOML text.
+//! The merged settings of a scenario as one TOML text.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -7,11 +7,11 @@ use super::document::{Entry, Value};
 use super::key_path::{KeyPath, Step};
 use super::source::Source;
 
-/// A text that reads as the settings in `root`: one line `path.to.key = value` for each.
+/// The settings in `root` as a text, with one line `path.to.key = value` per setting.
 pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
-    let mut text = "# What these amount to:".to_owned();
+    let mut text = "# Merged settings of".to_owned();
     for (i, source) in sources.iter().enumerate() {
-        // File names without folders: the same scenario gives the same text wherever it lies.
+        // File names without folders, so that the text does not depend on the folder.
         let name = Path::new(&source.name).file_name().unwrap_or_default().to_string_lossy();
         let sep = if i > 0 { "," } else { "" };
         let flag = if name.starts_with("--") { format!(" {:?}", source.text) } else { String::new() };

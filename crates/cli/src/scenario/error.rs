@@ -1,4 +1,4 @@
-//! What is wrong with a scenario, and where.
+//! Errors of scenarios, with their place in the text.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, Report, SourceCode};
 use super::source::Source;
 use crate::diagnostic::Failure;
 
-/// One thing that is wrong with a scenario: a message, the place in the text, and what to do.
+/// An error in a scenario: a message, the place in the text, and a help text.
 #[derive(Clone, Debug)]
 pub struct ScenarioError {
     message: String,
@@ -18,7 +18,7 @@ pub struct ScenarioError {
     help: Option<String>,
 }
 
-/// A piece of a source, and what is said of it.
+/// A part of a source, with its label.
 #[derive(Clone, Debug)]
 struct Place {
     source: NamedSource<Arc<str>>,
@@ -26,7 +26,7 @@ struct Place {
     label: String,
 }
 
-/// Everything found wrong with one scenario; never empty.
+/// All errors found in one scenario; at least one.
 #[derive(Clone, Debug)]
 pub struct ScenarioErrors(Vec<ScenarioError>);
 
@@ -36,7 +36,7 @@ impl ScenarioErrors {
         if errors.is_empty() { Ok(()) } else { Err(Self(errors)) }
     }
 
-    /// The errors, in the order of the scenario's parts.
+    /// The errors, in the order of the parts of the scenario.
     #[must_use]
     pub fn errors(&self) -> &[ScenarioError] {
         &self.0
@@ -84,7 +84,7 @@ impl ScenarioError {
         self
     }
 
-    /// Where it points, as `file:line:column`, if anywhere; lines and columns count from 1.
+    /// Its place as `file:line:column`, if it has one; lines and columns are counted from 1.
     #[must_use]
     pub fn place(&self) -> Option<String> {
         let Place { source, span, .. } = self.place.as_deref()?;
@@ -99,7 +99,7 @@ impl ScenarioError {
         self
     }
 
-    /// `path` cannot be read.
+    /// The error that `path` cannot be read.
     pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
         let name = path.display();
         if path.is_dir() {
@@ -115,7 +115,7 @@ impl ScenarioError {
         }
     }
 
-    /// The text of `source` is not TOML.
+    /// The error that the text of `source` is not TOML.
     pub(crate) fn syntax(source: &Source, error: &toml::de::Error) -> Self {
         let end = source.text.len();
         let span = error.span().unwrap_or(end..end);

@@ -10,11 +10,11 @@ use super::key_path::{KeyPath, Step};
 use super::source::{Origin, Source};
 
 impl Document {
-    /// Lays the flag `name`, whose text is `path.to.key=value`, over the settings; paths of files in it are meant from
+    /// Overrides a setting by the flag `name` with the text `path.to.key=value`. Paths of files in it are relative to
     /// `folder`.
     ///
     /// # Errors
-    /// If the text is no such setting, or an array that it names lacks the entry.
+    /// If the text has another form, or names an entry that an array does not have.
     pub(super) fn lay_flag(&mut self, name: &str, text: &str, folder: &Path) -> Result<(), ScenarioError> {
         let source = Source { name: name.to_owned(), text: Arc::from(text), folder: folder.to_owned() };
         self.sources.push(source);
@@ -22,7 +22,7 @@ impl Document {
     }
 }
 
-/// A flag that was read.
+/// A parsed flag.
 struct Flag<'a> {
     source: &'a Source,
     index: usize,
@@ -33,7 +33,8 @@ struct Flag<'a> {
 }
 
 impl<'a> Flag<'a> {
-    /// Reads the text of `sources[index]`. What is no TOML value is a text, if it does not look like anything else.
+    /// Parses the text of `sources[index]`. A value that is not TOML is a text without quotes, unless it begins like a
+    /// quoted text, an array or a table.
     fn read(sources: &'a [Source], index: usize) -> Result<Self, ScenarioError> {
         let source = &sources[index];
         let Some((key, written)) = source.text.split_once('=') else {
@@ -50,7 +51,7 @@ impl<'a> Flag<'a> {
         let value = match parse_value(sources, index, start, written)? {
             Some(value) => value,
             None if written.starts_with(['"', '\'', '[', '{']) || written.is_empty() => {
-                return Err(ScenarioError::new(format!("{}: `{written}` is no TOML value", source.name))
+                return Err(ScenarioError::new(format!("{}: `{written}` is not a TOML value", source.name))
                     .at(source, value_span, "here")
                     .help("allowed: a number, true or false, a text, an array [..] or a table {..}"));
             }
@@ -59,14 +60,14 @@ impl<'a> Flag<'a> {
         Ok(Self { source, index, steps, value, value_span })
     }
 
-    /// Lays the value over the settings in `root`, at its path.
+    /// Sets the value at its path in `root`.
     fn lay(mut self, root: &mut Entry) -> Result<(), ScenarioError> {
         let mut entry = root;
         let mut path = KeyPath::default();
         let mut last = 0..0;
         for (step, span) in std::mem::take(&mut self.steps) {
             if !matches!(entry.value, Value::Table(_) | Value::Array(_)) {
-                // A choice written as a text makes place for one written as a table.
+                // A choice written as a text is replaced by one written as a table.
                 *entry = self.entry(Value::Table(Table::new()), last);
             }
             entry.layer = self.index;
@@ -79,13 +80,13 @@ impl<'a> Flag<'a> {
         Ok(())
     }
 
-    /// A setting of this flag, whose key stands at the bytes `key`.
+    /// A setting of this flag, whose key is at the bytes `key`.
     fn entry(&self, value: Value, key: Range<usize>) -> Entry {
         let origin = Origin { source: self.index, key: Some(key), value: self.value_span.clone() };
         Entry { value, origin, layer: self.index }
     }
 
-    /// The entry one `step`, which stands at the bytes `span`, below that at `path`; a table gets it if it lacks it.
+    /// The entry one `step` (at the bytes `span`) below `entry`, which is at `path`. It is added if a table lacks it.
     fn child<'e>(
         &self,
         entry: &'e mut Entry,
@@ -107,7 +108,7 @@ impl<'a> Flag<'a> {
                 (_, 1) => refuse(format!("`{path}` has 1 entry"), "allowed: 0".to_owned()),
                 (_, count) => refuse(format!("`{path}` has {count} entries"), format!("allowed: 0 to {}", count - 1)),
             },
-            _ => refuse(format!("`{path}` is a table, not an array"), "a key is wanted here".to_owned()),
+            _ => refuse(format!("`{path}` is a table, not an array"), "a key is expected here".to_owned()),
         }
     }
 }

@@ -1,12 +1,12 @@
-//! Where a setting lies in a scenario: `world.obstacles[2].shape.box.size_m`.
+//! Paths of settings in a scenario: `world.obstacles[2].shape.box.size_m`.
 
 use std::fmt;
 use std::ops::Range;
 
-/// One step down from a table or an array.
+/// One step of a path, into a table or an array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// Into a table, by key. Digits may also mean an index: `robots.0`.
+    /// Into a table, by key. A key of digits may also be an index: `robots.0`.
     Key(String),
     /// Into an array, by index from 0.
     Index(usize),
@@ -22,11 +22,11 @@ impl Step {
     }
 }
 
-/// The steps from the top of a scenario to a setting. Printed as people write it.
+/// The steps from the top of a scenario to a setting. It is printed as users write it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct KeyPath(pub(crate) Vec<Step>);
 
-/// Why a text is no key path: the bytes at fault and what was expected there.
+/// An error in a key path: the bytes, and the message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PathError {
     pub(crate) span: Range<usize>,
@@ -39,7 +39,7 @@ impl KeyPath {
         Ok(Self(Self::parse_spanned(text)?.into_iter().map(|(step, _)| step).collect()))
     }
 
-    /// Parses a path; each step comes with the bytes where it was written.
+    /// Parses a path into its steps and the bytes of each step.
     pub(crate) fn parse_spanned(text: &str) -> Result<Vec<(Step, Range<usize>)>, PathError> {
         let mut steps = Vec::new();
         let mut at = 0;
@@ -51,13 +51,13 @@ impl KeyPath {
                     return fail(rest.len(), "`[` without `]`");
                 };
                 let Ok(index) = rest[1..close].trim().parse() else {
-                    return fail(close + 1, "an index is a whole number, 0 or above");
+                    return fail(close + 1, "an index must be a whole number, 0 or above");
                 };
                 steps.push((Step::Index(index), at..at + close + 1));
                 at += close + 1;
             } else if let Some(quoted) = rest.strip_prefix('"') {
                 let Some(length) = quoted.find('"') else {
-                    return fail(rest.len(), "a quote that does not end");
+                    return fail(rest.len(), "the closing quote is missing");
                 };
                 steps.push((Step::Key(quoted[..length].to_owned()), at..at + length + 2));
                 at += length + 2;
@@ -82,7 +82,7 @@ impl KeyPath {
         }
     }
 
-    /// The path one step further down.
+    /// The path with one more step.
     pub(crate) fn child(&self, step: Step) -> Self {
         let mut steps = self.0.clone();
         steps.push(step);
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_prints_as_it_was_written() {
+    fn a_path_is_printed_as_written() {
         for text in ["seed", "world.obstacles[2].shape.box.size_m", "a.\"odd key\".c[0][1]"] {
             assert_eq!(KeyPath::parse(text).unwrap().to_string(), text);
         }
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_paths_are_refused_where_they_break() {
+    fn errors_in_paths_have_the_right_place() {
         for (text, span) in [("", 0..0), (".a", 0..1), ("a..b", 2..3), ("a.", 2..2), ("a[x]", 1..4), ("a[1", 1..3)] {
             assert_eq!(KeyPath::parse(text).unwrap_err().span, span, "{text}");
         }

@@ -1,18 +1,18 @@
-//! The keys of a table, as the type that it is read into declares them.
+//! The keys of a table, from the type that it is deserialized to.
 
 use serde::de::value::Error;
 use serde::de::{Deserialize, Deserializer, Error as _, Visitor};
 use serde::forward_to_deserialize_any;
 
-/// The keys of the tables that a struct `T` is read from.
+/// The keys of the table of a struct `T`.
 pub(super) fn keys_of<'de, T: Deserialize<'de>>() -> &'static [&'static str] {
     let mut keys: &'static [&'static str] = &[];
-    // The probe gives no value, so nothing can be read: it only listens.
+    // The probe always fails: it only stores the keys that `T` asks for.
     let _ = T::deserialize(Probe(&mut keys));
     keys
 }
 
-/// Learns the keys that a type asks for.
+/// Stores the keys that a type asks for.
 struct Probe<'a>(&'a mut &'static [&'static str]);
 
 impl<'de> Deserializer<'de> for Probe<'_> {
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn the_keys_are_the_names_of_the_fields_as_written() {
+    fn the_keys_are_the_names_of_the_fields() {
         assert_eq!(keys_of::<Toy>(), ["size_m", "colour"]);
         assert_eq!(keys_of::<f64>(), [""; 0]);
     }

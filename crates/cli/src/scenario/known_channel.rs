@@ -1,21 +1,20 @@
-//! What a scenario knows of its channel: the reception profile that it implies.
+//! The channel of a scenario, for maps that may know it.
 
 use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelLaw;
 use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
 
-/// The channel of a scenario, as a mapper that was told of it would know it.
+/// The channel of a scenario, for maps that may know it.
 #[derive(Clone, Copy, Debug)]
 pub struct KnownChannel {
     /// The radios.
     pub radio: RadioConfig,
-    /// What happens to power on its way.
+    /// Path loss and shadowing.
     pub channel: ChannelLaw,
-    /// Packets that a node sends, on average, while a robot listens at a stop: the mean over the robots; 1
-    /// if none is known.
+    /// Mean number of packets that a node sends while a robot listens at a stop, over the robots; 1 if there are none.
     pub packets_per_stop: f64,
-    /// Whether that is the same for all robots.
+    /// Whether this number is the same for all robots.
     pub is_alike_at_all_stops: bool,
 }
 
@@ -37,7 +36,7 @@ impl KnownChannel {
         Self { radio, channel, packets_per_stop, is_alike_at_all_stops: least >= most }
     }
 
-    /// Fills in what a map that knows the channel, by profile or by signal strengths, leaves open.
+    /// Fills in the absent channel settings of a map that knows the channel.
     pub(super) fn complete(&self, map: &mut MapConfig) {
         let path_loss = self.channel.path_loss();
         let sigma_of_channel_db = self.channel.shadowing().sigma_db();
@@ -65,7 +64,7 @@ impl KnownChannel {
         profile.packets_per_stop.get_or_insert(self.packets_per_stop);
     }
 
-    /// Whether the receptions at two stops are independent once the place of the node is known.
+    /// Whether the receptions at two stops are independent, given the position of the node.
     #[must_use]
     pub fn is_independent(&self) -> bool {
         !self.channel.shadowing().is_spatial()

@@ -1,4 +1,4 @@
-//! A scenario in layers: the file that it extends, the file itself, the flags of the command line.
+//! The layers of a scenario: the file that it extends, the file itself, and the flags of the command line.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,9 +8,9 @@ use super::effective;
 use super::error::ScenarioError;
 use super::source::Source;
 
-/// Reads `path`, all that it extends, and lays `overrides` (each `path.to.key=value`) on top.
+/// Reads `path` and the files that it extends, and overrides their settings by `overrides` (each `path.to.key=value`).
 ///
-/// Tables are merged key by key; anything else, arrays included, is replaced by the later layer.
+/// Tables are merged key by key. A later layer replaces all other values, also arrays.
 pub(crate) fn read(path: &Path, overrides: &[String], seed: Option<u64>) -> Result<Document, ScenarioError> {
     let mut sources = Vec::new();
     let root = read_file(path, &mut sources, &mut Vec::new(), None)?;
@@ -30,7 +30,7 @@ pub(crate) fn read(path: &Path, overrides: &[String], seed: Option<u64>) -> Resu
 }
 
 impl Document {
-    /// Lays a text that is no file over the settings; messages call it `name`.
+    /// Overrides settings by those of a text; `name` is its name in messages.
     pub(super) fn lay_text(&mut self, name: &str, text: &str) -> Result<(), ScenarioError> {
         let source = Source { name: name.to_owned(), text: Arc::from(text), folder: PathBuf::new() };
         self.sources.push(source);
@@ -43,7 +43,7 @@ fn folder_of(path: &Path) -> PathBuf {
     path.parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
-/// The file that names another one, and where.
+/// The place where a file names another file.
 type Mention<'a> = (&'a Source, std::ops::Range<usize>);
 
 fn read_file(
@@ -62,7 +62,7 @@ fn read_file(
     if let Some(first) = chain.iter().position(|(seen, _)| *seen == identity) {
         let mut ring: Vec<_> = chain[first..].iter().map(|(_, name)| name.as_str()).collect();
         ring.push(&name);
-        return Err(placed(ScenarioError::new(format!("`extends` runs in a circle: {}", ring.join(" -> ")))));
+        return Err(placed(ScenarioError::new(format!("`extends` forms a circle: {}", ring.join(" -> ")))));
     }
     let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
     let text = String::from_utf8(bytes)
@@ -84,7 +84,7 @@ fn read_file(
             "here",
         ));
     };
-    // The base comes first in the order of sources, because later ones override.
+    // The base comes first in the list of sources, because later sources override earlier ones.
     sources.truncate(index);
     let mention = Some((&source, base.origin.value.clone()));
     let mut root = read_file(&source.folder.join(file), sources, chain, mention)?;

@@ -1,4 +1,4 @@
-//! Which maps to make of a log that came without a running scenario.
+//! The maps that `sextant map` computes from a log.
 
 use std::path::Path;
 
@@ -16,24 +16,24 @@ use super::error::{ScenarioError, ScenarioErrors};
 use super::keys::keys_of;
 use super::known_channel::KnownChannel;
 
-/// What `sextant map` computes if nothing says otherwise.
+/// The default map of `sextant map`.
 const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
                        profile.fitted = {} }\n";
 
-/// The same for another algorithm.
+/// The default map by the self-calibrated algorithm.
 const SELF_CALIBRATED: &str = "[[maps]]\nalgorithm.self_calibrated = {}\n";
 
-/// An algorithm with settings that fit any log.
+/// An algorithm whose default settings suit any log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum AlgorithmName {
-    /// Maximum likelihood on a grid, under a reception profile that is fitted first.
+    /// Maximum likelihood on a grid, with a reception profile that is fitted first.
     MlTm,
-    /// Positions, reception curve, stops and obstacles estimated together.
+    /// Joint estimate of positions, reception curve, stops and obstacles.
     SelfCalibrated,
 }
 
 impl AlgorithmName {
-    /// One map by the algorithm, as in a scenario.
+    /// One map by the algorithm, as written in a scenario.
     fn text(self) -> &'static str {
         match self {
             Self::MlTm => DEFAULT,
@@ -42,18 +42,18 @@ impl AlgorithmName {
     }
 }
 
-/// Which maps to make of a log, and how to compare them with the truth.
+/// The maps to compute from a log, and how to compare them with the truth.
 #[derive(Clone, Debug)]
 pub struct MapSettings {
     /// The maps to compute.
     pub maps: Vec<NamedMap>,
-    /// What stands in the way, if the scenario tells and a map may know it.
+    /// The obstacles, if the scenario has them and a map may know them.
     pub obstacles: Option<ObstacleField>,
     /// How they are compared with the truth.
     pub metrics: MetricsConfig,
 }
 
-/// The part of a scenario that concerns maps, and what they may take from the other parts.
+/// The parts of a scenario that maps need.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MapSettingsConfig {
@@ -73,7 +73,7 @@ struct MapSettingsConfig {
     metrics: MetricsConfig,
 }
 
-/// The part of a world that a map may know: not the nodes.
+/// The part of a world that a map may know, which excludes the nodes.
 #[derive(Debug, Default, Deserialize)]
 struct KnownWorldConfig {
     #[serde(default)]
@@ -81,14 +81,15 @@ struct KnownWorldConfig {
 }
 
 impl MapSettings {
-    /// The maps of the scenario `text` (called `name` in messages), or one by `algorithm` if that is given, or one `ml-tm`
-    /// map with a fitted profile if there is no scenario or it has no maps. `profile` replaces the profile of every map
-    /// that has one: the name of a profile, alone
-    /// (`fitted`) or with a colon and its keys (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); keys without a name are those
-    /// of a trapezoid. `set` are flags as of `run`.
+    /// The maps of `scenario`, which is a name for messages and a text. If `algorithm` is given, it is one map by that
+    /// algorithm instead. Without a scenario, or if the scenario has no maps, it is one `ml-tm` map with a fitted profile.
+    ///
+    /// `profile` replaces the profile of every map that has one. It is the name of a profile (`fitted`), or a name, a
+    /// colon and settings (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); settings without a name are those of a trapezoid.
+    /// `set` are flags `--set`.
     ///
     /// # Errors
-    /// If anything is wrong: everything that was found.
+    /// All errors found.
     pub fn new(
         scenario: Option<(&str, &str)>,
         algorithm: Option<AlgorithmName>,
@@ -123,8 +124,8 @@ impl MapSettings {
     }
 }
 
-/// The settings before any flag: those of the scenario that concern maps, with the defaults of `algorithm` in place of
-/// its maps if that is given or there are none.
+/// The settings before any flag: those of the scenario that maps need. If `algorithm` is given or the scenario has no
+/// maps, its maps are replaced by the default map.
 fn document(scenario: Option<(&str, &str)>, algorithm: Option<AlgorithmName>) -> Result<Document, ScenarioError> {
     let defaults = ("the defaults", algorithm.unwrap_or(AlgorithmName::MlTm).text());
     let mut document = Document::default();
@@ -141,7 +142,7 @@ fn document(scenario: Option<(&str, &str)>, algorithm: Option<AlgorithmName>) ->
     Ok(document)
 }
 
-/// Lays `profile` over the reception profile of every map that has one.
+/// Replaces the reception profile of every map that has one by `profile`.
 fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), ScenarioError> {
     let (name, settings) = profile.split_once(':').unwrap_or(if profile.contains(['=', ' ']) {
         ("trapezoid", profile)
@@ -153,7 +154,7 @@ fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), Scenar
         .filter_map(|(i, map)| Some(format!("maps[{i}].algorithm.{}", map.algorithm.profile_mut()?.0)))
         .collect();
     if keys.is_empty() {
-        return Err(ScenarioError::new(format!("--profile {profile}: none of the maps has a reception profile")));
+        return Err(ScenarioError::new(format!("--profile {profile}: no map has a reception profile")));
     }
     let flag = |key| format!("{key}.{name}={{ {settings} }}");
     keys.iter().try_for_each(|key| document.lay_flag("--profile", &flag(key), Path::new("")))
@@ -167,7 +168,7 @@ mod tests {
     const PROFILE: &str = "p0=0.9,plateau_m=2,range_m=10";
 
     #[test]
-    fn a_profile_makes_a_map_of_a_log_without_a_scenario() {
+    fn a_log_without_a_scenario_is_mapped_with_the_given_profile() {
         let settings = MapSettings::new(None, None, Some(PROFILE), &[]).unwrap();
         assert_eq!(settings.maps.len(), 1);
         assert_eq!(settings.maps[0].name, "ml-tm");
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn the_maps_of_a_scenario_are_kept_and_its_other_parts_ignored() {
+    fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
         let kept = MapSettings::new(Some(("x", text)), None, None, &[]).unwrap();
@@ -190,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn an_algorithm_replaces_the_maps_of_a_scenario_and_takes_no_profile_if_it_has_none() {
+    fn an_algorithm_replaces_the_maps_of_a_scenario_and_a_profile_is_rejected_if_it_has_none() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
         let algorithm = Some(AlgorithmName::SelfCalibrated);
@@ -201,7 +202,7 @@ mod tests {
             let finer = MapSettings::new(scenario, algorithm, None, &set).unwrap();
             assert_ne!(finer.maps[0].mapper, settings.maps[0].mapper);
             let refused = MapSettings::new(scenario, algorithm, Some(PROFILE), &[]).unwrap_err().to_string();
-            assert!(refused.contains("none of the maps has a reception profile"), "{refused}");
+            assert!(refused.contains("no map has a reception profile"), "{refused}");
         }
         let refused = ["maps.0.algorithm.self_calibrated.grid_step_m=0".to_owned()];
         let refused = MapSettings::new(None, algorithm, None, &refused).unwrap_err().to_string();
@@ -212,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_profile_takes_what_it_leaves_open_from_the_scenario() {
+    fn absent_settings_of_a_channel_profile_come_from_the_scenario() {
         let map = |channel: &str, profile: &str| {
             let text = format!(
                 "radio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n{channel}\n\
@@ -232,17 +233,17 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_profile_is_refused_at_the_flag() {
+    fn an_invalid_profile_is_rejected() {
         let refused = |profile: Option<&str>| MapSettings::new(None, None, profile, &[]).unwrap_err().to_string();
         assert!(refused(Some("channel:sigma_db=8")).contains("`"), "{}", refused(Some("channel:sigma_db=8")));
         assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
         assert!(refused(Some("p=2")).contains("unknown key `p`"));
-        assert!(refused(Some("p0 2")).contains("is no TOML value"));
+        assert!(refused(Some("p0 2")).contains("is not a TOML value"));
         assert!(refused(Some("square:p0=1")).contains("unknown choice `square`"));
     }
 
     #[test]
-    fn settings_of_maps_are_settings_of_scenarios() {
+    fn keys_of_map_settings_are_keys_of_scenarios() {
         let scenario = keys_of::<ScenarioConfig>();
         assert!(keys_of::<MapSettingsConfig>().iter().all(|key| scenario.contains(key)));
         let world = keys_of::<WorldConfig>();

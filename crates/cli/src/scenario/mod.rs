@@ -1,4 +1,4 @@
-//! Scenario files: reading, layering, checking; every refusal points at the key in the text.
+//! Scenario files: read, merged and checked. Each error points at the key in the file.
 
 mod build;
 mod config;

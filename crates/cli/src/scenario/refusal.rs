@@ -1,4 +1,4 @@
-//! What is wrong with a setting of a document, told at its place.
+//! Errors of settings, with their place in the source text.
 
 use sextant_kernel::SettingError;
 
@@ -7,7 +7,7 @@ use super::error::ScenarioError;
 use super::key_path::{KeyPath, Step};
 use super::source::Origin;
 
-/// Why a setting is refused.
+/// Why a setting is rejected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
     UnknownField { field: String, expected: &'static [&'static str] },
@@ -18,7 +18,7 @@ pub(crate) enum Refusal {
 }
 
 impl Refusal {
-    /// The key or choice that is unknown; empty for other refusals.
+    /// The unknown key or choice; empty for other errors.
     fn name(&self) -> &str {
         match self {
             Self::UnknownField { field: name, .. } | Self::UnknownVariant { variant: name, .. } => name,
@@ -28,7 +28,7 @@ impl Refusal {
 }
 
 impl Document {
-    /// A value outside its domain, found at `error.key` from the top.
+    /// The error that the value at `error.key` is not allowed.
     pub(super) fn outside(&self, error: &SettingError) -> ScenarioError {
         let this = ScenarioError::new(error.to_string());
         match KeyPath::parse(&error.key) {
@@ -41,7 +41,7 @@ impl Document {
         }
     }
 
-    /// A setting at `path` that is refused.
+    /// The error that the setting at `path` is rejected.
     pub(super) fn refused(&self, path: &KeyPath, refusal: &Refusal) -> ScenarioError {
         let (entry, exact) = self.nearest(path);
         // The path to an unknown key may end at the key or at its table.
@@ -85,7 +85,7 @@ impl Document {
         }
     }
 
-    /// Lets `error` point at the value of `entry`, or at its key where the value is a table or not the very one meant.
+    /// Makes `error` point at the value of `entry`, or at its key if the value is a table or `exact` is false.
     fn pointing(&self, error: ScenarioError, entry: &Entry, exact: bool, label: impl Into<String>) -> ScenarioError {
         let origin = &entry.origin;
         let whole = matches!(entry.value, Value::Table(_)) || !exact;
@@ -98,12 +98,12 @@ impl Document {
     }
 }
 
-/// What stands below a value outside its domain; what is allowed again only if it is short.
+/// The label below a rejected value. It repeats what is allowed only if that is short.
 fn value_label(allowed: &str) -> String {
     if allowed.chars().count() <= 50 { format!("allowed: {allowed}") } else { "this value".to_owned() }
 }
 
-/// "did you mean ..?" if one of `expected` is close to `found`, else `otherwise`.
+/// "did you mean ..?" if one of `expected` is similar to `found`, otherwise `otherwise`.
 fn suggestion(found: &str, expected: &[&str], otherwise: &str) -> String {
     let closest = expected
         .iter()

@@ -1,4 +1,4 @@
-//! Which scenarios share their surveys.
+//! Which scenarios have the same surveys.
 
 use serde::Serialize;
 use sextant_apps::ControllerConfig;
@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 
 use super::config::ScenarioConfig;
 
-/// What two scenarios have in common if their surveys are the same for each seed: a hash of all settings that a survey
-/// depends on, except the seed. Files count by their names.
+/// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
+/// each seed. Files are hashed by name, not by content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurveyIdentity([u8; 32]);
 
@@ -34,7 +34,7 @@ impl SurveyIdentity {
     /// Never for a scenario that was read from text.
     #[must_use]
     pub fn of(config: &ScenarioConfig) -> Self {
-        // Without `..`: whoever adds a table of settings decides here whether a survey depends on it.
+        // Without `..`, so that a new table of settings must be listed here.
         let ScenarioConfig {
             world,
             radio,
@@ -68,7 +68,7 @@ mod tests {
     use super::super::Scenario;
     use super::*;
 
-    /// Tables that concern what is made of a survey, and what is the same in each run.
+    /// Tables that a survey does not depend on.
     const OTHERS: [&str; 8] = ["name", "seed", "anchors", "discovery", "maps", "metrics", "recording", "sweep"];
 
     fn shipped(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -78,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Pointers to all values in `value` that are no tables or arrays.
+    /// Pointers to all values in `value`, except tables and arrays.
     fn leaves(value: &Value, pointer: &str, found: &mut Vec<String>) {
         match value {
             Value::Object(table) => {
@@ -116,7 +116,7 @@ mod tests {
                 let mut tree = tree.clone();
                 let leaf = tree.pointer_mut(&pointer).unwrap();
                 *leaf = another(leaf);
-                // The name of a variant has no other value that the key takes.
+                // The name of a variant cannot be changed to another valid value.
                 let Ok(changed) = serde_json::from_value::<ScenarioConfig>(tree) else { continue };
                 let is_other = OTHERS.iter().any(|table| pointer.split('/').nth(1) == Some(table));
                 *(if is_other { &mut other_keys } else { &mut survey_keys }) += 1;

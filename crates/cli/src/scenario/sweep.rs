@@ -1,4 +1,4 @@
-//! The sweep of a scenario: which settings take which values, as `[sweep]` says.
+//! The table `[sweep]` of a scenario: the settings that vary, and their values.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -14,25 +14,25 @@ use super::key_path::{KeyPath, Step};
 use super::layers;
 use super::refusal::Refusal;
 
-/// Most cells that a sweep may have: beyond, it is surely a slip of the pen.
+/// Maximum number of cells of a sweep; more are surely a mistake.
 const MOST_CELLS: usize = 1_000_000;
 
-/// Runs of each cell if nothing says otherwise.
+/// Default number of runs of each cell.
 const DEFAULT_RUNS: NonZeroU32 = NonZeroU32::new(10).expect("ten is above zero");
 
-/// Which settings `sextant sweep` varies, as written in a scenario. Each key is the path of a setting as of `--set`,
-/// `channel.environment` or `robots.0.speed_m_per_s`. The cells are all combinations of a cell of `product`, one of
-/// `zip` and one of `list`.
+/// The settings that `sextant sweep` varies, as written in a scenario. Each key is the path of a setting, as in `--set`:
+/// `channel.environment` or `robots.0.speed_m_per_s`. The cells of the sweep are all combinations of a cell of
+/// `product`, a cell of `zip` and a cell of `list`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SweepConfig {
-    /// Runs of each cell, with the seeds `seed`, `seed` + 1, ..: the same ones in each cell. 10 if absent.
+    /// Runs of each cell, with the seeds `seed`, `seed` + 1, .. (the same in each cell); 10 if absent.
     pub runs: Option<NonZeroU32>,
-    /// Values of settings, all combinations of which are cells.
+    /// Settings with arrays of values: each combination of values is a cell.
     pub product: BTreeMap<String, serde_json::Value>,
-    /// Values of settings that change together: the first values are a cell, the second ones the next.
+    /// Settings with arrays of values that change together: the first values form a cell, the second values the next.
     pub zip: BTreeMap<String, serde_json::Value>,
-    /// Cells one by one: a table of settings each.
+    /// A list of cells, each a table of settings.
     pub list: Vec<BTreeMap<String, serde_json::Value>>,
 }
 
@@ -53,27 +53,27 @@ impl Setting {
     }
 }
 
-/// The cells of a sweep, each with the settings that make it differ.
+/// The cells of a sweep, each with the settings that differ from the scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sweep {
-    /// Runs of each cell, unless the command line says otherwise.
+    /// Runs of each cell, unless the command line overrides it.
     pub runs: NonZeroU32,
-    /// The cells; a scenario without axes has one, without settings.
+    /// The cells. A scenario without `[sweep]` has one cell without settings.
     pub cells: Vec<Vec<Setting>>,
 }
 
 impl Sweep {
-    /// Reads the `[sweep]` of the scenario at `path` under the flags `set`. The keys of `product` and `zip` count in the
-    /// order in which they are written, the last one fastest.
+    /// Reads the `[sweep]` of the scenario at `path` with the flags `set`. The keys of `product` keep the order of the
+    /// file, and the last key varies fastest.
     ///
     /// # Errors
-    /// If the file cannot be read, or `[sweep]` is not what [`SweepConfig`] says.
+    /// If the file cannot be read, or `[sweep]` does not have the form of [`SweepConfig`].
     pub fn read(path: &Path, set: &[String]) -> Result<Self, ScenarioErrors> {
         let document = layers::read(path, set, None)?;
         Ok(Self::of(&document)?)
     }
 
-    /// The sweep that a document asks for.
+    /// The sweep of a document.
     pub(super) fn of(document: &Document) -> Result<Self, ScenarioError> {
         let path = KeyPath(vec![Step::Key("sweep".to_owned())]);
         let mut runs = DEFAULT_RUNS;
@@ -98,7 +98,7 @@ impl Sweep {
         let count = groups.iter().try_fold(1_usize, |count, group| count.checked_mul(group.len()));
         if count.is_none_or(|count| count > MOST_CELLS) {
             let refusal = Refusal::Unfit {
-                found: "a sweep of more cells than anybody runs".to_owned(),
+                found: "a sweep of too many cells".to_owned(),
                 expected: format!("at most {MOST_CELLS} cells"),
             };
             return Err(document.refused(&path, &refusal));
@@ -109,7 +109,7 @@ impl Sweep {
         Ok(this)
     }
 
-    /// Refuses a setting that two parts of the sweep give, and the seed, which is that of the run.
+    /// Rejects settings that are given twice, and keys that a sweep cannot vary, such as the seed.
     fn check_keys(&self, document: &Document, path: &KeyPath) -> Result<(), ScenarioError> {
         let refuse = |found: String, expected: &str| {
             let refusal = Refusal::Unfit { found, expected: expected.to_owned() };
@@ -119,8 +119,8 @@ impl Sweep {
             for (i, Setting { key, .. }) in cell.iter().enumerate() {
                 if cell[..i].iter().any(|other| other.key == *key) {
                     return refuse(
-                        format!("a sweep that gives `{key}` twice"),
-                        "each setting in one of `product`, `zip` and `list`",
+                        format!("a sweep that sets `{key}` twice"),
+                        "each setting in only one of `product`, `zip` and `list`",
                     );
                 }
                 if key == "seed" || key == "extends" || key == "sweep" || key.starts_with("sweep.") {
@@ -135,7 +135,7 @@ impl Sweep {
     }
 }
 
-/// All combinations of the values of `axes`, the last axis fastest.
+/// All combinations of the values of `axes`; the last axis varies fastest.
 fn product(axes: Vec<(String, Vec<String>)>) -> Vec<Vec<Setting>> {
     axes.into_iter().fold(vec![Vec::new()], |cells, (key, values)| {
         let axis: Vec<_> = values.into_iter().map(|value| vec![Setting { key: key.clone(), value }]).collect();
@@ -143,12 +143,12 @@ fn product(axes: Vec<(String, Vec<String>)>) -> Vec<Vec<Setting>> {
     })
 }
 
-/// Each of `cells` with each of `group`, the latter fastest.
+/// Each of `cells` combined with each of `group`; the latter varies fastest.
 fn combined(cells: &[Vec<Setting>], group: &[Vec<Setting>]) -> Vec<Vec<Setting>> {
     cells.iter().flat_map(|cell| group.iter().map(|more| [cell.as_slice(), more].concat())).collect()
 }
 
-/// Reads parts of `[sweep]` and points at what is wrong.
+/// Reads the parts of `[sweep]`; errors point at the key.
 struct Reader<'a> {
     document: &'a Document,
 }
@@ -159,7 +159,7 @@ impl<'a> Reader<'a> {
         self.document.refused(path, &refusal)
     }
 
-    /// The entries of a table in the order in which they are written.
+    /// The entries of a table in the order of the file.
     fn table(&self, entry: &'a Entry, path: &KeyPath) -> Result<Vec<(&'a String, &'a Entry)>, ScenarioError> {
         let Value::Table(table) = &entry.value else {
             return Err(self.unfit(path, "not a table", "a table"));
@@ -177,12 +177,12 @@ impl<'a> Reader<'a> {
         runs.ok_or_else(|| self.unfit(path, effective::inline(&entry.value), "a whole number, 1 or above"))
     }
 
-    /// The axes in a table: paths of keys, and the values of each.
+    /// The axes in a table: paths of settings, and the values of each.
     fn axes(&self, entry: &Entry, path: &KeyPath) -> Result<Vec<(String, Vec<String>)>, ScenarioError> {
         let mut axes = Vec::new();
         self.leaves(entry, path, &KeyPath::default(), &mut |path, key, value| {
             let Value::Array(items) = value else {
-                return Err(self.unfit(path, effective::inline(value), "an array of the values to take"));
+                return Err(self.unfit(path, effective::inline(value), "an array of values"));
             };
             if items.is_empty() {
                 return Err(self.unfit(path, "an empty array", "at least one value"));
@@ -199,8 +199,8 @@ impl<'a> Reader<'a> {
             return Ok(vec![Vec::new()]);
         };
         if let Some((key, others)) = axes.iter().find(|(_, others)| others.len() != values.len()) {
-            let found = format!("{} values of `{first}` with {} of `{key}`", values.len(), others.len());
-            return Err(self.unfit(path, found, "as many values of each key"));
+            let found = format!("{} values of `{first}` and {} of `{key}`", values.len(), others.len());
+            return Err(self.unfit(path, found, "the same number of values for each key"));
         }
         let cell = |i: usize| {
             axes.iter().map(|(key, values)| Setting { key: key.clone(), value: values[i].clone() }).collect()
@@ -210,7 +210,7 @@ impl<'a> Reader<'a> {
 
     fn list(&self, entry: &Entry, path: &KeyPath) -> Result<Vec<Vec<Setting>>, ScenarioError> {
         let Value::Array(items) = &entry.value else {
-            return Err(self.unfit(path, "not an array", "an array of tables of settings, one a cell"));
+            return Err(self.unfit(path, "not an array", "an array with one table of settings per cell"));
         };
         if items.is_empty() {
             return Err(self.unfit(path, "an empty array", "at least one cell"));
@@ -227,7 +227,8 @@ impl<'a> Reader<'a> {
         Ok(cells)
     }
 
-    /// Visits what is no table in `entry`, which lies at `path`; `key` is the path of the setting meant.
+    /// Visits all values in `entry` except tables. `path` is the path of `entry`, and `key` that of the setting that it
+    /// varies.
     fn leaves(
         &self,
         entry: &Entry,
@@ -271,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cells_are_all_combinations_in_the_order_written() {
+    fn the_cells_are_all_combinations_in_the_order_of_the_file() {
         let sweep = sweep(
             "[sweep]\nruns = 3\n[sweep.product]\nz.p = [1, 2]\n\"a.b\" = [\"x\"]\n[sweep.zip]\nc = [0.5, 1.5]\n\
              d.0.e = [true, false]\n[[sweep.list]]\nf = 1\n[[sweep.list]]\nf = 2\ng = [1, 2]\n",
@@ -289,23 +290,19 @@ mod tests {
     }
 
     #[test]
-    fn a_scenario_without_axes_is_one_cell() {
+    fn a_scenario_without_a_sweep_has_one_cell() {
         assert_eq!(sweep("seed = 1").unwrap(), Sweep { runs: DEFAULT_RUNS, cells: vec![Vec::new()] });
     }
 
     #[test]
-    fn what_is_no_sweep_is_refused_at_its_key() {
+    fn an_invalid_sweep_is_rejected_at_its_key() {
         for (text, message, place) in [
             ("[sweep]\nruns = 0", "`sweep.runs` is 0; allowed: a whole number, 1 or above", "s.toml:2:8"),
-            (
-                "[sweep]\nproduct.a = 3",
-                "`sweep.product.a` is 3; allowed: an array of the values to take",
-                "s.toml:2:13",
-            ),
-            ("[sweep]\nzip = { a = [1], b = [1, 2] }", "with 2 of `b`", "s.toml:2:1"),
+            ("[sweep]\nproduct.a = 3", "`sweep.product.a` is 3; allowed: an array of values", "s.toml:2:13"),
+            ("[sweep]\nzip = { a = [1], b = [1, 2] }", "and 2 of `b`", "s.toml:2:1"),
             ("[sweep]\nprodukt = {}", "unknown key `produkt` in `sweep`", "s.toml:2:1"),
             ("[sweep]\nproduct.seed = [1]", "a sweep over `seed`", "s.toml:1:2"),
-            ("[sweep]\nproduct.a = [1]\nzip.a = [1]", "gives `a` twice", "s.toml:1:2"),
+            ("[sweep]\nproduct.a = [1]\nzip.a = [1]", "sets `a` twice", "s.toml:1:2"),
             ("[sweep]\nlist = []", "at least one cell", "s.toml:2:8"),
         ] {
             let error = sweep(text).unwrap_err();
@@ -315,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sweep_of_absurd_size_is_refused() {
+    fn a_sweep_with_too_many_cells_is_rejected() {
         let many = format!("[{}]", "1,".repeat(101));
         let error = sweep(&format!("[sweep.product]\na = {many}\nb = {many}\nc = {many}\n")).unwrap_err();
         assert!(error.to_string().contains("at most 1000000 cells"), "{error}");

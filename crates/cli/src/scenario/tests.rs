@@ -47,7 +47,7 @@ struct Robot {
     speed_m_per_s: f64,
 }
 
-/// Reads `files` (name, text), the last of which is the scenario, under the flags `set`.
+/// Reads `files` (name, text), the last of which is the scenario, with the flags `set`.
 fn document(files: &[(&str, &str)], set: &[&str]) -> Result<Document, ScenarioError> {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -89,7 +89,7 @@ fn choices_may_be_texts_or_tables() {
 }
 
 #[test]
-fn refusals_point_at_the_very_key_or_value() {
+fn errors_point_at_the_key_or_value() {
     for (text, expected) in [
         ("seed = 1\nsede = 2", "a.toml:2:1 unknown key `sede` in the scenario"),
         ("[shape.disc]\nradius = 2.0", "a.toml:2:1 unknown key `radius` in `shape.disc`"),
@@ -104,7 +104,10 @@ fn refusals_point_at_the_very_key_or_value() {
         ("robots = [1]", "a.toml:1:11 `robots[0]` is the integer 1; allowed: a table"),
         ("shape.disc = [2.0]", "a.toml:1:14 `shape.disc` is an array; allowed: a table"),
         ("shape.disc.radius_m = true", "a.toml:1:23 `shape.disc.radius_m` is the boolean true; allowed: a number"),
-        ("shape = 3", "a.toml:1:9 `shape` is the integer 3; allowed: the name of a choice, or a table with one"),
+        (
+            "shape = 3",
+            "a.toml:1:9 `shape` is the integer 3; allowed: the name of a choice, or a table with one choice",
+        ),
         ("size = [1]", "a.toml:1:8 `size`: `[x, y]` or `[x, y, z]`"),
         (
             "[[robots]]\nname = \"a\"\n[[robots]]\nname = 3",
@@ -114,7 +117,7 @@ fn refusals_point_at_the_very_key_or_value() {
         ("[robots]\nname = \"a\"", "a.toml:1:2 `robots` is a table; allowed: an array"),
         (
             "[shape.disc]\nradius_m = 1\n[shape.square]\nside_m = 1",
-            "a.toml:1:2 `shape`: `disc`, `square` exclude each other: keep one",
+            "a.toml:1:2 `shape`: only one of `disc`, `square` is allowed",
         ),
         ("seed = 99999999999999999999999", "a.toml:1:8 this integer does not fit into 64 bits"),
         ("seed = 1979-05-27", "a.toml:1:8 `seed` is the date 1979-05-27; allowed: a whole number, 0 or above"),
@@ -172,7 +175,7 @@ fn errors_name_the_layer_that_is_wrong() {
     );
     assert_eq!(
         toy(&[("base.toml", "extends = \"top.toml\""), top("extends = \"base.toml\"")], &[]).unwrap_err(),
-        "base.toml:1:11 `extends` runs in a circle: top.toml -> base.toml -> top.toml"
+        "base.toml:1:11 `extends` forms a circle: top.toml -> base.toml -> top.toml"
     );
     assert!(toy(&[top("extends = 3")], &[]).unwrap_err().starts_with("top.toml:1:11 `extends` is not a text"));
 }
@@ -194,14 +197,14 @@ fn flags_override_files() {
 }
 
 #[test]
-fn wrong_flags_are_named() {
+fn errors_of_flags_point_into_the_flag() {
     let file = ("a.toml", "seed = 1\n[[robots]]\nname = \"a\"");
     for (flag, expected) in [
         ("seed", "--set:1:1 --set seed has no `=`"),
         ("a..b=1", "--set:1:3 --set: a key is missing here"),
         ("=1", "--set:1:1 --set: a key is missing here"),
-        ("seed=", "--set:1:6 --set: `` is no TOML value"),
-        ("size=[1", "--set:1:6 --set: `[1` is no TOML value"),
+        ("seed=", "--set:1:6 --set: `` is not a TOML value"),
+        ("size=[1", "--set:1:6 --set: `[1` is not a TOML value"),
         ("seed=x", "--set:1:6 `seed` is the text \"x\"; allowed: a whole number, 0 or above"),
         ("sede=2", "--set:1:1 unknown key `sede` in the scenario"),
         ("shape.disk.radius_m=2", "--set:1:7 unknown choice `disk` for `shape`"),
@@ -216,7 +219,7 @@ fn wrong_flags_are_named() {
 }
 
 #[test]
-fn a_value_outside_its_domain_is_found_by_its_path() {
+fn an_error_of_a_value_is_placed_by_its_path() {
     let text = "[shape.disc]\nradius_m = -1\n[[robots]]\nname = \"a\"\n[[robots]]\nname = \"b\"\nspeed_m_per_s = nan";
     let document = document(&[("a.toml", text)], &[]).unwrap();
     let place = |key: &str| document.outside(&SettingError::new(key, -1, "more")).place().unwrap();
@@ -229,7 +232,7 @@ fn a_value_outside_its_domain_is_found_by_its_path() {
 }
 
 #[test]
-fn what_is_no_text_file_is_refused() {
+fn files_that_are_not_text_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |path: &Path| {
         let message = layers::read(path, &[], None).unwrap_err().to_string();
@@ -243,12 +246,12 @@ fn what_is_no_text_file_is_refused() {
 }
 
 #[test]
-fn the_effective_text_reads_as_the_layers_do() {
+fn the_merged_text_means_the_same_as_the_layers() {
     let base = ("base.toml", "size = [1, 2.5]\n[shape.square]\nside_m = 1e-6\n[[robots]]\nname = \"a \\\" b\"");
     let top = ("top.toml", "extends = \"base.toml\"\nseed = 18446744073709551615");
     let layered = document(&[base, top], &["shape={ square = { side_m = inf } }"]).unwrap();
     let expected = [
-        "# What these amount to: base.toml, top.toml, --set \"shape={ square = { side_m = inf } }\"",
+        "# Merged settings of base.toml, top.toml, --set \"shape={ square = { side_m = inf } }\"",
         "robots = [{ name = 'a \" b' }]",
         "seed = 18446744073709551615",
         "shape.square.side_m = inf",

@@ -1,20 +1,20 @@
-//! What the robots gathered and the nodes found out, and at what price.
+//! The survey and the discovery before it: packets, paths and energy.
 
 use serde::Serialize;
 use sextant_channel::{Position, ReceptionLog};
 
-/// What the robots gathered, and at what price.
+/// The survey: packets, paths and energy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct GatheringSummary {
     /// Places where robots listened.
     pub stops: usize,
-    /// Pairs of a stop and a node of which at least one packet arrived there.
+    /// Pairs of a stop and a node from which at least one packet was received there.
     pub receptions: usize,
-    /// Length of the robots' paths, along all places that are known of them: where each turned, in a run and its
-    /// recording; its stops, in a log that has no more (m).
+    /// Length of the robots' paths through all their known positions (m). A run and its recording know each turn; a log
+    /// without paths knows the stops only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path_length_m: Option<f64>,
-    /// From the start to the end of the last robot (s).
+    /// Time from the start until the last robot finished (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
     /// Packets that nodes wanted to send.
@@ -23,44 +23,44 @@ pub struct GatheringSummary {
     /// Packets that went on air.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packets_sent: Option<u64>,
-    /// Packets that a robot received, each once, however many robots and copies. Absent in the map of a log of several
-    /// robots, which does not tell which of them heard the same packet.
+    /// Packets that were received; a packet counts once, even if several robots or copies of it were received. Absent in
+    /// the map of a log of several robots, because the log does not tell whether two robots received the same packet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packets_received: Option<u64>,
-    /// Packets lost to other packets while a robot listened.
+    /// Packets lost by collision while a robot listened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_collision: Option<u64>,
-    /// Packets given up because the channel was busy.
+    /// Packets dropped because the channel was busy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_channel_access: Option<u64>,
-    /// Packets too weak while a robot listened in range.
+    /// Packets whose signal was too weak, although a robot listened in range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_signal: Option<u64>,
-    /// Packets replaced before they were sent.
+    /// Packets replaced by newer ones before they were sent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_queue: Option<u64>,
-    /// Packets sent beyond the radius of communication of all robots that listened.
+    /// Packets sent out of range of all robots that listened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out_of_range: Option<u64>,
     /// Packets sent while no robot listened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_listened: Option<u64>,
-    /// Packets still on their way at the end.
+    /// Packets still pending at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pending: Option<u64>,
-    /// Energy that all nodes' radios took.
+    /// Energy of the radios of all nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_j: Option<EnergySummary>,
-    /// What each robot did.
+    /// The robots.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub robots: Vec<RobotSummary>,
-    /// Whether the user ended the simulation early.
+    /// Whether the user interrupted the simulation.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub interrupted: bool,
 }
 
 impl GatheringSummary {
-    /// What the log alone tells, and the `paths` that are known of its robots, by name.
+    /// The summary of a log and of the known `paths` of its robots, by name.
     pub(crate) fn of_log(log: &ReceptionLog, paths: &[(String, Vec<Position>)]) -> Self {
         let mut robots = vec![RobotSummary::default(); log.robot_count()];
         for stop in log.stops() {
@@ -87,7 +87,7 @@ impl GatheringSummary {
     }
 }
 
-/// Energy that all nodes' radios took (J).
+/// Energy of the radios of all nodes (J).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EnergySummary {
     /// Transmitting (J).
@@ -98,13 +98,13 @@ pub struct EnergySummary {
     pub idle: f64,
 }
 
-/// What the nodes found out of each other before the survey.
+/// Discovery before the survey.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DiscoverySummary {
-    /// All nodes broadcast hello packets.
+    /// The round in which all nodes broadcast hello packets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub neighbours: Option<RoundSummary>,
-    /// The anchors broadcast.
+    /// The round in which the anchors broadcast.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub anchors: Option<RoundSummary>,
 }
@@ -116,32 +116,32 @@ pub struct RoundSummary {
     pub senders: usize,
     /// Packets that went on air.
     pub packets_sent: u64,
-    /// Packets given up because the channel was busy.
+    /// Packets dropped because the channel was busy.
     pub packets_unsent: u64,
-    /// Pairs of a node and another that it heard.
+    /// Pairs of a listener and a sender that it heard.
     pub links: usize,
-    /// From the start to the end of the last packet (s).
+    /// Time from the start to the end of the last packet (s).
     pub duration_s: f64,
-    /// Energy that all nodes' radios took, receivers always on.
+    /// Energy of the radios of all nodes, with receivers always on.
     pub energy_j: EnergySummary,
 }
 
-/// What one robot did.
+/// One robot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RobotSummary {
     /// Name of the robot.
     pub name: String,
     /// Places where it listened.
     pub stops: usize,
-    /// Length of its path, along all places that are known of it (m).
+    /// Length of its path through all its known positions (m).
     pub path_length_m: f64,
-    /// Why it finished: `complete`, `steps_exhausted`, `stuck`; absent if it was interrupted, or if only its log is known.
+    /// Why it finished: `complete`, `steps_exhausted` or `stuck`. Absent if it was interrupted or only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ending: Option<&'static str>,
-    /// When it had finished (s); absent if it was interrupted, or if only its log is known.
+    /// When it finished (s). Absent if it was interrupted or only its log is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
-    /// Nodes that all robots together heard less often than this one was to hear each.
+    /// Nodes from which all robots together received fewer packets than this robot was asked to receive from each node.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub unreached: Vec<String>,
 }

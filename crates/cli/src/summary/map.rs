@@ -1,88 +1,87 @@
-//! One map and how good it is.
+//! One map and its errors.
 
 use serde::Serialize;
 use sextant_mapper::KnowledgeKind;
 
-/// One map and how good it is.
+/// One map and its errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MapSummary {
-    /// Name that the scenario gives the map, if it gives one.
+    /// Name of the map, if the scenario gives it one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The algorithm, `ml-tm`.
+    /// Name of the algorithm, for example `ml-tm`.
     pub algorithm: String,
-    /// What the algorithm uses: `robot-receptions`, `anchors`, `anchor-rssi` and so on.
+    /// The knowledge that the algorithm uses: `robot-receptions`, `anchors`, `anchor-rssi` and so on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub knowledge: Vec<KnowledgeKind>,
-    /// What brought a map without a frame of its own into the world before it was measured: `none`, `anchors` or
-    /// `truth`.
+    /// What the map was aligned to before it was measured: `none`, `anchors`, `truth` or `relative`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment: Option<AlignmentSummary>,
-    /// Nodes that have a place.
+    /// Nodes with a position.
     pub mapped: usize,
-    /// Nodes that have none, because they were never heard.
+    /// Nodes without a position, because they were never heard.
     pub unmapped: usize,
-    /// Mapped nodes whose place is one of several equally likely ones.
+    /// Mapped nodes for which several positions are equally likely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ambiguous: Option<usize>,
-    /// Mapped nodes for which no place explains all that was heard.
+    /// Mapped nodes for which no position agrees with all receptions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub infeasible: Option<usize>,
-    /// Mapped nodes that share their place with another.
+    /// Mapped nodes with the same position as another node.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coincident: Option<usize>,
-    /// Distance between mapped and true places, of the nodes whose place the map had to find: anchors do not count if it
-    /// uses them (m).
+    /// Distance between mapped and true positions (m), over the nodes whose position the map had to estimate: anchors do
+    /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_m: Option<ErrorSummary>,
-    /// Mean distance between a node and the mean of its posterior under the true channel and obstacles of the
-    /// simulation, which no map of this log can beat by much: the error is to be compared with it (m).
+    /// Mean distance between a node and the mean of its posterior under the true channel and obstacles (m). No map of
+    /// this log can be much better; compare the position error with it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior_bound_m: Option<f64>,
-    /// Share of the mapped nodes that are within their 95 % region, if the map has such regions, 0 to 1.
+    /// Share of the mapped nodes whose true position is in their 95 % region, 0 to 1, if the map has such regions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_95: Option<f64>,
     /// The reception profile, if it was estimated from the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fitted_profile: Option<FittedProfileSummary>,
-    /// What was estimated beside the map, if it is self-calibrated.
+    /// What was estimated with the map, if it is self-calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationSummary>,
-    /// Nodes that might as well be farther away than they were sought, so that their places say little.
+    /// Nodes at the boundary of the searched area. They may be farther away, so their positions are unreliable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub at_bound: Vec<String>,
-    /// At which heights nodes were sought, by an algorithm that has to search them.
+    /// The heights at which an algorithm searched for nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<HeightsSummary>,
-    /// The same after the best rotation, reflection, scale and shift (m).
+    /// Position error after the best rotation, reflection, scale and shift (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_m: Option<ErrorSummary>,
-    /// The same without a reflection (m).
+    /// Position error after the best rotation, scale and shift, without a reflection (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub aligned_error_without_reflection_m: Option<ErrorSummary>,
     /// One-hop connectivity error: the first of `connectivity_errors`, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub connectivity_error: Option<f64>,
-    /// Connectivity error at each neighbourhood asked for, and its variants.
+    /// Connectivity error and its variants, for each neighbourhood of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub connectivity_errors: Vec<ConnectivitySummary>,
-    /// Share of the neighbours in the map that are not neighbours in the world, 0 to 1.
+    /// Share of the neighbours on the map that are not neighbours in the world, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
-    /// Share of the pairs of nodes along lines of the network that stand on the map in another order, 0 to 1.
+    /// Share of the pairs of nodes along lines of the network whose order differs on the map, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topology_preservation_error: Option<f64>,
-    /// Energy that the nodes spend by the thesis' count of messages (eq. 3.17 to 3.19) (J); what their radios took in the
-    /// simulation is in `gathering` and `discovery`.
+    /// Energy of the nodes by the message count of the thesis (J; eq. 3.17 to 3.19). The energy of the simulated radios
+    /// is in `gathering` and `discovery`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message_energy_j: Option<f64>,
-    /// Share of receptions whose sector is 0, 1, .. sectors off.
+    /// Share of receptions whose sector is wrong by 0, 1, .. sectors.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sector_displacement: Vec<f64>,
     /// Distance between vertices of the grid (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
-    /// Vertices at which a likelihood was computed, of all nodes.
+    /// Number of likelihoods computed, over all nodes and vertices.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertices_evaluated: Option<u64>,
 }
@@ -94,127 +93,128 @@ pub struct FittedProfileSummary {
     pub rounds: u32,
     /// Whether it converged.
     pub converged: bool,
-    /// Distance from which on receptions are outliers (m).
+    /// Distance beyond which receptions are outliers (m).
     pub range_m: f64,
     /// Probability of a reception at 0, 1/8, 2/8, .. of the range.
     pub probability: Vec<f64>,
-    /// Stops that were left out because the receiver was dead.
+    /// Stops that were ignored because the receiver did not work.
     pub dead_stops: Vec<u32>,
-    /// Receptions that were left out because they came from far beyond the range.
+    /// Receptions that were ignored because they came from far beyond the range.
     pub outliers: usize,
 }
 
-/// At which heights nodes were sought, and why.
+/// The heights at which nodes were searched for, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeightsSummary {
     /// The lowest height (m).
     pub low_m: f64,
-    /// The highest height (m); the lowest one again for a map in a plane.
+    /// The highest height (m); equal to the lowest one for a map in a plane.
     pub high_m: f64,
-    /// What says so.
+    /// Where the heights come from.
     pub from: HeightsSource,
-    /// How much the heights of the stops differ, if that is too little to tell heights of nodes (m).
+    /// Difference between the highest and the lowest stop (m), if it is too small to estimate heights of nodes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uneven_m: Option<f64>,
 }
 
-/// What says at which heights nodes are sought.
+/// Where the heights come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeightsSource {
     /// The settings of the map.
     Settings,
-    /// The stops, which are in one plane, or nearly.
+    /// The stops, which are in one plane or nearly so.
     Stops,
-    /// The stops, which have several heights, and how far packets reach.
+    /// The stops, which have different heights, and the range of the packets.
     Reach,
 }
 
-/// What was estimated beside a self-calibrated map, and from which knowledge.
+/// What was estimated with a self-calibrated map, and from which knowledge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct CalibrationSummary {
     /// Rounds of the estimation.
     pub rounds: u32,
-    /// Whether it converged; it did not if a node or the curve is at its bound.
+    /// Whether it converged. It did not if a node or the curve is at its bound.
     pub converged: bool,
-    /// Distance beyond which less than one packet in a hundred arrives (m); absent if the log is too poor to tell a curve.
+    /// Distance beyond which less than one packet in a hundred is received (m). Absent if the log has too few receptions
+    /// for a curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_m: Option<f64>,
-    /// Whether packets arrive even over the longest distance that the curve has, so that its range says little; absent if
-    /// not.
+    /// Whether packets are received even at the longest distance of the curve, so that its range is unreliable. Absent
+    /// if not.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub curve_at_bound: bool,
-    /// Probability of a reception over a clear link at a stop of average efficiency at 0, 1/8, 2/8, .. of the range.
+    /// Probability of a reception at 0, 1/8, 2/8, .. of the range, over a clear link at a stop of average efficiency.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probability: Vec<f64>,
-    /// Least, lower quartile, median, upper quartile and highest efficiency of the stops.
+    /// Minimum, lower quartile, median, upper quartile and maximum of the efficiency of the stops.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub efficiency: Vec<f64>,
-    /// Knowledge of obstacles that was used: `none`, `from_receptions`, or `from_log` (receptions, where the robot
-    /// drove, and what it met).
+    /// Knowledge used to estimate obstacles: `none`, `from_receptions`, or `from_log` (receptions, the paths of the
+    /// robots, and their contacts with obstacles).
     pub obstacle_knowledge: &'static str,
-    /// Area that absorbs (m²); absent if no obstacles were sought, or none explains what was heard.
+    /// Area that absorbs (m²). Absent if obstacles were not estimated, or none were found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorbing_m2: Option<f64>,
 }
 
-/// How large an error is (m).
+/// Statistics of an error (m).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorSummary {
     /// Mean (m).
     pub mean: f64,
     /// Median (m).
     pub median: f64,
-    /// Nine in ten are at most this (m).
+    /// 90th percentile (m).
     pub p90: f64,
-    /// Nineteen in twenty are at most this (m).
+    /// 95th percentile (m).
     pub p95: f64,
-    /// The largest (m).
+    /// Maximum (m).
     pub max: f64,
 }
 
-/// Connectivity errors of a node at which its distribution is told.
+/// Connectivity errors of a node at which their distribution is given.
 pub const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];
 
-/// How well a map keeps who is whose neighbour.
+/// How well a map preserves the neighbours of each node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ConnectivitySummary {
     /// Radius of the neighbourhood (m).
     pub neighbourhood_m: f64,
-    /// Neighbours outside the tolerance after the best affine map, over all neighbours: 0 to 1.
+    /// Share of the neighbours that are outside the tolerance after the best affine map, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub connectivity_error: Option<f64>,
     /// The same with an ellipse from the end points of the lines that cross the network.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub connectivity_error_end_points: Option<f64>,
-    /// The same with an ellipse for each node (the thesis' formula to the letter, as far as it can be computed).
+    /// The same with an ellipse for each node: the literal formula of the thesis, where it can be computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub connectivity_error_per_node: Option<f64>,
-    /// Share of the neighbours in the map that are not neighbours in the world.
+    /// Share of the neighbours on the map that are not neighbours in the world.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub false_neighbour_rate: Option<f64>,
-    /// Share of the nodes that have lost at most a fifth of their neighbours, under the best affine map.
+    /// Share of the nodes that lose at most a fifth of their neighbours, under the best affine map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nodes_within_0_2: Option<f64>,
-    /// Neighbourships in the map or in the world but not in both, over those in either.
+    /// Pairs of nodes that are neighbours on the map or in the world but not in both, divided by those in either.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub symmetric_loss: Option<f64>,
-    /// Distribution of the connectivity error of a node: pairs of an error and the share of the nodes with neighbours
-    /// whose error is at most that.
+    /// Distribution of the connectivity error of the nodes: pairs of an error and the share of the nodes whose error is
+    /// at most that. Nodes without neighbours do not count.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub node_error_cdf: Option<[[f64; 2]; NODE_ERRORS.len()]>,
 }
 
-/// What a map was brought into the world by.
+/// What a map was aligned to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AlignmentSummary {
-    /// Nothing: the algorithm works in the frame of robot or anchors.
+    /// Nothing: the algorithm works in the coordinates of the robot or of the anchors.
     None,
-    /// The similarity that fits the anchors best.
+    /// The anchors, by the similarity that fits them best.
     Anchors,
-    /// The similarity that fits the true places of all nodes best: nobody has these outside a simulation.
+    /// The true positions of all nodes, by the similarity that fits them best. They are known in simulations only.
     Truth,
-    /// Nothing could: the map is in a frame of its own.
+    /// Nothing, because the truth is unknown: the map has its own coordinates.
     Relative,
 }

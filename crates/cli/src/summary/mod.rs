@@ -1,7 +1,7 @@
-//! The results of a command as one JSON object: the contract that scripts rely on.
+//! The results of a command as one JSON object, for scripts.
 //!
-//! Numbers are SI. A key that does not apply is absent. Keys may be added; these do not change. All but
-//! [`Summary::timing`] is a function of scenario and seed alone.
+//! Numbers are in SI units. A key that does not apply is absent. New keys may be added; existing keys do not change.
+//! Everything except [`Summary::timing`] depends on scenario and seed alone.
 
 mod gathering;
 mod map;

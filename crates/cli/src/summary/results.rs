@@ -1,4 +1,4 @@
-//! The whole of the results.
+//! All results of a command.
 
 use std::path::Path;
 
@@ -13,39 +13,39 @@ use crate::output::write_file;
 /// All results of a run or of a mapping.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// What was run.
+    /// The scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<ScenarioSummary>,
     /// The simulation as a whole.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub simulation: Option<SimulationSummary>,
-    /// What the robots gathered, and at what price.
+    /// The survey: packets, paths and energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gathering: Option<GatheringSummary>,
-    /// What the nodes found out of each other before the survey, if a map needed it, and at what price.
+    /// Discovery before the survey, if a map needed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discovery: Option<DiscoverySummary>,
-    /// Whether the user ended the work before it was done, so that some or all maps are missing; absent if not.
+    /// Whether the user interrupted the work, so that maps are missing. Absent if not.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub interrupted: bool,
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,
-    /// What it cost on this machine: the only part that differs from run to run.
+    /// Time and memory on this machine: the only part that differs from run to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
 }
 
-/// What was run.
+/// The scenario of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ScenarioSummary {
     /// Name of the scenario.
     pub name: String,
     /// Name of its file, without the folder.
     pub file: String,
-    /// SHA-256 of the scenario as one text, in hexadecimal digits: of the file as read, or, if it extends another or flags
-    /// override it, of what they amount to. A recording holds this text as its attachment `scenario.toml`. The seed of
-    /// `--seed` and the files that the scenario names are not part of it.
+    /// SHA-256 of the text of the scenario, in hexadecimal digits. This is the text of the file or, if the file extends
+    /// another one or flags override it, the text of the merged settings. A recording contains it as the attachment
+    /// `scenario.toml`. The value of `--seed` and the files that the scenario names are not part of it.
     pub sha256: String,
     /// Seed of all randomness.
     pub seed: u64,
@@ -58,7 +58,7 @@ pub struct ScenarioSummary {
 pub struct SimulationSummary {
     /// Simulated time (s).
     pub sim_time_s: f64,
-    /// Events that happened.
+    /// Number of events.
     pub events: u64,
     /// Nodes in the network.
     pub nodes: usize,
@@ -67,7 +67,7 @@ pub struct SimulationSummary {
 }
 
 impl Summary {
-    /// The object as indented JSON with a line break at the end.
+    /// The object as indented JSON that ends with a line break.
     ///
     /// # Errors
     /// Never for a summary that this program makes.
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_apply_is_absent() {
+    fn keys_that_do_not_apply_are_absent() {
         assert_eq!(Summary::default().to_json().unwrap(), "{}\n");
         let map = MapSummary { algorithm: "ml-tm".into(), mapped: 3, ..MapSummary::default() };
         let json = Summary { maps: vec![map], ..Summary::default() }.to_json().unwrap();

@@ -1,4 +1,4 @@
-//! The results of a command as a table for people.
+//! The results of a command as a printed table.
 
 use std::io::{self, Write};
 
@@ -149,7 +149,7 @@ fn discovery_lines(discovery: &DiscoverySummary, out: &mut impl Write) -> io::Re
     writeln!(out)
 }
 
-/// What a map knows, in words; the truth as well if it was aligned to it.
+/// The knowledge that a map uses, in words, and whether it was aligned to the truth.
 fn knowledge(map: &MapSummary) -> String {
     let mut words: Vec<_> = map.knowledge.iter().map(|kind| kind.name()).collect();
     if map.alignment == Some(AlignmentSummary::Truth) {
@@ -166,10 +166,10 @@ fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> 
         let end = if profile.converged { "converged" } else { "did not converge" };
         write!(out, "{name}: fitted profile of range {:.2} m {end} in {rounds}", profile.range_m)?;
         if !profile.dead_stops.is_empty() {
-            write!(out, ", without {} of a dead receiver", counted(profile.dead_stops.len(), "stop"))?;
+            write!(out, ", {} ignored (receiver did not work)", counted(profile.dead_stops.len(), "stop"))?;
         }
         if profile.outliers > 0 {
-            write!(out, ", without {} from far beyond", counted(profile.outliers, "reception"))?;
+            write!(out, ", {} ignored (far beyond the range)", counted(profile.outliers, "reception"))?;
         }
         writeln!(out)?;
     }
@@ -190,22 +190,22 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             "from_log" => "receptions, drives and contacts",
             "from_receptions" => "receptions",
             _ => {
-                writeln!(out, "; obstacles not sought")?;
+                writeln!(out, "; obstacles not estimated")?;
                 continue;
             }
         };
         match calibration.absorbing_m2 {
-            Some(area_m2) => writeln!(out, "; {area_m2:.0} m² absorb by {knowledge}")?,
-            None => writeln!(out, "; no obstacles by {knowledge}")?,
+            Some(area_m2) => writeln!(out, "; {area_m2:.0} m² of obstacles found from {knowledge}")?,
+            None => writeln!(out, "; no obstacles found from {knowledge}")?,
         }
     }
     Ok(())
 }
 
-/// Nodes that are named where some are at their bound.
+/// At most this many of the nodes at their bound are named.
 const NAMED: usize = 10;
 
-/// What is at the bound of where it was sought.
+/// Warnings of nodes and curves at the bound of their search.
 fn bounds(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
         let name = map.name.as_ref().unwrap_or(&map.algorithm);
@@ -216,21 +216,23 @@ fn bounds(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
             writeln!(
                 out,
-                "{name}: warning: {nodes} {is} at the bound of the search, their places say little: {named}{more}"
+                "{name}: warning: {nodes} {is} at the boundary of the searched area, so the position is unreliable: \
+                 {named}{more}"
             )?;
         }
         if let Some(calibration) = map.calibration.as_ref().filter(|calibration| calibration.curve_at_bound) {
             let range_m = calibration.range_m.unwrap_or_default();
             writeln!(
                 out,
-                "{name}: warning: packets arrive over all distances that the log tells of: the curve has no end at {range_m:.2} m"
+                "{name}: warning: packets are received at all distances in the log, so the range of the curve \
+                 ({range_m:.2} m) is unreliable"
             )?;
         }
     }
     Ok(())
 }
 
-/// At which heights nodes were sought, where the stops do not all share one height and no setting says so.
+/// The heights at which nodes were searched for, if the stops have different heights and no setting gives the heights.
 fn heights(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
         let Some(HeightsSummary { low_m, high_m, from, uneven_m }) = map.heights else { continue };
@@ -238,12 +240,12 @@ fn heights(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
         match (from, uneven_m) {
             (HeightsSource::Reach, _) => writeln!(
                 out,
-                "{name}: heights sought from {low_m:.2} to {high_m:.2} m, as far from the stops as packets reach \
-                 (z_range_m sets others)"
+                "{name}: nodes searched at heights from {low_m:.2} to {high_m:.2} m, the range of packets from the stops \
+                 (z_range_m sets other heights)"
             )?,
             (_, Some(uneven_m)) => writeln!(
                 out,
-                "{name}: nodes sought in the plane at {low_m:.2} m, because the heights of the stops differ by only \
+                "{name}: nodes searched in the plane at {low_m:.2} m, because the heights of the stops differ by only \
                  {uneven_m:.2} m (z_range_m sets other heights)"
             )?,
             _ => {}
@@ -273,7 +275,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_person_can_read_the_table() {
+    fn the_table_is_aligned_in_columns() {
         let error = ErrorSummary { mean: 0.71, median: 0.6, p90: 1.4, p95: 1.75, max: 12.25 };
         let summary = Summary {
             scenario: Some(ScenarioSummary { name: "circular".into(), seed: 1, ..ScenarioSummary::default() }),

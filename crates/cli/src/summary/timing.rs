@@ -1,24 +1,24 @@
-//! What the work cost on this machine.
+//! Time and memory on this machine.
 
 use std::time::Instant;
 
 use serde::Serialize;
 
-/// What it cost on this machine.
+/// Time and memory on this machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Timing {
-    /// From start to end (s).
+    /// Total time (s).
     pub wall_s: f64,
-    /// Simulating and recording (s).
+    /// Time of simulation and recording (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gather_s: Option<f64>,
-    /// Mapping and measuring (s).
+    /// Time of mapping and measuring (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_s: Option<f64>,
-    /// Simulated events a second of `gather_s` (1/s).
+    /// Simulated events per second of `gather_s` (1/s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub events_per_s: Option<f64>,
-    /// Most memory in use at any time, where the system tells (B).
+    /// Peak memory (B), if the system reports it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_rss_bytes: Option<u64>,
 }
@@ -30,7 +30,7 @@ pub struct Stopwatch(Instant);
 impl Stopwatch {
     /// Starts now.
     #[must_use]
-    #[expect(clippy::disallowed_methods, reason = "the cli times whole stages")]
+    #[expect(clippy::disallowed_methods, reason = "only the command line measures time")]
     pub fn start() -> Self {
         Self(Instant::now())
     }
@@ -42,7 +42,7 @@ impl Stopwatch {
     }
 }
 
-/// Most memory that this process has used so far (B); `None` where the system does not tell.
+/// Peak memory of this process so far (B); `None` if the system does not report it.
 #[must_use]
 pub fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

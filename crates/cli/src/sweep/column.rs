@@ -2,12 +2,12 @@
 
 use crate::summary::{Measure, Unit};
 
-/// What the texts of a column are.
+/// The type of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Whole numbers.
+    /// Integers.
     Integer,
-    /// Numbers.
+    /// Real numbers.
     Real,
     /// Texts.
     Text,
@@ -18,7 +18,7 @@ pub enum Kind {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// What is in it.
+    /// The type of its values.
     pub kind: Kind,
 }
 

@@ -1,8 +1,10 @@
-//! Many runs of one scenario: cells of settings, replicates of each, one table.
+//! Sweeps: many runs of one scenario, with their results in one table. A cell is one combination of settings; its runs
+//! are called replicates.
 //!
-//! The replicates of a cell have the seeds `seed`, `seed` + 1, .., the same ones in each cell (common random numbers), so
-//! that cells differ by their settings alone. Cells that differ only in what is made of the reception log share their
-//! surveys. The table is a function of scenario, seeds and version: threads and shards do not change a byte of its rows.
+//! The replicates of a cell have the seeds `seed`, `seed` + 1, .. The seeds are the same in each cell (common random
+//! numbers), so that cells differ only by their settings. Cells whose settings differ only in the evaluation of the
+//! reception log share their surveys. The table depends on scenario, seeds and version alone: the number of threads and
+//! shards does not change its rows.
 
 mod column;
 mod parts;
@@ -31,11 +33,11 @@ use crate::interrupt::Interrupt;
 use crate::terminal::Progress;
 use parts::Parts;
 
-/// Runs the units of `plan` that fall to `shard`, all cores at once, and returns their rows by cell, then replicate.
-/// Finished units are kept beside `out` until its rows are all there; `resume` takes up those of a sweep before.
+/// Runs the units of `plan` that belong to `shard`, on all cores, and returns their rows by cell, then replicate.
+/// Finished units are kept in a folder beside `out`. With `resume`, those of an interrupted sweep are used again.
 ///
 /// # Errors
-/// If a file cannot be written or the user interrupts. A run that fails is a row with its error instead.
+/// If a file cannot be written or the user interrupts. A run that fails gives a row with its error.
 pub fn run(
     plan: &Plan,
     shard: Shard,
@@ -60,11 +62,11 @@ pub fn run(
     Ok(sorted(rows.into_iter().flatten().collect()))
 }
 
-/// Runs all units of several plans, all cores at once, and returns the rows of each plan by cell, then replicate: all
-/// that were finished, also when the user interrupts. A run that fails is a row with its error.
+/// Runs all units of several plans, on all cores, and returns the finished rows of each plan by cell, then replicate. A
+/// run that fails gives a row with its error.
 ///
 /// # Errors
-/// Beside the rows, if the user interrupts.
+/// If the user interrupts; the rows finished until then are returned as well.
 pub fn rows(plans: &[Plan], interrupt: &Interrupt, quiet: bool) -> (Vec<Vec<Row>>, Result<(), Failure>) {
     let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |unit| (i, unit)));
     let (made, outcome) = each(units.collect(), "running", interrupt, quiet, |(i, unit)| {
@@ -78,8 +80,8 @@ pub fn rows(plans: &[Plan], interrupt: &Interrupt, quiet: bool) -> (Vec<Vec<Row>
     (rows.into_iter().map(sorted).collect(), outcome)
 }
 
-/// Does `work` on all `units`, all cores at once, under a bar that says `what`. The results of the units that were finished,
-/// in their order, and the first failure, after which no further unit is begun.
+/// Does `work` on all `units`, on all cores, with a progress bar called `what`. Returns the results of the finished units
+/// in their order, and the first failure. After a failure no further unit is started.
 fn each<U: Sync, T: Send>(
     units: Vec<U>,
     what: &'static str,
@@ -96,7 +98,7 @@ fn each<U: Sync, T: Send>(
         }
         let result = if interrupt.is_requested() { Err(Failure::Interrupted) } else { work(unit) };
         progress.set(done.fetch_add(1, Ordering::Relaxed) + 1, "surveys with their maps".to_owned());
-        // Of several failures at once, one is told.
+        // Of several failures at once, one is reported.
         result.map_err(|error| failure.set(error)).ok()
     });
     let results: Vec<Option<T>> = results.collect();
@@ -115,7 +117,7 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
     rows
 }
 
-/// Writes the table of `rows` to the file at `path`, whole or not at all.
+/// Writes the table of `rows` to the file at `path`, completely or not at all.
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
@@ -124,7 +126,7 @@ pub fn write_table(path: &Path, plan: &Plan, rows: &[Row]) -> Result<(), Failure
     table_file::write_table(path, &plan.columns(), &texts)
 }
 
-/// Forgets the finished units beside `out`: the table is written.
+/// Removes the folder of finished units beside `out`, once the table is written.
 ///
 /// # Errors
 /// If they cannot be removed.

@@ -1,4 +1,4 @@
-//! Finished units of a sweep on disk, so that a sweep that was killed can be taken up again.
+//! Finished units of a sweep on disk, so that an interrupted sweep can be resumed.
 
 use std::fs;
 use std::io;
@@ -8,17 +8,17 @@ use super::row::Row;
 use crate::diagnostic::Failure;
 use crate::output::write_file;
 
-/// The folder of the finished units: one CSV file a unit, written whole or not at all.
+/// The folder of the finished units, with one CSV file per unit.
 #[derive(Debug)]
 pub(super) struct Parts {
     folder: PathBuf,
 }
 
-/// File in the folder that says which sweep it belongs to.
+/// The file in the folder that identifies the sweep.
 const FINGERPRINT: &str = "fingerprint";
 
 impl Parts {
-    /// Opens the folder beside `out` for the sweep of this `fingerprint`.
+    /// Opens the folder beside `out` for the sweep with this `fingerprint`.
     pub(super) fn open(out: &Path, fingerprint: &str, resume: bool) -> Result<Self, Failure> {
         let this = Self { folder: folder(out) };
         let name = this.folder.display();
@@ -26,19 +26,20 @@ impl Parts {
         match fs::read_to_string(&mark) {
             Ok(found) if found != fingerprint => Err(Failure::bad_input_with_help(
                 format!(
-                    "`{name}` holds parts of another sweep (another scenario, seed, number of runs, shard or version)"
+                    "`{name}` holds parts of a different sweep: the scenario, a file that it names, the seed, the number of \
+                     runs, the shard or the version has changed"
                 ),
-                "remove the folder, or choose another --out",
+                "remove the folder to start again, or choose another --out",
             )),
             Ok(_) if !resume => Err(Failure::bad_input_with_help(
                 format!("`{name}` holds parts of this sweep, which was interrupted"),
-                "take it up with --resume, or remove the folder to start again",
+                "continue it with --resume, or remove the folder to start again",
             )),
             Ok(_) => Ok(this),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 fs::create_dir(&this.folder)
                     .or_else(|error| match error.kind() {
-                        // The mark may be missing in a folder that a sweep had just made when it was killed.
+                        // A sweep that was killed just after it created the folder left no fingerprint.
                         io::ErrorKind::AlreadyExists => Ok(()),
                         _ => Err(error),
                     })
@@ -54,7 +55,7 @@ impl Parts {
         self.folder.join(format!("{unit:07}.csv"))
     }
 
-    /// The rows of a unit, each with this many `measures`, if it is finished.
+    /// The rows of a unit, each with this many `measures`; `None` if the unit is not finished.
     pub(super) fn read(&self, unit: usize, measures: usize) -> Result<Option<Vec<Row>>, Failure> {
         let path = self.path(unit);
         let text = match fs::read_to_string(&path) {
@@ -66,13 +67,13 @@ impl Parts {
         let rows: Option<Vec<Row>> = reader.records().map(|record| row(&record.ok()?, measures)).collect();
         rows.map(Some).ok_or_else(|| {
             Failure::bad_input_with_help(
-                format!("`{}` is no part of a sweep", path.display()),
-                "remove the file: its runs will be made again",
+                format!("`{}` is not a part of a sweep", path.display()),
+                "remove the file; its runs will be repeated",
             )
         })
     }
 
-    /// Keeps the rows of a finished unit.
+    /// Writes the rows of a finished unit.
     pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), Failure> {
         let path = self.path(unit);
         let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
@@ -84,7 +85,7 @@ impl Parts {
     }
 }
 
-/// The fields of a row: cell, replicate, error, then the values, each with all its digits.
+/// The fields of a row: cell, replicate, error, then the values with all their digits.
 fn record(row: &Row) -> Vec<String> {
     let (error, values) = match &row.outcome {
         Ok(values) => (String::new(), values.as_slice()),
@@ -94,7 +95,7 @@ fn record(row: &Row) -> Vec<String> {
     [row.cell.to_string(), row.replicate.to_string(), error].into_iter().chain(values).collect()
 }
 
-/// The row of a [`record`] with this many `measures`; none if it is no such record.
+/// The row of a [`record`] with this many `measures`; `None` if the record is invalid.
 fn row(record: &csv::StringRecord, measures: usize) -> Option<Row> {
     let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
     let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
@@ -123,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_finished_unit_is_read_back_and_only_by_its_own_sweep() {
+    fn a_finished_unit_is_read_back_only_by_its_own_sweep() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("table.csv");
         let rows = vec![
@@ -136,7 +137,7 @@ mod tests {
         assert!(matches!(Parts::open(&out, "this", false), Err(Failure::BadInput(_))));
         assert!(matches!(Parts::open(&out, "other", true), Err(Failure::BadInput(_))));
         assert_eq!(Parts::open(&out, "this", true).unwrap().read(7, 3).unwrap(), Some(rows));
-        assert!(matches!(parts.read(7, 4), Err(Failure::BadInput(_))), "a row of another length is no part");
+        assert!(matches!(parts.read(7, 4), Err(Failure::BadInput(_))), "a row of another length is invalid");
         remove(&out).unwrap();
         assert!(!super::folder(&out).exists());
     }

@@ -1,5 +1,6 @@
-//! What a sweep will run, checked before anything does.
+//! The plan of a sweep, checked before anything runs.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::column::{Column, Kind};
 use super::row::{Row, written};
 use super::statistics::Mean;
-use crate::scenario::{Scenario, ScenarioErrors, Setting, SurveyIdentity, Sweep};
+use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, Sweep};
 use crate::summary::{Measure, measures};
 
 /// The cells and runs of a sweep.
@@ -28,13 +29,13 @@ pub struct Plan {
 /// One combination of settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// The settings that make it differ.
+    /// The settings that differ from the scenario.
     pub settings: Vec<Setting>,
-    /// Cells of the same number have the same surveys, because they differ only in what is made of them.
+    /// Number of its survey. Cells with the same number share their surveys.
     pub survey: usize,
 }
 
-/// The smallest piece of work of a sweep: one survey and the cells that share it.
+/// The smallest part of a sweep: one survey and the cells that share it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Unit {
     pub(super) index: usize,
@@ -43,11 +44,11 @@ pub(super) struct Unit {
 }
 
 impl Plan {
-    /// Reads the scenario at `path` with its `[sweep]`, under the flags `set`; `seed` and `runs` replace those of the
+    /// Reads the scenario at `path` with its `[sweep]` and the flags `set`; `seed` and `runs` override those of the
     /// file. Every cell is checked.
     ///
     /// # Errors
-    /// If any cell is no good scenario: all that is wrong with the first such cell.
+    /// If a cell is not a valid scenario: all errors of the first such cell.
     pub fn read(
         path: &Path,
         set: &[String],
@@ -68,12 +69,16 @@ impl Plan {
         let mut maps: Vec<String> = Vec::new();
         let mut cells = Vec::with_capacity(sweep.cells.len());
         let mut digest = Sha256::new();
+        let mut contents = Contents::default();
         let mut first_seed = None;
         for settings in &sweep.cells {
             let flags = flags(set, settings);
             let scenario = Scenario::load(path, &flags, seed)?;
             first_seed.get_or_insert(scenario.seed().0);
             digest.update(scenario.text());
+            for file in scenario.named_files() {
+                digest.update(contents.of(file)?);
+            }
             for named in scenario.maps() {
                 if !maps.contains(&named.name) {
                     maps.push(named.name.clone());
@@ -124,7 +129,7 @@ impl Plan {
         self.seed
     }
 
-    /// Surveys to simulate: those that cells share count once.
+    /// Number of surveys to simulate; a survey that cells share counts once.
     #[must_use]
     pub fn survey_count(&self) -> usize {
         self.surveys * self.runs as usize
@@ -136,14 +141,14 @@ impl Plan {
         &self.maps
     }
 
-    /// What is measured of each run, in the order of the columns.
+    /// The measures of each run, in the order of the columns.
     #[must_use]
     pub fn measures(&self) -> Vec<Measure<'_>> {
         measures::all(&self.maps)
     }
 
-    /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a run that failed, and what
-    /// was measured.
+    /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a failed run, and the
+    /// measures.
     #[must_use]
     pub fn columns(&self) -> Vec<Column> {
         let identity = ["cell", "replicate", "seed"].map(|name| Column::new(name, Kind::Integer));
@@ -153,7 +158,7 @@ impl Plan {
         identity.into_iter().chain(self.keys.clone()).chain([error]).chain(measures).collect()
     }
 
-    /// The texts of a row under the [`columns`](Self::columns), empty where there is nothing to tell.
+    /// The texts of a row for the [`columns`](Self::columns); empty where a column does not apply.
     #[must_use]
     pub fn texts(&self, row: &Row) -> Vec<String> {
         let identity = [row.cell.to_string(), row.replicate.to_string(), self.seed_of(row.replicate).to_string()];
@@ -174,7 +179,7 @@ impl Plan {
         &self.keys
     }
 
-    /// The values of a measure in the runs of a cell that did not fail, with the number of the run.
+    /// The values of a measure in the successful runs of a cell, each with the number of the run.
     #[must_use]
     pub fn values_of(&self, rows: &[Row], cell: usize, measure: Measure<'_>) -> Vec<(u32, f64)> {
         let Some(at) = self.measures().iter().position(|other| *other == measure) else { return Vec::new() };
@@ -182,14 +187,15 @@ impl Plan {
         rows.iter().filter(|row| row.cell == cell).filter_map(value).collect()
     }
 
-    /// The mean of a measure over the runs of a cell that did not fail; `None` if there are none, or it does not apply.
+    /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply.
     #[must_use]
     pub fn mean(&self, rows: &[Row], cell: usize, measure: Measure<'_>) -> Option<Mean> {
         let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
     }
 
-    /// What distinguishes this sweep from all others.
+    /// Hash of everything that decides the rows: the scenario of each cell, the files that it names, the seed, the number of
+    /// runs, the columns and the version.
     pub(super) fn fingerprint(&self) -> &str {
         &self.fingerprint
     }
@@ -205,7 +211,7 @@ impl Plan {
         self.seed.wrapping_add(u64::from(replicate))
     }
 
-    /// The value that a cell gives to each of the [`keys`](Self::keys); empty where it leaves it alone.
+    /// The value of each of the [`keys`](Self::keys) in a cell; empty where the cell does not set it.
     ///
     /// # Panics
     /// If there is no such cell.
@@ -219,7 +225,7 @@ impl Plan {
         self.keys.iter().map(value).collect()
     }
 
-    /// What can be run on its own: a survey and all cells that share it, for each replicate.
+    /// The units: each survey with all cells that share it, once per replicate.
     pub(super) fn units(&self) -> Vec<Unit> {
         let mut units = Vec::new();
         for survey in 0..self.surveys {
@@ -232,11 +238,27 @@ impl Plan {
     }
 }
 
+/// Hashes of the contents of files, each of which is read once.
+#[derive(Default)]
+struct Contents(BTreeMap<PathBuf, [u8; 32]>);
+
+impl Contents {
+    fn of(&mut self, file: &Path) -> Result<[u8; 32], ScenarioError> {
+        if let Some(&hash) = self.0.get(file) {
+            return Ok(hash);
+        }
+        let bytes = std::fs::read(file).map_err(|error| ScenarioError::unreadable(file, &error))?;
+        let hash = Sha256::digest(bytes).into();
+        self.0.insert(file.to_owned(), hash);
+        Ok(hash)
+    }
+}
+
 fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
     set.iter().cloned().chain(settings.iter().map(Setting::flag)).collect()
 }
 
-/// The kind of a column with these values in TOML.
+/// The kind of a column with these TOML values.
 fn kind(values: &[&str]) -> Kind {
     if values.iter().all(|value| value.parse::<i64>().is_ok()) {
         Kind::Integer
@@ -247,7 +269,7 @@ fn kind(values: &[&str]) -> Kind {
     }
 }
 
-/// A value in TOML as it stands in a table: a text without its quotes.
+/// A TOML value as written in the table: a text loses its quotes.
 fn plain(value: &str) -> String {
     let quoted = value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
     quoted.filter(|text| !text.contains(['"', '\\'])).unwrap_or(value).to_owned()
@@ -258,14 +280,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_column_has_the_narrowest_kind_that_fits() {
+    fn the_kind_of_a_column_is_the_narrowest_that_fits() {
         assert_eq!(kind(&["1", "2"]), Kind::Integer);
         assert_eq!(kind(&["1", "2.5"]), Kind::Real);
         assert_eq!(kind(&["1", "\"suburban\""]), Kind::Text);
     }
 
     #[test]
-    fn texts_lose_their_quotes_and_nothing_else() {
+    fn texts_lose_only_their_quotes() {
         assert_eq!(plain("\"suburban\""), "suburban");
         assert_eq!(plain("[1, 2]"), "[1, 2]");
         assert_eq!(plain("\"a\\\"b\""), "\"a\\\"b\"");

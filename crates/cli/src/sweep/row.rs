@@ -1,4 +1,4 @@
-//! What came out of one run of one cell.
+//! The result of one run of one cell.
 
 use serde_json::Number;
 
@@ -11,12 +11,12 @@ pub struct Row {
     pub cell: usize,
     /// Number of the run, from 0.
     pub replicate: u32,
-    /// The values of all measures of the plan, none where one does not apply; or why the run failed.
+    /// The values of all measures of the plan, `None` where one does not apply; or why the run failed.
     pub outcome: Result<Vec<Option<f64>>, String>,
 }
 
-/// A number as it stands in a table: a whole number without a point, any other with the digits that tell it from its
-/// neighbours.
+/// A number as written in a table: an integer without a decimal point, any other number with as many digits as it takes
+/// to read the same number back.
 pub(super) fn written(value: f64, kind: Kind) -> String {
     match (kind, Number::from_f64(value)) {
         (Kind::Real, Some(number)) => number.to_string(),
@@ -29,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_written_so_that_they_read_back_the_same() {
+    fn numbers_read_back_equal() {
         assert_eq!(written(12.0, Kind::Integer), "12");
         assert_eq!(written(1e15, Kind::Integer), "1000000000000000");
         assert_eq!(written(1.0, Kind::Real), "1.0");

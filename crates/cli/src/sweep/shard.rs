@@ -1,8 +1,8 @@
-//! A share of the units of a sweep.
+//! A part of the units of a sweep.
 
 use std::str::FromStr;
 
-/// Share `index` (from 1) of `count`: every `count`-th unit.
+/// Part `index` (from 1) of `count`: every `count`-th unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: usize,
@@ -16,13 +16,13 @@ impl Default for Shard {
 }
 
 impl Shard {
-    /// Whether the unit of this index is in it.
+    /// Whether the unit with this index belongs to the shard.
     #[must_use]
     pub fn has(self, unit: usize) -> bool {
         unit % self.count == self.index - 1
     }
 
-    /// What stands in the name of a file to keep it apart from those of other shards: `.2-of-3`; nothing for the whole.
+    /// The part of a file name that identifies the shard: `.2-of-3`; empty if there is only one shard.
     #[must_use]
     pub fn suffix(self) -> String {
         if self.count == 1 { String::new() } else { format!(".{}-of-{}", self.index, self.count) }
@@ -33,7 +33,7 @@ impl FromStr for Shard {
     type Err = &'static str;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let expected = "expected I/N, for example 2/3: the second of three shares, 1 <= I <= N";
+        let expected = "expected I/N with 1 <= I <= N, for example 2/3 for the second of three parts";
         let (index, count) = text.split_once('/').ok_or(expected)?;
         let (Ok(index), Ok(count)) = (index.trim().parse(), count.trim().parse()) else {
             return Err(expected);
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shards_share_out_all_units() {
+    fn each_unit_belongs_to_one_shard() {
         for count in 1..6 {
             let shards: Vec<Shard> = (1..=count).map(|i| format!("{i}/{count}").parse().unwrap()).collect();
             for unit in 0..20 {
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_shard_is_refused() {
+    fn invalid_shards_are_rejected() {
         for text in ["", "1", "0/2", "3/2", "1/0", "a/b", "-1/2"] {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }

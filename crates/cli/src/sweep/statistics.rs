@@ -1,4 +1,4 @@
-//! Means of few runs, with intervals.
+//! Means over a few runs, with confidence intervals.
 
 use serde_json::{Map, Value};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -8,7 +8,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub struct Mean {
     /// The mean.
     pub mean: f64,
-    /// Half the width of the 95 % confidence interval (Student, 1908); `None` of a single run.
+    /// Half the width of the 95 % confidence interval (Student, 1908); `None` for a single run.
     pub half_width_95: Option<f64>,
     /// Number of runs.
     pub runs: usize,
@@ -30,7 +30,7 @@ impl Mean {
         Some(Self { mean, half_width_95, runs })
     }
 
-    /// The mean with its interval for people: `6.01 ± 0.28 %`.
+    /// The mean with its interval as a text: `6.01 ± 0.28 %`.
     #[must_use]
     pub fn text(&self, unit: &str) -> String {
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
@@ -52,7 +52,7 @@ impl Mean {
         json
     }
 
-    /// The mean of the same values in another unit, `factor` of which are one of this.
+    /// The mean multiplied by `factor`, to change its unit.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         let half_width_95 = self.half_width_95.map(|half_width| factor * half_width);
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_interval_is_that_of_students_t() {
+    fn the_interval_follows_students_t_distribution() {
         // t(0.975; 4) = 2.776445 (tables); standard deviation of 1, 2, 3, 4, 5 is sqrt(2.5).
         let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
         assert!((mean.mean - 3.0).abs() < 1e-12);

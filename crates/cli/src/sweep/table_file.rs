@@ -1,4 +1,4 @@
-//! A table of rows as a CSV file, or as a Parquet file where the feature `parquet` is on.
+//! A table as a CSV file, or as a Parquet file if the feature `parquet` is on.
 
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -11,7 +11,7 @@ use super::column::Column;
 use crate::diagnostic::Failure;
 use crate::output::write_file;
 
-/// The form of a table on disk.
+/// The file format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableFormat {
     /// Comma-separated values (RFC 4180) with a header.
@@ -22,7 +22,7 @@ pub enum TableFormat {
 }
 
 impl TableFormat {
-    /// The form that the extension of `path` asks for.
+    /// The format for the extension of `path`.
     ///
     /// # Errors
     /// If it is neither `.csv` nor `.parquet`, or if it is `.parquet` and the feature `parquet` is off.
@@ -33,21 +33,21 @@ impl TableFormat {
             Some("parquet") => Ok(Self::Parquet),
             #[cfg(not(feature = "parquet"))]
             Some("parquet") => Err(Failure::bad_input_with_help(
-                format!("`{}` asks for Parquet, and this program was built without it", path.display()),
-                "name a table TABLE.csv, or build the program with `cargo build --release --features parquet`",
+                format!("`{}` is a Parquet file, but this program was built without Parquet", path.display()),
+                "use the name TABLE.csv, or build the program with `cargo build --release --features parquet`",
             )),
             other => Err(Failure::bad_input_with_help(
                 match other {
-                    Some(other) => format!("`{}` ends in `.{other}`", path.display()),
+                    Some(other) => format!("`{}` has the unknown extension `.{other}`", path.display()),
                     None => format!("`{}` has no extension", path.display()),
                 },
-                "name a table TABLE.csv or TABLE.parquet",
+                "use the name TABLE.csv or TABLE.parquet",
             )),
         }
     }
 }
 
-/// Writes `rows` of texts under `columns` to the file at `path`, whole or not at all.
+/// Writes `rows` of texts under `columns` to the file at `path`, completely or not at all.
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_csv_table_quotes_what_must_be_quoted() {
+    fn a_csv_table_quotes_cells_where_needed() {
         let (columns, rows) = table();
         let text = String::from_utf8(csv(&columns, &rows).unwrap()).unwrap();
         assert_eq!(text, "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n");
@@ -93,15 +93,15 @@ mod tests {
 
     #[test]
     #[cfg(not(feature = "parquet"))]
-    fn a_program_without_parquet_says_how_to_get_it() {
+    fn the_error_without_parquet_names_the_feature() {
         let Err(failure @ Failure::BadInput(_)) = TableFormat::of(Path::new("table.parquet")) else {
-            panic!("it is refused");
+            panic!("it is rejected");
         };
         assert!(format!("{failure:?}").contains("--features parquet"), "{failure:?}");
     }
 
     #[test]
-    fn other_extensions_are_refused() {
+    fn other_extensions_are_rejected() {
         for name in ["table", "table.xlsx"] {
             assert!(matches!(TableFormat::of(Path::new(name)), Err(Failure::BadInput(_))));
         }

@@ -1,4 +1,4 @@
-//! How a unit of a sweep is run.
+//! The run of one unit of a sweep.
 
 use sextant_sim::{Observer, Progress, Simulation, Survey};
 
@@ -9,7 +9,7 @@ use crate::interrupt::Interrupt;
 use crate::run;
 use crate::scenario::{Scenario, ScenarioErrors};
 
-/// The rows of `unit`; none if the user interrupts.
+/// The rows of `unit`; `None` if the user interrupts.
 pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec<Row>> {
     let mut survey: Option<(Survey, Option<f64>)> = None;
     let mut rows = Vec::with_capacity(unit.cells.len());
@@ -17,7 +17,7 @@ pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec
         let outcome = plan.scenario(cell, unit.replicate).map_err(message).and_then(|scenario| {
             if survey.is_none() {
                 let gathered = gather(&scenario, interrupt)?;
-                // Every cell of the unit has the same world, so the bound is theirs too.
+                // All cells of the unit have the same world, so they share the bound.
                 let bound_m = run::bound_m(&scenario, &gathered, interrupt).map_err(|error| error.to_string())?;
                 survey = Some((gathered, bound_m));
             }
@@ -67,7 +67,7 @@ fn reason(failure: &Failure) -> String {
     }
 }
 
-/// Ends a simulation when the user asks for it.
+/// Stops a simulation when the user interrupts.
 struct Watch<'a> {
     interrupt: &'a Interrupt,
 }

@@ -1,4 +1,4 @@
-//! Crates, and the modules of each crate, depend on each other in one direction only.
+//! Crates, and the modules within each crate, depend on each other in one direction only.
 
 mod modules;
 mod source;
@@ -9,7 +9,7 @@ use std::process::Command;
 
 use modules::Modules;
 
-/// What each crate may depend on, tests and benchmarks included: one line an arrow of the crate graph in README.md.
+/// The crates that each crate may depend on, also in tests and benchmarks, as in the crate graph in README.md.
 const ALLOWED: [(&str, &[&str]); 7] = [
     ("sextant-kernel", &[]),
     ("sextant-channel", &["sextant-kernel"]),
@@ -45,10 +45,10 @@ fn crates_depend_in_one_direction() {
         let beyond: Vec<_> = own.iter().filter(|dependency| !allowed.contains(dependency)).collect();
         assert!(beyond.is_empty(), "{name} must not depend on {beyond:?}");
     }
-    assert_eq!(found.len(), ALLOWED.len() + 1, "a new crate (beside the benchmarks) needs a line here");
+    assert_eq!(found.len(), ALLOWED.len() + 1, "a new crate (except the benchmarks) needs a line here");
 }
 
-/// The modules of the command line, from the top down: each names only those below it.
+/// The modules of the command line from top to bottom: each may use only those below it.
 const ROOMS: [&str; 17] = [
     "commands",
     "reproduce",
@@ -69,7 +69,7 @@ const ROOMS: [&str; 17] = [
     "text",
 ];
 
-/// The crates whose modules are looked at: the folder of each below that of the workspace.
+/// The folders of the crates whose modules are checked.
 const FOLDERS: [&str; 7] = ["kernel", "channel", "mac", "sim", "mapper", "apps", "cli"];
 
 fn modules_of(folder: &str) -> Modules {
@@ -77,18 +77,18 @@ fn modules_of(folder: &str) -> Modules {
 }
 
 #[test]
-fn modules_form_no_circle() {
+fn modules_have_no_circular_dependencies() {
     for folder in FOLDERS {
         let modules = modules_of(folder);
         let circles: Vec<_> = modules.circles().into_iter().map(|circle| (modules.ties(&circle), circle)).collect();
-        assert!(circles.is_empty(), "{folder}: arrows, and the modules that form a circle by them: {circles:#?}");
+        assert!(circles.is_empty(), "{folder}: dependencies, and the modules that form a circle: {circles:#?}");
     }
 }
 
 #[test]
-fn rooms_of_the_command_line_name_those_below_them() {
+fn modules_of_the_command_line_use_only_those_below_them() {
     let upwards = modules_of("cli").upwards(&ROOMS);
-    assert!(upwards.is_empty(), "these name what stands above them: {upwards:#?}");
+    assert!(upwards.is_empty(), "these use modules above them: {upwards:#?}");
 }
 
 #[test]
@@ -119,17 +119,17 @@ fn a_circle_is_found_however_it_is_written() {
         ("b/mod.rs", "mod c; pub use c::C;"),
         ("b/c.rs", "use crate::a::A;"),
     ];
-    assert_eq!(circles(&three), [["crate::a", "crate::b"]], "a names b, a part of which names a");
+    assert_eq!(circles(&three), [["crate::a", "crate::b"]], "a uses b, and a part of b uses a");
     let through = [three[0], ("a.rs", "use crate::b::C;"), three[2], three[3]];
-    assert_eq!(circles(&through), [["crate::a", "crate::b"]], "a takes of c what b hands on");
+    assert_eq!(circles(&through), [["crate::a", "crate::b"]], "a uses an item of c that b re-exports");
     let whole_and_part = [("lib.rs", ""), ("b/mod.rs", "mod c; struct B(c::C);"), ("b/c.rs", "use super::B;")];
-    assert_eq!(circles(&whole_and_part), Vec::<Vec<String>>::new(), "a part may name its whole");
+    assert_eq!(circles(&whole_and_part), Vec::<Vec<String>>::new(), "a part may use its parent");
     let around = [("lib.rs", ""), ("a.rs", "use crate::b::c::C;"), ("b/mod.rs", "use crate::a::A;"), ("b/c.rs", "")];
-    assert_eq!(circles(&around), [["crate::a", "crate::b"]], "a names a part of b, and b names a");
+    assert_eq!(circles(&around), [["crate::a", "crate::b"]], "a uses a part of b, and b uses a");
 }
 
 #[test]
-fn an_arrow_upwards_is_found() {
+fn an_upward_dependency_is_found() {
     let files = [("lib.rs", ""), ("top/mod.rs", "use crate::low::X;"), ("top/part.rs", ""), ("low.rs", "fn f() {}")];
     let upwards = |low| Modules::of([files[0], files[1], files[2], ("low.rs", low)]).upwards(&["top", "low"]);
     assert_eq!(upwards("fn f() {}"), Vec::<String>::new());

@@ -1,4 +1,4 @@
-//! The words of the command line, and what goes to standard output.
+//! Arguments and standard output of the program.
 
 use std::process::{Command, Stdio};
 
@@ -49,7 +49,7 @@ fn files_that_do_not_exist_exit_with_two() {
 }
 
 #[test]
-fn shells_get_completions_that_know_all_commands() {
+fn completions_of_all_shells_contain_all_commands() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let script = stdout(&["completions", shell]);
         for command in ["run", "map", "check", "inspect", "recover", "schema", "completions", "man"] {
@@ -91,7 +91,7 @@ fn the_schema_documents_every_key() {
 fn find_undocumented(schema: &serde_json::Value, path: &str, found: &mut Vec<String>) {
     match schema {
         serde_json::Value::Object(object) => {
-            // The one property of a choice is described by the choice.
+            // The only property of a choice is described by the choice.
             let is_choice = object.contains_key("description") && object.get("required").is_some();
             if let Some(properties) = object.get("properties").and_then(|properties| properties.as_object()) {
                 for (key, property) in properties {
@@ -110,7 +110,7 @@ fn find_undocumented(schema: &serde_json::Value, path: &str, found: &mut Vec<Str
 }
 
 #[test]
-fn a_reader_that_leaves_early_is_no_failure() {
+fn a_closed_standard_output_is_not_an_error() {
     for words in [&["schema"][..], &["man"], &["completions", "bash"]] {
         let mut child = Command::new(assert_cmd::cargo::cargo_bin!("sextant"))
             .args(words)

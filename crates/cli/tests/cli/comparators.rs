@@ -1,4 +1,4 @@
-//! Algorithms to compare with, from a scenario to the table, the summary and the recording.
+//! The algorithms for comparison, from a scenario to the table, the summary and the recording.
 
 use std::path::PathBuf;
 
@@ -30,7 +30,7 @@ fn sextant() -> assert_cmd::Command {
 }
 
 #[test]
-fn every_classic_runs_says_what_it_knows_and_comes_out_of_the_recording_again() {
+fn every_classic_runs_reports_its_knowledge_and_gives_the_same_map_from_the_recording() {
     let folder = TempDir::new().unwrap();
     let [recording, summary, again] = ["run.mcap", "run.json", "map.json"].map(|name| folder.path().join(name));
     let run = sextant()
@@ -59,7 +59,7 @@ fn every_classic_runs_says_what_it_knows_and_comes_out_of_the_recording_again() 
     assert_eq!(map("mds-map")["alignment"], json!("anchors"));
     assert_eq!(map("rss-ml")["knowledge"], json!(["neighbour-rssi", "anchor-rssi", "anchors", "path-loss"]));
     assert_eq!(map("rss-grid")["knowledge"], json!(["robot-rssi", "path-loss"]));
-    // Where more is known, more is found: strengths beat receptions, cooperation beats anchors alone.
+    // More knowledge gives smaller errors: strengths are better than receptions, cooperation than anchors alone.
     let mean_m = |name: &str| map(name)["position_error_m"]["mean"].as_f64().expect("an error");
     assert!(mean_m("rss-ml") < mean_m("rssi-triangle-centroid") && mean_m("rss-grid") < mean_m("ml-tm"));
     // Energy by messages: N n E_tx with CC2420 at its lowest level, 8.5 mA, and frames of 832 us.
@@ -74,7 +74,7 @@ fn every_classic_runs_says_what_it_knows_and_comes_out_of_the_recording_again() 
     assert_eq!((&discovery["neighbours"]["senders"], &discovery["anchors"]["senders"]), (&json!(150), &json!(30)));
     assert!(discovery["neighbours"]["energy_j"]["rx"].as_f64().expect("energy") > 50.0);
 
-    // The recording knows all that the maps need.
+    // The recording contains everything that the maps need.
     let log = [recording.as_os_str(), "--summary".as_ref(), again.as_os_str(), "--quiet".as_ref()];
     sextant().arg("map").args(log).assert().success();
     let again = program::summary(&again);
@@ -86,7 +86,7 @@ fn every_classic_runs_says_what_it_knows_and_comes_out_of_the_recording_again() 
 }
 
 #[test]
-fn too_few_anchors_are_refused_at_the_key_before_anything_runs() {
+fn invalid_settings_of_anchors_and_discovery_are_rejected_before_anything_runs() {
     let check = |set: &str| {
         let output = sextant().arg("check").arg(classics()).assert().success();
         drop(output);
@@ -111,7 +111,7 @@ fn too_few_anchors_are_refused_at_the_key_before_anything_runs() {
 }
 
 #[test]
-fn a_log_without_neighbours_says_what_a_comparator_lacks() {
+fn a_map_that_needs_neighbours_is_rejected_for_a_log_without_them() {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("stops.csv"), "stop,t_s,x_m,y_m,z_m\n0,0,0,0,0\n1,1,1,0,0\n").unwrap();
     std::fs::write(folder.path().join("receptions.csv"), "node,stop,received\na,0,1\n").unwrap();

@@ -1,15 +1,15 @@
-//! A disk that is full for a moment.
+//! A disk that is full for a short time.
 
 use std::io::{self, Write};
 
-/// Takes `room` octets, refuses one write, and takes all later ones: like a disk on which somebody makes room.
+/// Accepts `room` octets, fails one write, and accepts all later ones, as if space had been freed.
 pub(crate) struct FailingDisk {
     room: usize,
     failed: bool,
 }
 
 impl FailingDisk {
-    /// A disk with `room` for this many octets.
+    /// A disk with space for `room` octets.
     pub(crate) fn new(room: usize) -> Self {
         Self { room, failed: false }
     }
@@ -19,7 +19,7 @@ impl Write for FailingDisk {
     fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
         if !self.failed && octets.len() > self.room {
             self.failed = true;
-            return Err(io::Error::new(io::ErrorKind::StorageFull, "no room for it"));
+            return Err(io::Error::new(io::ErrorKind::StorageFull, "no space left"));
         }
         self.room = self.room.saturating_sub(octets.len());
         Ok(octets.len())

@@ -1,4 +1,4 @@
-//! `sextant figure`: from a recording to pictures.
+//! `sextant figure`: figures of a recording.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,18 +9,18 @@ use sextant_kernel::{NodeId, RobotId, SimTime};
 use tempfile::TempDir;
 
 const NODES: u32 = 40;
-/// Nodes that the second map lacks.
+/// Number of nodes that are missing in the second map.
 const UNMAPPED: u32 = 3;
 const STOPS: u32 = 12;
 
-/// How high things are.
+/// Whether nodes have heights.
 #[derive(Clone, Copy, PartialEq)]
 enum World {
     Flat,
     Spatial,
 }
 
-/// What a recording has beside the survey.
+/// The maps of a recording.
 #[derive(Clone, Copy, PartialEq)]
 enum Maps {
     None,
@@ -107,7 +107,7 @@ fn record(path: &Path, world: World, maps: Maps) {
     recorder.finish().expect("room");
 }
 
-/// A recording in a folder of its own.
+/// A recording in a temporary folder.
 fn recording(world: World, maps: Maps) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("run.mcap");
@@ -133,7 +133,7 @@ fn count(svg: &str, tag: &str) -> usize {
 }
 
 #[test]
-fn every_figure_is_drawn_and_named() {
+fn every_figure_is_written_and_printed() {
     let (folder, path) = recording(World::Flat, Maps::Two);
     let drawn = sextant(&[&path]).success();
     let figures = folder.path().join("run.figures");
@@ -161,10 +161,10 @@ fn a_picture_has_a_circle_for_each_node_and_one_in_the_legend() {
 }
 
 #[test]
-fn titles_say_how_many_nodes_are_mapped_and_how_well() {
+fn titles_give_the_number_of_mapped_nodes_and_the_error() {
     let (folder, path) = recording(World::Flat, Maps::Two);
     sextant(&[&path, "--out".as_ref(), folder.path()]).success();
-    // The errors are i / 40 m for node i of 40: their mean is 39 / 80 m.
+    // The error of node i of 40 is i / 40 m, so the mean is 39 / 80 m.
     assert!(text(&folder.path().join("map-ml-tm.svg")).contains("ml-tm: 40 of 40 nodes mapped, mean error 0.49 m"));
     let lacking = text(&folder.path().join("map-dv-hop.svg"));
     assert!(lacking.contains("dv-hop: 37 of 40 nodes mapped") && lacking.contains("node that is not mapped"));
@@ -189,7 +189,7 @@ fn the_same_recording_gives_the_same_bytes() {
 }
 
 #[test]
-fn a_png_is_twice_as_many_pixels_wide_as_its_svg() {
+fn a_png_has_twice_the_pixels_of_its_svg_in_each_direction() {
     let (folder, path) = recording(World::Flat, Maps::Two);
     for format in ["svg", "png"] {
         sextant(&[&path, "--out".as_ref(), folder.path(), "--format".as_ref(), format.as_ref()]).success();
@@ -205,7 +205,7 @@ fn a_png_is_twice_as_many_pixels_wide_as_its_svg() {
 }
 
 #[test]
-fn a_world_with_heights_is_seen_from_above_and_from_the_side() {
+fn a_world_with_heights_is_drawn_from_above_and_from_the_side() {
     let (folder, path) = recording(World::Spatial, Maps::Two);
     sextant(&[&path, "--out".as_ref(), folder.path()]).success();
     for name in ["network.svg", "map-ml-tm.svg"] {
@@ -230,7 +230,7 @@ fn a_recording_without_maps_shows_the_survey() {
 }
 
 #[test]
-fn a_file_that_is_no_recording_is_refused() {
+fn a_file_that_is_not_a_recording_is_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("run.mcap");
     sextant(&[&path]).code(2);
@@ -241,7 +241,7 @@ fn a_file_that_is_no_recording_is_refused() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_made_is_a_failure_with_its_name() {
+fn a_folder_that_cannot_be_created_is_an_error() {
     let (folder, path) = recording(World::Flat, Maps::Two);
     let file = folder.path().join("file");
     fs::write(&file, "").expect("room");

@@ -1,18 +1,20 @@
-//! Ctrl-C and requests to terminate: every command ends, with exit code 130, and what was finished is kept.
+//! Ctrl-C and SIGTERM: each command ends with exit code 130 and keeps finished results.
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, ChildStderr, Output};
+use std::process::{Child, ChildStderr, Command, Output};
 use std::time::{Duration, Instant};
 
 use sextant::recording;
 use tempfile::TempDir;
 
 use crate::program::{scenario, sextant, signal, summary};
+use crate::recording::sample;
 
-/// Nobody waits longer: what takes so long hangs.
+/// A program that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// The second map of `slow`, by its step, takes minutes.
+/// The second map, `slow`, has such a fine grid that it takes minutes.
 const SLOW: &str = "extends = \"SMOKE\"\n\
     [[maps]]\n\
     name = \"quick\"\n\
@@ -22,9 +24,9 @@ const SLOW: &str = "extends = \"SMOKE\"\n\
     algorithm.ml_tm = { grid_step_m = 0.0003, estimate = \"posterior_mean\", max_memory_mb = 100000, \
     profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 6.0 } }\n";
 
-/// What `child` leaves behind, if it ends in time.
+/// The output of `child`, which must end in time.
 fn ended(mut child: Child) -> Output {
-    #[expect(clippy::disallowed_methods, reason = "a program that does not end is a failure, not a wait for ever")]
+    #[expect(clippy::disallowed_methods, reason = "a program that hangs must fail the test")]
     let start = Instant::now();
     while child.try_wait().expect("a child").is_none() {
         if start.elapsed() > PATIENCE {
@@ -36,7 +38,7 @@ fn ended(mut child: Child) -> Output {
     child.wait_with_output().expect("a child")
 }
 
-/// A scenario of two maps, of which the second takes minutes.
+/// A scenario with two maps, of which the second takes minutes.
 fn slow(folder: &Path) -> std::path::PathBuf {
     let path = folder.join("slow.toml");
     let smoke = scenario("smoke.toml").canonicalize().expect("it is there");
@@ -44,7 +46,7 @@ fn slow(folder: &Path) -> std::path::PathBuf {
     path
 }
 
-/// Waits until standard error says that the large map has begun.
+/// Waits until a note on standard error says that the slow map has begun.
 fn wait_for_note(stderr: &mut ChildStderr) {
     let mut text = String::new();
     let mut byte = [0; 1];
@@ -55,12 +57,12 @@ fn wait_for_note(stderr: &mut ChildStderr) {
 }
 
 #[test]
-fn signals_while_robots_gather_leave_a_whole_recording() {
+fn a_signal_during_the_survey_leaves_a_complete_recording() {
     for name in ["-INT", "-TERM"] {
         let folder = TempDir::new().expect("there is room");
         let out = folder.path().join("cut.mcap");
         let mut command = sextant();
-        // One stop takes minutes here: the run cannot wait for its end.
+        // One stop takes minutes here, so the run must end within a stop.
         command.arg("run").arg(scenario("smoke.toml")).args(["--set", "robots.0.listen_s=1000000", "--out"]);
         let child = command.arg(&out).spawn().expect("it starts");
         while !out.with_extension("mcap.part").exists() {
@@ -77,7 +79,7 @@ fn signals_while_robots_gather_leave_a_whole_recording() {
 }
 
 #[test]
-fn signals_while_maps_are_made_keep_the_survey_and_the_maps_that_were_finished() {
+fn a_signal_during_mapping_keeps_the_survey_and_the_finished_maps() {
     for name in ["-INT", "-TERM"] {
         let folder = TempDir::new().expect("there is room");
         let (out, json) = (folder.path().join("cut.mcap"), folder.path().join("cut.json"));
@@ -100,7 +102,7 @@ fn signals_while_maps_are_made_keep_the_survey_and_the_maps_that_were_finished()
 }
 
 #[test]
-fn a_signal_while_a_recording_is_mapped_keeps_the_maps_that_were_finished() {
+fn a_signal_while_a_recording_is_mapped_keeps_the_finished_maps() {
     let folder = TempDir::new().expect("there is room");
     let file = |name: &str| folder.path().join(name);
     let run = sextant().arg("run").arg(scenario("smoke.toml")).arg("--out").arg(file("run.mcap")).output();
@@ -117,4 +119,59 @@ fn a_signal_while_a_recording_is_mapped_keeps_the_maps_that_were_finished() {
     let summary = summary(&file("map.json"));
     assert_eq!(summary["interrupted"], true, "{summary:#}");
     assert!(summary.get("maps").is_none() && summary["gathering"]["stops"].as_u64() > Some(10), "{summary:#}");
+}
+
+/// The octets of a recording up to the end of its first chunk, and that chunk alone.
+fn first_chunk(recording: &[u8]) -> (&[u8], &[u8]) {
+    const MAGIC: usize = 8;
+    const CHUNK: u8 = 0x06;
+    let mut start = MAGIC;
+    loop {
+        let length = u64::from_le_bytes(recording[start + 1..start + 9].try_into().expect("eight octets"));
+        let end = start + 9 + usize::try_from(length).expect("a short record");
+        if recording[start] == CHUNK {
+            return (&recording[..end], &recording[start..end]);
+        }
+        start = end;
+    }
+}
+
+/// The broken recording is a pipe that stays open: it delivers either chunks without end or nothing more.
+#[test]
+fn a_signal_during_recovery_leaves_neither_a_copy_nor_a_temporary_file() {
+    let folder = TempDir::new().expect("there is room");
+    let file = |name: &str| folder.path().join(name);
+    sample::record_file(&file("whole.mcap"), &sample::log(1, 5, 50));
+    let octets = std::fs::read(file("whole.mcap")).expect("a recording");
+    let (start, chunk) = first_chunk(&octets);
+    assert!(Command::new("mkfifo").arg(file("pipe")).status().expect("mkfifo starts").success());
+    for (name, is_endless) in [("-INT", true), ("-TERM", true), ("-INT", false), ("-TERM", false)] {
+        let mut command = sextant();
+        let child = command.arg("recover").arg(file("pipe")).arg("--out").arg(file("good.mcap")).spawn();
+        let child = child.expect("it starts");
+        let mut pipe = File::create(file("pipe")).expect("the program reads it");
+        pipe.write_all(start).expect("the program reads it");
+        let (status, time) = std::thread::scope(|scope| {
+            let _silent = (!is_endless).then(|| pipe.try_clone().expect("a pipe"));
+            if is_endless {
+                scope.spawn(move || while pipe.write_all(chunk).is_ok() {});
+            }
+            while !file("good.mcap.recovering").exists() {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            #[expect(clippy::disallowed_methods, reason = "the time until a program ends is what is tested")]
+            let signalled = Instant::now();
+            signal(&child, name);
+            (ended(child).status, signalled.elapsed())
+        });
+        assert_eq!(status.code(), Some(130), "{name}, endless: {is_endless}");
+        // The limit is one second; a busy machine gets more.
+        assert!(time < Duration::from_secs(3), "{name}, endless: {is_endless}: {time:?}");
+        let mut left: Vec<_> = std::fs::read_dir(folder.path())
+            .expect("a folder")
+            .map(|entry| entry.expect("a file").file_name())
+            .collect();
+        left.sort();
+        assert_eq!(left, ["pipe", "whole.mcap"], "{name}, endless: {is_endless}");
+    }
 }

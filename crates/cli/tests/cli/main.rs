@@ -1,4 +1,4 @@
-//! The program from outside: its words, what it writes, what it refuses; and the crates' edges.
+//! Tests of the program from outside: arguments, outputs and errors; and of the dependencies between crates.
 
 mod architecture;
 mod command_line;

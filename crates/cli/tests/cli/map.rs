@@ -8,8 +8,8 @@ use serde_json::Value;
 
 const PROFILE: &str = "p0=0.9,plateau_m=1,range_m=3";
 
-/// A robot drives along three lanes past four nodes, 2 m from the lanes at most, and hears each node at every stop
-/// within 2 m, and nowhere else.
+/// A survey of four nodes by a robot on three lanes. Each node is at most 2 m from a lane, and is heard exactly at the
+/// stops within 2 m.
 fn survey() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("there is room");
     let nodes = [("a", 1.0, 1.0), ("b", 5.0, 1.0), ("c", 2.0, 4.0), ("d", 6.0, 4.0)];
@@ -38,7 +38,7 @@ fn survey() -> tempfile::TempDir {
     folder
 }
 
-/// Runs `sextant map log WORDS` in `folder`; exit code, standard output, standard error.
+/// Runs `sextant map log WORDS` in `folder`; returns exit code, standard output and standard error.
 fn map(folder: &Path, words: &[&str]) -> (i32, String, String) {
     let mut command = cargo_bin_cmd!("sextant");
     command.args([&["map", "log"], words].concat()).current_dir(folder).env("NO_COLOR", "1");
@@ -57,7 +57,7 @@ fn json(folder: &Path, words: &[&str]) -> Value {
 }
 
 #[test]
-fn a_log_becomes_a_map_that_is_near_the_truth() {
+fn a_map_of_a_log_is_close_to_the_truth() {
     let folder = survey();
     let summary = json(folder.path(), &["--truth", "nodes.csv", "--summary", "summary.json"]);
     let map = &summary["maps"][0];
@@ -65,7 +65,7 @@ fn a_log_becomes_a_map_that_is_near_the_truth() {
     let mean_m = map["position_error_m"]["mean"].as_f64().unwrap();
     assert!(mean_m < 0.6, "{map:#}");
     assert_eq!(summary["gathering"]["stops"], 27);
-    // Three lanes of 8 m, and two drives back to the start of the next lane.
+    // Three lanes of 8 m, and two drives to the start of the next lane.
     let length_m = summary["gathering"]["path_length_m"].as_f64().unwrap();
     assert!((length_m - (24.0 + 2.0 * f64::hypot(8.0, 2.5))).abs() < 1e-9, "{length_m}");
     let written = std::fs::read_to_string(folder.path().join("summary.json")).unwrap();
@@ -75,7 +75,7 @@ fn a_log_becomes_a_map_that_is_near_the_truth() {
 }
 
 #[test]
-fn a_log_of_an_unknown_channel_is_mapped_under_a_fitted_profile() {
+fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
     let folder = survey();
     let (code, stdout, stderr) = map(folder.path(), &["--truth", "nodes.csv", "--format", "json"]);
     assert_eq!(code, 0, "{stderr}");
@@ -94,7 +94,7 @@ fn a_log_of_an_unknown_channel_is_mapped_under_a_fitted_profile() {
 }
 
 #[test]
-fn a_log_is_mapped_by_the_algorithm_asked_for() {
+fn a_log_is_mapped_by_the_given_algorithm() {
     let folder = survey();
     let words = ["--algorithm", "self-calibrated", "--truth", "nodes.csv"];
     let (code, stdout, stderr) = map(folder.path(), &[&words[..], &["--format", "json"]].concat());
@@ -108,15 +108,15 @@ fn a_log_is_mapped_by_the_algorithm_asked_for() {
     assert!((calibration["range_m"].as_f64().unwrap() - 2.0).abs() < 0.5, "{calibration:#}");
     let (_, text, _) = map(folder.path(), &words);
     assert!(text.contains("self-calibrated: curve of range"), "{text}");
-    assert!(text.contains("no obstacles by receptions, drives and contacts"), "{text}");
+    assert!(text.contains("no obstacles found from receptions, drives and contacts"), "{text}");
     let (code, _, stderr) = map(folder.path(), &[&words[..], &["--profile", PROFILE]].concat());
-    assert!(code == 2 && stderr.contains("none of the maps has a reception profile"), "{stderr}");
+    assert!(code == 2 && stderr.contains("no map has a reception profile"), "{stderr}");
     let (code, _, stderr) = map(folder.path(), &["--algorithm", "guess"]);
     assert!(code == 2 && stderr.contains("self-calibrated"), "{stderr}");
 }
 
 #[test]
-fn a_log_of_a_known_channel_is_mapped_under_its_curve() {
+fn a_log_of_a_known_channel_is_mapped_with_its_profile() {
     let folder = survey();
     let profile = "channel:exponent=2,sigma_db=1,tx_power_dbm=-50,sensitivity_dbm=-57";
     let (code, stdout, stderr) =
@@ -136,7 +136,7 @@ fn without_truth_nothing_is_measured() {
     let words = ["--profile", PROFILE, "--truth", "some.csv"];
     let (code, _, stderr) = map(folder.path(), &words);
     assert_eq!(code, 0);
-    assert!(stderr.contains("note: the true places of 3 of 4 nodes are unknown"), "{stderr}");
+    assert!(stderr.contains("note: the true positions of 3 of 4 nodes are unknown"), "{stderr}");
     assert_eq!(map(folder.path(), &[&words[..], &["--quiet"]].concat()).2, "");
 }
 
@@ -152,14 +152,14 @@ fn a_map_file_names_every_mapped_node() {
 }
 
 #[test]
-fn the_number_of_threads_changes_nothing() {
+fn the_number_of_threads_does_not_change_the_results() {
     let folder = survey();
     let with = |threads| json(folder.path(), &["--truth", "nodes.csv", "--threads", threads]);
     assert_eq!(with("1"), with("3"));
 }
 
 #[test]
-fn bad_input_exits_with_two_and_a_bad_disk_with_one() {
+fn bad_input_exits_with_two_and_a_failed_write_with_one() {
     let folder = survey();
     let refused = |words: &[&str], code: i32, message: &str| {
         let (found, stdout, stderr) = map(folder.path(), words);
@@ -192,7 +192,7 @@ fn a_log_without_a_scenario_cannot_know_the_obstacles() {
 }
 
 #[test]
-fn a_stop_that_is_nowhere_is_refused_with_its_line() {
+fn a_stop_with_an_invalid_position_is_rejected_with_its_line() {
     let folder = survey();
     std::fs::write(folder.path().join("log/stops.csv"), "stop,t_s,x_m,y_m\n0,0,0,0\n1,1,1e308,0\n").expect("room");
     let (code, _, stderr) = map(folder.path(), &[]);
@@ -200,8 +200,8 @@ fn a_stop_that_is_nowhere_is_refused_with_its_line() {
     assert!(stderr.contains("stops.csv") && stderr.contains("1e308"), "{stderr}");
 }
 
-/// Replaces the stops and the receptions of a survey: `heights_m` of twelve stops on a circle of 4 m, each of which received
-/// `received` of ten packets of each of three nodes.
+/// Replaces the stops and the receptions of a survey by twelve stops on a circle of radius 4 m with heights `heights_m`.
+/// Each stop has `received` of ten packets from each of three nodes.
 fn round_survey(folder: &Path, heights_m: impl Fn(u32) -> f64, received: u32) {
     let (mut stops, mut receptions) = ("stop,t_s,x_m,y_m,z_m\n".to_owned(), "node,stop,received,sent\n".to_owned());
     for stop in 0..12 {
@@ -218,7 +218,7 @@ fn round_survey(folder: &Path, heights_m: impl Fn(u32) -> f64, received: u32) {
 }
 
 #[test]
-fn a_map_says_at_which_heights_it_sought_nodes() {
+fn a_map_reports_the_heights_at_which_it_searched_for_nodes() {
     let folder = survey();
     for algorithm in ["ml-tm", "self-calibrated"] {
         let summary = |heights_m: fn(u32) -> f64| {
@@ -240,12 +240,12 @@ fn a_map_says_at_which_heights_it_sought_nodes() {
         let (heights, text) = summary(|stop| f64::from(stop % 2) * 2.0);
         assert_eq!(heights["from"], "reach");
         assert!(heights["low_m"].as_f64() < Some(0.0) && heights["high_m"].as_f64() > Some(2.0), "{heights}");
-        assert!(text.contains(&format!("{algorithm}: heights sought from -")), "{text}");
+        assert!(text.contains(&format!("{algorithm}: nodes searched at heights from -")), "{text}");
     }
 }
 
 #[test]
-fn a_curve_without_an_end_and_nodes_at_their_bound_are_told() {
+fn a_curve_and_nodes_at_their_bound_are_reported() {
     let folder = survey();
     round_survey(folder.path(), |_| 0.0, 5);
     let words = ["--algorithm", "self-calibrated"];
@@ -254,12 +254,12 @@ fn a_curve_without_an_end_and_nodes_at_their_bound_are_told() {
     let mapped = &summary["maps"][0];
     let calibration = &mapped["calibration"];
     assert_eq!((&calibration["converged"], &calibration["curve_at_bound"]), (&false.into(), &true.into()));
-    // Nothing in the log tells one place from another, those at the bound of the search included.
+    // All positions agree equally well with the log, also those at the boundary of the search.
     assert_eq!(mapped["at_bound"], serde_json::json!(["a", "b", "c"]), "{mapped:#}");
     let (_, text, _) = map(folder.path(), &words);
     assert!(
-        text.contains("warning: 3 nodes are at the bound of the search, their places say little: a, b, c"),
+        text.contains("warning: 3 nodes are at the boundary of the searched area") && text.contains(": a, b, c"),
         "{text}"
     );
-    assert!(text.contains("did not converge") && text.contains("the curve has no end"), "{text}");
+    assert!(text.contains("did not converge") && text.contains("received at all distances in the log"), "{text}");
 }

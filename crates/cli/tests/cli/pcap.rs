@@ -1,6 +1,6 @@
-//! Captures: what is written decodes, by a parser of our own and by tshark, and a disk that fails is reported.
+//! Captures: our own parser and tshark can read them, and a failing disk is reported.
 
-#![expect(clippy::unwrap_used, reason = "a test ends at the first surprise")]
+#![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 mod capture;
 mod failure;

@@ -1,9 +1,9 @@
-//! What randomness is drawn for: no two purposes of the program share a number.
+//! The purposes of random numbers: no two of them share a number.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The purposes that a source declares, with their numbers.
+/// The purposes declared in a source file, with their numbers.
 fn declared(source: &str) -> Vec<(String, String)> {
     let declaration = |line: &str| {
         let (name, value) = line.split_once("const ")?.1.split_once(": Purpose = Purpose::new(")?;

@@ -1,10 +1,10 @@
-//! Recordings and logs of robots: what is written comes back, and what is broken says so.
+//! Recordings and logs of robots: they are read back equal, and damage is reported.
 
-#![expect(clippy::unwrap_used, reason = "a test ends at the first surprise")]
+#![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 mod damage;
 mod failure;
 mod python;
 mod robot_log;
 mod round_trip;
-mod sample;
+pub(crate) mod sample;

@@ -13,7 +13,7 @@ fn reproduce(arguments: &[&str], folder: &TempDir) -> Output {
 }
 
 #[test]
-fn the_list_names_each_experiment_and_what_it_runs() {
+fn the_list_names_each_experiment() {
     let folder = TempDir::new().unwrap();
     let output = reproduce(&["--list"], &folder);
     assert!(output.status.success());
@@ -26,7 +26,7 @@ fn the_list_names_each_experiment_and_what_it_runs() {
 }
 
 #[test]
-fn an_experiment_leaves_its_table_and_the_scenarios_that_it_ran() {
+fn an_experiment_writes_its_table_and_the_scenarios() {
     let folder = TempDir::new().unwrap();
     let output = reproduce(&["3.2", "--out", "here", "--quiet", "--format", "json"], &folder);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -43,22 +43,22 @@ fn an_experiment_leaves_its_table_and_the_scenarios_that_it_ran() {
 }
 
 #[test]
-fn what_there_is_not_is_refused_with_what_there_is() {
+fn an_unknown_id_is_rejected_with_a_list_of_ids() {
     let folder = TempDir::new().unwrap();
     let output = reproduce(&["9.9"], &folder);
     assert_eq!(output.status.code(), Some(2));
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(text.contains("`9.9`") && text.contains("3.6"), "{text}");
-    assert_eq!(reproduce(&[], &folder).status.code(), Some(2), "without an id there is nothing to do");
+    assert_eq!(reproduce(&[], &folder).status.code(), Some(2), "an id is required");
     assert_eq!(reproduce(&["3.2", "--runs", "0"], &folder).status.code(), Some(2));
 }
 
 #[cfg(unix)]
 #[test]
-fn an_interrupted_reproduction_keeps_the_experiments_that_were_finished() {
+fn an_interrupted_reproduction_keeps_the_finished_experiments() {
     let folder = TempDir::new().unwrap();
     let mut command = sextant();
-    // Nobody waits for a thousand runs of the second experiment.
+    // The second experiment has a thousand runs, so the interrupt comes before its end.
     command.current_dir(folder.path()).args(["reproduce", "3.2", "3.3", "--runs", "1000", "--out", "here"]);
     let mut child = command.spawn().expect("it starts");
     let out = folder.path().join("here");

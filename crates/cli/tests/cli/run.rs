@@ -1,4 +1,4 @@
-//! `sextant run` from end to end: what it writes, and what is left when it is disturbed.
+//! `sextant run` from end to end: its outputs, also after an interrupt or a failure.
 
 use std::path::Path;
 use std::process::Command;
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use crate::program::signal;
 use crate::program::{scenario, sextant, summary};
 
-/// Simulated seconds of listening at each stop that keep the smoke scenario busy for a minute or more.
+/// Listening for so long at each stop makes the smoke scenario run for a minute or more.
 const ENDLESS: &str = "robots.0.listen_s=100000";
 
 fn run(arguments: &[&str], out: &Path) -> std::process::Output {
@@ -121,7 +121,7 @@ fn the_summary_has_the_keys_that_scripts_rely_on_and_its_packets_add_up() {
 }
 
 #[test]
-fn a_map_of_the_recording_is_the_map_of_the_run() {
+fn a_map_of_the_recording_equals_the_map_of_the_run() {
     let folder = TempDir::new().unwrap();
     let (mcap, of_run, of_map) =
         (folder.path().join("smoke.mcap"), folder.path().join("run.json"), folder.path().join("map.json"));
@@ -136,8 +136,8 @@ fn a_map_of_the_recording_is_the_map_of_the_run() {
     assert_same_gathering(&of_run["gathering"], &of_map["gathering"]);
 }
 
-/// Each key of the `gathering` of a map has the value that it has in the run of which the log is; `packets_received` is
-/// there if one robot gathered.
+/// Checks that each key of the `gathering` of a map has the same value as in the run of its log, and that
+/// `packets_received` is present if there is one robot.
 fn assert_same_gathering(of_run: &Value, of_map: &Value) {
     let robots = |gathering: &Value| gathering["robots"].as_array().expect("robots").clone();
     let same = |run: &Value, map: &Value| {
@@ -155,7 +155,7 @@ fn assert_same_gathering(of_run: &Value, of_map: &Value) {
 }
 
 #[test]
-fn what_was_gathered_means_the_same_in_a_run_and_in_the_map_of_its_recording() {
+fn the_gathering_of_a_run_and_of_the_map_of_its_recording_are_equal() {
     let folder = TempDir::new().unwrap();
     for (i, (name, setting)) in [
         ("ml-tm/trajectory-s.toml", "robots.0.listen_s=4.7"),
@@ -182,7 +182,7 @@ fn what_was_gathered_means_the_same_in_a_run_and_in_the_map_of_its_recording() {
 }
 
 #[test]
-fn two_robots_fill_one_log_and_each_has_its_row() {
+fn two_robots_share_one_log_and_each_has_its_row() {
     let folder = TempDir::new().unwrap();
     let (mcap, of_run, of_map) =
         (folder.path().join("two.mcap"), folder.path().join("run.json"), folder.path().join("map.json"));
@@ -203,7 +203,7 @@ fn two_robots_fill_one_log_and_each_has_its_row() {
     assert!((sum("stops") - gathering["stops"].as_f64().unwrap()).abs() < 1e-9);
     let longest_s = of_robots("duration_s").into_iter().fold(0.0, f64::max);
     assert!((longest_s - gathering["duration_s"].as_f64().unwrap()).abs() < 1e-9);
-    // Stops of both, interleaved, come back from the recording as they were.
+    // The interleaved stops of both are read back from the recording.
     let output = sextant().arg("map").arg(&mcap).arg("--summary").arg(&of_map).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     take_what_only_a_run_knows(&mut of_run["maps"][0]);
@@ -215,7 +215,7 @@ fn two_robots_fill_one_log_and_each_has_its_row() {
 }
 
 #[test]
-fn robots_that_listen_for_spans_of_their_own_have_no_bound_but_a_map() {
+fn robots_that_listen_for_different_times_have_a_map_without_a_bound() {
     let folder = TempDir::new().unwrap();
     let json = folder.path().join("run.json");
     let mut command = sextant();
@@ -226,20 +226,20 @@ fn robots_that_listen_for_spans_of_their_own_have_no_bound_but_a_map() {
     assert_eq!((map["mapped"].as_u64(), map.get("posterior_bound_m")), (Some(496), None));
 }
 
-/// Takes out of a map what follows from the true channel, and from the radios (m, J).
+/// Removes the keys of a map that only a run knows, from the true channel and the radios (m, J).
 fn take_what_only_a_run_knows(map: &mut Value) -> [f64; 2] {
     let map = map.as_object_mut().expect("a map");
     ["posterior_bound_m", "message_energy_j"].map(|key| map.remove(key).and_then(|value| value.as_f64()).expect(key))
 }
 
-/// Messages on a topic.
+/// Number of messages on a topic.
 fn messages_on(mcap: &Path, topic: &str) -> usize {
     let bytes = std::fs::read(mcap).expect("a recording");
     let messages = mcap::MessageStream::new(&bytes).expect("a recording");
     messages.filter(|message| message.as_ref().expect("a message").channel.topic == topic).count()
 }
 
-/// Waits until a recording has grown beyond its first chunks.
+/// Waits until a recording has more than its first chunks.
 fn wait_for_growth(out: &Path) {
     let part = out.with_extension("mcap.part");
     for _ in 0..1200 {
@@ -253,10 +253,10 @@ fn wait_for_growth(out: &Path) {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_leaves_a_whole_recording_of_what_was_heard() {
+fn ctrl_c_leaves_a_complete_recording_of_the_finished_stops() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("cut.mcap");
-    // Some stops are over when the signal comes, and most are not.
+    // When the signal comes, some stops are finished, but most are not.
     let child = sextant()
         .arg("run")
         .arg(scenario("smoke.toml"))
@@ -275,7 +275,7 @@ fn ctrl_c_leaves_a_whole_recording_of_what_was_heard() {
 
 #[cfg(unix)]
 #[test]
-fn what_a_killed_run_had_recorded_can_be_recovered_and_mapped() {
+fn the_recording_of_a_killed_run_can_be_recovered() {
     let folder = TempDir::new().unwrap();
     let (out, good) = (folder.path().join("killed.mcap"), folder.path().join("good.mcap"));
     let mut child = sextant()
@@ -299,10 +299,10 @@ fn what_a_killed_run_had_recorded_can_be_recovered_and_mapped() {
 
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_an_error_and_what_was_written_stays() {
+fn a_full_disk_is_an_error_and_the_data_written_before_is_kept() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("full.mcap");
-    // A limit on the size of files stands in for the disk: the write that crosses it fails.
+    // A limit on the size of files has the effect of a full disk: the write that exceeds it fails.
     let script = "trap '' XFSZ; ulimit -f 128; exec \"$0\" run \"$1\" --out \"$2\"";
     let output = Command::new("bash")
         .args(["-c", script, env!("CARGO_BIN_EXE_sextant")])
@@ -317,7 +317,7 @@ fn a_full_disk_is_an_error_and_what_was_written_stays() {
 }
 
 #[test]
-fn an_output_folder_that_is_none_is_told_before_anything_is_simulated() {
+fn an_invalid_output_folder_is_reported_before_the_simulation() {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();
     let output = run(&["--set", ENDLESS], &folder.path().join("file/smoke.mcap"));
@@ -327,7 +327,7 @@ fn an_output_folder_that_is_none_is_told_before_anything_is_simulated() {
 }
 
 #[test]
-fn a_grid_beyond_the_memory_is_refused_with_its_size_and_a_step_that_fits() {
+fn a_grid_that_is_too_large_is_rejected_with_its_size_and_a_suitable_step() {
     let folder = TempDir::new().unwrap();
     let step = ["--set", "maps.0.algorithm.ml_tm.grid_step_m=1e-6"];
     let output = run(&step, &folder.path().join("smoke.mcap"));
@@ -337,7 +337,7 @@ fn a_grid_beyond_the_memory_is_refused_with_its_size_and_a_step_that_fits() {
 }
 
 #[test]
-fn an_output_that_would_overwrite_another_or_a_device_is_refused() {
+fn an_output_that_would_overwrite_another_or_a_device_is_rejected() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("a.mcap");
     let output = run(&["--summary", out.to_str().unwrap()], &out);
@@ -351,12 +351,12 @@ fn an_output_that_would_overwrite_another_or_a_device_is_refused() {
         let output = run(&[], &pipe);
         assert_eq!(output.status.code(), Some(1));
         assert!(String::from_utf8_lossy(&output.stderr).contains("a device or a pipe"));
-        assert!(!pipe.is_file(), "the pipe is still one");
+        assert!(!pipe.is_file(), "the pipe is unchanged");
     }
 }
 
 #[test]
-fn a_robot_that_starts_at_the_end_of_the_world_is_refused() {
+fn a_robot_that_starts_too_far_away_is_rejected() {
     let folder = TempDir::new().unwrap();
     for start in ["robots.0.start_m=[1e9,0]", "robots.0.start_m=[1e300,0]"] {
         let output = run(&["--set", start], &folder.path().join("far.mcap"));

@@ -1,11 +1,11 @@
-//! Bad scenarios as a new user writes them: each is refused with exit code 2 and points at what is wrong.
+//! Invalid scenarios: each is rejected with exit code 2, and the error points at the mistake.
 
 use std::path::Path;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use insta::assert_snapshot;
 
-/// A scenario without fault; tests change one line of it.
+/// A valid scenario, in which tests change one line.
 const GOOD: &str = r#"name = "good"
 seed = 1
 
@@ -65,7 +65,7 @@ impl Folder {
         self.0.path()
     }
 
-    /// Runs `sextant` there; exit code, standard output, standard error.
+    /// Runs `sextant` in the folder; returns exit code, standard output and standard error.
     fn sextant(&self, words: &[&str]) -> (i32, String, String) {
         let output = cargo_bin_cmd!("sextant")
             .args(words)
@@ -77,7 +77,7 @@ impl Folder {
         (output.status.code().expect("the program ends by itself"), text(output.stdout), text(output.stderr))
     }
 
-    /// What `check` of `words` prints when it refuses them.
+    /// The errors that `check` with the arguments `words` prints.
     fn refusal(&self, words: &[&str]) -> String {
         let (code, stdout, stderr) = self.sextant(&[&["check"], words].concat());
         assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
@@ -85,7 +85,7 @@ impl Folder {
     }
 }
 
-/// What is printed about the good scenario with `from` replaced by `to`.
+/// The errors of the valid scenario with `from` replaced by `to`.
 fn refused(from: &str, to: &str) -> String {
     assert_eq!(GOOD.matches(from).count(), 1, "{from}");
     Folder::new(&[("a.toml", &GOOD.replace(from, to))]).refusal(&["a.toml"])
@@ -96,7 +96,7 @@ fn refused_flag(flag: &str) -> String {
 }
 
 #[test]
-fn the_scenario_that_the_others_are_made_of_is_good() {
+fn the_unchanged_scenario_is_valid() {
     let (code, stdout, stderr) = Folder::new(&[("a.toml", GOOD)]).sextant(&["check", "a.toml"]);
     assert_eq!((code, stderr.as_str()), (0, ""));
     assert_eq!(stdout, "ok good: 2 nodes, 1 obstacle, 1 robot, 1 map\n");
@@ -153,7 +153,7 @@ fn a_negative_exponent() {
 }
 
 #[test]
-fn a_number_that_is_none() {
+fn a_nan() {
     assert_snapshot!(refused("tx_power_dbm = -50.0", "tx_power_dbm = nan"));
 }
 
@@ -191,7 +191,7 @@ fn an_array_that_is_too_short() {
 }
 
 #[test]
-fn several_faults_are_told_at_once() {
+fn several_errors_are_reported_at_once() {
     let text = GOOD.replace("exponent = 3.0", "exponent = 0.0").replace("p0 = 0.95", "p0 = 1.5");
     let text = text.replace("interval_s = 1.0", "interval_s = 0.0");
     let text = Folder::new(&[("a.toml", &text)]).refusal(&["a.toml"]);
@@ -201,7 +201,7 @@ fn several_faults_are_told_at_once() {
 }
 
 #[test]
-fn good_files_are_told_beside_bad_ones() {
+fn valid_files_are_reported_beside_invalid_ones() {
     let folder = Folder::new(&[("a.toml", GOOD), ("b.toml", "nam = 1"), ("c.toml", GOOD)]);
     let (code, stdout, stderr) = folder.sextant(&["check", "a.toml", "b.toml", "none.toml", "c.toml"]);
     assert_eq!(code, 2);
@@ -231,7 +231,7 @@ fn a_circle_of_files() {
 }
 
 #[test]
-fn a_fault_in_the_file_that_is_extended() {
+fn an_error_in_an_extended_file() {
     let base = GOOD.replace("exponent = 3.0", "exponent = inf");
     let folder = Folder::new(&[("base/base.toml", &base), ("a.toml", "extends = \"base/base.toml\"\nseed = 2")]);
     let text = folder.refusal(&["a.toml"]);
@@ -239,7 +239,7 @@ fn a_fault_in_the_file_that_is_extended() {
 }
 
 #[test]
-fn files_are_looked_up_beside_the_layer_that_names_them() {
+fn file_paths_are_relative_to_the_layer_that_names_them() {
     let base = GOOD.replace("[world.nodes.explicit]", "[world.nodes.csv]");
     let base = base.replace("positions_m = [[0.0, 0.0], [1.0, 0.0]]", "file = \"nodes.csv\"");
     let folder = Folder::new(&[
@@ -264,7 +264,7 @@ fn files_are_looked_up_beside_the_layer_that_names_them() {
     assert!(text.contains("line 2") && text.contains("`zero`") && text.contains("base/base.toml:5:8"), "{text}");
 }
 
-/// What is printed about the good scenario with these settings of a beacon-enabled MAC.
+/// The errors of the valid scenario with these settings of a beacon-enabled MAC.
 fn refused_superframe(settings: &str) -> String {
     refused("[traffic.beacon]", &format!("[mac.beacon_enabled]\n{settings}\n\n[traffic.beacon]"))
 }
@@ -287,7 +287,7 @@ fn eight_guaranteed_slots() {
 }
 
 #[test]
-fn a_guaranteed_slot_of_nobody() {
+fn a_guaranteed_slot_of_an_unknown_node() {
     assert_snapshot!(refused_superframe("gts = [{ node = \"n0\" }, { node = \"n9\" }]"));
 }
 

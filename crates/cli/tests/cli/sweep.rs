@@ -1,4 +1,4 @@
-//! `sextant sweep` from end to end: the same rows whatever the threads and shards, and after a kill.
+//! `sextant sweep` from end to end: the rows do not depend on threads, shards or interruptions.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use crate::program::{self, sextant};
 
-/// Two worlds, each mapped twice; the last cell asks for a grid that no memory holds.
+/// Two worlds, each mapped twice. The second map needs a grid that is too large for any memory.
 const SWEEP: &str = "
 [sweep]
 runs = 2
@@ -41,7 +41,7 @@ fn column(path: &Path, name: &str) -> usize {
 }
 
 #[test]
-fn a_table_has_one_row_a_cell_and_run_and_failed_runs_tell_why() {
+fn a_table_has_one_row_per_cell_and_run_and_the_error_of_failed_runs() {
     let folder = TempDir::new().unwrap();
     let (scenario, out) = (scenario(&folder, SWEEP), folder.path().join("t.csv"));
     let output = sweep(&scenario, &out, &[]);
@@ -82,7 +82,7 @@ fn threads_and_shards_do_not_change_the_rows() {
 }
 
 #[test]
-fn a_run_in_a_sweep_is_the_run_alone() {
+fn a_run_in_a_sweep_equals_the_same_run_alone() {
     let folder = TempDir::new().unwrap();
     let (scenario, out) = (scenario(&folder, SWEEP), folder.path().join("t.csv"));
     assert!(sweep(&scenario, &out, &[]).status.success());
@@ -110,7 +110,7 @@ fn a_run_in_a_sweep_is_the_run_alone() {
 }
 
 #[test]
-fn cells_that_differ_in_their_anchors_share_surveys_and_get_the_maps_that_they_get_alone() {
+fn cells_that_differ_in_their_anchors_share_surveys_and_have_the_same_maps_as_alone() {
     let folder = TempDir::new().unwrap();
     let sweep_of_anchors = "[[maps]]\n[maps.algorithm.weighted_centroid]\n\
                             [sweep]\nruns = 1\nproduct.anchors.share = [0.3, 0.6]\n";
@@ -135,7 +135,7 @@ fn cells_that_differ_in_their_anchors_share_surveys_and_get_the_maps_that_they_g
 
 #[cfg(unix)]
 #[test]
-fn a_killed_sweep_is_taken_up_again_with_the_same_rows() {
+fn a_killed_sweep_is_resumed_with_the_same_rows() {
     let folder = TempDir::new().unwrap();
     let scenario = scenario(&folder, "[sweep]\nruns = 60\n");
     let (whole, out) = (folder.path().join("whole.csv"), folder.path().join("killed.csv"));
@@ -152,10 +152,10 @@ fn a_killed_sweep_is_taken_up_again_with_the_same_rows() {
     assert!(!out.exists(), "a killed sweep must not look finished");
 
     let again = sweep(&scenario, &out, &[]);
-    assert_eq!(again.status.code(), Some(2), "without --resume, nothing that was made is thrown away");
+    assert_eq!(again.status.code(), Some(2), "without --resume, finished parts are not discarded");
     assert!(String::from_utf8_lossy(&again.stderr).contains("--resume"));
     let other = sweep(&scenario, &out, &["--resume", "--seed", "9"]);
-    assert_eq!(other.status.code(), Some(2), "parts of another sweep are not mixed in");
+    assert_eq!(other.status.code(), Some(2), "parts of different sweeps are not mixed");
 
     let resumed = sweep(&scenario, &out, &["--resume"]);
     assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
@@ -164,7 +164,44 @@ fn a_killed_sweep_is_taken_up_again_with_the_same_rows() {
 }
 
 #[test]
-fn a_bad_cell_is_refused_before_anything_runs() {
+fn an_interrupted_sweep_is_not_resumed_after_a_file_that_the_scenario_names_has_changed() {
+    const NODES: &str = "node,x_m,y_m\na,1,1\nb,9,1\nc,9,8\nd,1,8\n";
+    const MESH: &str = "v 5 4 0\nv 7 4 0\nv 6 6 0\nv 6 5 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    const WORLD: &str = "[world.nodes.csv]\nfile = \"nodes.csv\"\n[[world.obstacles]]\nmaterial = \"concrete\"\n\
+                         [world.obstacles.shape.mesh]\nfile = \"block.obj\"\n";
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let smoke = std::fs::read_to_string(program::scenario("smoke.toml")).unwrap();
+    let (start, rest) = smoke.split_once("[world.nodes.lattice]").unwrap();
+    let rest = &rest[rest.find("[radio]").unwrap()..rest.find("[recording]").unwrap()];
+    let text = format!("{start}{WORLD}{rest}[sweep]\nruns = 2\n");
+    for (name, text) in [("swept.toml", &*text), ("nodes.csv", NODES), ("block.obj", MESH)] {
+        std::fs::write(file(name), text).unwrap();
+    }
+    let (scenario, out) = (file("swept.toml"), file("t.csv"));
+    // With a folder at the path of the table, all runs finish but the table cannot be written.
+    std::fs::create_dir(&out).unwrap();
+    assert_eq!(sweep(&scenario, &out, &[]).status.code(), Some(1));
+    std::fs::remove_dir(&out).unwrap();
+
+    for (name, old, new) in
+        [("nodes.csv", NODES, NODES.replace("9,8", "9,7")), ("block.obj", MESH, MESH.replace('7', "8"))]
+    {
+        std::fs::write(file(name), new).unwrap();
+        let changed = sweep(&scenario, &out, &["--resume"]);
+        let text = String::from_utf8_lossy(&changed.stderr).into_owned();
+        assert_eq!(changed.status.code(), Some(2), "{name}: {text}");
+        assert!(text.contains("a different sweep") && text.contains("a file that it names"), "{name}: {text}");
+        assert!(!out.exists(), "{name}");
+        std::fs::write(file(name), old).unwrap();
+    }
+    let resumed = sweep(&scenario, &out, &["--resume"]);
+    assert!(resumed.status.success(), "{}", String::from_utf8_lossy(&resumed.stderr));
+    assert_eq!(table(&out).len(), 2);
+}
+
+#[test]
+fn an_invalid_cell_is_rejected_before_anything_runs() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("t.csv");
     let bad = scenario(&folder, "[sweep.product]\nmaps.0.algorithm.ml_tm.grid_step_m = [0.25, -1.0]\n");

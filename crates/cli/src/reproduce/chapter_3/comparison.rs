@@ -1,4 +1,4 @@
-//! ML-TM beside a map of hop counts and one of signal strengths, on three networks (section 3.5.3, table 3.6).
+//! Comparison of ML-TM with maps from hop counts and from signal strengths, on three networks (section 3.5.3, table 3.6).
 
 use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment, Quantity};
@@ -11,11 +11,11 @@ use crate::summary::{MapSummary, Measure, Number};
 const TABLE: &str = "table 3.6";
 const SECTION: &str = "section 3.5.3";
 
-/// A network, and what the thesis says of it.
+/// A network and its published values.
 pub(super) struct Network {
     pub(super) name: &'static str,
     pub(super) scenario: &'static str,
-    /// Of the [`METHODS`], in their order.
+    /// E_total of each of the [`METHODS`], in their order.
     e_total_percent: [&'static str; 3],
     time_s: &'static str,
 }
@@ -42,10 +42,10 @@ const CONCAVE: Network = Network {
 /// In the order of the thesis.
 pub(super) const NETWORKS: [&Network; 3] = [&CIRCULAR, &SPARSE, &CONCAVE];
 
-/// The connectivity error where it was published: section 3.3 takes the radius of communication, 10 m in table 3.4.
+/// The connectivity error as published: section 3.3 uses the radius of communication, which is 10 m in table 3.4.
 const E_TOTAL: &Number<MapSummary> = &map::CONNECTIVITY_ERROR_2;
 
-/// It and those of the other neighbourhoods.
+/// The connectivity errors for all neighbourhoods.
 const E_TOTALS: [(&str, &Number<MapSummary>); 3] =
     [("10 m", E_TOTAL), ("5 m", &map::CONNECTIVITY_ERROR), ("3 m", &map::CONNECTIVITY_ERROR_1)];
 
@@ -59,19 +59,20 @@ pub(super) fn experiment() -> Experiment {
         distributions: &[],
         claims: claims(),
         notes: &[
-            "The layouts are ours: the thesis' figures are lost. Counts of nodes and areas are those of its text.",
-            "E_total: neighbours outside the ellipse of the best affine map. Section 3.3 calls neighbours the nodes within \
-             the radius of communication, which is 10 m in table 3.4: the published values stand beside that radius. \
-             The other radii are ours.",
-            "The ellipse of section 3.3 has axes of its own for each node (eq. 3.7 and 3.8), which are singular near the \
-             axes of the network: column connectivity_error_per_node of the tables of runs has it, and the published \
-             values may be meant so.",
-            "E_total counts lost neighbours only, so that a map that shrinks or folds gains; symmetric loss (1 - F1) counts \
-             the false ones too.",
-            "Anchors stand at their places and count as neighbours in E_total.",
-            "The hop map (hops of at most 3 m, 20 anchors) is aligned to the true places, as the literature does. The \
-             triangle centroid has a fifth of the nodes as anchors, true path loss, one packet of each anchor. The \
-             thesis gives neither.",
+            "The layouts are ours, because the figures of the thesis are lost. Numbers of nodes and areas are those of its \
+             text.",
+            "E_total is the share of neighbours outside the ellipse of the best affine map. In section 3.3 neighbours are \
+             nodes within the radius of communication, which is 10 m in table 3.4. The published values are compared with \
+             that radius; the other radii are ours.",
+            "In section 3.3 the ellipse has different axes for each node (eq. 3.7 and 3.8). They are singular near the axes \
+             of the network. Column connectivity_error_per_node of the tables of runs has this variant, which may be the \
+             published one.",
+            "E_total counts only lost neighbours, so a map that shrinks or folds has a smaller E_total. Symmetric loss \
+             (1 - F1) counts false neighbours too.",
+            "Anchors are at their true positions and count as neighbours in E_total.",
+            "The hop map (hops of at most 3 m, 20 anchors) is aligned to the true positions, as is usual in the literature. \
+             For the triangle centroid a fifth of the nodes are anchors, the true path loss is known, and each anchor \
+             sends one packet. The thesis does not give these settings.",
         ],
     }
 }

@@ -1,4 +1,4 @@
-//! What the maps of the comparison cost the nodes (section 3.6.1).
+//! The energy that the maps of the comparison cost the nodes (section 3.6.1).
 
 use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment, Quantity};
@@ -9,7 +9,7 @@ use super::method::{METHODS, ML_TM, Method, RSSI, TPM};
 use crate::summary::measures::{map, run};
 use crate::summary::{Measure, Number, Summary};
 
-/// What the simulated radios took, and when.
+/// Energy of the simulated radios, by activity.
 const RADIOS: [(&str, &Number<Summary>); 5] = [
     ("sending during the survey", &run::ENERGY_TX_J),
     ("neighbour discovery, sending", &run::NEIGHBOURS_TX_J),
@@ -26,9 +26,9 @@ pub(super) fn experiment() -> Experiment {
         distributions: &[],
         claims: NETWORKS.into_iter().map(claim).collect(),
         notes: &[
-            "The thesis gives formulas and no numbers. Packets, powers and currents are those of the simulation (CC2420); \
-             time samples are the stops, anchors and neighbours heard are means over the nodes, p = 1 packet sent.",
-            "The simulated radios listen all the time in discovery, also when nothing comes: that is not in the count.",
+            "The thesis gives formulas but no numbers. Packets, powers and currents are those of the simulation (CC2420). \
+             Time samples are the stops; anchors and neighbours heard are means over the nodes; p = 1 packet is sent.",
+            "During discovery the simulated radios listen all the time. The message count does not include this energy.",
         ],
     }
 }
@@ -48,7 +48,7 @@ fn quantities(network: &'static Network) -> impl Iterator<Item = Quantity> {
 fn claim(network: &Network) -> Claim {
     let term = |method: &Method| Term::new(network.scenario, method.measure(&map::MESSAGE_ENERGY_J));
     Claim {
-        text: format!("{}: the RSSI method takes less than ML-TM and the SVD hop map", network.name),
+        text: format!("{}: the RSSI method needs less energy than ML-TM and the SVD hop map", network.name),
         published: Some(Published::new("\"the most energy-efficient\"", "section 3.6.1")),
         check: Check::Least([&RSSI, &ML_TM, &TPM].map(term).to_vec()),
     }

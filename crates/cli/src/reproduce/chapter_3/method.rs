@@ -2,11 +2,11 @@
 
 use crate::summary::{MapSummary, Measure, Number};
 
-/// A way to map a network.
+/// A method of mapping a network.
 pub(super) struct Method {
     pub(super) name: &'static str,
     map: &'static str,
-    /// The equation of the energy that its messages take.
+    /// The equation of the energy of its messages.
     pub(super) equation: &'static str,
 }
 
@@ -21,5 +21,5 @@ pub(super) const TPM: Method = Method { name: "SVD hop map", map: "tpm", equatio
 pub(super) const RSSI: Method =
     Method { name: "RSSI triangle centroid", map: "rssi-triangle-centroid", equation: "eq. 3.18" };
 
-/// In the order of table 3.6, which is that of the published errors.
+/// In the order of table 3.6, by increasing published error.
 pub(super) const METHODS: [&Method; 3] = [&ML_TM, &TPM, &RSSI];

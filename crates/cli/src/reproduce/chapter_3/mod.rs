@@ -10,7 +10,7 @@ mod worked_example;
 
 use super::experiment::Experiment;
 
-/// All of them, in the order of the thesis.
+/// All experiments, in the order of the thesis.
 #[must_use]
 pub fn chapter_3() -> Vec<Experiment> {
     vec![

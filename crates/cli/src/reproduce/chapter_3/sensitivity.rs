@@ -1,4 +1,4 @@
-//! Which trapezoid maps best in which environment (section 3.5.2, table 3.5).
+//! The best trapezoid in each environment (section 3.5.2, table 3.5).
 
 use super::super::claim::{Check, Claim};
 use super::super::experiment::{Content, Experiment};
@@ -17,14 +17,14 @@ const TABLE: &str = "table 3.5";
 /// The sweep over environments, p0 and R.
 const SCENARIO: &str = "ml-tm/sensitivity.toml";
 
-/// A reception profile as far as it is swept over: p0 in per cent, and R in tenths of the radius of communication.
+/// The swept parameters of a reception profile: p0 in per cent, and R in tenths of the radius of communication.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Trapezoid {
     p0_percent: u32,
     range_tenths: u32,
 }
 
-/// The values that the scenario sweeps over. Its radius of communication is 10 m, so that a tenth of it is 1 m.
+/// The values in the sweep of the scenario. Its radius of communication is 10 m, so a tenth of it is 1 m.
 const P0_PERCENT: [u32; 5] = [80, 85, 90, 95, 100];
 const RANGES_TENTHS: [u32; 4] = [7, 8, 9, 10];
 
@@ -38,7 +38,7 @@ impl Trapezoid {
         f64::from(self.range_tenths) / 10.0
     }
 
-    /// All that are tried.
+    /// All combinations.
     fn all() -> impl Iterator<Item = Self> {
         P0_PERCENT
             .into_iter()
@@ -46,7 +46,7 @@ impl Trapezoid {
     }
 }
 
-/// An environment, and what table 3.5 calls the best there.
+/// An environment, and its best trapezoid according to table 3.5.
 struct Environment {
     name: &'static str,
     words: &'static str,
@@ -93,14 +93,14 @@ pub(super) fn experiment() -> Experiment {
         distributions: &[],
         claims: ENVIRONMENTS.iter().flat_map(claims).collect(),
         notes: &[
-            "The network of the thesis' sensitivity study is lost; ours is the circular one.",
-            "E_total counts neighbours within the radius of communication (section 3.3), 10 m in table 3.4: the published \
-             values stand beside that radius. The other radius is ours.",
+            "The network of the sensitivity study in the thesis is lost; ours is the circular one.",
+            "E_total counts neighbours within the radius of communication (section 3.3), which is 10 m in table 3.4. The \
+             published values are compared with that radius; the other radius is ours.",
         ],
     }
 }
 
-/// The best p0 and R of each environment, and how much is lost by the published ones.
+/// The best p0 and R of each environment, and E_total with them and with the published ones.
 fn lines(runs: &Runs) -> Vec<Line> {
     let best = |environment| {
         E_TOTALS.into_iter().flat_map(move |(radius, e_total)| best(runs, environment, radius, e_total))
@@ -108,7 +108,7 @@ fn lines(runs: &Runs) -> Vec<Line> {
     ENVIRONMENTS.iter().flat_map(best).collect()
 }
 
-/// The trapezoid of the least `e_total` in an environment.
+/// The trapezoid with the least `e_total` in an environment.
 fn best(
     runs: &Runs,
     environment: &'static Environment,
@@ -127,9 +127,9 @@ fn best(
     let as_good: Vec<_> = others.filter(is_as_good).map(|other| other.p0().to_string()).collect();
     let best_p0 = match as_good.as_slice() {
         [] => best.p0().to_string(),
-        others => format!("{} (not told from {})", best.p0(), others.join(", ")),
+        others => format!("{} (not significantly better than {})", best.p0(), others.join(", ")),
     };
-    // The thesis' error is that within the radius of communication.
+    // The published error is for the radius of communication.
     let is_published = std::ptr::eq(e_total, E_TOTALS[0].1);
     let published = |value: f64| is_published.then(|| Published::new(value.to_string(), TABLE));
     let percent = |mean: Option<Mean>| mean.map_or(Ours::Missing, |mean| Ours::Mean(mean.times(100.0)));
@@ -143,12 +143,12 @@ fn best(
     vec![
         line("best p0", published(said.p0()), "", Ours::Text(best_p0)),
         line("best R/R_c", published(said.range()), "", Ours::Text(best.range().to_string())),
-        line("E_total there", None, "%", percent(mean(best))),
+        line("E_total at the best p0 and R/R_c", None, "%", percent(mean(best))),
         line(&format!("E_total at p0 {}, R/R_c {}", said.p0(), said.range()), None, "%", percent(mean(said))),
     ]
 }
 
-/// What table 3.5 says of an environment.
+/// The conclusions of table 3.5 for an environment.
 fn claims(environment: &'static Environment) -> [Claim; 2] {
     let best = environment.best;
     let (p0, range) = (best.p0(), best.range());
@@ -168,7 +168,7 @@ fn claims(environment: &'static Environment) -> [Claim; 2] {
     ]
 }
 
-/// The connectivity error over p0, a curve for each R, in each environment.
+/// The connectivity error over p0 in each environment, with a curve for each R.
 fn figures(runs: &Runs) -> Vec<Figure> {
     let (radius, e_total) = E_TOTALS[0];
     let figure = |environment: &Environment| {

@@ -13,13 +13,13 @@ const BALL: &str = "ml-tm/sphere.toml";
 const CYLINDER: &str = "ml-tm/cylinder.toml";
 
 const NOTES: &[&str] = &[
-    "Table 3.4 gives a radius of communication of 10 m for all of chapter 3; with it this network is heard from a single \
-     layer (the scenario says more), so it is 3 m here. E_total counts neighbours within the radius of communication \
-     (section 3.3): the published values stand beside 3 m. The other radius is ours.",
-    "The captions of the two networks are swapped in the thesis; the text decides.",
+    "Table 3.4 gives a radius of communication of 10 m for all of chapter 3. With 10 m the whole network is heard from a \
+     single layer (see the scenario), so the radius is 3 m here. E_total counts neighbours within the radius of \
+     communication (section 3.3), so the published values are compared with 3 m. The other radius is ours.",
+    "The captions of the two networks are swapped in the thesis; we follow its text.",
 ];
 
-/// A network, and what section 3.5.4 says of it.
+/// A network and its published values (section 3.5.4).
 struct Network {
     id: &'static str,
     title: &'static str,
@@ -29,7 +29,7 @@ struct Network {
     time_s: &'static str,
 }
 
-/// The ball: figure 3.13 as LaTeX counts, known as 3.12.
+/// The ball: figure 3.13 by the count of LaTeX, known as 3.12.
 pub(super) fn ball() -> Experiment {
     experiment(Network {
         id: "3.12",
@@ -41,11 +41,11 @@ pub(super) fn ball() -> Experiment {
     })
 }
 
-/// The cylinder: figure 3.14 as LaTeX counts, known as 3.13.
+/// The cylinder: figure 3.14 by the count of LaTeX, known as 3.13.
 pub(super) fn cylinder() -> Experiment {
     experiment(Network {
         id: "3.13",
-        title: "A cylinder of 688 nodes round a block of concrete, in three dimensions",
+        title: "A cylinder of 688 nodes around a block of concrete, in three dimensions",
         scenario: CYLINDER,
         distributions: &[(CYLINDER, "ml-tm")],
         e_total_percent: "10",

@@ -11,7 +11,7 @@ use crate::summary::measures::{map, run};
 const TABLE: &str = "table 3.3";
 const SECTION: &str = "section 3.4";
 
-/// A path, and what table 3.3 says of it.
+/// A path and its published values (table 3.3).
 struct Trajectory {
     name: &'static str,
     scenario: &'static str,
@@ -50,10 +50,10 @@ pub(super) fn experiment() -> Experiment {
         distributions: &[],
         claims: claims(),
         notes: &[
-            "100 nodes at random in 10 m x 10 m, radius of communication 3 m, which is the neighbourhood of E_total. The \
-             thesis gives neither lanes nor steps: both are 1 m here, on each path.",
-            "The table gives lengths of paths in seconds and no speed; section 3.5.3 has 1 m/s.",
-            "The random walk takes a new direction at each step and ends when each node was heard five times.",
+            "100 nodes at random in 10 m x 10 m. The radius of communication is 3 m, which is also the neighbourhood of \
+             E_total. The thesis gives neither the distance of lanes nor the length of steps: both are 1 m here.",
+            "The table gives the lengths of paths in seconds, without a speed; section 3.5.3 has 1 m/s.",
+            "The random walk takes a new direction at each step, and ends when each node was heard five times.",
         ],
     }
 }

@@ -1,4 +1,4 @@
-//! The worked example of the thesis: the likelihood of one node at four vertices, from the distances that it prints.
+//! The worked example of the thesis: the likelihood of one node at four vertices, from the printed distances.
 
 use sextant_mapper::{Trapezoid, TrapezoidConfig};
 
@@ -7,12 +7,12 @@ use super::super::line::{Line, Ours};
 use super::super::published::Published;
 use super::super::runs::Runs;
 
-/// The stop at which node p was heard, of six.
+/// The stop at which node p was heard, of six stops.
 const HEARD: usize = 2;
 
 /// Vertices with their printed distances to the six stops (m), and the printed likelihood.
 const PRINTED: [(&str, [f64; 6], &str); 4] = [
-    // The distance to the first stop is printed as 0, at which nothing that was sent could have been missed.
+    // The distance to the first stop is printed as 0. At this distance a sent packet would always be received.
     ("(0, 0)", [0.0, 1.44, 2.64, 3.78, 4.68, 6.02], "0"),
     ("(1, 1)", [1.41, 0.36, 1.36, 2.42, 3.2, 4.6], "0.0325"),
     ("(1, 3)", [3.16, 1.81, 0.76, 1.3, 2.5, 3.64], "0.3708"),
@@ -30,7 +30,7 @@ pub(super) fn experiment() -> Experiment {
     }
 }
 
-/// The likelihoods under p0 = 1, R = 2 m and r = 0.1 m, with which the printed factors agree; the text says r = 0.2 m.
+/// The likelihoods for p0 = 1, R = 2 m and r = 0.1 m, which agree with the printed factors; the text says r = 0.2 m.
 fn lines(_: &Runs) -> Vec<Line> {
     let profile = Trapezoid::try_from(TrapezoidConfig::new(1.0, 0.1, 2.0).literal());
     let likelihood = |distances_m: &[f64; 6]| {
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_printed_likelihoods_come_out_within_their_rounding() {
+    fn the_printed_likelihoods_are_reproduced_within_rounding() {
         let runs = Runs::new(std::path::PathBuf::new(), std::num::NonZeroU32::MIN);
         for line in lines(&runs) {
             let Ours::Exact(ours) = line.ours else { panic!("no likelihood for {}", line.what) };

@@ -1,4 +1,4 @@
-//! Choices: a name, or a table of one key with its settings.
+//! Choices: a name, or a table with one key and its settings.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, VariantAccess, Visitor};
@@ -9,10 +9,10 @@ use crate::scenario::document::{Table, Value};
 use crate::scenario::key_path::Step;
 use crate::scenario::refusal::Refusal;
 
-/// A table without settings, which a choice by name alone stands for.
+/// The empty table that a choice by name alone means.
 static NOTHING: Value = Value::Table(Table::new());
 
-/// The one choice that a table makes. A choice of a later layer replaces that of an earlier one.
+/// The choice in a table. The choice of a later layer replaces that of an earlier one.
 pub(super) fn choice<'a>(table: &'a Table, variants: &'static [&'static str]) -> Result<Choice<'a>, Refused> {
     let latest = table.values().map(|entry| entry.layer).max();
     let mut chosen = table.iter().filter(|(_, entry)| Some(entry.layer) == latest);
@@ -24,12 +24,12 @@ pub(super) fn choice<'a>(table: &'a Table, variants: &'static [&'static str]) ->
         }
         .into()),
         (Some(_), Some(_)) => {
-            // An unknown name among several is the likelier mistake.
+            // If one of several names is unknown, it is the more likely mistake.
             if let Some(name) = table.keys().find(|name| !variants.contains(&name.as_str())) {
                 return Err(de::Error::unknown_variant(name, variants));
             }
             let choices = names(table.keys().map(String::as_str));
-            Err(Refusal::Other(format!("{choices} exclude each other: keep one")).into())
+            Err(Refusal::Other(format!("only one of {choices} is allowed")).into())
         }
     }
 }
@@ -45,18 +45,17 @@ pub(super) struct Choice<'a> {
 }
 
 impl Choice<'_> {
-    /// What was refused lies in the variant.
+    /// Adds the variant to the path of an error.
     fn below(&self, refused: Refused) -> Refused {
         refused.below(Step::Key(self.name.to_owned()))
     }
 
-    /// The content; of a name alone, a table without settings: `mac = "csma_unslotted"` means the defaults, if all
-    /// settings have one.
+    /// The content; an empty table for a name alone. So `mac = "csma_unslotted"` means the default settings.
     fn reader(&self) -> Reader<'_> {
         Reader(self.content.unwrap_or(&NOTHING))
     }
 
-    /// Refuses settings.
+    /// Rejects any settings.
     fn without_settings(&self) -> Result<(), Refused> {
         match self.content {
             None => Ok(()),

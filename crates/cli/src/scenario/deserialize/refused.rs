@@ -1,4 +1,4 @@
-//! Refusals of settings on their way up to the document.
+//! Errors of settings during deserialization.
 
 use std::fmt;
 
@@ -7,12 +7,12 @@ use serde::de::{self, Expected, Unexpected};
 use crate::scenario::key_path::Step;
 use crate::scenario::refusal::Refusal;
 
-/// A refusal, and the steps to it from the top, the last one first.
+/// An error, and the steps of the path to it in reverse order.
 #[derive(Debug)]
 pub(super) struct Refused(pub(super) Box<(Refusal, Vec<Step>)>);
 
 impl Refused {
-    /// What was refused lies one step further down.
+    /// Adds the step above the error to its path.
     pub(super) fn below(mut self, step: Step) -> Self {
         self.0.1.push(step);
         self
@@ -69,7 +69,7 @@ impl de::Error for Refused {
     }
 }
 
-/// What was found, in the words of a person who writes TOML.
+/// What was found, in the terms of TOML.
 pub(super) fn found(unexpected: Unexpected<'_>) -> String {
     match unexpected {
         Unexpected::Bool(value) => format!("the boolean {value}"),

@@ -1,10 +1,10 @@
-//! A number of a run: of all of it, or of one of its maps.
+//! A number of a run or of one of its maps.
 
 use super::number::{Number, Unit};
 use super::{map, node_errors, run};
 use crate::summary::{MapSummary, Summary};
 
-/// A number of a run.
+/// A number of a run or of one of its maps.
 #[derive(Clone, Copy, Debug)]
 pub enum Measure<'a> {
     /// A number of the run as a whole.
@@ -14,7 +14,7 @@ pub enum Measure<'a> {
 }
 
 impl Measure<'_> {
-    /// Name of its column: that of the map stands before the number.
+    /// Name of its column; a number of a map begins with the name of the map.
     #[must_use]
     pub fn column(&self) -> String {
         match self {
@@ -46,7 +46,7 @@ impl Measure<'_> {
     }
 }
 
-/// The same column, so the same measure.
+/// Measures are equal if their columns are.
 impl PartialEq for Measure<'_> {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -70,7 +70,7 @@ mod tests {
     use crate::summary::{EnergySummary, ErrorSummary, GatheringSummary};
 
     #[test]
-    fn a_measure_is_read_from_the_run_or_from_the_map_of_its_name() {
+    fn a_measure_is_read_from_the_run_or_from_the_named_map() {
         let energy = EnergySummary { tx: 0.5, rx: 1.25, idle: 0.1 };
         let map = MapSummary {
             name: Some("fine".into()),

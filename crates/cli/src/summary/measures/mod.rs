@@ -1,4 +1,4 @@
-//! The numbers of a summary, each under one name: what a sweep writes into columns and `reproduce` compares with the thesis.
+//! The numbers of a summary by name. A sweep writes them as columns, and `reproduce` compares them with the thesis.
 
 pub mod map;
 mod measure;

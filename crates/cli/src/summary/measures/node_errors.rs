@@ -1,5 +1,5 @@
-//! The distribution of the connectivity errors of the nodes of one map: which share of them loses at most each of
-//! [`NODE_ERRORS`](crate::summary::NODE_ERRORS) of its neighbours.
+//! The distribution of the connectivity errors of the nodes of one map: the share of the nodes whose error is at most
+//! each of [`NODE_ERRORS`](crate::summary::NODE_ERRORS).
 
 use super::number::{Number, Unit, numbers};
 use crate::summary::MapSummary;
@@ -28,7 +28,7 @@ mod tests {
     use crate::summary::{ConnectivitySummary, NODE_ERRORS};
 
     #[test]
-    fn each_column_names_its_limit_and_holds_the_share_there() {
+    fn each_column_has_its_limit_in_its_name_and_the_share_there() {
         let cdf = std::array::from_fn(|i| [NODE_ERRORS[i], 0.5 + 0.01 * i as f64]);
         let connectivity = ConnectivitySummary { node_error_cdf: Some(cdf), ..ConnectivitySummary::default() };
         let map = MapSummary { connectivity_errors: vec![connectivity], ..MapSummary::default() };

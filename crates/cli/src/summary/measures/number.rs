@@ -3,7 +3,7 @@
 /// The unit of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// A number of things.
+    /// A count.
     Count,
     /// A share or a rate, 0 to 1.
     Share,
@@ -16,7 +16,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The unit in which people read it, and its factor to that unit.
+    /// The factor to the unit in printed tables, and that unit.
     #[must_use]
     pub fn for_people(self) -> (f64, &'static str) {
         match self {
@@ -29,7 +29,7 @@ impl Unit {
     }
 }
 
-/// A number that every `T` has, or has not because it does not apply.
+/// A number that is read from a `T`, if it applies.
 #[derive(Debug)]
 pub struct Number<T> {
     /// Name of its column.
@@ -43,7 +43,7 @@ pub(super) fn count(count: u64) -> f64 {
     count as f64
 }
 
-/// Names numbers of a `T`, and lists them in `ALL`: the column, the unit, how it is read.
+/// Declares numbers of a `T` by column, unit and a function that reads them, and lists them in `ALL`.
 macro_rules! numbers {
     ($of:ty { $($name:ident $column:literal $unit:ident $read:expr;)* }) => {
         $(

@@ -1,4 +1,4 @@
-//! Apache Parquet, by the crate of the Arrow project.
+//! Tables in Apache Parquet, written by the crate of the Arrow project.
 
 use std::io;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub(super) fn encode(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec
     in_one_group(columns, rows).map_err(|error| io::Error::other(error.to_string()))
 }
 
-/// One row group; a text that is empty is null.
+/// One row group; an empty text becomes null.
 fn in_one_group(columns: &[Column], rows: &[Vec<String>]) -> Result<Vec<u8>, ParquetError> {
     let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
     let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_parquet_table_is_read_back_with_types_and_nulls() {
+    fn a_parquet_table_keeps_types_and_nulls() {
         let (columns, rows) = table();
         let reader = SerializedFileReader::new(bytes::Bytes::from(encode(&columns, &rows).unwrap())).unwrap();
         let read: Vec<Vec<Field>> = reader

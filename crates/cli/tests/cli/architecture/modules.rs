@@ -1,20 +1,20 @@
-//! The modules of a crate, and which of them names which.
+//! The modules of a crate and their dependencies.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::source::Source;
 
-/// A module that has a file of its own: the names from the top of its crate.
+/// A module with its own file: the names from the root of the crate.
 type Module = Vec<String>;
 
-/// The modules of one crate that have files of their own.
+/// The modules of one crate that have their own files.
 #[derive(Debug)]
 pub(super) struct Modules {
     sources: BTreeMap<Module, Source>,
 }
 
-/// Steps from one re-export to the next, at most: more would be a circle of names.
+/// Maximum number of re-exports to follow; more would be a circle.
 const LONGEST_CHAIN: u32 = 16;
 
 impl Modules {
@@ -36,7 +36,7 @@ impl Modules {
         Self::of(texts.iter().map(|(name, text)| (name.as_str(), text.as_str())))
     }
 
-    /// The modules of the files (name, text). Programs, which nobody can name, are left out.
+    /// The modules of the files (name, text). Programs are ignored, because no module can use them.
     pub(super) fn of<'a>(files: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
         let files = files.into_iter().filter(|(name, _)| *name != "main.rs" && !name.starts_with("bin/"));
         let mut sources: BTreeMap<Module, Source> =
@@ -50,8 +50,7 @@ impl Modules {
         Self { sources }
     }
 
-    /// Which modules each module names. A name that a module only hands on counts as that of the module where it comes
-    /// from.
+    /// The modules that each module uses. A re-exported item counts as an item of the module that defines it.
     fn arrows(&self) -> BTreeMap<&Module, BTreeSet<&Module>> {
         let arrows = |(module, source): (&'_ Module, &Source)| -> BTreeSet<&Module> {
             let targets = source.paths.iter().filter_map(|(inner, path)| self.target(module, *inner, path));
@@ -60,8 +59,8 @@ impl Modules {
         self.sources.iter().map(|(module, source)| (module, arrows((module, source)))).collect()
     }
 
-    /// The circles: modules side by side each of which, with all that is in it, leads to all others of its circle and back.
-    /// Parts may name the module that they are part of, and it names them: that is no circle.
+    /// The circles of sibling modules: each module of a circle, with its children, depends on all others of the circle. A
+    /// module and its own children may use each other.
     pub(super) fn circles(&self) -> Vec<Vec<String>> {
         let mut beside: BTreeMap<&[String], BTreeSet<(Module, Module)>> = BTreeMap::new();
         for (module, others) in self.arrows() {
@@ -76,7 +75,7 @@ impl Modules {
         beside.values().flat_map(circles).map(|circle| circle.iter().map(name).collect()).collect()
     }
 
-    /// The arrows between the modules of a circle, with all that is in them.
+    /// The dependencies between the modules of a circle and their children.
     pub(super) fn ties(&self, circle: &[String]) -> Vec<String> {
         let member = |module: &Module| {
             let name = name(module);
@@ -88,8 +87,7 @@ impl Modules {
         })
     }
 
-    /// The arrows that lead up where the modules at the top of the crate stand in the order of `rooms`, which has all
-    /// of them.
+    /// The dependencies of top-level modules on earlier ones in `rooms`, which lists all of them from top to bottom.
     pub(super) fn upwards(&self, rooms: &[&str]) -> Vec<String> {
         let floor = |module: &Module| {
             let room = module.first()?;
@@ -106,11 +104,11 @@ impl Modules {
         wanted.map(|(from, to)| format!("{} -> {}", name(from), name(to))).collect()
     }
 
-    /// The module where what `path` names stands, if it is one of this crate. The path stands in `module`, or in one
-    /// that is `inner` modules further down in the same file.
+    /// The module that defines the item at `path`, if it is in this crate. The path is used in `module`, or in an inline
+    /// module `inner` levels deeper in the same file.
     fn target(&self, module: &Module, inner: usize, path: &[String]) -> Option<&Module> {
         let mut base = module.clone();
-        // What stands in the file itself, within its inner modules, leads nowhere.
+        // Paths to inline modules of the same file are no dependencies.
         let mut inner = inner;
         let mut path = path;
         match path.first()?.as_str() {
@@ -155,7 +153,7 @@ impl Modules {
             Some(import) if chain > 0 => {
                 let onward = [import.path.as_slice(), &path[1..]].concat();
                 let target = self.target_of_import(at, &onward, chain - 1);
-                // A name from another crate is used where it is handed on from.
+                // An item of another crate belongs to the module that re-exports it.
                 target.or(Some(at))
             }
             _ => Some(at),
@@ -179,7 +177,7 @@ impl Modules {
     }
 }
 
-/// The circles that `arrows` form.
+/// The circles in `arrows`.
 fn circles(arrows: &BTreeSet<(Module, Module)>) -> BTreeSet<Vec<Module>> {
     let reached: BTreeMap<&Module, BTreeSet<&Module>> =
         arrows.iter().map(|(from, _)| (from, reached(from, arrows))).collect();
@@ -194,7 +192,7 @@ fn circles(arrows: &BTreeSet<(Module, Module)>) -> BTreeSet<Vec<Module>> {
     circles
 }
 
-/// The modules that `arrows` lead to from `from`.
+/// The modules that can be reached from `from`.
 fn reached<'a>(from: &'a Module, arrows: &'a BTreeSet<(Module, Module)>) -> BTreeSet<&'a Module> {
     let mut reached = BTreeSet::new();
     let mut next = vec![from];

@@ -1,6 +1,6 @@
-//! What one source file says of other modules: its `mod` lines, its `use` lines, and the paths in its code.
+//! The references of one source file to other modules: `mod` lines, `use` lines, and paths in code.
 
-/// A piece of Rust that matters for paths.
+/// A token of Rust code, as far as paths need it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Token {
     Word(String),
@@ -9,23 +9,24 @@ enum Token {
     Mark(char),
 }
 
-/// A name that a `use` line brings into its module.
+/// A name that a `use` line imports.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Import {
-    /// The name; `*` if the line brings in all of a module.
+    /// The name; `*` if the line imports all names of a module.
     pub(super) name: String,
-    /// What it stands for, as written.
+    /// The path, as written.
     pub(super) path: Vec<String>,
 }
 
-/// What a source file says of other modules. Code under `#[cfg(test)]` is left out: tests may look at anything.
+/// The references of a source file to other modules. Code under `#[cfg(test)]` is ignored, because tests may use
+/// everything.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Source {
     /// Modules that exist for tests only.
     pub(super) test_modules: Vec<String>,
     /// The `use` lines of the module itself.
     pub(super) imports: Vec<Import>,
-    /// Every path in `use` lines and code that has more than one step, and how many modules of this file it stands in.
+    /// Every path in `use` lines and code with more than one step, and the number of inline modules around it.
     pub(super) paths: Vec<(usize, Vec<String>)>,
 }
 
@@ -43,7 +44,7 @@ impl Source {
 struct Reader {
     tokens: Vec<Token>,
     at: usize,
-    /// Depths of braces at which the modules within the file began that are open here.
+    /// The depths of braces at which the current inline modules began.
     inner: Vec<usize>,
     depth: usize,
     source: Source,
@@ -95,7 +96,7 @@ impl Reader {
         self.at += 1;
     }
 
-    /// The item after `#[cfg(test)]`.
+    /// Skips the item after `#[cfg(test)]`.
     fn skip_item(&mut self) {
         while !self.is(0, ']') {
             self.at += 1;
@@ -130,7 +131,7 @@ impl Reader {
         }
     }
 
-    /// The names that a tree of `use` brings in, which begins here after `prefix`.
+    /// The names that the `use` tree imports which begins here, after `prefix`.
     fn tree(&mut self, prefix: &[String]) -> Vec<Import> {
         let mut path = prefix.to_vec();
         loop {
@@ -173,7 +174,7 @@ impl Reader {
         }
     }
 
-    /// A path in code.
+    /// Reads a path in code.
     fn path(&mut self) {
         let mut path = Vec::new();
         while let Some(word) = self.word(0) {
@@ -190,7 +191,7 @@ impl Reader {
     }
 }
 
-/// The tokens of a text without comments, texts in quotes, numbers and lifetimes.
+/// The tokens of a text, without comments, strings, numbers and lifetimes.
 fn tokens(text: &str) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut rest = text;
@@ -225,7 +226,7 @@ fn tokens(text: &str) -> Vec<Token> {
     tokens
 }
 
-/// Length of a text in quotes that begins here, backslashes minded.
+/// Length of the quoted string that begins here, with its escapes.
 fn quoted(rest: &str, quote: char) -> usize {
     let mut is_escaped = false;
     for (at, c) in rest.char_indices().skip(1) {
@@ -237,7 +238,7 @@ fn quoted(rest: &str, quote: char) -> usize {
     rest.len()
 }
 
-/// Length of a character in quotes, or of a lifetime, that begins here.
+/// Length of the character literal or lifetime that begins here.
 fn character(rest: &str) -> usize {
     let mut letters = rest[1..].chars();
     match (letters.next(), letters.next()) {
@@ -247,7 +248,7 @@ fn character(rest: &str) -> usize {
     }
 }
 
-/// Length of a raw text, `r#".."#`, that begins here.
+/// Length of the raw string, `r#".."#`, that begins here.
 fn raw_text(rest: &str) -> Option<usize> {
     let after = rest.strip_prefix("br").or_else(|| rest.strip_prefix('r'))?;
     let marks = after.len() - after.trim_start_matches('#').len();
@@ -264,7 +265,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_tells_its_paths() {
+    fn paths_imports_and_test_modules_of_a_file_are_found() {
         let source = Source::read(
             "//! crate::in_a_comment::A\nuse crate::a::{B, c::{self, D as E}};\npub(super) use super::f::*;\n\
              fn g<'a>(x: &'a str) -> crate::h::I { \"crate::text::J\"; r#\"crate::raw::K\"#; '\"'; super::l::m(x) }\n\

@@ -9,7 +9,7 @@ use sextant_kernel::SimTime;
 
 use super::packet;
 
-/// An acknowledgement and a data frame, whose check sequences tshark 4.0 finds correct.
+/// An acknowledgement and a data frame. Their check sequences are correct according to tshark 4.0.
 const ACK: &[u8] = &[0x02, 0x00, 0x05, 0x15, 0xE2];
 const DATA: &[u8] = &[0x61, 0x88, 0x05, 0x34, 0x12, 0x00, 0x00, 0x07, 0x00, 0x68, 0x65, 0x6C, 0x6C, 0x6F, 0x87, 0x88];
 
@@ -34,9 +34,9 @@ fn received(dbm: f64, mpdu: &[u8]) -> CapturedFrame<'_> {
 }
 
 #[test]
-fn a_capture_of_one_frame_has_the_octets_of_the_formats() {
+fn a_capture_of_one_frame_has_the_octets_of_the_format() {
     // Numbers packed with Python's `struct`.
-    // RSS -81.5 dBm is 0xC2A30000; 18.5 of 40 dB above the sensitivity are LQI 118. End 2.123808789 s.
+    // An RSS of -81.5 dBm is 0xC2A30000; 18.5 of 40 dB above the sensitivity is an LQI of 118. The end is 2.123808789 s.
     let expected = "4d3cb2a1 0200 0400 00000000 00000000 ffff0000 1b010000
         02000000 152c6107 41000000 41000000
         00003c00 0000010001000000 010004000000a3c2 030003000f000000
@@ -46,7 +46,7 @@ fn a_capture_of_one_frame_has_the_octets_of_the_formats() {
 }
 
 #[test]
-fn a_frame_that_is_nobodys_has_neither_strength_nor_quality() {
+fn a_frame_without_a_receiver_has_neither_strength_nor_quality() {
     let frame = CapturedFrame { signal: None, ..received(0.0, DATA) };
     let [packet] = &packet::read(&captured(26, &[frame]))[..] else { panic!("one packet") };
     assert_eq!(packet.fields.keys().copied().collect::<Vec<_>>(), [0, 3, 5, 6]);

@@ -1,4 +1,4 @@
-//! A disk that fails is reported, once and for all.
+//! A failing disk is reported, also by all later calls.
 
 use std::path::Path;
 use std::time::Duration;
@@ -16,21 +16,21 @@ const FRAME: CapturedFrame<'_> = CapturedFrame {
 };
 
 #[test]
-fn the_first_write_error_answers_every_later_call() {
+fn every_later_call_returns_the_first_write_error() {
     let mut capture = Capture::new(FailingDisk::new(150), Path::new("a.pcap"), 11).unwrap();
     assert_eq!(capture.frame(&FRAME), Ok(()));
     let first = capture.frame(&FRAME).unwrap_err();
-    assert!(matches!(&first, RecordingError::WriteCapture { why, .. } if why == "no room for it"), "{first}");
-    assert!(first.is_of_the_system());
+    assert!(matches!(&first, RecordingError::WriteCapture { why, .. } if why == "no space left"), "{first}");
+    assert!(first.is_system_error());
     assert_eq!(capture.frame(&FRAME), Err(first.clone()));
     assert_eq!(capture.into_output().err(), Some(first));
     assert!(Capture::new(FailingDisk::new(23), Path::new("a.pcap"), 11).is_err());
 }
 
-/// `/dev/full` answers every write as a full disk does.
+/// Writes to `/dev/full` fail like writes to a full disk.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_leaves_the_part_file_and_no_capture() {
+fn a_full_disk_leaves_only_the_part_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.pcap");
     let part = folder.path().join("a.pcap.part");
@@ -42,7 +42,7 @@ fn a_full_disk_leaves_the_part_file_and_no_capture() {
 }
 
 #[test]
-fn a_file_has_its_name_only_when_it_is_whole() {
+fn a_file_gets_its_final_name_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.pcap");
     let mut capture = FileCapture::create(&path, 11).unwrap();

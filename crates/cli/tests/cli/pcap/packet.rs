@@ -1,20 +1,20 @@
-//! An independent reader of pcap and TAP headers, written from the formats and not from the writer.
+//! An independent reader of pcap and TAP headers, based on the specifications and not on the writer.
 
 use std::collections::BTreeMap;
 
 /// A record of a capture.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Packet {
-    /// Stamp (ns).
+    /// Timestamp (ns).
     pub(crate) stamp_ns: u64,
     /// Values of the TAP header by type, without padding.
     pub(crate) fields: BTreeMap<u16, Vec<u8>>,
     pub(crate) mpdu: Vec<u8>,
 }
 
-/// Takes `count` octets off the front.
+/// Removes `count` octets from the front.
 fn take<'a>(octets: &mut &'a [u8], count: usize) -> &'a [u8] {
-    let (head, rest) = octets.split_at_checked(count).expect("the file is whole");
+    let (head, rest) = octets.split_at_checked(count).expect("the file is complete");
     *octets = rest;
     head
 }
@@ -27,7 +27,7 @@ fn size(octets: &[u8]) -> usize {
     usize::try_from(number(octets)).expect("it fits")
 }
 
-/// Reads a whole capture.
+/// Reads all packets of a capture.
 pub(crate) fn read(file: &[u8]) -> Vec<Packet> {
     let mut rest = file;
     let header = take(&mut rest, 24);
@@ -77,7 +77,7 @@ impl Packet {
         (number(&value[..2]), value[2])
     }
 
-    /// First symbol and end of the last (ns).
+    /// Start of the first symbol and end of the last one (ns).
     pub(crate) fn span_ns(&self) -> (u64, u64) {
         let [start, end] = [5, 6].map(|field| self.value(field).expect("a stamp"));
         assert_eq!((start.len(), end.len()), (8, 8));
@@ -97,7 +97,7 @@ impl Packet {
         self.mpdu[2]
     }
 
-    /// Whether the two octets at the end are the check sequence of those before, bit by bit as in the standard.
+    /// Whether the last two octets are the check sequence of the others, computed bit by bit as in the standard.
     pub(crate) fn has_good_fcs(&self) -> bool {
         let (covered, check) = self.mpdu.split_last_chunk::<2>().expect("a frame has a check sequence");
         let mut register = 0_u16;

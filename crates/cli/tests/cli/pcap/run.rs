@@ -1,4 +1,4 @@
-//! `sextant run --pcap`: which frames it writes, and what is left when it is disturbed.
+//! `sextant run --pcap`: the frames that it writes, and its output after an interrupt or a failure.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -37,10 +37,10 @@ fn count(packets: &[Packet]) -> u64 {
 }
 
 #[test]
-fn all_frames_on_air_are_captured_in_the_order_of_their_ends() {
+fn all_frames_are_captured_in_the_order_of_their_ends() {
     let (file, summary) = captured(&[]);
     let packets = packet::read(&file);
-    // A frame that is still on air at the end of the run has no end.
+    // A frame that is still on air at the end of the run is not captured.
     let sent = summary["gathering"]["packets_sent"].as_u64().unwrap();
     assert!((sent..=sent + 3).contains(&count(&packets)), "{} packets of {sent}", packets.len());
     assert!(packets.iter().all(|packet| packet.has_good_fcs() && packet.mpdu.len() == 20));
@@ -55,14 +55,14 @@ fn all_frames_on_air_are_captured_in_the_order_of_their_ends() {
 }
 
 #[test]
-fn a_robot_captures_what_it_hears_with_its_strength() {
+fn a_robot_captures_received_frames_with_their_strength() {
     let words = ["--set", "recording.pcap.robot=surveyor", "--set", "recording.pcap.channel=15"];
     let (file, summary) = captured(&words);
     let packets = packet::read(&file);
     assert_eq!(Some(count(&packets)), summary["gathering"]["packets_received"].as_u64());
     for packet in &packets {
         let (rss, quality) = (packet.rss_dbm().unwrap(), packet.link_quality().unwrap());
-        // What is received is above the sensitivity; the quality follows it up to -50 dBm.
+        // Received frames are above the sensitivity; their quality grows with the strength up to -50 dBm.
         assert!((-90.0..0.0).contains(&rss), "{rss} dBm");
         assert!(
             (f32::from(quality) - (255.0 * (rss + 90.0) / 40.0).min(255.0)).abs() <= 0.51,
@@ -73,7 +73,7 @@ fn a_robot_captures_what_it_hears_with_its_strength() {
 }
 
 #[test]
-fn acknowledgements_of_robots_are_on_air_too() {
+fn acknowledgements_of_robots_are_captured_too() {
     let acknowledged = [
         "--set",
         "traffic.query={ acknowledged = true, mpdu_octets = 20, at_s = 3.5 }",
@@ -88,7 +88,7 @@ fn acknowledgements_of_robots_are_on_air_too() {
     assert!(summary["gathering"]["packets_received"].as_u64().unwrap() > 5, "{summary:#}");
     assert!(acknowledgements.len() > 5);
     for ack in acknowledgements {
-        // 192 us after the frame that it answers.
+        // It starts 192 us after the end of the acknowledged frame.
         let (start, end) = ack.span_ns();
         assert_eq!((ack.mpdu.len(), end - start), (5, 352_000));
         assert!(ack.has_good_fcs());
@@ -99,7 +99,7 @@ fn acknowledgements_of_robots_are_on_air_too() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_leaves_a_whole_capture() {
+fn ctrl_c_leaves_a_complete_capture() {
     let folder = TempDir::new().unwrap();
     let child = sextant()
         .current_dir(folder.path())
@@ -119,9 +119,9 @@ fn ctrl_c_leaves_a_whole_capture() {
 
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_an_error_and_the_frames_written_before_stay() {
+fn a_full_disk_is_an_error_and_the_frames_written_before_are_kept() {
     let folder = TempDir::new().unwrap();
-    // A limit on the size of files stands in for the disk.
+    // A limit on the size of files has the effect of a full disk.
     let script = "trap '' XFSZ; ulimit -f 64; exec \"$0\" run \"$1\" --pcap a.pcap";
     let output = Command::new("bash")
         .args(["-c", script, env!("CARGO_BIN_EXE_sextant")])
@@ -131,12 +131,12 @@ fn a_full_disk_is_an_error_and_the_frames_written_before_stay() {
         .expect("bash starts");
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{error}");
-    assert!(error.contains("cannot write `a.pcap.part`") && error.contains("are left there"), "{error}");
+    assert!(error.contains("cannot write `a.pcap.part`") && error.contains("are kept"), "{error}");
     assert!(!folder.path().join("a.pcap").exists() && folder.path().join("a.pcap.part").exists());
 }
 
 #[test]
-fn a_capture_over_the_recording_a_bad_channel_and_an_unknown_robot_are_refused() {
+fn a_shared_output_an_invalid_channel_and_an_unknown_robot_are_rejected() {
     for (words, expected) in [
         (&["--out", "./a.pcap"][..], "`--pcap` and `--out` are both"),
         (&["--summary", "a.pcap"], "`--pcap` and `--summary` are both"),

@@ -1,4 +1,4 @@
-//! Wireshark agrees: its dissectors decode every frame and find every check sequence correct.
+//! Wireshark decodes every frame, and finds every check sequence correct.
 
 use std::io::Write;
 use std::process::Command;
@@ -6,23 +6,23 @@ use std::process::Command;
 use super::packet;
 use super::run::{run, run_scenario};
 
-/// Environment variable that says that tshark must be there: the name of its program.
+/// Environment variable with the name of the program tshark. If it is set, tshark must exist.
 const VARIABLE: &str = "SEXTANT_TSHARK";
 
-/// The program, if it is there. A bare machine may lack it; one that was named may not.
+/// The program, if it exists. If the variable names it, it must exist.
 fn tshark() -> Option<String> {
     let program = std::env::var(VARIABLE).unwrap_or_else(|_| "tshark".to_owned());
     let is_there = Command::new(&program).arg("--version").output().is_ok_and(|output| output.status.success());
     if is_there {
         return Some(program);
     }
-    assert!(std::env::var_os(VARIABLE).is_none(), "`{program}` does not start; {VARIABLE} says that it must");
-    // Not captured by the test harness, so that nobody takes a skipped check for a passed one.
+    assert!(std::env::var_os(VARIABLE).is_none(), "`{program}` does not start, but {VARIABLE} names it");
+    // The test harness does not capture this, so a skipped check is visible.
     let _ = writeln!(std::io::stderr(), "skipped: tshark is not installed; set {VARIABLE} to its program");
     None
 }
 
-/// Values of `fields` of every packet of the capture, and what the dissectors complain about.
+/// Values of `fields` of every packet of the capture.
 fn dissect(program: &str, file: &std::path::Path, fields: &[&str]) -> Vec<Vec<String>> {
     let mut command = Command::new(program);
     command.arg("-r").arg(file).args(["-T", "fields"]);
@@ -35,7 +35,7 @@ fn dissect(program: &str, file: &std::path::Path, fields: &[&str]) -> Vec<Vec<St
     text.lines().map(|line| line.split('\t').map(str::to_owned).collect()).collect()
 }
 
-/// Tests of the smoke run under `words`: what tshark reads is what our own parser reads.
+/// Checks for the smoke run with `words` that tshark reads the same as our own parser.
 fn agrees(words: &[&str]) {
     let Some(program) = tshark() else { return };
     let folder = tempfile::tempdir().unwrap();
@@ -78,12 +78,12 @@ fn agrees(words: &[&str]) {
 }
 
 #[test]
-fn tshark_decodes_what_a_robot_hears() {
+fn tshark_decodes_the_frames_that_a_robot_receives() {
     agrees(&["--set", "recording.pcap.robot=surveyor", "--set", "recording.pcap.channel=26"]);
 }
 
 #[test]
-fn tshark_decodes_all_frames_on_air_acknowledgements_included() {
+fn tshark_decodes_all_frames_and_acknowledgements() {
     agrees(&[
         "--set",
         "traffic.query={ acknowledged = true, mpdu_octets = 20, at_s = 3.5 }",
@@ -95,7 +95,7 @@ fn tshark_decodes_all_frames_on_air_acknowledgements_included() {
 }
 
 #[test]
-fn tshark_decodes_beacons_and_the_superframes_that_they_open() {
+fn tshark_decodes_beacons_and_their_superframes() {
     let Some(program) = tshark() else { return };
     let folder = tempfile::tempdir().unwrap();
     let words = ["--set", "recording.pcap={}", "--set", "maps=[]"];
@@ -121,7 +121,7 @@ fn tshark_decodes_beacons_and_the_superframes_that_they_open() {
         assert_eq!((beacon[3].as_str(), beacon[4].as_str(), beacon[5].as_str()), ("4", "2", "13"), "{beacon:?}");
         assert!(matches!(beacon[6].as_str(), "1" | "True") && beacon[7] == "2", "{beacon:?}");
     }
-    // Beacons keep to a grid of 245.76 ms, whether the robot drives in between or not.
+    // Beacons are sent every 245.76 ms, also while the robot drives.
     let micros = |row: &Vec<String>| {
         let (seconds, fraction) = row[8].split_once('.').unwrap();
         1_000_000 * seconds.parse::<u64>().unwrap() + fraction.parse::<u64>().unwrap() / 1000

@@ -1,14 +1,15 @@
-//! What is left of a damaged recording is saved; what is not a recording says so.
+//! Damaged recordings are recovered, and other files are rejected.
 
 use std::path::{Path, PathBuf};
 
+use sextant::interrupt::Interrupt;
 use sextant::recording::{FileRecorder, RecordingError, inspect, read_log, recover};
 use sextant_channel::ReceptionLog;
 use tempfile::TempDir;
 
 use super::sample::{self, Numbers};
 
-/// A recording in a folder of its own: the folder, its path, its octets.
+/// A recording in a temporary folder: the folder, its path, its octets.
 fn recorded(log: &ReceptionLog) -> (TempDir, PathBuf, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("whole.mcap");
@@ -17,7 +18,7 @@ fn recorded(log: &ReceptionLog) -> (TempDir, PathBuf, Vec<u8>) {
     (folder, path, octets)
 }
 
-/// Holds that what is read of `path` is what `log` begins with; returns its number of stops.
+/// Checks that the log in `path` is the beginning of `log`; returns its number of stops.
 fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
     let found = match read_log(path) {
         Ok(run) => run.log,
@@ -34,7 +35,7 @@ fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
 }
 
 #[test]
-fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
+fn everything_before_a_cut_is_recovered() {
     let log = sample::log(5, 7, 300);
     let (folder, _, octets) = recorded(&log);
     let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
@@ -46,14 +47,14 @@ fn a_recording_cut_anywhere_gives_back_what_comes_before_the_cut() {
     let mut before = 0;
     for length in lengths {
         std::fs::write(&broken, &octets[..length]).unwrap();
-        let recovery = recover(&broken, &good).unwrap();
+        let recovery = recover(&broken, &good, &Interrupt::default()).unwrap();
         assert!(recovery.damage.is_some(), "cut to {length} octets");
         let inspection = inspect(&good).unwrap();
         assert_eq!(inspection.damage, None);
         assert_eq!(inspection.messages, recovery.messages);
         assert!(inspection.metadata.contains_key("recovered"));
         let stops = assert_prefix(&good, &log);
-        assert!(stops >= before, "a longer rest holds no less");
+        assert!(stops >= before, "a longer file has at least as many stops");
         before = stops;
         assert_eq!(inspect(&broken).unwrap().damage, recovery.damage);
         assert!(matches!(read_log(&broken), Err(RecordingError::Broken { .. })));
@@ -69,17 +70,17 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
     let part = folder.path().join("run.mcap.part");
     let mut recorder = FileRecorder::create(&path).unwrap();
     recorder.log(&log).unwrap();
-    // What a killed process leaves: no destructor runs.
+    // No destructor runs, as in a killed process.
     std::mem::forget(recorder);
     let good = folder.path().join("good.mcap");
-    let recovery = recover(&part, &good).unwrap();
+    let recovery = recover(&part, &good, &Interrupt::default()).unwrap();
     assert!(recovery.damage.is_some());
     let stops = assert_prefix(&good, &log);
     assert!(stops >= 300 - 32, "{stops} of 300 stops");
 }
 
 #[test]
-fn flipped_bits_are_found_and_what_comes_before_is_saved() {
+fn flipped_bits_are_detected_and_everything_before_is_recovered() {
     let log = sample::log(11, 6, 200);
     let (folder, _, octets) = recorded(&log);
     let (broken, good) = (folder.path().join("broken.mcap"), folder.path().join("good.mcap"));
@@ -90,11 +91,11 @@ fn flipped_bits_are_found_and_what_comes_before_is_saved() {
         let at = usize::try_from(numbers.below(octets.len() as u64)).unwrap();
         damaged[at] ^= 1 << numbers.below(8);
         std::fs::write(&broken, &damaged).unwrap();
-        match recover(&broken, &good) {
+        match recover(&broken, &good, &Interrupt::default()) {
             Ok(recovery) => {
                 found += usize::from(recovery.damage.is_some());
                 assert_eq!(inspect(&good).unwrap().damage, None);
-                // A flip in the header or an attachment may leave no name of a node: then there is no log to compare.
+                // After a flip in the header or an attachment there may be no names of nodes, and so no log to compare.
                 if recovery.messages > 4 {
                     assert_prefix(&good, &log);
                 }
@@ -107,11 +108,11 @@ fn flipped_bits_are_found_and_what_comes_before_is_saved() {
 }
 
 #[test]
-fn a_sound_recording_is_copied_whole() {
+fn a_sound_recording_is_copied_completely() {
     let log = sample::log(12, 5, 50);
     let (folder, path, _) = recorded(&log);
     let copy = folder.path().join("copy.mcap");
-    let recovery = recover(&path, &copy).unwrap();
+    let recovery = recover(&path, &copy, &Interrupt::default()).unwrap();
     assert_eq!(recovery.damage, None);
     assert_eq!(recovery.attachments, 2);
     assert_eq!(read_log(&copy).unwrap(), read_log(&path).unwrap());
@@ -120,48 +121,66 @@ fn a_sound_recording_is_copied_whole() {
 }
 
 #[test]
-fn a_part_file_is_recovered_into_its_final_name() {
+fn a_part_file_can_be_recovered_to_its_final_name() {
     let log = sample::log(13, 5, 50);
     let (folder, _, octets) = recorded(&log);
     let part = folder.path().join("run.mcap.part");
     std::fs::write(&part, &octets[..octets.len() * 9 / 10]).unwrap();
     let path = folder.path().join("run.mcap");
-    recover(&part, &path).unwrap();
+    recover(&part, &path, &Interrupt::default()).unwrap();
     assert_prefix(&path, &log);
     assert!(part.exists());
 }
 
 #[test]
-fn recovery_never_overwrites_what_it_reads() {
+fn recovery_never_overwrites_its_input() {
     let log = sample::log(14, 3, 5);
     let (folder, path, octets) = recorded(&log);
     let dotted = folder.path().join(".").join("whole.mcap");
-    assert!(matches!(recover(&path, &dotted), Err(RecordingError::SameFile { .. })));
+    assert!(matches!(recover(&path, &dotted, &Interrupt::default()), Err(RecordingError::SameFile { .. })));
     let mut temporary = path.clone().into_os_string();
     temporary.push(".recovering");
     std::fs::copy(&path, &temporary).unwrap();
-    assert!(matches!(recover(temporary.as_ref(), &path), Err(RecordingError::SameFile { .. })));
+    assert!(matches!(
+        recover(temporary.as_ref(), &path, &Interrupt::default()),
+        Err(RecordingError::SameFile { .. })
+    ));
+    assert_eq!(std::fs::read(&path).unwrap(), octets);
+}
+
+/// Writes to `/dev/full` fail like writes to a full disk.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_no_incomplete_copy() {
+    let log = sample::log(15, 5, 50);
+    let (folder, path, octets) = recorded(&log);
+    let out = folder.path().join("good.mcap");
+    std::os::unix::fs::symlink("/dev/full", folder.path().join("good.mcap.recovering")).unwrap();
+    let error = recover(&path, &out, &Interrupt::default()).unwrap_err();
+    assert!(matches!(&error, RecordingError::WriteCopy { path, .. } if *path == out), "{error}");
+    assert!(error.is_system_error());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     assert_eq!(std::fs::read(&path).unwrap(), octets);
 }
 
 #[test]
-fn files_of_other_formats_are_refused_and_leave_nothing_behind() {
+fn files_of_other_formats_are_rejected_and_no_file_is_created() {
     let folder = tempfile::tempdir().unwrap();
     let other = folder.path().join("other.mcap");
     std::fs::write(&other, "stop,t_s,x_m,y_m\n").unwrap();
     let out = folder.path().join("out.mcap");
     assert!(matches!(inspect(&other), Err(RecordingError::NotMcap { .. })));
     assert!(matches!(read_log(&other), Err(RecordingError::NotMcap { .. })));
-    assert!(matches!(recover(&other, &out), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(recover(&other, &out, &Interrupt::default()), Err(RecordingError::NotMcap { .. })));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let missing = folder.path().join("missing.mcap");
     assert!(matches!(read_log(&missing), Err(RecordingError::Read { .. })));
-    assert!(matches!(recover(&missing, &out), Err(RecordingError::Read { .. })));
+    assert!(matches!(recover(&missing, &out, &Interrupt::default()), Err(RecordingError::Read { .. })));
     assert!(matches!(inspect(folder.path()), Err(RecordingError::Read { .. })));
 }
 
 #[test]
-fn a_recording_without_a_log_names_the_topics_that_it_has() {
+fn the_error_of_a_recording_without_a_log_lists_its_topics() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut recorder = FileRecorder::create(&path).unwrap();

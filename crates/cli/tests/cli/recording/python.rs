@@ -1,4 +1,4 @@
-//! An independent reader agrees: the Python packages of the container and of protobuf.
+//! Recordings are readable by independent readers: the Python packages for MCAP and protobuf.
 
 use std::io::Write;
 use std::path::Path;
@@ -19,20 +19,20 @@ fn python(arguments: &[&str]) -> std::io::Result<Output> {
     Command::new(python).args(arguments).output()
 }
 
-/// Whether Python has the packages. A bare machine may lack them; a Python that was named for this may not.
+/// Whether Python has the packages. A Python that `SEXTANT_PYTHON` names must have them.
 fn has_packages() -> bool {
     let found =
         python(&["-c", "import mcap.reader, mcap_protobuf.decoder"]).is_ok_and(|output| output.status.success());
     if !found {
         let remedy = format!("`python3 -m pip install {PACKAGES}`, or set SEXTANT_PYTHON to a Python that has them");
         assert!(std::env::var_os("SEXTANT_PYTHON").is_none(), "Python lacks the packages {PACKAGES}: {remedy}");
-        // Not captured by the test harness, so that nobody takes a skipped check for a passed one.
+        // The test harness does not capture this, so a skipped check is visible.
         let _ = writeln!(std::io::stderr(), "skipped: Python lacks the packages {PACKAGES}: {remedy}");
     }
     found
 }
 
-/// The messages that the log should have become: stops, receptions, contacts of each robot.
+/// The expected messages of the log: stops, receptions, and the contacts of each robot.
 fn expected(log: &ReceptionLog) -> [Value; 4] {
     let mut receptions = log.receptions().to_vec();
     receptions.sort_by_key(|r| (r.stop, r.node));
@@ -68,7 +68,7 @@ fn independent_readers_decode_every_message() {
     let corners = json!([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let half_turn = [std::f64::consts::FRAC_PI_2.sin(), std::f64::consts::FRAC_PI_2.cos()];
     let likelihood = json!([2, 8, [-1.25, -2.25], 0.5, ["-1.0", "-2.0", "-inf", "-4.0"]]);
-    // The script compares, because its JSON reader is exact to the last bit of a number.
+    // The script does the comparison, because its JSON reader is exact to the last bit of a number.
     let expectation = json!({
         "library": concat!("sextant ", env!("CARGO_PKG_VERSION")),
         "profile": "",

@@ -25,7 +25,7 @@ fn read(stops: &str, receptions: &str) -> ReceptionLog {
     robot_log::read(folder(stops, receptions).path()).unwrap()
 }
 
-/// The message about a folder that is wrong, without the path of the folder.
+/// The error message of an invalid folder, without the path of the folder.
 fn refusal(stops: &str, receptions: &str) -> String {
     let folder = folder(stops, receptions);
     let message = robot_log::read(folder.path()).unwrap_err().to_string();
@@ -33,7 +33,7 @@ fn refusal(stops: &str, receptions: &str) -> String {
 }
 
 #[test]
-fn a_log_comes_back_equal_from_the_folder_that_it_was_written_to() {
+fn a_log_is_read_back_equal_from_a_folder() {
     let parent = tempfile::tempdir().unwrap();
     for (nodes, stops) in [(1, 1), (2, 10), (9, 120)] {
         let log = sample::log(31, nodes, stops);
@@ -44,7 +44,7 @@ fn a_log_comes_back_equal_from_the_folder_that_it_was_written_to() {
 }
 
 #[test]
-fn the_robot_of_each_stop_is_read_where_the_file_names_it() {
+fn the_robot_of_each_stop_is_read_if_the_file_names_it() {
     let log = read(
         "stop,t_s,x_m,y_m,robot\nA,0,0,0,west\nB,0,100,0,east\nC,1,3,4, west\n",
         "node,stop,received\nlamp,A,1\n",
@@ -59,7 +59,7 @@ fn the_robot_of_each_stop_is_read_where_the_file_names_it() {
 }
 
 #[test]
-fn a_log_without_stops_is_refused_both_ways() {
+fn a_log_without_stops_can_be_neither_read_nor_written() {
     let folder = folder("stop,t_s,x_m,y_m\n", "node,stop,received\n");
     assert!(matches!(robot_log::read(folder.path()), Err(RobotLogError::NoStops { .. })));
     let empty = ReceptionLog::default();
@@ -67,7 +67,7 @@ fn a_log_without_stops_is_refused_both_ways() {
 }
 
 #[test]
-fn spreadsheets_with_byte_order_mark_crlf_and_their_own_order_of_columns_are_read() {
+fn files_with_byte_order_mark_crlf_and_another_order_of_columns_are_read() {
     let log = read(
         "\u{feff}\"y_m\",x_m, t_s ,stop\r\n2,1,0.25,12\r\n\r\n4,3,1e0,spot\r\n",
         "\u{feff}received,stop,node\r\n1, spot,\"a, \"\"b\"\"\"\r\n1,12,\u{e9}\r\n",
@@ -80,16 +80,16 @@ fn spreadsheets_with_byte_order_mark_crlf_and_their_own_order_of_columns_are_rea
 }
 
 #[test]
-fn rows_without_receptions_make_nodes_known() {
+fn rows_without_receptions_add_nodes() {
     let log = read(STOPS, "node,stop,received,sent\nmute,A,0,\ndeaf,A,0,0\nfar,B,0,4\n");
     assert_eq!(log.names(), ["mute", "deaf", "far"]);
-    // 0 of 1 is what an absent pair means, 0 of 0 and 0 of 4 are not.
+    // 0 of 1 means the same as an absent pair; 0 of 0 and 0 of 4 do not.
     let counts: Vec<_> = log.receptions().iter().map(|r| (r.node.0, r.received, r.sent)).collect();
     assert_eq!(counts, [(1, 0, 0), (2, 0, 4)]);
 }
 
 #[test]
-fn contacts_are_read_where_there_are_any() {
+fn contacts_are_read_if_there_are_any() {
     let folder = folder(STOPS, RECEPTIONS);
     std::fs::write(folder.path().join("contacts.csv"), "t_s,x_m,y_m,z_m\n0.5,1,2,3\n").unwrap();
     let log = robot_log::read(folder.path()).unwrap();
@@ -100,7 +100,7 @@ fn contacts_are_read_where_there_are_any() {
 const SECTORS: &str = "sector,azimuth_from_deg,azimuth_to_deg,elevation_from_deg,elevation_to_deg\n\
     0,-45,45,,\n1,45,135,-10,30\n";
 
-/// The log of one node heard in `sector`, with these sectors.
+/// The log of a node that is heard in `sector`, with the table `sectors`.
 fn with_sectors(sectors: &str, sector: u8) -> (TempDir, Result<ReceptionLog, RobotLogError>) {
     let folder = folder(STOPS, &format!("node,stop,received,sector\nlamp,A,1,{sector}\n"));
     std::fs::write(folder.path().join("sectors.csv"), sectors).unwrap();
@@ -109,7 +109,7 @@ fn with_sectors(sectors: &str, sector: u8) -> (TempDir, Result<ReceptionLog, Rob
 }
 
 #[test]
-fn sectors_are_read_and_written_back() {
+fn sectors_are_read_and_written() {
     let log = with_sectors(SECTORS, 1).1.unwrap();
     let table: Vec<_> = log.sectors().unwrap().iter().cloned().collect();
     let second = SectorConfig {
@@ -127,7 +127,7 @@ fn sectors_are_read_and_written_back() {
 }
 
 #[test]
-fn sectors_that_are_wrong_or_missing_are_named() {
+fn errors_in_sectors_name_the_cell() {
     let header = "sector,azimuth_from_deg,azimuth_to_deg,elevation_to_deg\n";
     for (sectors, sector, expected) in [
         (SECTORS.to_owned(), 7, "node `lamp` at stop 0 was heard in sector 7; the listener's sectors are 0 to 1"),
@@ -145,7 +145,7 @@ fn sectors_that_are_wrong_or_missing_are_named() {
         (
             format!("{header}0,5,9,\n0,9,12,\n"),
             0,
-            "line 3, column `sector`: found `0`; allowed: each sector once; this one is given above",
+            "line 3, column `sector`: found `0`; allowed: each sector once; this sector is already given above",
         ),
         (format!("{header}300,5,9,\n"), 0, "column `sector`: found `300`; allowed: a whole number from 0 to 255"),
     ] {
@@ -155,28 +155,28 @@ fn sectors_that_are_wrong_or_missing_are_named() {
 }
 
 #[test]
-fn a_wrong_cell_is_named_with_file_line_column_and_what_is_allowed() {
+fn errors_in_cells_name_file_line_column_and_allowed_values() {
     let whole = "a whole number from 0 to 4294967295";
     for (stops, receptions, expected) in [
         (STOPS, "node,stop,received\nlamp,A,-3\n", format!("receptions.csv, line 2, column `received`: found `-3`; allowed: {whole}")),
         (STOPS, "node,stop,received\nlamp,A,1\nlamp,B,x\n", format!("receptions.csv, line 3, column `received`: found `x`; allowed: {whole}")),
         (STOPS, "node,stop,received,sent\nlamp,A,6,5\n", "receptions.csv, line 2, column `received`: found `6`; allowed: at most 5, the packets sent".to_owned()),
-        (STOPS, "node,stop,received\nlamp,A,2\n", "receptions.csv, line 2, column `received`: found `2`; allowed: at most 1, the packets sent, which is 1 where `sent` is absent".to_owned()),
+        (STOPS, "node,stop,received\nlamp,A,2\n", "receptions.csv, line 2, column `received`: found `2`; allowed: at most 1, the packets sent (1 if `sent` is absent)".to_owned()),
         (STOPS, "node,stop,received,sector\nlamp,A,1,256\n", "receptions.csv, line 2, column `sector`: found `256`; allowed: a whole number from 0 to 255".to_owned()),
         (STOPS, "node,stop,received,rssi_dbm\nlamp,A,1,inf\n", "receptions.csv, line 2, column `rssi_dbm`: found `inf`; allowed: a finite number".to_owned()),
         (STOPS, "node,stop,received\n,A,1\n", "receptions.csv, line 2, column `node`: found ``; allowed: the name of a node".to_owned()),
-        (STOPS, "node,stop,received\nlamp,C,1\n", "receptions.csv, line 2, column `stop`: found `C`; allowed: one of the 2 stops of stops.csv, the first of which is `A`, the last `B`".to_owned()),
+        (STOPS, "node,stop,received\nlamp,C,1\n", "receptions.csv, line 2, column `stop`: found `C`; allowed: one of the 2 stops in stops.csv, from `A` to `B`".to_owned()),
         ("stop,t_s,x_m,y_m\n0,0,NaN,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found `NaN`; allowed: a finite number".to_owned()),
-        ("stop,t_s,x_m,y_m\n0,0,,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found ``; allowed: a finite number of metres, at most 1e9 from zero".to_owned()),
-        ("stop,t_s,x_m,y_m\n0,-1,0,0\n", RECEPTIONS, "stops.csv, line 2, column `t_s`: found `-1`; allowed: seconds as a decimal number, 0 or above and below 18446744073".to_owned()),
-        ("stop,t_s,x_m,y_m\n0,0,0,0\n0,1,1,1\n", RECEPTIONS, "stops.csv, line 3, column `stop`: found `0`; allowed: each stop once; this one is given above".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,0,,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found ``; allowed: a number of metres from -1e9 to 1e9".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,-1,0,0\n", RECEPTIONS, "stops.csv, line 2, column `t_s`: found `-1`; allowed: seconds as a decimal number, at least 0 and below 18446744073".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,0,0,0\n0,1,1,1\n", RECEPTIONS, "stops.csv, line 3, column `stop`: found `0`; allowed: each stop once; this stop is already given above".to_owned()),
     ] {
         assert_eq!(refusal(stops, receptions), expected);
     }
 }
 
 #[test]
-fn a_wrong_row_or_header_is_named_with_its_line() {
+fn errors_in_rows_and_headers_name_the_line() {
     for (receptions, expected) in [
         (
             "node,stop,recieved\nlamp,A,1\n",
@@ -188,11 +188,11 @@ fn a_wrong_row_or_header_is_named_with_its_line() {
         ),
         (
             "node,stop\nlamp,A\n",
-            "receptions.csv, line 1: column `received` is missing; the first line names the columns: node,stop,received",
+            "receptions.csv, line 1: column `received` is missing; the first line must name the columns: node,stop,received",
         ),
         (
             "",
-            "receptions.csv, line 1: column `node` is missing; the first line names the columns: node,stop,received",
+            "receptions.csv, line 1: column `node` is missing; the first line must name the columns: node,stop,received",
         ),
         ("node,stop,received,stop\n", "receptions.csv, line 1: column `stop` appears twice"),
         ("node,stop,received\nlamp,A,1\nlamp,B\n", "receptions.csv, line 3: 2 cells, but the header has 3 columns"),
@@ -206,7 +206,7 @@ fn a_wrong_row_or_header_is_named_with_its_line() {
 }
 
 #[test]
-fn lines_are_counted_as_an_editor_does() {
+fn lines_are_counted_as_in_an_editor() {
     let unix = "node,stop,received\n\n\nlamp,A,1\n\"two\nlines\",A,1\ndoor,A,?\n";
     for text in [unix.to_owned(), unix.replace('\n', "\r\n"), format!("\u{feff}{unix}")] {
         let message = refusal(STOPS, &text);
@@ -215,7 +215,7 @@ fn lines_are_counted_as_an_editor_does() {
 }
 
 #[test]
-fn text_that_is_not_utf_8_is_named_with_its_line() {
+fn text_that_is_not_utf_8_is_rejected_with_its_line() {
     let folder = folder(STOPS, RECEPTIONS);
     std::fs::write(folder.path().join("receptions.csv"), b"node,stop,received\nlamp,A,1\n\xff,A,1\n").unwrap();
     let message = robot_log::read(folder.path()).unwrap_err().to_string();
@@ -223,19 +223,19 @@ fn text_that_is_not_utf_8_is_named_with_its_line() {
 }
 
 #[test]
-fn a_missing_file_is_named() {
+fn the_error_of_a_missing_file_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let error = robot_log::read(folder.path()).unwrap_err();
     assert!(matches!(&error, RobotLogError::Read { path, .. } if path.ends_with("stops.csv")), "{error}");
-    assert!(!error.is_of_the_system());
+    assert!(!error.is_system_error());
     let nowhere = folder.path().join("stops.csv/below");
     std::fs::write(folder.path().join("stops.csv"), STOPS).unwrap();
     let error = robot_log::write(&nowhere, &sample::log(1, 1, 1)).unwrap_err();
-    assert!(error.is_of_the_system(), "{error}");
+    assert!(error.is_system_error(), "{error}");
 }
 
 #[test]
-fn a_map_has_a_row_for_each_node_that_is_placed() {
+fn a_map_file_has_a_row_for_each_mapped_node() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.csv");
     let estimate = |x_m, ties, covariance| {
@@ -263,7 +263,7 @@ fn a_map_has_a_row_for_each_node_that_is_placed() {
 }
 
 #[test]
-fn the_truth_is_read_to_the_last_digit_and_names_each_node_once() {
+fn true_positions_are_read_exactly_and_once_per_node() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nodes.csv");
     let truth = BTreeMap::from([
@@ -275,7 +275,8 @@ fn the_truth_is_read_to_the_last_digit_and_names_each_node_once() {
     std::fs::write(&path, "node,x_m,y_m\na,1,2\na,1,2\n").unwrap();
     let message = robot_log::read_truth(&path).unwrap_err().to_string();
     assert!(
-        message.ends_with("line 3, column `node`: found `a`; allowed: each node once; this one is given above"),
+        message
+            .ends_with("line 3, column `node`: found `a`; allowed: each node once; this node is already given above"),
         "{message}"
     );
     assert!(robot_log::read_truth(Path::new("/nonexistent/nodes.csv")).is_err());

@@ -1,4 +1,4 @@
-//! What was recorded comes back.
+//! Recordings are read back equal.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use sextant_kernel::NodeId;
 use super::sample;
 
 #[test]
-fn a_reception_log_comes_back_equal_with_its_unheard_nodes() {
+fn a_reception_log_is_read_back_equal_with_its_unheard_nodes() {
     let folder = tempfile::tempdir().unwrap();
     for (nodes, stops) in [(1, 1), (2, 40), (9, 333)] {
         let path = folder.path().join("run.mcap");
@@ -30,7 +30,7 @@ fn a_reception_log_comes_back_equal_with_its_unheard_nodes() {
 }
 
 #[test]
-fn what_nodes_knew_of_each_other_comes_back() {
+fn what_nodes_know_of_each_other_is_read_back_equal() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     sample::record_file(&path, &sample::log(8, 5, 3));
@@ -43,7 +43,7 @@ fn what_nodes_knew_of_each_other_comes_back() {
 }
 
 #[test]
-fn the_truth_is_read_apart_from_the_log() {
+fn true_positions_are_read_separately_from_the_log() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let log = sample::log(8, 5, 3);
@@ -80,7 +80,7 @@ fn equal_runs_give_equal_bytes() {
 }
 
 #[test]
-fn a_recording_has_its_name_only_when_it_is_whole() {
+fn a_recording_gets_its_final_name_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let part = PathBuf::from(format!("{}.part", path.display()));

@@ -1,4 +1,4 @@
-//! A reception log with everything in it: unheard nodes, counts, sectors, strengths, empty stops, contacts.
+//! A reception log with all features: unheard nodes, counts, sectors, strengths, empty stops, contacts.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNod
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
-/// Numbers that look random and are the same everywhere (splitmix64).
+/// Pseudo-random numbers, the same on every machine (splitmix64).
 pub(crate) struct Numbers(pub(crate) u64);
 
 impl Numbers {
@@ -23,7 +23,7 @@ impl Numbers {
         u32::try_from(self.below(u64::from(bound))).expect("below 2^32")
     }
 
-    /// A coordinate with no short decimal form (m).
+    /// A coordinate without a short decimal form (m).
     fn coordinate(&mut self) -> f64 {
         f64::from(self.small(1 << 30)) / 3.0e7 - 10.0
     }
@@ -33,12 +33,12 @@ impl Numbers {
     }
 }
 
-/// Which of two robots makes stop or contact number `index`.
+/// Which of two robots has the stop or contact number `index`.
 fn robot(index: u32) -> RobotId {
     RobotId(u32::from(index % 3 == 1))
 }
 
-/// A log of `nodes` nodes and `stops` stops, of two robots.
+/// A log with `nodes` nodes and `stops` stops of two robots.
 pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
     let mut numbers = Numbers(seed);
     let names =
@@ -59,7 +59,7 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
             let received = numbers.small(sent + 1);
             let sector = (numbers.below(2) == 0).then(|| u8::try_from(numbers.below(256)).expect("below 256"));
             let rssi_dbm = (numbers.below(2) == 0).then(|| -90.0 + numbers.coordinate());
-            // 0 of 1 is what an absent pair means: a CSV folder does not keep it.
+            // 0 of 1 means the same as an absent pair, so a CSV folder does not keep it.
             let received = if sent == 1 { 1 } else { received };
             receptions.push(Reception { node: NodeId(node), stop, received, sent, sector, rssi_dbm });
         }
@@ -75,7 +75,7 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
     log.with_robots(robots).expect("a name for each")
 }
 
-/// Where the sample's nodes really are.
+/// The true positions of the nodes of the sample.
 pub(crate) fn truth(log: &ReceptionLog) -> Vec<PlacedNode> {
     let mut numbers = Numbers(99);
     (0..log.node_count())
@@ -83,7 +83,7 @@ pub(crate) fn truth(log: &ReceptionLog) -> Vec<PlacedNode> {
         .collect()
 }
 
-/// The last node has heard the first, if there are two.
+/// Receptions of the first node by the last one, if there are two nodes.
 pub(crate) fn links(nodes: usize) -> NeighbourLog {
     let link = Link {
         listener: NodeId::from_index(nodes - 1),
@@ -137,7 +137,7 @@ pub(crate) fn record_all<W: std::io::Write>(
     recorder.summary("{\"maps\": []}")
 }
 
-/// Records everything into the file `path`.
+/// Records everything to the file `path`.
 pub(crate) fn record_file(path: &Path, log: &ReceptionLog) {
     let mut recorder = FileRecorder::create(path).expect("a folder for it");
     record_all(&mut recorder, log).expect("room on the disk");
