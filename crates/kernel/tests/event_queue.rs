@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use proptest::prelude::*;
-use sextant_kernel::{EventQueue, NodeId, Rank, SimTime};
+use sextant_kernel::{EventQueue, Rank, SimTime, StationId};
 
 #[derive(Clone, Debug)]
 enum Step {
@@ -57,7 +57,7 @@ proptest! {
             match step {
                 Step::Push(span, class, node) => {
                     let (at, event) = (now + Duration::from_nanos(span), pushed.len());
-                    let key = queue.push(at, Rank::new(class, NodeId(node)), event);
+                    let key = queue.push(at, Rank::new(class, StationId(node)), event);
                     let place = (at, class, node, event);
                     reference.insert(place, event);
                     pushed.push((key, place));
@@ -97,7 +97,7 @@ proptest! {
         let mut keys = Vec::new();
         for (event, &(span, class, node)) in events.iter().enumerate() {
             let at = SimTime::from_nanos(span);
-            keys.push(queue.push(at, Rank::new(class, NodeId(node)), event));
+            keys.push(queue.push(at, Rank::new(class, StationId(node)), event));
             reference.insert((at, class, node, event), event);
         }
         // The heap in front is filled before the sweep, so that the sweep has to keep it in order.
@@ -116,7 +116,7 @@ proptest! {
 }
 
 const fn rank(class: u8, node: u32) -> Rank {
-    Rank::new(class, NodeId(node))
+    Rank::new(class, StationId(node))
 }
 
 fn micros(micros: u64) -> SimTime {

@@ -5,7 +5,7 @@ use sextant_channel::{
     Channel, ChannelConfig, CorrelationConfig, Db, Dbm, Environment, LogDistanceConfig, Obstacle, ObstacleConfig,
     ObstacleField, PathLossConfig, Position, ShadowingConfig,
 };
-use sextant_kernel::{NodeId, Seed};
+use sextant_kernel::{Seed, StationId};
 
 use crate::solids::{at, cylinder, obstacle, upright_box};
 
@@ -80,7 +80,7 @@ fn the_hard_radius_has_its_last_link_at_exactly_the_radius() {
     let share = |d| channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
     assert!(share(10.0) > 0.9 && share(10.000_001) <= 0.0);
     assert!((channel.law().reach_m(Dbm(-50.0), Dbm(-90.0)) - 10.0).abs() < 1e-12);
-    let (a, b) = (NodeId(1), NodeId(2));
+    let (a, b) = (StationId(1), StationId(2));
     assert_eq!(channel.received_power(Dbm(-50.0), a, at(0.0, 0.0, 0.0), b, at(11.0, 0.0, 0.0), 1), None);
 }
 
@@ -125,7 +125,7 @@ fn without_shadowing_reception_is_certain_or_impossible() {
     let channel = channel(ChannelConfig { shadowing: Some(quiet), ..suburban() }, vec![]);
     let share = |d| channel.law().reception_probability(Dbm(-50.0), Dbm(-90.0), d, Db(0.0));
     assert_eq!((share(30.30), share(30.31)), (1.0, 0.0));
-    let (a, b) = (NodeId(1), NodeId(2));
+    let (a, b) = (StationId(1), StationId(2));
     let (from, to) = (at(0.0, 0.0, 0.0), at(3.0, 4.0, 0.0));
     assert_eq!(channel.received_power(Dbm(0.0), a, from, b, to, 9), channel.mean_power(Dbm(0.0), from, to));
 }
@@ -145,8 +145,8 @@ proptest! {
         let config = ChannelConfig { shadowing: Some(ShadowingConfig { sigma_db: None, correlation }), ..suburban() };
         let walls = (0..20).map(|i| obstacle(upright_box(at(f64::from(i) - 10.0, 0.0, 0.0), [0.4, 30.0, 2.0], 7.0 * f64::from(i)), 4.6));
         let channel = channel(config, walls.collect());
-        let there = channel.received_power(Dbm(0.0), NodeId(1), from, NodeId(2), to, packet).unwrap();
-        let back = channel.received_power(Dbm(0.0), NodeId(2), to, NodeId(1), from, packet).unwrap();
+        let there = channel.received_power(Dbm(0.0), StationId(1), from, StationId(2), to, packet).unwrap();
+        let back = channel.received_power(Dbm(0.0), StationId(2), to, StationId(1), from, packet).unwrap();
         prop_assert_eq!(there.0.to_bits(), back.0.to_bits());
         prop_assert!(there.0.is_finite());
     }

@@ -1,7 +1,7 @@
 //! The statistics of shadowing. Each bound is five standard errors: a false alarm in 1.7 million runs of each.
 
 use sextant_channel::{CorrelationConfig, Position, Shadowing, ShadowingConfig, SpatialConfig};
-use sextant_kernel::{NodeId, Seed};
+use sextant_kernel::{Seed, StationId};
 
 use crate::solids::{at, random_place};
 
@@ -41,7 +41,7 @@ const THERE: Position = Position::new(60.0, 25.0, 0.0);
 #[test]
 fn each_packet_of_each_pair_has_its_own_draw() {
     let shadowing = shadowing(CorrelationConfig::PerPacket, 11);
-    let gain = |a, b, packet| shadowing.gain(NodeId(a), HERE, NodeId(b), THERE, packet).0;
+    let gain = |a, b, packet| shadowing.gain(StationId(a), HERE, StationId(b), THERE, packet).0;
     assert_standard_and_correlated((0..100_000).map(|k| (gain(1, 2, k), gain(1, 2, k + 1))), 0.0);
     assert_standard_and_correlated((0..100_000).map(|k| (gain(1, 2, k), gain(1, 3, k))), 0.0);
     assert_standard_and_correlated((0..100_000).map(|k| (gain(k, k + 1, 5), gain(k + 1, k + 2, 5))), 0.0);
@@ -51,7 +51,7 @@ fn each_packet_of_each_pair_has_its_own_draw() {
 #[test]
 fn a_link_keeps_its_draw_while_both_ends_stay() {
     let shadowing = shadowing(CorrelationConfig::PerLink, 12);
-    let gain = |a, pa, b, pb, packet| shadowing.gain(NodeId(a), pa, NodeId(b), pb, packet).0;
+    let gain = |a, pa, b, pb, packet| shadowing.gain(StationId(a), pa, StationId(b), pb, packet).0;
     let kept = gain(1, HERE, 2, THERE, 0);
     assert_eq!(kept.to_bits(), gain(1, HERE, 2, THERE, 99).to_bits());
     assert_eq!(kept.to_bits(), gain(2, THERE, 1, HERE, 5).to_bits());
@@ -75,7 +75,7 @@ fn a_field_has_unit_variance_at_every_separation_and_the_correlation_of_gudmunds
     let pairs = |a: Position, b: Position, a2: Position, b2: Position| {
         (0..20_000).map(move |seed| {
             let field = shadowing(spatial, seed);
-            let gain = |a, b| field.gain(NodeId(1), a, NodeId(2), b, 0).0;
+            let gain = |a, b| field.gain(StationId(1), a, StationId(2), b, 0).0;
             (gain(a, b), gain(a2, b2))
         })
     };
@@ -100,7 +100,8 @@ fn one_field_fluctuates_about_zero_with_its_standard_deviation() {
     // bound on the variance is wide: 25 %.
     let field = shadowing(CorrelationConfig::Spatial(SpatialConfig { distance_m: 1.0 }), 21);
     let draws = (0..2000).map(|k| {
-        let gain = field.gain(NodeId(1), random_place(2 * k, 500.0), NodeId(2), random_place(2 * k + 1, 500.0), 0).0;
+        let gain =
+            field.gain(StationId(1), random_place(2 * k, 500.0), StationId(2), random_place(2 * k + 1, 500.0), 0).0;
         (gain, gain)
     });
     let (_, mean, square, _) = moments(draws);
@@ -114,7 +115,7 @@ fn equal_seeds_give_equal_bits_and_different_seeds_do_not() {
         CorrelationConfig::PerLink,
         CorrelationConfig::Spatial(SpatialConfig { distance_m: 2.0 }),
     ] {
-        let gain = |seed| shadowing(correlation, seed).gain(NodeId(1), HERE, NodeId(2), THERE, 3).0;
+        let gain = |seed| shadowing(correlation, seed).gain(StationId(1), HERE, StationId(2), THERE, 3).0;
         assert_eq!(gain(1).to_bits(), gain(1).to_bits());
         assert!((gain(1) - gain(2)).abs() > 1e-9);
     }

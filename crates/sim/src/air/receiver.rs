@@ -284,7 +284,7 @@ mod tests {
         let bits = 8.0 * 22.0 - 1.0;
         let noise = Dbm(-90.403).to_milliwatts();
         let power = Dbm(-50.0).to_milliwatts();
-        let survival = (bits * (-oqpsk::bit_error_rate(power.ratio(power + noise))).ln_1p()).exp();
+        let survival = (bits * (-sextant_mac::oqpsk::bit_error_rate(power.ratio(power + noise))).ln_1p()).exp();
         assert!((survival - 0.972).abs() < 2e-3, "{survival}");
         let frames = [(0, -50.0), (132, -50.0)];
         assert_eq!(fates(ReceptionModel::Ber, survival - 1e-6, &frames)[0], FrameOutcome::Received);
