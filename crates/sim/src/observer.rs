@@ -6,7 +6,7 @@ use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::{SimTime, StationId};
 
 use crate::air::FrameOutcome;
-use crate::link::network_id::NetworkId;
+use crate::service::network_id::NetworkId;
 
 /// A frame that was on air.
 #[derive(Clone, Copy, Debug, PartialEq)]

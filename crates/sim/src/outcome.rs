@@ -5,7 +5,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
-use crate::link::packets::Packets;
+use crate::service::packets::Packets;
 
 /// The result of a simulation: everything that robots heard, and the outcomes of the packets.
 #[derive(Clone, Debug)]

@@ -6,8 +6,8 @@ use sextant_channel::Position;
 use sextant_kernel::{EventKey, EventQueue, Seed, SimTime, StationId};
 
 use crate::air::Air;
-use crate::engine::event::Event;
-use crate::link::upcall::Upcall;
+use crate::event::Event;
+use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
 /// The clock, the pending events, the airs, and where the stations are.

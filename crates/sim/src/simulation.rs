@@ -1,5 +1,6 @@
 //! Surveys and studies of traffic: every scenario runs as one of these.
 
+pub(crate) mod discovery;
 pub(crate) mod setup;
 
 use sextant_kernel::{SettingError, StationId};
@@ -9,15 +10,15 @@ use sextant_mac::frame::DataFrame;
 
 use crate::applications::source::Source;
 use crate::applications::standard::Standard;
-use crate::applications::survey::Survey as SurveyOfRobot;
+use crate::applications::survey::{Robot, Survey as SurveyOfRobot};
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
 use crate::link::ieee802154::network::pan;
 use crate::link::ieee802154::{self, Demand, Mac, Post};
-use crate::link::network_id::NetworkId;
-use crate::link::packets::Packets;
-use crate::link::report::Destination;
 use crate::observer::Observer;
 use crate::outcome::{RobotRecord, Survey};
+use crate::service::network_id::NetworkId;
+use crate::service::packets::Packets;
+use crate::service::report::Destination;
 use crate::station::Roll;
 use setup::{BusyNetwork, Setup};
 
@@ -121,7 +122,7 @@ fn destination(network: &BusyNetwork, roll: &Roll) -> Destination {
 fn coordinator(
     network: &BusyNetwork,
     roll: &Roll,
-    robots: &[crate::station::Robot],
+    robots: &[Robot],
     make: impl FnOnce(Post, Demand) -> Result<Option<Coordinator>, SettingError>,
 ) -> Result<Option<(StationId, Coordinator)>, SettingError> {
     if roll.robots + roll.sinks == 0 {

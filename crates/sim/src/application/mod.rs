@@ -1,15 +1,14 @@
 //! Applications: what runs on a station, above its links. An application knows its own state, what is delivered to it
 //! and its clock; a robot's also its odometry and its range sensors.
 
-mod delivery;
 mod port;
 
-pub use delivery::{Delivery, DriveEnd};
 pub use port::{Driving, Port};
 
-use crate::engine::event::Timer;
-use crate::link::network_id::NetworkId;
-use crate::link::report::SendReport;
+use crate::event::Timer;
+use crate::service::delivery::{Delivery, DriveEnd};
+use crate::service::network_id::NetworkId;
+use crate::service::report::SendReport;
 
 /// What runs on a station. It is told of what happens, and acts through its [`Port`]. By default an application does
 /// nothing.

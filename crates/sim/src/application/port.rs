@@ -5,11 +5,11 @@ use std::time::Duration;
 use sextant_channel::{ObstacleField, Position, Reception, Stop};
 use sextant_kernel::{EventKey, NodeId, Seed, SimTime, StationId};
 
-use super::DriveEnd;
-use crate::engine::core::{Core, Note};
-use crate::engine::event::{Event, Timer};
-use crate::link::network_id::NetworkId;
-use crate::link::report::{Destination, FrameId, Payload, SendError};
+use crate::event::{Event, Timer};
+use crate::model::{Model, Note};
+use crate::service::delivery::DriveEnd;
+use crate::service::network_id::NetworkId;
+use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::station::{Kind, Motion, Pose, Trip};
 
 /// Gap between the hull of a blocked robot and the obstacle (m).
@@ -17,7 +17,7 @@ const HALT_M: f64 = 1e-3;
 
 /// What the application of one station can know and do.
 pub struct Port<'a> {
-    pub(crate) core: &'a mut Core,
+    pub(crate) model: &'a mut Model,
     pub(crate) station: StationId,
 }
 
@@ -34,7 +34,7 @@ impl Port<'_> {
     /// Current time.
     #[must_use]
     pub fn now(&self) -> SimTime {
-        self.core.scene.now
+        self.model.scene.now
     }
 
     /// The station.
@@ -46,26 +46,26 @@ impl Port<'_> {
     /// What the station is.
     #[must_use]
     pub fn kind(&self) -> Kind {
-        self.core.scene.roll.kind(self.station)
+        self.model.scene.roll.kind(self.station)
     }
 
     /// The node that a station is; `None` if it is a robot or a sink.
     #[must_use]
     pub fn node(&self, station: StationId) -> Option<NodeId> {
-        self.core.scene.roll.is_node(station).then_some(NodeId(station.0))
+        self.model.scene.roll.is_node(station).then_some(NodeId(station.0))
     }
 
     /// Number of nodes in the world: the only thing that robots know about the network in advance (thesis, chapter
     /// 3).
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.core.scene.roll.nodes
+        self.model.scene.roll.nodes
     }
 
     /// The seed of all randomness, for draws at addresses of the application's own.
     #[must_use]
     pub fn seed(&self) -> Seed {
-        self.core.scene.seed
+        self.model.scene.seed
     }
 
     /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before.
@@ -74,31 +74,31 @@ impl Port<'_> {
     /// If the transmit queue is full, the payload is too large, or the destination cannot receive it.
     #[inline]
     pub fn send(&mut self, network: NetworkId, to: Destination, payload: Payload<'_>) -> Result<FrameId, SendError> {
-        self.core.networks[network.index()].offer(self.station, to, payload, &mut self.core.scene)
+        self.model.networks[network.index()].offer(self.station, to, payload, &mut self.model.scene)
     }
 
     /// Sets a timer: [`Application::timed`](super::Application::timed) is called `span` from now. Any number may be
     /// pending.
     #[inline]
     pub fn after(&mut self, span: Duration, timer: Timer) -> EventKey {
-        self.core.scene.after(span, Event::Timer(self.station, timer))
+        self.model.scene.after(span, Event::Timer(self.station, timer))
     }
 
     /// Cancels a timer, if it is pending.
     pub fn cancel(&mut self, key: EventKey) {
-        self.core.scene.queue.cancel(key);
+        self.model.scene.queue.cancel(key);
     }
 
     /// A robot opens its receiver for `span`, whether it stands or drives;
     /// [`Application::listened`](super::Application::listened) is called at the end.
     pub fn listen(&mut self, network: NetworkId, span: Duration) {
-        self.core.networks[network.index()].listen(self.station, span, &mut self.core.scene);
+        self.model.networks[network.index()].listen(self.station, span, &mut self.model.scene);
     }
 
     /// Where the station is and where it looks.
     #[must_use]
     pub fn pose(&self) -> Pose {
-        self.core.scene.motions[self.station.index()].pose_at(self.now())
+        self.model.scene.motions[self.station.index()].pose_at(self.now())
     }
 
     /// A robot drives straight to `place`, at its speed, or until an obstacle is in the way.
@@ -107,19 +107,19 @@ impl Port<'_> {
     /// If the station is no robot, or drives already.
     pub fn drive(&mut self, place: Position) -> Driving {
         let from = self.standing_pose();
-        let body = &self.core.vehicles[self.core.robot(self.station).index()].body;
+        let body = &self.model.vehicles[self.model.robot(self.station).index()].body;
         let (radius_m, speed_m_per_s) = (body.radius_m, body.speed_m_per_s);
-        let (to, contact) = way(from.position, place, &self.core.world.obstacles, radius_m);
+        let (to, contact) = way(from.position, place, &self.model.world.obstacles, radius_m);
         let trip = Trip::straight(from, to, self.now(), speed_m_per_s);
         if trip.length_m > 0.0 {
-            self.core.depart(self.station, trip, contact);
+            self.model.depart(self.station, trip, contact);
             return Driving::UnderWay;
         }
         Driving::Over(contact.map_or(DriveEnd::Arrived, DriveEnd::Blocked))
     }
 
     fn standing_pose(&self) -> Pose {
-        match self.core.scene.motions[self.station.index()] {
+        match self.model.scene.motions[self.station.index()] {
             Motion::Standing(pose) => pose,
             Motion::Driving(_) => panic!("{} drives already", self.station),
         }
@@ -127,21 +127,21 @@ impl Port<'_> {
 
     /// The obstacles, for the range sensors of a robot.
     pub(crate) fn obstacles(&self) -> &ObstacleField {
-        &self.core.world.obstacles
+        &self.model.world.obstacles
     }
 
     /// Says where the robot is.
     pub(crate) fn tell_place(&mut self) {
-        let robot = self.core.robot(self.station);
+        let robot = self.model.robot(self.station);
         let place = self.pose().position;
-        self.core.notes.push(Note::Moved(robot, place));
+        self.model.notes.push(Note::Moved(robot, place));
     }
 
     /// Writes a stop of this robot into the log: it has listened at `position` from `since` until now. The number of
     /// the stop in the receptions is filled in.
     pub fn log_stop(&mut self, since: SimTime, position: Position, receptions: Vec<Reception>) {
-        let robot = self.core.robot(self.station);
-        self.core.notes.push(Note::Stopped(Stop { robot, time: since, position }, receptions));
+        let robot = self.model.robot(self.station);
+        self.model.notes.push(Note::Stopped(Stop { robot, time: since, position }, receptions));
     }
 
     /// The task of the application is done. The simulation ends when the tasks of all are.
@@ -149,7 +149,8 @@ impl Port<'_> {
     /// # Panics
     /// If more tasks are finished than there are.
     pub fn finish(&mut self) {
-        self.core.unfinished = self.core.unfinished.checked_sub(1).expect("an application with a task finishes once");
+        self.model.unfinished =
+            self.model.unfinished.checked_sub(1).expect("an application with a task finishes once");
     }
 }
 

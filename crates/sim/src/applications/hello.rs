@@ -5,19 +5,20 @@ use std::collections::BTreeMap;
 use sextant_kernel::NodeId;
 
 use super::source::Source;
-use crate::application::{Application, Delivery, Port};
-use crate::engine::event::Timer;
+use crate::application::{Application, Port};
+use crate::event::Timer;
+use crate::service::delivery::Delivery;
 
 /// A node that takes part in neighbour discovery.
-pub(super) struct Hello {
+pub(crate) struct Hello {
     /// What it sends; `None` if it only listens.
     source: Option<Source>,
     /// Number of packets received of each other node, and the sum of their powers (dBm).
-    pub(super) heard: BTreeMap<NodeId, (u32, f64)>,
+    pub(crate) heard: BTreeMap<NodeId, (u32, f64)>,
 }
 
 impl Hello {
-    pub(super) fn new(source: Option<Source>) -> Self {
+    pub(crate) fn new(source: Option<Source>) -> Self {
         Self { source, heard: BTreeMap::new() }
     }
 }

@@ -1,8 +1,7 @@
 //! The applications that every scenario needs: traffic of nodes, neighbour discovery, sinks, surveys of robots.
 
 pub(crate) mod controller;
-pub(crate) mod discovery;
-mod hello;
+pub(crate) mod hello;
 pub(crate) mod source;
 pub(crate) mod standard;
 pub(crate) mod survey;

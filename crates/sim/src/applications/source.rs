@@ -1,9 +1,9 @@
 //! A node that sends traffic and looks at nothing that it hears.
 
 use crate::application::{Application, Port};
-use crate::engine::event::Timer;
-use crate::link::network_id::NetworkId;
-use crate::link::report::{Destination, Payload};
+use crate::event::Timer;
+use crate::service::network_id::NetworkId;
+use crate::service::report::{Destination, Payload};
 
 use super::traffic::Traffic;
 

@@ -2,10 +2,11 @@
 
 use super::source::Source;
 use super::survey::Survey;
-use crate::application::{Application, Delivery, DriveEnd, Port};
-use crate::engine::event::Timer;
-use crate::link::network_id::NetworkId;
-use crate::link::report::SendReport;
+use crate::application::{Application, Port};
+use crate::event::Timer;
+use crate::service::delivery::{Delivery, DriveEnd};
+use crate::service::network_id::NetworkId;
+use crate::service::report::SendReport;
 
 /// One of the applications that every scenario needs.
 pub(crate) enum Standard {

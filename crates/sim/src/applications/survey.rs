@@ -6,10 +6,11 @@ use sextant_channel::{Dbm, Reception};
 use sextant_kernel::{NodeId, SimTime};
 
 use super::controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
-use crate::application::{Application, Delivery, DriveEnd, Driving, Port};
-use crate::engine::event::Timer;
-use crate::link::network_id::NetworkId;
-use crate::station::{Robot, RobotBody};
+use crate::application::{Application, Driving, Port};
+use crate::event::Timer;
+use crate::service::delivery::{Delivery, DriveEnd};
+use crate::service::network_id::NetworkId;
+use crate::station::RobotBody;
 
 /// Largest number of commands in a row that take no time; a controller that gives more is stuck.
 const IDLE_COMMANDS: u32 = 1000;
@@ -19,6 +20,15 @@ const NETWORK: NetworkId = NetworkId(0);
 
 /// The timer of the start.
 const START: Timer = Timer(0);
+
+/// A robot: a body and what drives it. A copy starts afresh from where this one is.
+#[derive(Clone)]
+pub struct Robot {
+    /// The body.
+    pub body: RobotBody,
+    /// What drives it.
+    pub controller: Box<dyn Controller>,
+}
 
 /// A robot on its survey.
 pub(crate) struct Survey {

@@ -3,7 +3,7 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::SimTime;
 
-use crate::link::packets::NetworkRecord;
+use crate::service::packets::NetworkRecord;
 
 /// What an engine leaves behind.
 #[derive(Debug)]

@@ -1,28 +1,25 @@
 //! The engine: the only event loop.
 
 mod bands;
-pub(crate) mod core;
 mod ended;
-pub(crate) mod event;
-mod log;
 mod setup;
 
 use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
 use crate::air::{Air, Antenna};
-use crate::application::{Application, Delivery, DriveEnd, Port};
+use crate::application::{Application, Port};
+use crate::event::Event;
 use crate::link::ieee802154;
 use crate::link::network::Network;
-use crate::link::network_id::NetworkId;
-use crate::link::upcall::Upcall;
+use crate::model::log::Log;
+use crate::model::{Model, Vehicle};
 use crate::observer::{Observer, Progress};
 use crate::scene::Scene;
+use crate::service::delivery::{Delivery, DriveEnd};
+use crate::service::network_id::NetworkId;
+use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
-
-use self::core::{Core, Vehicle};
-use event::Event;
-use log::Log;
 
 pub use ended::Ended;
 pub use setup::{EngineSetup, NetworkSetup};
@@ -32,7 +29,7 @@ const LOOK: u64 = 1000;
 
 /// The engine: it runs once, to its end. `A` is the application of each station.
 pub struct Engine<A> {
-    core: Core,
+    model: Model,
     applications: Vec<A>,
     log: Log,
     end: Option<SimTime>,
@@ -115,7 +112,7 @@ impl<A: Application> Engine<A> {
         let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
         let unfinished = applications.iter().filter(|application| application.has_task()).count();
         Ok(Self {
-            core: Core { scene, networks: links, world, vehicles, notes: Vec::new(), unfinished },
+            model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), unfinished },
             applications,
             log: Log::new(roll.nodes),
             end: duration.map(|duration| SimTime::ZERO + duration),
@@ -128,14 +125,14 @@ impl<A: Application> Engine<A> {
     pub fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
         self.begin(observer);
         let mut interrupted = false;
-        while !(interrupted || self.ends_with_tasks && self.core.unfinished == 0) {
-            let Some((now, event)) = self.core.scene.queue.pop() else { break };
+        while !(interrupted || self.ends_with_tasks && self.model.unfinished == 0) {
+            let Some((now, event)) = self.model.scene.queue.pop() else { break };
             if let Some(end) = self.end
                 && now >= end
             {
                 break;
             }
-            self.core.scene.now = now;
+            self.model.scene.now = now;
             self.events += 1;
             interrupted = !self.handle(event, observer);
             // A robot may listen for long.
@@ -143,35 +140,35 @@ impl<A: Application> Engine<A> {
         }
         if let Some(end) = self.end
             && !interrupted
-            && !(self.ends_with_tasks && self.core.unfinished == 0)
+            && !(self.ends_with_tasks && self.model.unfinished == 0)
         {
-            self.core.scene.now = end;
+            self.model.scene.now = end;
         }
         self.finish(interrupted)
     }
 
     fn progress(&self) -> Progress {
         Progress {
-            time: self.core.scene.now,
+            time: self.model.scene.now,
             stops: self.log.stops.len(),
             nodes_heard: self.log.nodes_heard,
-            nodes: self.core.scene.roll.nodes,
-            packets_offered: self.core.scene.offered,
+            nodes: self.model.scene.roll.nodes,
+            packets_offered: self.model.scene.offered,
         }
     }
 
     fn begin(&mut self, observer: &mut impl Observer) {
-        for station in self.core.scene.roll.stations() {
-            let mut port = Port { core: &mut self.core, station };
+        for station in self.model.scene.roll.stations() {
+            let mut port = Port { model: &mut self.model, station };
             self.applications[station.index()].started(&mut port);
-            for network in &mut self.core.networks {
-                network.begin(station, &mut self.core.scene);
+            for network in &mut self.model.networks {
+                network.begin(station, &mut self.model.scene);
             }
         }
-        for network in &mut self.core.networks {
-            network.begin_schedule(&mut self.core.scene);
+        for network in &mut self.model.networks {
+            network.begin_schedule(&mut self.model.scene);
         }
-        self.core.tell(&mut self.log, observer);
+        self.model.tell(&mut self.log, observer);
     }
 
     /// Handles an event; returns whether the simulation goes on.
@@ -179,36 +176,36 @@ impl<A: Application> Engine<A> {
     fn handle(&mut self, event: Event, observer: &mut impl Observer) -> bool {
         match event {
             Event::Link(station, network, event) => {
-                self.core.networks[network.index()].handle(station, event, &mut self.core.scene, observer);
-                if !self.core.scene.upcalls.is_empty() {
+                self.model.networks[network.index()].handle(station, event, &mut self.model.scene, observer);
+                if !self.model.scene.upcalls.is_empty() {
                     self.pass_on(network);
                 }
             }
             Event::Timer(station, timer) => {
-                let mut port = Port { core: &mut self.core, station };
+                let mut port = Port { model: &mut self.model, station };
                 self.applications[station.index()].timed(timer, &mut port);
             }
             Event::DriveEnded(station) => {
-                let end = self.core.arrive(station).map_or(DriveEnd::Arrived, DriveEnd::Blocked);
-                let mut port = Port { core: &mut self.core, station };
+                let end = self.model.arrive(station).map_or(DriveEnd::Arrived, DriveEnd::Blocked);
+                let mut port = Port { model: &mut self.model, station };
                 self.applications[station.index()].drive_ended(end, &mut port);
             }
         }
-        if self.core.notes.is_empty() {
+        if self.model.notes.is_empty() {
             return true;
         }
-        let stopped = self.core.tell(&mut self.log, observer);
+        let stopped = self.model.tell(&mut self.log, observer);
         !stopped || observer.goes_on(self.progress())
     }
 
     /// Tells the applications what the link of a network has to say.
     fn pass_on(&mut self, network: NetworkId) {
-        let mut upcalls = std::mem::take(&mut self.core.scene.upcalls);
-        let (frame, payload) = self.core.networks[network.index()].take_payload();
+        let mut upcalls = std::mem::take(&mut self.model.scene.upcalls);
+        let (frame, payload) = self.model.networks[network.index()].take_payload();
         for upcall in upcalls.drain(..) {
             let (Upcall::Delivered { station, .. } | Upcall::Sent { station, .. } | Upcall::Listened { station }) =
                 upcall;
-            let mut port = Port { core: &mut self.core, station };
+            let mut port = Port { model: &mut self.model, station };
             let application = &mut self.applications[station.index()];
             match upcall {
                 Upcall::Delivered { from, sequence, power, .. } => {
@@ -220,21 +217,21 @@ impl<A: Application> Engine<A> {
                 Upcall::Listened { .. } => application.listened(network, &mut port),
             }
         }
-        self.core.networks[network.index()].give_back(frame);
+        self.model.networks[network.index()].give_back(frame);
         // No command of an application makes a link speak at once.
-        debug_assert!(self.core.scene.upcalls.is_empty());
-        self.core.scene.upcalls = upcalls;
+        debug_assert!(self.model.scene.upcalls.is_empty());
+        self.model.scene.upcalls = upcalls;
     }
 
     fn finish(self, interrupted: bool) -> Ended<A> {
-        let now = self.core.scene.now;
-        let names = self.core.world.nodes.into_iter().map(|node| node.name).collect();
-        let robots = self.core.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
+        let now = self.model.scene.now;
+        let names = self.model.world.nodes.into_iter().map(|node| node.name).collect();
+        let robots = self.model.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
         Ended {
             applications: self.applications,
             log: self.log.build(names, robots),
-            path_lengths_m: self.core.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
-            networks: self.core.networks.into_iter().map(|network| network.finish(now)).collect(),
+            path_lengths_m: self.model.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
+            networks: self.model.networks.into_iter().map(|network| network.finish(now)).collect(),
             end: now,
             events: self.events,
             interrupted,

@@ -1,10 +1,5 @@
 //! Links: how stations of a network send to each other. Each technology is a folder; the rest of the simulator knows
 //! what all have in common.
 
-pub(crate) mod event;
 pub(crate) mod ieee802154;
 pub(crate) mod network;
-pub(crate) mod network_id;
-pub(crate) mod packets;
-pub(crate) mod report;
-pub(crate) mod upcall;

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
 
-use super::event::Event;
 use super::ieee802154::network as ieee802154;
-use super::packets::NetworkRecord;
-use super::report::{Destination, FrameId, Payload, SendError};
+use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::packets::NetworkRecord;
+use crate::service::report::{Destination, FrameId, Payload, SendError};
 
 /// A network, of any technology.
 pub(crate) enum Network {
@@ -36,12 +36,14 @@ impl Network {
     pub(crate) fn handle(
         &mut self,
         station: StationId,
-        event: Event,
+        event: LinkEvent,
         scene: &mut Scene,
         observer: &mut impl Observer,
     ) {
         match (self, event) {
-            (Self::Ieee802154(network), Event::Ieee802154(event)) => network.handle(station, event, scene, observer),
+            (Self::Ieee802154(network), LinkEvent::Ieee802154(event)) => {
+                network.handle(station, event, scene, observer)
+            }
         }
     }
 

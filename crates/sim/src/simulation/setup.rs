@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use sextant_kernel::Seed;
 
+use crate::applications::survey::Robot;
 use crate::applications::traffic::Traffic;
 use crate::engine::NetworkSetup;
-use crate::station::{Robot, Sink};
+use crate::station::Sink;
 use crate::world::World;
 
 /// A network and the traffic in it.

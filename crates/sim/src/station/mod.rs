@@ -8,7 +8,7 @@ use sextant_kernel::StationId;
 
 pub use motion::Pose;
 pub(crate) use motion::{Motion, Trip};
-pub use robot::{Robot, RobotBody, RobotConfig};
+pub use robot::{RobotBody, RobotConfig};
 pub use sink::{Sink, SinkConfig};
 
 /// Which stations are nodes, robots and sinks.

@@ -7,8 +7,6 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
-use crate::applications::controller::Controller;
-
 /// A robot, as written in a scenario; `C` is the configuration of its controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -55,15 +53,6 @@ pub struct RobotBody {
     pub radius_m: f64,
     /// How long it listens at each stop.
     pub listen: Duration,
-}
-
-/// A robot: a body and what drives it. A copy starts afresh from where this one is.
-#[derive(Clone)]
-pub struct Robot {
-    /// The body.
-    pub body: RobotBody,
-    /// What drives it.
-    pub controller: Box<dyn Controller>,
 }
 
 impl<C> TryFrom<&RobotConfig<C>> for RobotBody {

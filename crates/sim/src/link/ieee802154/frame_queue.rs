@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use sextant_kernel::SimTime;
 
-use crate::link::report::{Destination, FrameId};
+use crate::service::report::{Destination, FrameId};
 
 /// A frame that a station was given to send.
 #[derive(Clone, Copy, Debug)]

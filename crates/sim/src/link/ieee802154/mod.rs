@@ -1,6 +1,5 @@
 //! IEEE 802.15.4: all that knows this technology.
 
-pub(crate) mod event;
 mod frame_queue;
 mod mac;
 pub(crate) mod network;

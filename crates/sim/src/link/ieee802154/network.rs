@@ -16,18 +16,18 @@ use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
 use sextant_mac::{Phy, RadioState, RadioStates, csma};
 
-use super::event::Event;
 use super::frame_queue::Payloads;
 use super::mac::{Mac, NodeMac};
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, Emission, Transmission};
-use crate::link::network_id::NetworkId;
-use crate::link::packets::{NetworkRecord, Packets};
-use crate::link::upcall::Upcall;
+use crate::event::ieee802154::Event;
 use crate::observer::{HeardFrame, Observer};
 use crate::purpose;
 use crate::scene::Scene;
+use crate::service::network_id::NetworkId;
+use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::upcall::Upcall;
 use crate::station::Kind;
 
 /// PAN of the first network; the others follow.
@@ -223,7 +223,7 @@ impl Network {
     }
 
     fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) {
-        let event = crate::link::event::Event::Ieee802154(event);
-        scene.after(span, crate::engine::event::Event::Link(station, self.radios.network, event));
+        let event = crate::event::link::LinkEvent::Ieee802154(event);
+        scene.after(span, crate::event::Event::Link(station, self.radios.network, event));
     }
 }

@@ -10,7 +10,7 @@ use sextant_mac::superframe::BeaconEnabled;
 
 use super::mac::short_address;
 use super::network::{first_sequence, pan};
-use crate::link::network_id::NetworkId;
+use crate::service::network_id::NetworkId;
 
 /// The key of the table of the settings.
 const KEY: &str = "mac.beacon_enabled";

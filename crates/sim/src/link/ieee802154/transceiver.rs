@@ -6,14 +6,14 @@ use sextant_channel::Milliwatts;
 use sextant_kernel::{EventKey, StationId};
 use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
 
-use super::event::Event;
 use super::stack::Stack;
 use crate::air::{Emission, ReceiverId};
-use crate::engine::event::Event as EngineEvent;
-use crate::link::event::Event as LinkEvent;
-use crate::link::network_id::NetworkId;
+use crate::event::Event as EngineEvent;
+use crate::event::ieee802154::Event;
+use crate::event::link::LinkEvent;
 use crate::purpose;
 use crate::scene::Scene;
+use crate::service::network_id::NetworkId;
 
 /// What all radios of a network have in common.
 #[derive(Clone, Copy, Debug)]

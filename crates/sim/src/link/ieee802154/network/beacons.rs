@@ -7,7 +7,7 @@ use sextant_mac::frame::{Frame, FrameBody};
 
 use super::Network;
 use crate::air::FrameOutcome;
-use crate::link::ieee802154::event::Event;
+use crate::event::ieee802154::Event;
 use crate::link::ieee802154::transceiver::{Beaconing, Transceiver};
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -22,8 +22,8 @@ impl Network {
         let is_free = !self.responders[station.index()].is_responding() && !coordinator.is_sending();
         let stack = &mut self.stacks[station.index()];
         let listens = stack.listening && !stack.leaving;
-        let event = crate::link::event::Event::Ieee802154(Event::BeaconDue);
-        scene.after(interval, crate::engine::event::Event::Link(station, self.radios.network, event));
+        let event = crate::event::link::LinkEvent::Ieee802154(Event::BeaconDue);
+        scene.after(interval, crate::event::Event::Link(station, self.radios.network, event));
         if listens && is_free {
             let transceiver = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
             coordinator.prepare(&mut Beaconing { transceiver, beacon: &mut self.beacon });

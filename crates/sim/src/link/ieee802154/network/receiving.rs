@@ -7,10 +7,10 @@ use sextant_mac::responder::Verdict;
 use super::Network;
 use crate::air::{Arrival, FrameOutcome, Transmission};
 use crate::link::ieee802154::transceiver::Transceiver;
-use crate::link::report::Destination;
-use crate::link::upcall::Upcall;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::report::Destination;
+use crate::service::upcall::Upcall;
 
 impl Network {
     /// A data frame ends: finds its outcome, and delivers it.

@@ -8,10 +8,10 @@ use super::Network;
 use crate::air::FrameOutcome;
 use crate::link::ieee802154::frame_queue::{Content, QueuedFrame};
 use crate::link::ieee802154::transceiver::Transceiver;
-use crate::link::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
-use crate::link::upcall::Upcall;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+use crate::service::upcall::Upcall;
 
 impl Network {
     /// Takes a frame to send.

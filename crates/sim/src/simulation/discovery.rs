@@ -9,17 +9,17 @@ use sextant_kernel::{Interrupted, NodeId, Seed, SettingError, SimTime, StationId
 use sextant_mac::EnergySpent;
 use sextant_mac::frame::DataFrame;
 
-use super::hello::Hello;
-use super::source::Source;
-use super::traffic::{BeaconConfig, Traffic, TrafficConfig};
+use super::setup::Setup;
+use crate::applications::hello::Hello;
+use crate::applications::source::Source;
+use crate::applications::traffic::{BeaconConfig, Traffic, TrafficConfig};
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
 use crate::link::ieee802154::{Mac, network::pan};
-use crate::link::network_id::NetworkId;
-use crate::link::packets::Packets;
-use crate::link::report::Destination;
 use crate::observer::{Observer, Progress};
 use crate::purpose;
-use crate::simulation::setup::Setup;
+use crate::service::network_id::NetworkId;
+use crate::service::packets::Packets;
+use crate::service::report::Destination;
 
 /// The network whose radios discover each other.
 const NETWORK: NetworkId = NetworkId(0);

@@ -3,7 +3,7 @@
 use sextant_channel::{Dbm, Position};
 use sextant_kernel::StationId;
 
-use crate::link::network_id::NetworkId;
+use super::network_id::NetworkId;
 
 /// A frame that was received for a station.
 #[derive(Clone, Copy, Debug, PartialEq)]

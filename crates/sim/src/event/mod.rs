@@ -1,10 +1,13 @@
 //! Events of a simulation.
 
+pub(crate) mod ieee802154;
+pub(crate) mod link;
+
 use sextant_kernel::{Rank, StationId};
 use sextant_mac::Class;
 
-use crate::link::event as link;
-use crate::link::network_id::NetworkId;
+use crate::service::network_id::NetworkId;
+use link::LinkEvent;
 
 /// Number of a timer of an application: its own choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -16,7 +19,7 @@ pub(crate) enum Event {
     /// A timer of a station's application is due.
     Timer(StationId, Timer),
     /// An event of a station's link to a network.
-    Link(StationId, NetworkId, link::Event),
+    Link(StationId, NetworkId, LinkEvent),
     /// A robot's drive is over.
     DriveEnded(StationId),
 }

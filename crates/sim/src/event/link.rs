@@ -2,16 +2,16 @@
 
 use sextant_mac::Class;
 
-use super::ieee802154::event as ieee802154;
+use super::ieee802154;
 
 /// An event of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Event {
+pub(crate) enum LinkEvent {
     /// Of a link of IEEE 802.15.4.
     Ieee802154(ieee802154::Event),
 }
 
-impl Event {
+impl LinkEvent {
     /// Class of the event among those of the same instant.
     #[inline]
     pub(crate) const fn class(self) -> Class {

@@ -1,9 +1,11 @@
 //! What the commands of applications act on.
 
+pub(crate) mod log;
+
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{RobotId, StationId};
 
-use super::event::Event;
+use crate::event::Event;
 use crate::link::network::Network;
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -11,7 +13,7 @@ use crate::station::{Kind, Motion, RobotBody, Trip};
 use crate::world::World;
 
 /// What the commands of applications act on: everything but the applications themselves.
-pub(crate) struct Core {
+pub(crate) struct Model {
     pub(crate) scene: Scene,
     pub(crate) networks: Vec<Network>,
     pub(crate) world: World,
@@ -41,7 +43,7 @@ pub(crate) enum Note {
     Stopped(Stop, Vec<Reception>),
 }
 
-impl Core {
+impl Model {
     /// The number of the robot that is a station.
     ///
     /// # Panics
@@ -87,7 +89,7 @@ impl Core {
 
     /// Tells the observer what is to be told, and keeps what belongs into the log. Returns whether a stop was among
     /// it.
-    pub(crate) fn tell(&mut self, log: &mut super::log::Log, observer: &mut impl Observer) -> bool {
+    pub(crate) fn tell(&mut self, log: &mut log::Log, observer: &mut impl Observer) -> bool {
         let now = self.scene.now;
         let mut stopped = false;
         for note in self.notes.drain(..) {

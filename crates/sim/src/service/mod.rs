@@ -1,0 +1,7 @@
+//! What links and applications say to each other: frames to send and how they ended, deliveries, counts.
+
+pub(crate) mod delivery;
+pub(crate) mod network_id;
+pub(crate) mod packets;
+pub(crate) mod report;
+pub(crate) mod upcall;
