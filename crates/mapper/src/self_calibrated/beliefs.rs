@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 use sextant_kernel::Interrupted;
 
+use super::belief::Belief;
 use super::bounds::Bounds;
 use super::model::Sums;
-use super::posterior::{Belief, Scratch, Surroundings, Tally};
+use super::posterior::{Scratch, Surroundings, Tally};
 
 /// Nodes whose counts are held at a time.
 const BLOCK: usize = 512;

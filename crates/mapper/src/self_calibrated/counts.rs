@@ -14,6 +14,13 @@ pub(super) struct Link {
     pub(super) missed: u32,
 }
 
+impl Link {
+    /// Packets sent.
+    pub(super) fn sent(&self) -> u32 {
+        self.received.saturating_add(self.missed)
+    }
+}
+
 /// What the log says of one node, by stop: packets received and missed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {

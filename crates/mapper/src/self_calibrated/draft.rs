@@ -2,11 +2,12 @@
 
 use sextant_kernel::{Interrupted, Watch};
 
+use super::belief::Belief;
 use super::beliefs::Beliefs;
 use super::bounds::Limits;
 use super::counts::Counts;
 use super::model::{Model, Sums};
-use super::posterior::{Belief, Obstacles, Surroundings};
+use super::posterior::{Obstacles, Surroundings};
 use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;

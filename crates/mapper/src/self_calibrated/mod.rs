@@ -16,10 +16,12 @@
 
 mod absorption;
 mod algorithm;
+mod belief;
 mod beliefs;
 mod bounds;
 mod counts;
 mod draft;
+mod likelihood;
 mod lines;
 mod model;
 mod normal;
@@ -28,6 +30,7 @@ mod settings;
 mod shadows;
 mod start;
 mod tomography;
+mod window;
 
 pub use absorption::AbsorptionMap;
 pub use algorithm::{Calibration, SelfCalibrated};

@@ -5,10 +5,10 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, Seed, Watch};
 
 use super::absorption::AbsorptionMap;
+use super::belief::Belief;
 use super::counts::{Counts, Record};
 use super::lines::{Half, Line, Lines};
 use super::model::Model;
-use super::posterior::Belief;
 use super::settings::ObstacleKnowledge;
 use crate::purpose;
 use crate::reach::gap_m;
