@@ -1,6 +1,7 @@
 //! At which heights nodes are sought.
 
 use sextant_channel::Stop;
+use sextant_kernel::SettingError;
 
 /// Stops whose heights differ by at most this share of the reach of the radios tell nothing of the heights of nodes: a
 /// node above them and its mirror image below are then about equally far from each stop. The floor is uneven.
@@ -72,6 +73,20 @@ impl Heights {
             Self::Level(level_m) => level_m,
             Self::Between(low, high) => z_m.clamp(low, high),
         }
+    }
+}
+
+/// Checks the setting `z_range_m`, if there is one.
+///
+/// # Errors
+/// If it is not two finite heights, the lower one first.
+pub(crate) fn check_z_range(z_range_m: Option<[f64; 2]>) -> Result<(), SettingError> {
+    match z_range_m {
+        Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
+            let allowed = "two finite heights, the lower one first";
+            Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -51,7 +51,6 @@ mod sectors;
 mod self_calibrated;
 mod solver;
 mod surface;
-mod table_profile;
 mod topology_map;
 
 pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper};
@@ -77,8 +76,8 @@ pub use ml_tm::{CountRule, EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{
-    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig,
-    at_least_one,
+    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
+    TrapezoidConfig, at_least_one,
 };
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig};
@@ -86,5 +85,4 @@ pub use self_calibrated::{
     AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
 };
 pub use surface::Surface;
-pub use table_profile::TableProfile;
 pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::heights::check_z_range;
 use crate::reach::heard_nodes;
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
@@ -305,15 +306,7 @@ impl TryFrom<MlTmConfig> for MlTm {
             let allowed = format!("above 0, at most the range of the profile ({} m)", profile.range_m());
             return Err(SettingError::new("grid_step_m", grid_step_m, allowed));
         }
-        if let Some([low, high]) = z_range_m
-            && !(low.is_finite() && high.is_finite() && low <= high)
-        {
-            return Err(SettingError::new(
-                "z_range_m",
-                format!("[{low}, {high}]"),
-                "two finite heights, the lower one first",
-            ));
-        }
+        check_z_range(z_range_m)?;
         let sectors =
             SectorSettings::try_from(sectors.unwrap_or_default()).map_err(|error| error.within("sectors"))?;
         let memory_mb = max_memory_mb.unwrap_or(DEFAULT_MEMORY_MB);

@@ -9,6 +9,7 @@ use sextant_kernel::SettingError;
 
 use super::DEFAULT_FLOOR;
 use super::cell::averaged_over_cell;
+use super::limits::above_0_to_1;
 use crate::TableProfile;
 
 /// The profile of a known channel as written in a scenario. In a scenario, what is absent is taken from its radio, its
@@ -143,9 +144,7 @@ impl ChannelProfileConfig {
             (needed("tx_power_dbm", self.tx_power_dbm)?, needed("sensitivity_dbm", self.sensitivity_dbm)?);
         SettingError::finite("tx_power_dbm", tx)?;
         SettingError::finite("sensitivity_dbm", sensitivity)?;
-        if !(self.delivery > 0.0 && self.delivery <= 1.0) {
-            return Err(SettingError::new("delivery", self.delivery, "above 0, at most 1"));
-        }
+        let delivery = above_0_to_1("delivery", self.delivery)?;
         let packets = SettingError::positive("packets_per_stop", self.packets_per_stop.unwrap_or(1.0))?;
         let default = LogDistanceConfig::default();
         let config = ChannelConfig {
@@ -163,7 +162,7 @@ impl ChannelProfileConfig {
             obstacles_attenuate: false,
         };
         let law = ChannelLaw::try_from(config).map_err(flat)?;
-        Ok(KnownLink { law, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery: self.delivery, packets })
+        Ok(KnownLink { law, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery, packets })
     }
 }
 

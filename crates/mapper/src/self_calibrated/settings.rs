@@ -4,6 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::heights::check_z_range;
+
 /// The self-calibrated map as written in a scenario. Every key has a value that fits logs of any range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -75,12 +77,7 @@ impl TryFrom<SelfCalibratedConfig> for Settings {
         if max_rounds == 0 {
             return Err(SettingError::new("max_rounds", 0, "1 or more"));
         }
-        if let Some([low, high]) = z_range_m
-            && !(low.is_finite() && high.is_finite() && low <= high)
-        {
-            let allowed = "two finite heights, the lower one first";
-            return Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed));
-        }
+        check_z_range(z_range_m)?;
         Ok(Self { grid_step_m, obstacles, max_rounds, z_range_m })
     }
 }

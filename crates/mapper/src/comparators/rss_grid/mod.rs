@@ -14,6 +14,7 @@ use self::curves::Curves;
 use self::search::{HeardStop, Search};
 use self::tiles::Tiles;
 use super::ranging::{Ranging, RangingConfig};
+use crate::heights::check_z_range;
 use crate::{
     CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights, TopologyMap,
 };
@@ -77,12 +78,7 @@ impl TryFrom<RssGridConfig> for RssGrid {
         if let Some(range_m) = max_range_m {
             SettingError::positive("max_range_m", range_m)?;
         }
-        if let Some([low, high]) = z_range_m
-            && !(low.is_finite() && high.is_finite() && low <= high)
-        {
-            let allowed = "two finite heights, the lower one first";
-            return Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed));
-        }
+        check_z_range(z_range_m)?;
         let grid_step_m = SettingError::positive("grid_step_m", grid_step_m)?;
         Ok(Self { grid_step_m, ranging, sensitivity_dbm, max_range_m, estimate, z_range_m })
     }

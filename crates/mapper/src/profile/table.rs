@@ -2,6 +2,8 @@
 
 use sextant_kernel::SettingError;
 
+use super::limits::Limits;
+
 /// Values below this are taken as 0: products of many factors then stay within the range of f64.
 const NOTHING: f64 = 1e-30;
 
@@ -13,8 +15,7 @@ pub struct TableProfile {
     /// At 0, `step_m`, 2 `step_m`, ...
     probabilities: Vec<f64>,
     range_m: f64,
-    floor: f64,
-    ceiling: f64,
+    limits: Limits,
 }
 
 impl TableProfile {
@@ -33,12 +34,7 @@ impl TableProfile {
         if let Some(&wrong) = probabilities.iter().find(|&&p| !(0.0..=1.0).contains(&p)) {
             return Err(SettingError::new("probabilities", wrong, "0 to 1"));
         }
-        if !(ceiling > 0.0 && ceiling <= 1.0) {
-            return Err(SettingError::new("ceiling", ceiling, "above 0, at most 1"));
-        }
-        if !(floor >= 0.0 && floor < ceiling) {
-            return Err(SettingError::new("floor", floor, format!("0 to below the ceiling ({ceiling})")));
-        }
+        let limits = Limits::new(floor, ceiling)?;
         let before_range = &probabilities[..probabilities.len() - 1];
         if before_range.iter().all(|&p| p <= floor) {
             let highest = before_range.iter().fold(0.0, |highest: f64, &p| highest.max(p));
@@ -47,7 +43,7 @@ impl TableProfile {
         }
         let range_m = step_m * (probabilities.len() - 1) as f64;
         let probabilities = probabilities.into_iter().map(|p| if p < NOTHING { 0.0 } else { p }).collect();
-        Ok(Self { step_m, probabilities, range_m, floor, ceiling })
+        Ok(Self { step_m, probabilities, range_m, limits })
     }
 
     /// Probability that a packet is received over `distance_m`.
@@ -61,7 +57,7 @@ impl TableProfile {
         } else {
             0.0
         };
-        s.clamp(self.floor, self.ceiling)
+        self.limits.clamp(s)
     }
 
     /// Distance of neighbouring values (m).
@@ -85,13 +81,13 @@ impl TableProfile {
     /// Lowest probability of a reception.
     #[must_use]
     pub fn floor(&self) -> f64 {
-        self.floor
+        self.limits.floor()
     }
 
     /// Highest probability of a reception.
     #[must_use]
     pub fn ceiling(&self) -> f64 {
-        self.ceiling
+        self.limits.ceiling()
     }
 }
 
