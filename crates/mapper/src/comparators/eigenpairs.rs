@@ -62,19 +62,7 @@ pub(super) fn product(
     block: &DMatrix<f64>,
     watch: &dyn Watch,
 ) -> Result<DMatrix<f64>, Interrupted> {
-    watch.check()?;
-    let per_row = matrix.ncols() * block.ncols();
-    let rows = AT_ONCE.div_ceil(per_row.max(1));
-    if rows >= matrix.nrows() {
-        return Ok(matrix * block);
-    }
-    let mut product = DMatrix::zeros(matrix.nrows(), block.ncols());
-    for first in (0..matrix.nrows()).step_by(rows) {
-        watch.check()?;
-        let count = rows.min(matrix.nrows() - first);
-        product.rows_mut(first, count).gemm(1.0, &matrix.rows(first, count), block, 0.0);
-    }
-    Ok(product)
+    in_parts(matrix.nrows(), block, watch, |first, count| matrix.rows(first, count) * block)
 }
 
 /// `matrixᵀ · block`, a part of the columns of the matrix at a time.
@@ -86,17 +74,26 @@ pub(super) fn transposed_product(
     block: &DMatrix<f64>,
     watch: &dyn Watch,
 ) -> Result<DMatrix<f64>, Interrupted> {
+    in_parts(matrix.ncols(), block, watch, |first, count| matrix.columns(first, count).transpose() * block)
+}
+
+/// The product of a matrix of `rows` rows with `block`, some rows at a time: `part` computes so many from the first on.
+fn in_parts(
+    rows: usize,
+    block: &DMatrix<f64>,
+    watch: &dyn Watch,
+    part: impl Fn(usize, usize) -> DMatrix<f64>,
+) -> Result<DMatrix<f64>, Interrupted> {
     watch.check()?;
-    let per_column = matrix.nrows() * block.ncols();
-    let columns = AT_ONCE.div_ceil(per_column.max(1));
-    if columns >= matrix.ncols() {
-        return Ok(matrix.transpose() * block);
+    let at_once = AT_ONCE.div_ceil(block.len().max(1));
+    if at_once >= rows {
+        return Ok(part(0, rows));
     }
-    let mut product = DMatrix::zeros(matrix.ncols(), block.ncols());
-    for first in (0..matrix.ncols()).step_by(columns) {
+    let mut product = DMatrix::zeros(rows, block.ncols());
+    for first in (0..rows).step_by(at_once) {
         watch.check()?;
-        let count = columns.min(matrix.ncols() - first);
-        product.rows_mut(first, count).gemm(1.0, &matrix.columns(first, count).transpose(), block, 0.0);
+        let count = at_once.min(rows - first);
+        product.rows_mut(first, count).copy_from(&part(first, count));
     }
     Ok(product)
 }
