@@ -8,6 +8,7 @@ use sextant_kernel::Watch;
 use super::curves::Curves;
 use super::tiles::{Part, Silence, Tiles};
 use crate::local_posterior::covariance;
+use crate::solver::Peak;
 use crate::{Estimate, EstimateKind, Lattice};
 
 /// How far below the highest log-likelihood a vertex no longer counts in a mean: even 10⁹ of them weigh 10⁻²¹.
@@ -176,7 +177,6 @@ impl Search<'_> {
         (heard, radius): (&[HeardStop], Radius),
         found: &mut Found,
     ) {
-        let slack_m = self.slack_m();
         let mut silence = silence.iter();
         for k in part.span(2) {
             for j in part.span(1) {
@@ -187,23 +187,32 @@ impl Search<'_> {
                         continue;
                     }
                     let place = self.lattice.position(vertex);
-                    let mut value = silence;
-                    let mut is_ruled_out = false;
-                    for stop in heard {
-                        let distance_m = place.distance_m(stop.place);
-                        is_ruled_out |= distance_m > slack_m;
-                        let misfit = stop.rssi_dbm - self.curves.mean_dbm(distance_m);
-                        value -= 0.5 * misfit * misfit / self.variance;
-                        if distance_m <= self.range_m {
-                            value -= self.curves.log_silence(distance_m);
-                        }
-                    }
-                    if !(radius == Radius::Hard && is_ruled_out) {
+                    if let Some(value) = self.log_likelihood(place, silence, heard, radius) {
                         found.take(self.lattice.index(vertex), value);
                     }
                 }
             }
         }
+    }
+
+    /// The log-likelihood of a node at a vertex where that of the silence of all stops is `silence`; `None` if the vertex is
+    /// ruled out.
+    #[inline]
+    fn log_likelihood(&self, place: Position, silence: f64, heard: &[HeardStop], radius: Radius) -> Option<f64> {
+        let slack_m = self.slack_m();
+        let mut value = silence;
+        for stop in heard {
+            let distance_m = place.distance_m(stop.place);
+            if radius == Radius::Hard && distance_m > slack_m {
+                return None;
+            }
+            let misfit = stop.rssi_dbm - self.curves.mean_dbm(distance_m);
+            value -= 0.5 * misfit * misfit / self.variance;
+            if distance_m <= self.range_m {
+                value -= self.curves.log_silence(distance_m);
+            }
+        }
+        Some(value)
     }
 }
 
@@ -219,7 +228,7 @@ struct Found {
 impl Found {
     fn new(kind: EstimateKind) -> Self {
         let margin = match kind {
-            EstimateKind::Argmax => 0.0,
+            EstimateKind::Argmax => Peak::TOLERANCE,
             EstimateKind::PosteriorMean => NEGLIGIBLE,
         };
         Self { kind, margin, highest: f64::NEG_INFINITY, vertices: Vec::new(), evaluated: 0 }
@@ -258,7 +267,9 @@ impl Found {
                 (best + mean, Some(covariance(apart)))
             }
         };
-        Some(Estimate { position, log_likelihood: Some(highest), ties: 1, covariance, infeasible })
+        let ties = self.vertices.iter().filter(|&&(_, value)| value >= highest - Peak::TOLERANCE).count();
+        let ties = u32::try_from(ties).unwrap_or(u32::MAX);
+        Some(Estimate { position, log_likelihood: Some(highest), ties, covariance, infeasible })
     }
 }
 
@@ -270,8 +281,8 @@ mod tests {
     use super::*;
     use crate::{Ranging, RangingConfig};
 
-    /// What a scan of all vertices finds: the likeliest vertices that are not ruled out (several only if they are equally
-    /// likely, but for rounding), their log-likelihood, and the mean.
+    /// What a scan of all vertices finds: the likeliest vertices that are not ruled out (several if they are equally
+    /// likely), their log-likelihood, and the mean.
     fn scan(search: &Search<'_>, heard: &[HeardStop], radius: Radius) -> Option<(Vec<Position>, f64, Position)> {
         let slack_m = search.slack_m();
         let strongest = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)).expect("it was heard");
@@ -298,7 +309,7 @@ mod tests {
             found.push((place, value));
         }
         let highest = found.iter().map(|&(_, value)| value).reduce(f64::max)?;
-        let is_best = |value: f64| highest - value <= 1e-12 * (1.0 + highest.abs());
+        let is_best = |value: f64| value >= highest - Peak::TOLERANCE;
         let best = found.iter().filter(|&&(_, value)| is_best(value)).map(|&(place, _)| place).collect();
         let weights = || found.iter().map(|&(place, value)| (place, (value - highest).exp()));
         let total: f64 = weights().map(|(_, weight)| weight).sum();
@@ -354,6 +365,7 @@ mod tests {
                 let estimate = estimate.expect("a vertex near the strongest stop");
                 prop_assert!(evaluated <= 2 * lattice.len());
                 prop_assert_eq!(estimate.infeasible, radius == Radius::Ignored);
+                prop_assert_eq!(estimate.ties as usize, best.len());
                 prop_assert!((estimate.log_likelihood.unwrap() - highest).abs() < 1e-9 * (1.0 + highest.abs()));
                 let expected = if kind == EstimateKind::Argmax { best.as_slice() } else { &[mean] };
                 prop_assert!(
