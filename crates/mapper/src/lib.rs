@@ -1,10 +1,10 @@
-//! Reception log in, topology map out; and how good a map is.
+//! Topology maps from reception logs, and measures of how good a map is.
 //!
-//! Goes in: a [`ReceptionLog`](sextant_channel::ReceptionLog), which is all that robots recorded, and a
-//! [`ReceptionProfile`], which says how likely a packet is received over a distance. Comes out: a
-//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. Algorithms to compare with, which may know more
-//! ([`Knowledge`]), say what they use ([`KnowledgeKind`]). The crate knows no simulation and
-//! no ground truth; its metrics compare whatever two lists of places they are given.
+//! Input: a [`ReceptionLog`](sextant_channel::ReceptionLog), which holds what robots recorded, and a
+//! [`ReceptionProfile`], which gives the probability that a packet is received over a distance. Output: a
+//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. Algorithms for comparison may use more
+//! knowledge ([`Knowledge`]) and state which kinds they use ([`KnowledgeKind`]). The crate does not depend on the
+//! simulation and has no access to ground truth. Its metrics compare any two lists of places.
 //!
 //! ```
 //! use sextant_channel::{Position, Reception, ReceptionLog, Stop};

@@ -18,19 +18,19 @@ pub use fitted::FittedConfig;
 pub use table::TableProfile;
 pub use trapezoid::{Trapezoid, TrapezoidConfig};
 
-/// Lowest probability that a robust profile gives to any outcome: one shadowed packet from far away
-/// then costs a vertex a factor and does not rule it out.
+/// Lowest probability that a robust profile gives to any outcome: one packet received from far away then lowers the
+/// likelihood of a vertex, but does not rule the vertex out.
 pub(crate) const DEFAULT_FLOOR: f64 = 1e-6;
 
 /// A reception profile as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileConfig {
-    /// Constant near the node, then falling linearly to nothing.
+    /// Constant near the node, then falling linearly to 0.
     Trapezoid(TrapezoidConfig),
     /// The curve that a known channel implies.
     Channel(ChannelProfileConfig),
-    /// A curve that never rises, estimated from the log itself.
+    /// A curve that never rises, estimated from the log.
     Fitted(FittedConfig),
 }
 
@@ -46,18 +46,18 @@ fn default_ceiling() -> f64 {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReceptionProfile {
-    /// Constant near the node, then falling linearly to nothing.
+    /// Constant near the node, then falling linearly to 0.
     Trapezoid(Trapezoid),
     /// Values at equal distances.
     Table(TableProfile),
 }
 
 impl ReceptionProfile {
-    /// The profile for the vertices of a grid of `grid_step_m`: with the mean over its cells, if the settings ask
-    /// for it; 0 for no grid.
+    /// The profile for the vertices of a grid of `grid_step_m`: averaged over its cells, if the settings say so. A
+    /// step of 0 means no grid.
     ///
     /// # Errors
-    /// If a value is outside its domain or absent; for a fitted profile, which needs a log and not only settings (see
+    /// If a value is invalid or absent, or if the profile is a fitted one, which needs a log (see
     /// [`Fitted`](crate::Fitted)).
     pub fn for_grid(config: ProfileConfig, grid_step_m: f64) -> Result<Self, SettingError> {
         match config {
@@ -73,7 +73,7 @@ impl ReceptionProfile {
         }
     }
 
-    /// The distance from which on a reception is impossible (or left to the floor) (m).
+    /// At this distance and beyond, a reception is impossible, or has the probability of the floor (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         match self {

@@ -1,16 +1,16 @@
-//! The greatest eigenvalues of symmetric matrices and their vectors, of large ones from products alone.
+//! The greatest eigenvalues of symmetric matrices, with their eigenvectors. Large matrices are used only in products.
 
 use nalgebra::DMatrix;
 use sextant_kernel::{Interrupted, Watch};
 
-/// Dimensions of the subspace beyond those wanted.
+/// Additional dimensions of the subspace.
 pub(super) const SPARE: usize = 8;
-/// Rounds of the subspace iteration, at most.
+/// Maximum number of rounds of the subspace iteration.
 const ROUNDS: u32 = 500;
-/// Multiplications between two looks at whether to go on: about a twentieth of a second.
+/// Number of multiplications between two checks for interruption: about a twentieth of a second.
 const AT_ONCE: usize = 100_000_000;
 
-/// The `count` greatest eigenvalues of a symmetric matrix, falling, and their vectors.
+/// The `count` greatest eigenvalues of a symmetric matrix in falling order, and their eigenvectors.
 pub(super) fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
     let eigen = matrix.clone().symmetric_eigen();
     let mut order: Vec<usize> = (0..matrix.nrows()).collect();
@@ -19,9 +19,10 @@ pub(super) fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<
     (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))
 }
 
-/// The same of the matrix whose product with a block of vectors is `product`, by subspace iteration with Rayleigh-Ritz
-/// (Rutishauser 1970) from the block `start`, which has [`SPARE`] more columns. The subspace holds the eigenvalues of
-/// largest magnitude; the spare dimensions hold negative ones, which must be few or small.
+/// The same for a matrix that is given by its `product` with a block of vectors. The method is subspace iteration
+/// with Rayleigh-Ritz (Rutishauser 1970). It starts from the block `start`, which has [`SPARE`] additional columns.
+/// The subspace converges to the eigenvalues of largest magnitude. Negative eigenvalues must be few or small, because
+/// they take up the spare dimensions.
 ///
 /// # Errors
 /// If `product` is interrupted.
@@ -53,7 +54,7 @@ pub(super) fn iterated(
     Ok(result)
 }
 
-/// `matrix · block`, a part of the rows at a time.
+/// `matrix · block`, computed some rows at a time.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -65,7 +66,7 @@ pub(super) fn product(
     in_parts(matrix.nrows(), block, watch, |first, count| matrix.rows(first, count) * block)
 }
 
-/// `matrixᵀ · block`, a part of the columns of the matrix at a time.
+/// `matrixᵀ · block`, computed from some columns of the matrix at a time.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -77,7 +78,8 @@ pub(super) fn transposed_product(
     in_parts(matrix.ncols(), block, watch, |first, count| matrix.columns(first, count).transpose() * block)
 }
 
-/// The product of a matrix of `rows` rows with `block`, some rows at a time: `part` computes so many from the first on.
+/// The product of a matrix of `rows` rows with `block`, some rows at a time. `part(first, count)` computes `count`
+/// rows, from the row `first` on.
 fn in_parts(
     rows: usize,
     block: &DMatrix<f64>,

@@ -1,13 +1,13 @@
-//! A reception profile given by its values: curves that were estimated, or computed from a channel.
+//! A reception profile given by a table of values, for curves that are estimated or computed from a channel.
 
 use sextant_kernel::SettingError;
 
 use super::limits::Limits;
 
-/// Values below this are taken as 0: products of many factors then stay within the range of f64.
+/// Values below this count as 0. Products of many factors then stay within the range of f64.
 const NOTHING: f64 = 1e-30;
 
-/// S(d) by linear interpolation of values at equal distances, 0 from the last of them on, then clamped to
+/// S(d) by linear interpolation of values at equal distances, 0 from the last value on, then clamped to
 /// `[floor, ceiling]`. The values need not fall with distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableProfile {
@@ -19,8 +19,8 @@ pub struct TableProfile {
 }
 
 impl TableProfile {
-    /// The profile with `probabilities` at the distances 0, `step_m`, 2 `step_m`, ...; the last of them is the range.
-    /// Values below 10⁻³⁰ are taken as 0.
+    /// The profile with `probabilities` at the distances 0, `step_m`, 2 `step_m`, ...; the last distance is the
+    /// range. Values below 10⁻³⁰ count as 0.
     ///
     /// # Errors
     /// `step_m` if it is not above 0; `probabilities` if there are fewer than two, one is not in `[0, 1]`, or none
@@ -72,7 +72,7 @@ impl TableProfile {
         &self.probabilities
     }
 
-    /// The distance from which on a reception is impossible (or left to the floor) (m).
+    /// At this distance and beyond, a reception is impossible, or has the probability of the floor (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         self.range_m
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn values_outside_their_domain_are_refused_by_name() {
+    fn invalid_values_are_rejected_with_their_key() {
         let key = |step, values: &[f64], floor, ceiling| {
             TableProfile::new(step, values.to_vec(), floor, ceiling).map_err(|error| error.key)
         };

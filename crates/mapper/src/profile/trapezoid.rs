@@ -14,7 +14,7 @@ pub struct TrapezoidConfig {
     pub p0: f64,
     /// Distance up to which the probability is `p0` (m), below `range_m`.
     pub plateau_m: f64,
-    /// Distance from which on nothing is received (m).
+    /// Nothing is received at this distance or beyond (m).
     pub range_m: f64,
     /// Lowest probability of a reception, at any distance; 0 for the literal profile of the thesis.
     #[serde(default = "super::default_floor")]
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn the_trapezoid_is_flat_then_linear_then_nothing() {
+    fn the_trapezoid_is_constant_then_linear_then_zero() {
         let s = trapezoid(TrapezoidConfig::new(0.8, 2.0, 10.0).literal()).unwrap();
         for (d, expected) in [(0.0, 0.8), (2.0, 0.8), (6.0, 0.4), (9.0, 0.1), (10.0, 0.0), (50.0, 0.0)] {
             assert!((s.probability(d) - expected).abs() < 1e-15, "S({d}) = {}", s.probability(d));
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_outside_their_domain_are_refused_by_name() {
+    fn invalid_settings_are_rejected_with_their_key() {
         let good = TrapezoidConfig::new(0.9, 2.0, 10.0);
         assert!(trapezoid(good.clone()).is_ok());
         let bad = [

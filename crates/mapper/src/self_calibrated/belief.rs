@@ -1,9 +1,9 @@
-//! What is believed of the place of one node.
+//! The current estimate of the place of one node.
 
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-/// What is believed of the place of one node.
+/// The current estimate of the place of one node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Belief {
     pub(super) node: NodeId,

@@ -5,7 +5,8 @@ use sextant_channel::Position;
 use super::counts::Link;
 use super::window::Window;
 
-/// Packets whose probabilities are multiplied before a logarithm is taken: 10⁻⁶ to this power is a normal number.
+/// Maximum number of packets whose probabilities are multiplied before a logarithm is taken. 10⁻⁶ to this power is
+/// still a normal number.
 const CHUNK: u32 = 40;
 
 /// A likelihood at each vertex of a window: the exponential of a logarithm, times a product of probabilities.
@@ -18,7 +19,7 @@ pub(super) struct Likelihood {
 }
 
 impl Likelihood {
-    /// Sets the likelihood to 1 at each of so many vertices.
+    /// Sets the number of vertices, and the likelihood of each to 1.
     pub(super) fn clear(&mut self, vertices: usize) {
         self.logarithms.clear();
         self.logarithms.resize(vertices, 0.0);
@@ -27,7 +28,8 @@ impl Likelihood {
         self.packets = 0;
     }
 
-    /// Adds what a link tells, a packet being received with `probability` if the node is at a place.
+    /// Multiplies by the likelihood of the packets of a link. `probability` is that of a reception if the node is at
+    /// a place.
     pub(super) fn add(&mut self, window: &Window, link: &Link, probability: impl Fn(Position) -> f64) {
         let sent = link.sent();
         if self.packets.saturating_add(sent) > CHUNK {

@@ -1,4 +1,4 @@
-//! Where one node may be: its posterior on a window of vertices, and what it adds to the counts.
+//! The posterior of one node on a window of vertices, and its contribution to the counts.
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, Watch};
@@ -15,11 +15,11 @@ use crate::local_posterior::covariance;
 
 /// Probability above which a vertex counts.
 const NEGLIGIBLE: f64 = 1e-4;
-/// A place whose log-likelihood is this much below the highest is in the 95 % region: half the quantile of the chi-squared
-/// law with two degrees of freedom.
+/// The 95 % region holds places whose log-likelihood is at most this much below the highest: half the quantile of the
+/// chi-squared law with two degrees of freedom.
 const LIKELY: f64 = 3.0;
 
-/// What one node adds to the counts.
+/// The contribution of one node to the counts.
 #[derive(Clone, Debug)]
 pub(super) struct Tally {
     pub(super) received: Vec<f64>,
@@ -41,7 +41,7 @@ impl Tally {
     }
 }
 
-/// What is known besides the place of the node.
+/// Everything that is known, apart from the place of the node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surroundings<'a> {
     pub(super) counts: &'a Counts<'a>,
@@ -51,7 +51,7 @@ pub(super) struct Surroundings<'a> {
     pub(super) watch: &'a dyn Watch,
 }
 
-/// What stands in the way.
+/// The obstacles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Obstacles<'a> {
     pub(super) map: &'a AbsorptionMap,
@@ -78,7 +78,7 @@ impl Obstacles<'_> {
     }
 }
 
-/// Memory that a thread uses again for each node.
+/// Memory that a thread reuses for each node.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     record: Record,
@@ -164,8 +164,9 @@ impl Surroundings<'_> {
         likelihood.take_logarithms();
     }
 
-    /// Adds the packets of each link to the bins of its likely lengths. What obstacles stop is not sent, as far as the
-    /// curve is concerned: to leave out shaded links instead would leave those that were lucky.
+    /// Adds the packets of each link to the bins of its likely lengths. For the curve, packets that obstacles stop
+    /// count as not sent. Shaded links are not simply left out, because that would keep the lucky ones and bias the
+    /// curve.
     fn tally(&self, scratch: &Scratch, belief: &Belief, tally: &mut Tally) {
         for link in &scratch.links {
             let efficiency = self.model.efficiency(link.stop as usize);

@@ -5,16 +5,16 @@ use sextant_channel::Position;
 use super::belief::Belief;
 use super::bounds::Bounds;
 
-/// Steps from the middle of a window to its edge, at least.
+/// Least number of steps from the middle of a window to its edge.
 const REACH: usize = 4;
-/// Steps from the middle to the edge, at most, in the plane and in space.
+/// Maximum number of steps from the middle to the edge, in the plane and in space.
 const MOST: [usize; 2] = [24, 9];
 /// Half the width of a window in standard deviations of the last posterior.
 const SPREADS: f64 = 4.0;
 /// Steps along an axis are doubled while they are below this share of the standard deviation.
 const COARSENESS: f64 = 0.8;
-/// Where vertices lie relative to round coordinates, in steps (powers of the golden ratio): an estimation lattice that
-/// matches the places of the nodes would flatter the estimate.
+/// Where vertices lie relative to round coordinates, in steps (powers of the golden ratio): a lattice that matches
+/// the places of the nodes would make estimates look better than they are.
 const PHASE: [f64; 3] = [0.381_966, 0.236_068, 0.145_898];
 
 /// A box of vertices. They are counted with x running fastest.

@@ -1,4 +1,4 @@
-//! The search for one node: tiles that cannot hold a vertex that counts are not looked at.
+//! The search for one node. Tiles that cannot hold a relevant vertex are skipped.
 
 use std::ops::Range;
 
@@ -11,9 +11,10 @@ use crate::local_posterior::covariance;
 use crate::solver::Peak;
 use crate::{Estimate, EstimateKind, Lattice};
 
-/// How far below the highest log-likelihood a vertex no longer counts in a mean: even 10⁹ of them weigh 10⁻²¹.
+/// A vertex this far below the highest log-likelihood is left out of the mean: even 10⁹ such vertices have a weight
+/// of 10⁻²¹.
 const NEGLIGIBLE: f64 = 70.0;
-/// What a bound may be too low by, for rounding: relative to the sum of what it is made of.
+/// Margin of a bound for rounding errors, relative to the sum of its terms.
 const ROUNDING: f64 = 1e-9;
 
 /// A stop that heard a node.
@@ -30,7 +31,7 @@ enum Radius {
     Ignored,
 }
 
-/// A survey ready to be searched for any of its nodes.
+/// A survey that is prepared for the search of its nodes.
 pub(super) struct Search<'a> {
     pub(super) curves: Curves,
     pub(super) lattice: &'a Lattice,
@@ -68,7 +69,7 @@ impl Silence for Search<'_> {
         let mut sum = 0.0;
         for stop in self.stops {
             let [_, far_m] = part.distances_m(stop.position);
-            // Up to the last vertex a row may be in range by rounding, or not.
+            // Near the range, rounding decides whether a vertex is in range.
             if far_m < self.range_m * (1.0 - 1e-6) {
                 sum += self.curves.log_silence(far_m);
             }
@@ -78,7 +79,7 @@ impl Silence for Search<'_> {
 }
 
 impl Search<'_> {
-    /// Adds what the silence of a stop says to the vertices `columns` of a row.
+    /// Adds the log-likelihood of the silence of a stop to the vertices `columns` of a row.
     fn add_silence(&self, stop: Position, [j, k]: [usize; 2], columns: &Range<usize>, values: &mut [f64]) {
         let first = self.lattice.position([0, j, k]);
         let across_m = (first.y_m - stop.y_m).hypot(first.z_m - stop.z_m);
@@ -93,7 +94,7 @@ impl Search<'_> {
         }
     }
 
-    /// What the log-likelihood of a node is at most at any vertex of a part whose silence bound is `silence`.
+    /// An upper bound of the log-likelihood of a node at any vertex of a part whose silence bound is `silence`.
     fn bound(&self, part: &Part, silence: f64, heard: &[HeardStop], radius: Radius) -> f64 {
         let slack_m = self.slack_m();
         let (mut gain, mut loss) = (0.0, 0.0);
@@ -112,20 +113,20 @@ impl Search<'_> {
         silence + gain - loss + ROUNDING * (1.0 - silence + gain + loss)
     }
 
-    /// How far from a stop that heard it a node may be at a vertex (m).
+    /// How far a vertex may be from a stop that heard the node (m).
     fn slack_m(&self) -> f64 {
         self.range_m + self.lattice.half_diagonal_m()
     }
 
-    /// The estimate of a node that was heard at these stops, and how many vertices were looked at; anything if the work
-    /// was ended meanwhile.
+    /// The estimate of a node that was heard at these stops, and how many vertices were looked at. If the work was
+    /// ended meanwhile, the result means nothing.
     pub(super) fn estimate(&self, tiles: &Tiles, heard: &[HeardStop], kind: EstimateKind) -> (Option<Estimate>, u64) {
         let Some(strongest) = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)) else { return (None, 0) };
         let mut found = Found::new(kind);
         self.look(tiles, &self.spans(heard), heard, Radius::Hard, &mut found);
         let is_infeasible = found.vertices.is_empty();
         if is_infeasible {
-            // No vertex is in reach of all: round the strongest, ruling nothing out.
+            // No vertex is in reach of all: search round the strongest, and rule nothing out.
             self.look(tiles, &self.spans(&[*strongest]), heard, Radius::Ignored, &mut found);
         }
         let evaluated = found.evaluated;
@@ -143,7 +144,7 @@ impl Search<'_> {
         })
     }
 
-    /// Gives `found` all vertices of a box that may count, block by block, the most promising first.
+    /// Gives `found` all relevant vertices of a box, block by block, the most promising first.
     fn look(&self, tiles: &Tiles, spans: &[Range<usize>; 3], heard: &[HeardStop], radius: Radius, found: &mut Found) {
         let mut blocks: Vec<_> = tiles
             .blocks(self.lattice, spans)
@@ -216,7 +217,7 @@ impl Search<'_> {
     }
 }
 
-/// The vertices found that count, or did when they were found.
+/// The vertices that are relevant, or were relevant when they were found.
 struct Found {
     kind: EstimateKind,
     margin: f64,
@@ -234,7 +235,7 @@ impl Found {
         Self { kind, margin, highest: f64::NEG_INFINITY, vertices: Vec::new(), evaluated: 0 }
     }
 
-    /// Whether a vertex with this log-likelihood would count.
+    /// Whether a vertex with this log-likelihood would be relevant.
     fn is_within_reach(&self, value: f64) -> bool {
         value > f64::NEG_INFINITY && value >= self.highest - self.margin
     }

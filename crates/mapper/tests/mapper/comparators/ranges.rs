@@ -150,7 +150,7 @@ fn relative_maps_are_the_same_up_to_a_similarity() {
     };
     let aligned = map(FrameConfig::Relative).aligned_to(&network.truth(), 4);
     let anchored = map(FrameConfig::Anchors);
-    // The truth of all nodes fits at least as well as that of some.
+    // An alignment to all nodes fits at least as well as an alignment to some.
     assert!(mean_error_m(&network, &aligned) < mean_error_m(&network, &anchored) + 0.05);
 }
 

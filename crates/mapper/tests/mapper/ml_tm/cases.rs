@@ -66,7 +66,8 @@ pub(super) fn case(height_m: f64, step_m: f64, range_m: Range<f64>) -> impl Stra
     })
 }
 
-/// The same with a table in place of the trapezoid: as high next to the node, then anything, falling or not.
+/// The same with a table instead of the trapezoid. The first value is that of the trapezoid, the others are
+/// arbitrary.
 pub(super) fn table_case(height_m: f64, step_m: f64, range_m: Range<f64>) -> impl Strategy<Value = Case> {
     let value = prop_oneof![Just(0.0), Just(1.0), 0.0..1.0, 1e-12..1e-3];
     let table = (proptest::collection::vec(value, 1..12), any::<bool>());
@@ -79,7 +80,8 @@ pub(super) fn table_case(height_m: f64, step_m: f64, range_m: Range<f64>) -> imp
     })
 }
 
-/// The same heard in sectors: most of those of a place where the node may be, some of any other place, some unknown.
+/// The same with sectors. Most receptions are in the sector that points to a possible place of the node, some in
+/// another sector, some in an unknown one.
 pub(super) fn sector_case(height_m: f64, step_m: f64, range_m: Range<f64>) -> impl Strategy<Value = Case> {
     let elevations = prop_oneof![
         Just([-90.0, 90.0]),

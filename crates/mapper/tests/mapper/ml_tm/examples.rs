@@ -1,4 +1,4 @@
-//! Surveys whose maps can be worked out by hand.
+//! Examples of ML-TM with known results.
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, Purpose, Seed, Unwatched};
@@ -7,7 +7,7 @@ use sextant_mapper::{CountRule, EstimateKind, MapError, MlTmConfig, ProfileConfi
 use super::{entry, log, ml_tm};
 
 #[test]
-fn the_worked_example_of_the_thesis_comes_out() {
+fn the_worked_example_of_the_thesis_is_reproduced() {
     // Its numbers follow from r = 0.1, not from the r = 0.2 that its text states.
     let profile = TrapezoidConfig::new(1.0, 0.1, 2.0).literal();
     let config = MlTmConfig::new(1.0, ProfileConfig::Trapezoid(profile));
@@ -80,7 +80,7 @@ fn without_noise_the_likelihood_is_highest_at_the_truth() {
 }
 
 #[test]
-fn slots_with_at_least_one_packet_are_mapped_as_one_of_one() {
+fn slots_with_at_least_one_packet_count_as_one_packet_received() {
     let places: Vec<Position> = (0..25_i32).map(|i| Position::new((i % 5).into(), (i / 5).into(), 0.0)).collect();
     let counted =
         vec![entry(0, 6, 2, 3), entry(0, 7, 1, 4), entry(0, 11, 5, 5), entry(0, 12, 0, 9), entry(0, 18, 0, 0)];

@@ -9,7 +9,7 @@ const LITERAL_FLOOR: f64 = 1e-6;
 /// The thesis' algorithm: the product of Z over all stops, at every vertex of the lattice.
 pub(super) struct Oracle<'a> {
     pub(super) profile: &'a TrapezoidConfig,
-    /// In place of the trapezoid, if there is one.
+    /// Used instead of the trapezoid, if there is one.
     pub(super) table: Option<&'a TableProfile>,
     pub(super) log: &'a ReceptionLog,
     pub(super) lattice: &'a Lattice,

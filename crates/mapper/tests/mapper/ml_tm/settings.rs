@@ -1,4 +1,4 @@
-//! Settings of ML-TM: good ones do what they say, bad ones are refused.
+//! Settings of ML-TM: valid ones have their effect, invalid ones are rejected.
 
 use sextant_channel::{EvenSectorsConfig, LogError, Position, Reception, SectorConfig, SectorTable};
 use sextant_kernel::Unwatched;
@@ -45,7 +45,7 @@ fn sectors_come_from_the_settings_or_from_the_log_and_must_be_known() {
 }
 
 #[test]
-fn bad_settings_are_refused_by_name() {
+fn invalid_settings_are_rejected_with_their_key() {
     let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 1.0, 3.0));
     let good = MlTmConfig::new(0.25, profile);
     assert!(MlTm::try_from(good.clone()).is_ok());
