@@ -1,4 +1,4 @@
-//! Event queue in the hold model: pop the next event, push it again one gap later. Throughput in events/s.
+//! Event queues in the hold model: take the next event, insert it again one gap later. Throughput in events/s.
 //!
 //! Gaps: `exponential` with a mean of 1 s (no ties); `csma`, the steps of an IEEE 802.15.4 cycle (CCA, turnaround,
 //! frame of 20 octets, backoffs, 1 s to the next), which all lie on a grid of 64 µs and so tie often.
@@ -14,7 +14,7 @@ use rand_distr::{Distribution, Exp1};
 use sextant_benches::queue_candidates::{Calendar, Candidate, QuadHeap, Queue, StdHeap};
 use sextant_kernel::{EventQueue, Purpose, Seed, SimTime, StationId};
 
-/// Events popped an iteration.
+/// Events popped in one iteration.
 const BATCH: u64 = 10_000;
 
 /// As large as a simulation's event: 24 octets.
@@ -31,7 +31,8 @@ enum Gaps {
     Csma,
 }
 
-/// What happens to a queue, drawn beforehand: drawing costs as much as a queue.
+/// The operations on a queue. They are drawn before the measurement, because drawing takes as long as the queue
+/// itself.
 struct Load {
     pending: u32,
     starts: Vec<SimTime>,

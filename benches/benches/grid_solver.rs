@@ -1,8 +1,8 @@
-//! The grid solver against the literal product, on surveys of the plane and of a ball.
+//! The grid solver compared with the literal product, on surveys in the plane and in a ball.
 //!
-//! `solver` maps all nodes and counts nodes a second, once with the range of the thesis (R = R_c, at which some nodes have
-//! no feasible vertex), once with half a cell diagonal more. `literal` multiplies Z over all stops at all vertices for
-//! one node. Both run on one thread.
+//! `solver` maps all nodes; its throughput is in nodes per second. It runs once with the range of the thesis (R =
+//! R_c, at which some nodes have no feasible vertex), and once with a range that is half a cell diagonal larger.
+//! `literal` multiplies Z over all stops at all vertices for one node. Both run on one thread.
 
 use std::hint::black_box;
 

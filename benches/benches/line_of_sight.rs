@@ -12,7 +12,7 @@ use sextant_kernel::{Purpose, Seed, StationId};
 const SEED: Seed = Seed(1);
 const LINES: u64 = 1024;
 const LENGTH_M: f64 = 60.0;
-/// One obstacle for each 25 m², whatever their number.
+/// One obstacle for each 25 m², for any number of obstacles.
 const SPACING_M: f64 = 5.0;
 
 fn uniform(index: u64, axis: u64, low: f64, high: f64) -> f64 {

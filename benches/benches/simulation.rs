@@ -1,4 +1,4 @@
-//! Events a second of whole simulations, recording and mapping left out.
+//! Events per second of whole simulations, without recording and mapping.
 
 use std::hint::black_box;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! benches
+//! Benchmarks and tables of times, with the inputs that they share.
 
 pub mod queue_candidates;
 pub mod workload;

@@ -1,5 +1,5 @@
-//! Reception logs of networks that were never simulated: nodes and stops in a plane or a ball, links that succeed or
-//! fail on their own. They have the sizes of real surveys, and no more is asked of them.
+//! Reception logs that are drawn at random instead of simulated: nodes and stops in a plane, a ball or a room, and
+//! links that succeed or fail independently. Only their sizes are those of real surveys.
 
 use std::collections::BTreeMap;
 
@@ -130,8 +130,8 @@ pub fn room() -> Workload {
     Workload { name: "room", log, range_m: 7.0, grid_step_m: 0.2 }
 }
 
-/// What is heard of `nodes` at `stops`: one packet each, under log-distance loss with shadowing drawn for each packet,
-/// and nothing from beyond `range_m`.
+/// The log of `nodes` heard at `stops`: one packet each, log-distance loss, shadowing drawn for each packet, and
+/// nothing heard beyond `range_m`.
 fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> ReceptionLog {
     let (margin_db, exponent, sigma_db) = SUBURBAN;
     let mut receptions = ReceptionLogBuilder::default();
@@ -173,7 +173,7 @@ fn near<'t>(
     (y - 1..=y + 1).flat_map(move |y| tiles.range([y, x - 1]..=[y, x + 1])).flat_map(|(_, stops)| stops)
 }
 
-/// Row and column, so that squares of one row are neighbours in the map.
+/// Row and column of the square. Squares of one row are neighbours in the map.
 #[expect(clippy::cast_possible_truncation, reason = "a few thousand squares")]
 fn tile(place: &Position, range_m: f64) -> [i64; 2] {
     [place.y_m, place.x_m].map(|value| (value / range_m).floor() as i64)

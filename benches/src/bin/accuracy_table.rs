@@ -1,5 +1,5 @@
-//! Prints how accurate the maps of scenarios are: the mean position error over the nodes, its mean over seeds, and half
-//! the width of the 95 % interval of that mean (Student), beside the posterior bound and the coverage of the 95 % regions.
+//! Prints a table of the accuracy of the maps of scenarios: the mean position error, averaged over seeds, with half
+//! the width of its 95 % interval (Student); the posterior bound; and the coverage of the 95 % regions.
 //!
 //! Usage: `accuracy_table [RUNS [SCENARIO.toml..]]`, by default 10 runs (seeds 1 to 10) of the scenarios in
 //! `scenarios/accuracy`.
@@ -14,7 +14,7 @@ use sextant::sweep::Mean;
 use sextant_kernel::Unwatched;
 use sextant_sim::{Simulation, Unobserved};
 
-/// What was measured of one map, a value a run.
+/// The measurements of one map, one value for each run.
 #[derive(Default)]
 struct Series {
     error_m: Vec<f64>,
@@ -30,7 +30,7 @@ fn now() -> Instant {
 fn main() -> std::io::Result<()> {
     let mut words = std::env::args().skip(1);
     let runs: u64 = match words.next() {
-        Some(word) => word.parse().map_err(|_| std::io::Error::other(format!("`{word}` is no number of runs")))?,
+        Some(word) => word.parse().map_err(|_| std::io::Error::other(format!("`{word}` is not a number of runs")))?,
         None => 10,
     };
     let mut paths: Vec<PathBuf> = words.map(PathBuf::from).collect();

@@ -1,11 +1,11 @@
 //! Prints a table of the grid solver's times against the literal product and a NumPy script, on one thread and on two.
 //!
-//! Usage: `grid_solver_table [W1|W2|W3|linear|W4|W5]..`, by default W1, W2, W3 and linear; `linear` goes to 100 000 nodes,
-//! of which W5 is the continuation. Peak memory is that of the whole process, the log included. `PYTHON` names an interpreter with
-//! NumPy (`python3` if unset); without one the columns of the peer stay empty. Nodes are sought with the range widened
-//! by half a cell diagonal, so that every node has an answer. Times are the least of several runs; those of the
-//! literal product and of the peer are scaled from a sample of the nodes, from W3 on also of the vertices and then without the
-//! antenna sectors of W3.
+//! Usage: `grid_solver_table [W1|W2|W3|linear|W4|W5]..`, by default W1, W2, W3 and linear; `linear` goes up to 100
+//! 000 nodes; W5 continues it. Peak memory is that of the whole process, the log included. `PYTHON` names an
+//! interpreter with NumPy (`python3` if unset); without one the NumPy columns stay empty. The range is enlarged by
+//! half a cell diagonal, so that every node is placed. Times are the shortest of several runs. Times of the literal
+//! product and of NumPy are scaled from a sample of the nodes, from W3 on also from a sample of the vertices; they
+//! then leave out the antenna sectors of W3.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -17,9 +17,9 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Unwatched};
 use sextant_mapper::{Lattice, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, TieRule, TrapezoidConfig};
 
-/// Nodes of which the literal product is computed.
+/// Number of nodes for which the literal product is computed.
 const LITERAL_NODES: usize = 5;
-/// Nodes given to the peer's product, and to its matrix product.
+/// Number of nodes given to the NumPy product, and to the NumPy matrix product.
 const PEER_NODES: [usize; 2] = [5, 500];
 
 fn main() -> std::io::Result<()> {
@@ -51,21 +51,21 @@ fn main() -> std::io::Result<()> {
     Ok(())
 }
 
-/// What of a workload is given to the literal product and to the peer.
+/// The part of a workload that is given to the literal product and to NumPy.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Peers {
     /// Nothing.
     None,
-    /// Some nodes at vertices far apart: the time is scaled to all vertices, and no answer is compared. Both leave antenna
-    /// sectors out, which would cost them more.
+    /// Some nodes at widely spaced vertices. The time is scaled to all vertices, and no results are compared. Antenna
+    /// sectors are left out; they would take more time.
     Sampled,
     /// Some nodes at all vertices.
     Whole,
 }
 
-/// Pairs of a node and a stop that the peer's memory holds.
+/// Maximum number of pairs of a node and a stop for NumPy, because of its memory.
 const MOST_PEER_PAIRS: usize = 120_000_000;
-/// Pairs of a vertex and a stop that a sample has, about.
+/// Approximate number of pairs of a vertex and a stop in a sample.
 const SAMPLED_PAIRS: u64 = 4_000_000;
 
 fn row(
@@ -121,7 +121,7 @@ fn row(
     let mut agreement = format!("literal {agreed} of {LITERAL_NODES}");
     for (version, sample) in [("product", PEER_NODES[0]), ("gemm", PEER_NODES[1])] {
         let sample = sample.min(nodes);
-        // The matrix product pays for many nodes at once: fewer of them would be no fair sample.
+        // The matrix product is efficient for many nodes at once, so a small sample would be unfair.
         if sample * log.stops().len() > MOST_PEER_PAIRS {
             write!(out, " |")?;
             continue;
@@ -145,7 +145,7 @@ fn row(
     writeln!(out, " {agreement} |")
 }
 
-/// Least seconds of several runs on so many threads, and what came out.
+/// The shortest time of several runs on this many threads (s), and the result.
 #[expect(clippy::disallowed_methods, reason = "a stopwatch")]
 fn least<T: Send>(threads: usize, runs: usize, run: impl Fn() -> T + Sync) -> (f64, T) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -186,7 +186,7 @@ fn literal(
     best.0
 }
 
-/// Writes what the peer reads.
+/// Writes the input of the NumPy script.
 fn write_case(
     folder: &Path,
     log: &ReceptionLog,
@@ -210,7 +210,7 @@ fn write_case(
     std::fs::write(folder.join("profile.f64"), octets(&mut [p0, plateau_m, range_m, floor, ceiling].into_iter()))
 }
 
-/// Seconds and best vertices of the peer; `None` if it does not run here.
+/// Time (s) and best vertices of the NumPy script; `None` if it does not run on this machine.
 fn peer(folder: &Path, version: &str) -> Option<(f64, Vec<u64>)> {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/grid_ml.py");
@@ -226,7 +226,7 @@ fn peer(folder: &Path, version: &str) -> Option<(f64, Vec<u64>)> {
     Some((seconds.parse().ok()?, best))
 }
 
-/// Most memory that the process has had (MB), where the system tells.
+/// Peak memory of the process (MB); `None` if the system does not report it.
 fn peak_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

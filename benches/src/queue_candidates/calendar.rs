@@ -3,9 +3,9 @@
 
 use super::{Entry, Order};
 
-/// Days whose width is three mean gaps of the next 25 events, a power of two.
+/// A calendar queue. A day is about three mean gaps of the next 25 events wide; its width is a power of two.
 pub struct Calendar {
-    /// Each sorted, the earliest last.
+    /// The days. Each is sorted; its earliest entry is the last.
     days: Vec<Vec<Entry>>,
     /// Width of a day: 2^shift ns.
     shift: u32,
@@ -49,7 +49,7 @@ impl Calendar {
             }
             self.today += 1;
         }
-        // Nothing within a year: a direct search.
+        // There is no event within a year: search all days.
         let next = *self.days.iter().filter_map(|day| day.last()).min()?;
         self.today = self.day_of(&next);
         let place = self.place(self.today);

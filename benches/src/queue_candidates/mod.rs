@@ -1,5 +1,5 @@
-//! Event queues that lost to the kernel's: the same slab and the same packed order of events, another
-//! structure that sorts. Cancelled entries stay until their instant comes.
+//! Event queues that are slower than the kernel's. They have the same slab and the same packed order of events, but
+//! another sorting structure. Cancelled entries stay in the queue until their time comes.
 
 mod binary_heap;
 mod calendar;
@@ -11,7 +11,7 @@ pub use quad_heap::QuadHeap;
 
 use sextant_kernel::{EventQueue, Rank, SimTime, StationId};
 
-/// What a benchmark needs of an event queue.
+/// The operations of an event queue that a benchmark uses.
 pub trait Queue<E>: Default {
     /// Handle of a pending event.
     type Key: Copy;
@@ -20,7 +20,7 @@ pub trait Queue<E>: Default {
     fn push(&mut self, at: SimTime, class: u8, node: StationId, event: E) -> Self::Key;
     /// Takes the next event.
     fn pop(&mut self) -> Option<(SimTime, E)>;
-    /// Takes a pending event back.
+    /// Cancels a pending event.
     fn cancel(&mut self, key: Self::Key) -> Option<E>;
 }
 

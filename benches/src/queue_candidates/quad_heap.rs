@@ -1,8 +1,8 @@
-//! A 4-ary heap, as the one in front of the kernel's radix heap, here for all entries.
+//! A 4-ary heap for all entries. The kernel has one in front of its radix heap.
 
 use super::{Entry, Order};
 
-/// A heap of four children a parent.
+/// A heap with four children for each parent.
 #[derive(Default)]
 pub struct QuadHeap(Vec<Entry>);
 

@@ -1,4 +1,4 @@
-//! The part of the world that a robot keeps to.
+//! The part of the world that a robot stays in.
 
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -6,17 +6,17 @@ use sextant_sim::layout::{Region, RegionConfig};
 
 use crate::surroundings::Surroundings;
 
-/// The part of the world that a robot keeps to: above and below a region of the plane, or within a region of space.
+/// The part of the world that a robot stays in: all heights over a region of the plane, or a region of space.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Area {
     region: Region,
 }
 
 impl Area {
-    /// The area that `config`, under `key`, describes. It holds the robot's start.
+    /// The area that `config` describes. `key` is its key in the settings. The robot must start in the area.
     ///
     /// # Errors
-    /// If a value is outside its domain, or the robot starts elsewhere.
+    /// If a value is invalid, or the robot starts outside the area.
     pub(crate) fn round_start(
         key: &str,
         config: &RegionConfig,
@@ -40,7 +40,7 @@ impl Area {
         self.region.contains(place)
     }
 
-    /// Whether the area has no floor and no ceiling.
+    /// Whether the area is a region of the plane, without floor and ceiling.
     pub(crate) fn is_planar(&self) -> bool {
         self.region.is_planar()
     }

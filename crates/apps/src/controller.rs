@@ -17,18 +17,18 @@ use crate::waypoints::{Waypoints, WaypointsConfig};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ControllerConfig {
-    /// An S path, in the plane or in layers, that finds its turns by what it hears and meets: no map needed. Ends once
-    /// each node was heard as often as wanted.
+    /// An S path, in the plane or in layers. The robot needs no map: it turns where it hears nothing or meets an
+    /// obstacle. Ends when each node has been heard as often as wanted.
     AutomatedS(AutomatedSConfig),
-    /// Steps in random directions: no map needed. Ends once each node was heard as often as wanted.
+    /// Steps in random directions. The robot needs no map. Ends when each node has been heard as often as wanted.
     RandomWalk(RandomWalkConfig),
-    /// A fixed S path over a region; the way round obstacles is planned. Ends at the end of the path.
+    /// A fixed S path over a region. The way round obstacles is planned. Ends at the end of the path.
     SPath(SPathConfig),
-    /// An Archimedean spiral over a region; the way round obstacles is planned. Ends at the end of the path.
+    /// An Archimedean spiral over a region. The way round obstacles is planned. Ends at the end of the path.
     Spiral(SpiralConfig),
-    /// A Hilbert curve over a region; the way round obstacles is planned. Ends at the end of the path.
+    /// A Hilbert curve over a region. The way round obstacles is planned. Ends at the end of the path.
     Hilbert(HilbertConfig),
-    /// Listed places; the way round obstacles is planned. Ends at the last place.
+    /// A list of places. The way round obstacles is planned. Ends at the last place.
     Waypoints(WaypointsConfig),
 }
 
@@ -36,7 +36,7 @@ impl ControllerConfig {
     /// The controller of a robot in `surroundings`.
     ///
     /// # Errors
-    /// If a value is outside its domain, or a place cannot be reached. The key is relative to the controller's table.
+    /// If a value is invalid, or a place cannot be reached. The key is relative to the controller's table.
     pub fn build(&self, surroundings: &Surroundings<'_>) -> Result<Box<dyn Controller>, SettingError> {
         fn boxed<C: Controller + 'static>(
             key: &str,
@@ -57,7 +57,7 @@ impl ControllerConfig {
         }
     }
 
-    /// How many packets of each node the robot is to hear: 1 for a path that is laid out beforehand.
+    /// How many packets of each node the robot must hear; 1 for a path that is planned before the start.
     #[must_use]
     pub fn packets_per_node(&self) -> u32 {
         match self {

@@ -10,33 +10,34 @@ use sextant_sim::{Controller, RobotCommand, Situation};
 use crate::itinerary::{Itinerary, Then};
 use crate::surroundings::Surroundings;
 
-/// Greatest order: 262144 stops.
+/// Highest order; it has 262144 stops.
 const MAX_ORDER: u32 = 9;
-/// Lengths that differ by less than this share are equal.
+/// Lengths are equal if their relative difference is below this.
 const ROUNDING: f64 = 1e-9;
 
 /// A Hilbert curve over a region, as written in a scenario (thesis, section 3.4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HilbertConfig {
-    /// The curve covers the bounds of this region, and, because it is square, more where they are not.
+    /// The curve covers the bounding box of this region. The curve is square, so it covers more if the box is not
+    /// square.
     pub region: RegionConfig,
-    /// Order of the curve, 1 to 9: it visits 4^order cells that fill the square round the region. Either this or
-    /// `spacing_m`.
+    /// Order of the curve, 1 to 9. The curve visits 4^order cells, which fill the square round the region. Give
+    /// either this or `spacing_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<u32>,
-    /// Side of the cells, which is the distance between stops (m): the order is the least with which the curve covers
-    /// the region, and the curve leads beyond it on all sides alike. Either this or `order`.
+    /// Side of the cells, which is the distance between stops (m). The order is the lowest with which the curve
+    /// covers the region; the curve exceeds the region equally on all sides. Give either this or `order`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing_m: Option<f64>,
-    /// Height of the path (m); that of the robot's start if absent.
+    /// Height of the path (m). If absent, the height of the robot's start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
 }
 
 /// Drives along a Hilbert curve (Hilbert 1891) and stops in the middle of each cell. The curve is mirrored so that it
-/// begins in the corner nearest to the robot's start. Stops that an obstacle covers are left out; the way round it is
-/// planned.
+/// begins in the corner nearest to the robot's start. Stops inside an obstacle are left out, and the way round the
+/// obstacle is planned.
 #[derive(Clone, Debug)]
 pub struct Hilbert {
     itinerary: Itinerary,
@@ -46,7 +47,7 @@ impl Hilbert {
     /// The curve that `config` describes.
     ///
     /// # Errors
-    /// If a value is outside its domain, none or both of `order` and `spacing_m` are given, or no stop can be reached.
+    /// If a value is invalid, neither or both of `order` and `spacing_m` are given, or no stop can be reached.
     pub fn plan(config: &HilbertConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
         let region = Region::try_from(&config.region).map_err(|error| error.within("region"))?;
         let z_m = SettingError::finite("height_m", config.height_m.unwrap_or(surroundings.start.z_m))?;
@@ -89,16 +90,20 @@ impl Curve {
                 })?;
                 Ok(Self { order, cell_m })
             }
-            (Some(_), Some(spacing_m)) => {
-                Err(SettingError::new("spacing_m", format!("{spacing_m}, beside `order`"), "either of the two"))
+            (Some(_), Some(spacing_m)) => Err(SettingError::new(
+                "spacing_m",
+                format!("{spacing_m}, together with `order`"),
+                "one of `order` and `spacing_m`",
+            )),
+            (None, None) => {
+                Err(SettingError::new("order", "absent, and so is `spacing_m`", "one of `order` and `spacing_m`"))
             }
-            (None, None) => Err(SettingError::new("order", "absent, as is `spacing_m`", "either of the two")),
         }
     }
 
     /// The middles of the cells of the curve round `center`, from the corner nearest to `start`.
     fn places(self, center: Position, start: Position) -> impl Iterator<Item = Position> {
-        // The curve begins in the corner of least x and y.
+        // Before mirroring, the curve begins in the corner of lowest x and y.
         let [east, north] =
             [start.x_m - center.x_m, start.y_m - center.y_m].map(|ahead_m| if ahead_m > 0.0 { -1.0 } else { 1.0 });
         let half = 0.5 * (f64::from(1_u32 << self.order) - 1.0);
@@ -109,8 +114,9 @@ impl Curve {
     }
 }
 
-/// The cell of a curve of the given order at `index`: it begins in cell (0, 0) and ends in that of greatest x. A curve
-/// is four curves of the order below, the first transposed, the last transposed and turned by half a turn.
+/// The cell that a curve of the given order visits at `index`. The curve begins in cell (0, 0) and ends in the cell
+/// of highest x and lowest y. It consists of four curves of the next lower order: the first is transposed, the last
+/// is transposed and rotated by 180°.
 fn cell(order: u32, index: u32) -> [u32; 2] {
     let [mut x, mut y] = [0, 0];
     for level in 0..order {
@@ -130,7 +136,7 @@ fn cell(order: u32, index: u32) -> [u32; 2] {
 mod tests {
     use super::*;
 
-    /// The curve as a system of rewriting rules: A is +BF-AFA-FB+, B is -AF+BFB+FA- (F a step, + a turn to the left).
+    /// The curve by rewriting rules: A becomes +BF-AFA-FB+, B becomes -AF+BFB+FA- (F a step, + a turn to the left).
     fn rewritten(order: u32) -> Vec<[i32; 2]> {
         let mut text = String::from("A");
         for _ in 0..order {

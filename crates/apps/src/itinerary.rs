@@ -1,4 +1,4 @@
-//! A path laid out beforehand.
+//! A path planned before the start.
 
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
@@ -7,16 +7,18 @@ use sextant_sim::{CommandOutcome, Controller, Ending, RobotCommand, Situation};
 use crate::route::Search;
 use crate::surroundings::Surroundings;
 
-/// How much farther from obstacles a planned path keeps than the hull needs (m): robots halt this near.
+/// Extra distance that a planned path keeps from obstacles, beyond the radius of the hull (m). Blocked robots halt
+/// this near to an obstacle.
 const MARGIN_M: f64 = 5e-3;
-/// Step of the lattice on which ways are looked for (m).
+/// Step of the lattice for path planning (m).
 const LATTICE_M: f64 = 0.25;
-/// How far beyond the obstacles a way may lead round them, in radii of the hull and steps of the lattice.
+/// How far a planned way may pass outside the bounding box of the obstacles, in units of hull radius plus lattice
+/// step.
 const DETOUR: f64 = 4.0;
-/// Drives in a row that an unforeseen obstacle may block before the robot gives up.
+/// Number of consecutive drives that may be blocked before the robot gives up.
 const MAX_BLOCKED: u32 = 16;
 
-/// Stops of one path, at most.
+/// Maximum number of stops of one path.
 pub(crate) const MAX_STOPS: f64 = 1e6;
 
 /// What happens at the end of a drive.
@@ -28,17 +30,17 @@ pub(crate) enum Then {
     Pass,
 }
 
-/// A path laid out beforehand: drives, some of which end with a stop.
+/// A path planned before the start: drives, some of which end with a stop.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Itinerary {
     legs: Vec<(Position, Then)>,
-    /// Legs begun.
+    /// Number of legs begun.
     begun: usize,
-    /// Drives blocked in a row.
+    /// Number of consecutive blocked drives.
     blocked: u32,
 }
 
-/// Lays a path out among obstacles.
+/// Plans a path among obstacles.
 pub(crate) struct Planner<'a> {
     surroundings: &'a Surroundings<'a>,
     itinerary: Itinerary,
@@ -57,7 +59,7 @@ impl<'a> Planner<'a> {
             || (obstacles.containing(place).is_none() && obstacles.distance_m(place) > radius_m + MARGIN_M)
     }
 
-    /// Adds the way to `place`; `false` and no change if there is none.
+    /// Adds the way to `place`. Returns `false` and changes nothing if there is no way.
     pub(crate) fn go(&mut self, place: Position, then: Then) -> bool {
         if !self.is_free(place) {
             return false;
@@ -81,17 +83,18 @@ impl<'a> Planner<'a> {
         Search { bounds, step_m: LATTICE_M, reach_m: 0.0 }.way_over(self.here, place, passable)
     }
 
-    /// The path laid out.
+    /// The planned path.
     pub(crate) fn finish(self) -> Itinerary {
         self.itinerary
     }
 }
 
 impl Itinerary {
-    /// The way through `places` in turn. A place that an obstacle covers, or encloses, is left out.
+    /// The way through `places`, in order. Places that are inside an obstacle, or that cannot be reached, are left
+    /// out.
     ///
     /// # Errors
-    /// If no stop can be reached, naming the key `region`.
+    /// If no stop can be reached. The error names the key `region`.
     pub(crate) fn through(
         places: impl IntoIterator<Item = (Position, Then)>,
         surroundings: &Surroundings<'_>,
@@ -132,7 +135,7 @@ impl Controller for Itinerary {
                 if self.blocked > MAX_BLOCKED {
                     return RobotCommand::Finish(Ending::Stuck);
                 }
-                // So near counts as there.
+                // This is near enough to count as arrived.
                 if then == Then::Listen && situation.position.distance_m(to) <= 2.0 * MARGIN_M {
                     return RobotCommand::Listen;
                 }

@@ -1,12 +1,12 @@
 //! What robots do in a network: controllers on top of the simulator.
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
-//! through the simulation. Two survey robots know no map: [`AutomatedS`], which turns where it meets an obstacle or hears
-//! nobody, in the plane or in layers, and [`RandomWalk`]. The others follow a path laid out beforehand: [`SPath`],
-//! [`Spiral`], [`Hilbert`] and [`Waypoints`].
+//! through the simulation. Two controllers need no map: [`AutomatedS`], which turns where it meets an obstacle or
+//! hears nothing, in the plane or in layers, and [`RandomWalk`]. The others follow a path that is planned before the
+//! start: [`SPath`], [`Spiral`], [`Hilbert`] and [`Waypoints`].
 //!
-//! Robots of one scenario do not obstruct one another, neither on their way nor on the air, and do not tell each other
-//! what they heard; each keeps to its own path or area.
+//! Robots of one scenario do not block each other, do not disturb each other's radio, and do not exchange what they
+//! heard. Each follows its own path or stays in its own area.
 //!
 //! ```
 //! use sextant_apps::{SPathConfig, ControllerConfig, Surroundings};

@@ -1,4 +1,4 @@
-//! What robots draw random numbers for. Never renumber: each number belongs to one purpose of the whole program.
+//! Purposes of the random draws of robots. Never change a number: each belongs to one purpose in the whole program.
 
 use sextant_kernel::Purpose;
 

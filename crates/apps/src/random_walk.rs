@@ -13,9 +13,9 @@ use crate::area::Area;
 use crate::purpose;
 use crate::surroundings::Surroundings;
 
-/// Directions drawn for one step, at most.
+/// Maximum number of directions drawn for one step.
 const DRAWS: u64 = 64;
-/// Directions in which a step that is not free is reflected: at each wall of a box, then straight back.
+/// Reflections of a step, in the order in which they are tried: none, at each wall of a box, then straight back.
 const REFLECTIONS: [[f64; 3]; 5] =
     [[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, -1.0, -1.0]];
 
@@ -23,20 +23,21 @@ const REFLECTIONS: [[f64; 3]; 5] =
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomWalkConfig {
-    /// Length of a step (m); the robot listens after each.
+    /// Length of a step (m). The robot listens after each step.
     #[serde(default = "default_step_m")]
     pub step_m: f64,
-    /// The walk stays in this region, which holds the robot's start: at its border it is reflected. In a region of space
-    /// it leads up and down as well; in a region of the plane, or without one, it keeps the height of the start.
+    /// The walk stays in this region and is reflected at its border. The robot must start in the region. In a region
+    /// of space the robot also moves up and down. In a region of the plane, or without a region, it keeps the height
+    /// of its start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<RegionConfig>,
-    /// Steps in one direction before a new one is drawn; 1: a random walk in the narrow sense.
+    /// Number of steps in one direction before a new direction is drawn. 1 gives a plain random walk.
     #[serde(default = "default_steps_per_turn")]
     pub steps_per_turn: u32,
-    /// Packets wanted from each node (N_p of the thesis): then the walk is over.
+    /// Packets wanted from each node (N_p of the thesis). The walk ends when each node has been heard this often.
     #[serde(default = "default_packets_per_node")]
     pub packets_per_node: u32,
-    /// Steps, at most.
+    /// Maximum number of steps.
     #[serde(default = "default_max_steps")]
     pub max_steps: u32,
 }
@@ -69,8 +70,8 @@ impl Default for RandomWalkConfig {
     }
 }
 
-/// Drives a step, listens, and so on, until each node was heard as often as wanted. Directions are uniform and independent
-/// of one another. Knows no map: range sensors tell whether a direction is free of obstacles.
+/// Drives a step and listens, again and again, until each node has been heard as often as wanted. Directions are
+/// uniform and independent. The robot has no map: its range sensors tell whether a direction is free of obstacles.
 ///
 /// A step that would meet an obstacle or leave the region is reflected; if no reflection is free either, another
 /// direction is drawn.
@@ -84,7 +85,7 @@ pub struct RandomWalk {
     seed: Seed,
     robot: u64,
     steps: u32,
-    /// The step before.
+    /// The last step.
     last_step: Option<Position>,
     /// Packets heard of each node.
     packets: Vec<u32>,
@@ -94,7 +95,7 @@ impl RandomWalk {
     /// The walk that `config` describes.
     ///
     /// # Errors
-    /// If a value is outside its domain, or the robot starts outside the region.
+    /// If a value is invalid, or the robot starts outside the region.
     pub fn plan(config: &RandomWalkConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
         for (key, value) in [
             ("steps_per_turn", config.steps_per_turn),
@@ -133,7 +134,7 @@ impl RandomWalk {
         !self.packets.is_empty() && self.packets.iter().all(|&packets| packets >= self.packets_per_node)
     }
 
-    /// The next step; `None` if no direction that was drawn is free.
+    /// The next step; `None` if none of the directions drawn is free.
     fn next(&self, situation: &Situation<'_>) -> Option<Position> {
         let here = situation.position;
         let is_free = |&step: &Position| {
@@ -154,7 +155,7 @@ impl RandomWalk {
         };
         let azimuth_rad = TAU * uniform(0);
         let is_solid = self.area.as_ref().is_some_and(|area| !area.is_planar());
-        // On a sphere, heights are uniform (Archimedes' hat-box theorem).
+        // The heights of uniform points on a sphere are uniform (Archimedes' hat-box theorem).
         let up = if is_solid { 2.0 * uniform(1) - 1.0 } else { 0.0 };
         let level = (1.0 - up * up).sqrt();
         Position::new(level * libm::cos(azimuth_rad), level * libm::sin(azimuth_rad), up) * self.step_m

@@ -1,4 +1,4 @@
-//! The way round obstacles: a shortest path on a lattice, pulled straight.
+//! The way round obstacles: a shortest path on a lattice, with its needless corners removed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -9,26 +9,26 @@ use sextant_channel::{Bounds, Position};
 const STEP: u64 = 1_000_000;
 /// Length of a diagonal step, √2 steps.
 const DIAGONAL: u64 = 1_414_214;
-/// Vertices of the lattice, at most; a finer one is made coarser.
+/// Maximum number of vertices of the lattice. If there would be more, the step is made longer.
 const MAX_VERTICES: f64 = 1e6;
-/// No way is known to a vertex.
+/// The cost of a vertex to which no way is known.
 const UNKNOWN: u64 = u64::MAX;
 
-/// Where a way is looked for.
+/// Where to search for a way.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Search {
-    /// The way stays within these bounds, in x and y; grown to hold both ends.
+    /// The way stays within these bounds in x and y. If an end lies outside, the bounds are enlarged to hold it.
     pub(crate) bounds: Bounds,
     /// Step of the lattice (m).
     pub(crate) step_m: f64,
-    /// The way ends with a straight drive to the goal from a vertex no farther from it (m).
+    /// The last drive is straight to the goal, from a vertex that is at most this far from the goal (m).
     pub(crate) reach_m: f64,
 }
 
 impl Search {
-    /// Places to drive to in turn, the last of them `to`, so that each drive is `passable`; `None` if the lattice has
-    /// no way. A* with moves to eight neighbours at the height of `from` (Hart, Nilsson and Raphael 1968), then each
-    /// corner that can be cut is cut.
+    /// Places to drive to, in order; the last is `to`. Each drive is `passable`. `None` if there is no way on the
+    /// lattice. The search is A* with moves to eight neighbours at the height of `from` (Hart, Nilsson and Raphael
+    /// 1968); corners that are not needed are then removed.
     pub(crate) fn way(
         &self,
         from: Position,
@@ -74,8 +74,8 @@ impl Search {
 }
 
 impl Search {
-    /// The same between two heights: the way leads round obstacles at one of them, that of `to` if the climb there is
-    /// free at once, else that of `from`.
+    /// As [`way`](Self::way), but between two heights. The way round obstacles is at the height of `to` if the robot
+    /// can climb to it where it is, otherwise at the height of `from`.
     pub(crate) fn way_over(
         &self,
         from: Position,
@@ -103,7 +103,7 @@ impl Search {
 
 /// A square lattice with a vertex at the start.
 struct Lattice {
-    /// Where the vertex `start` is, exactly.
+    /// Exact place of the vertex `start`.
     from: Position,
     step_m: f64,
     columns: usize,
@@ -150,14 +150,14 @@ impl Lattice {
         })
     }
 
-    /// A bound from below on the cost that is left: the straight line less the last drive.
+    /// A lower bound of the remaining cost: the straight line without the last drive.
     fn least_cost(&self, vertex: usize, to: Position, reach_m: f64) -> u64 {
         let left_m = (self.place(vertex).distance_m(to) - reach_m).max(0.0);
         whole(left_m / self.step_m * 1e6) as u64
     }
 }
 
-/// The way without the corners that can be cut, and without its first place.
+/// The way without corners that are not needed, and without its first place.
 fn pulled_straight(way: &[Position], passable: impl Fn(Position, Position) -> bool) -> Vec<Position> {
     let mut corners = Vec::new();
     let mut here = 0;
@@ -181,7 +181,7 @@ pub(crate) fn number(steps: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// A wall from (0, -4) to (0, 4) that nothing may touch.
+    /// Whether a drive passes a wall from (0, -4) to (0, 4) without touching it.
     fn past_the_wall(a: Position, b: Position) -> bool {
         let crosses = (a.x_m <= 0.0) != (b.x_m <= 0.0);
         let share = a.x_m / (a.x_m - b.x_m);

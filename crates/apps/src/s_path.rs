@@ -11,24 +11,24 @@ use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
 use crate::surroundings::Surroundings;
 
-/// Lengths that differ by less than this share of a step are equal.
+/// Lengths are equal if they differ by less than this share of a step.
 const ROUNDING: f64 = 1e-9;
 
 /// A fixed S path over a region, as written in a scenario (thesis, section 3.4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SPathConfig {
-    /// The path covers the bounds of this region.
+    /// The path covers the bounding box of this region.
     pub region: RegionConfig,
     /// Distance between lanes (m).
     pub lane_spacing_m: f64,
     /// Distance between stops along the path (m).
     #[serde(default = "default_stop_spacing_m")]
     pub stop_spacing_m: f64,
-    /// How far the path leads beyond the bounds on each side (m).
+    /// How far the path extends beyond the bounding box on each side (m).
     #[serde(default)]
     pub overshoot_m: f64,
-    /// Height of the path (m); that of the robot's start if absent.
+    /// Height of the path (m). If absent, the height of the robot's start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
 }
@@ -38,7 +38,7 @@ fn default_stop_spacing_m() -> f64 {
 }
 
 impl SPathConfig {
-    /// A path over `region` with the given distance between lanes (m); all else as by default.
+    /// A path over `region` with the given distance between lanes (m), and defaults for all other settings.
     #[must_use]
     pub fn new(region: RegionConfig, lane_spacing_m: f64) -> Self {
         let stop_spacing_m = default_stop_spacing_m();
@@ -46,8 +46,9 @@ impl SPathConfig {
     }
 }
 
-/// Drives lanes along y, to and fro, over the bounds of a region, from the corner nearest to its start, and stops at
-/// equal distances along the path. Stops that an obstacle covers are left out; the way round it is planned.
+/// Drives lanes along y, forth and back, over the bounding box of a region, beginning at the corner nearest to the
+/// robot's start. Stops at equal distances along the path. Stops inside an obstacle are left out, and the way round
+/// the obstacle is planned.
 #[derive(Clone, Debug)]
 pub struct SPath {
     itinerary: Itinerary,
@@ -57,7 +58,7 @@ impl SPath {
     /// The path that `config` describes.
     ///
     /// # Errors
-    /// If a value is outside its domain, or no stop can be reached.
+    /// If a value is invalid, or no stop can be reached.
     pub fn plan(config: &SPathConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
         let region = Region::try_from(&config.region).map_err(|error| error.within("region"))?;
         let lane_spacing_m = SettingError::positive("lane_spacing_m", config.lane_spacing_m)?;
@@ -94,7 +95,8 @@ impl Controller for SPath {
     }
 }
 
-/// Corners of the S from the corner of the bounds nearest to `start`. The lanes are centred in the bounds.
+/// Corners of the S path, beginning at the corner of the bounds nearest to `start`. The lanes are centred in the
+/// bounds.
 fn corners(bounds: Bounds, lane_spacing_m: f64, start: Position) -> Vec<Position> {
     let Bounds { min, max } = bounds;
     let width_m = max.x_m - min.x_m;
@@ -114,7 +116,7 @@ fn corners(bounds: Bounds, lane_spacing_m: f64, start: Position) -> Vec<Position
     corners
 }
 
-/// Stops at equal distances along a path, and its corners between them.
+/// Stops at equal distances along a path, and the corners of the path between them.
 fn stops_along(corners: &[Position], spacing_m: f64) -> Vec<(Position, Then)> {
     let mut places = vec![(corners[0], Then::Listen)];
     // Length of the path since the last stop [m].
@@ -132,7 +134,7 @@ fn stops_along(corners: &[Position], spacing_m: f64) -> Vec<(Position, Then)> {
             places.push((side[1], Then::Pass));
         }
     }
-    // After the last stop there is nothing to drive for.
+    // Corners after the last stop are not needed.
     while places.last().is_some_and(|(_, then)| *then == Then::Pass) {
         places.pop();
     }

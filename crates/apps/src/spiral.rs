@@ -13,22 +13,23 @@ use crate::itinerary::{Itinerary, MAX_STOPS, Then};
 use crate::route::{number, whole};
 use crate::surroundings::Surroundings;
 
-/// Parts of a lane's distance in which the spiral looks for the region on both sides of it.
+/// Number of steps in which half the lane spacing is searched for the region, on each side of the spiral.
 const LOOKS: i32 = 8;
 
 /// A spiral over a region, as written in a scenario (thesis, section 3.4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpiralConfig {
-    /// The spiral runs round the middle of this region's bounds, where it is no farther than half the lane spacing from
-    /// the region: beyond, the robot drives straight on to where it is again, with stops on the way.
+    /// The spiral runs round the centre of the bounding box of this region. Parts of the spiral that are farther than
+    /// half the lane spacing from the region are skipped: the robot drives straight to the next part, with stops on
+    /// the way.
     pub region: RegionConfig,
     /// Distance between neighbouring turns (m).
     pub lane_spacing_m: f64,
     /// Distance between stops along the path (m).
     #[serde(default = "default_stop_spacing_m")]
     pub stop_spacing_m: f64,
-    /// Height of the path (m); that of the robot's start if absent.
+    /// Height of the path (m). If absent, the height of the robot's start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
 }
@@ -37,8 +38,9 @@ fn default_stop_spacing_m() -> f64 {
     1.0
 }
 
-/// Drives along an Archimedean spiral and stops at equal distances along it: from the middle outwards, or the other way
-/// if the robot starts nearer to the outer end. Stops that an obstacle covers are left out; the way round it is planned.
+/// Drives along an Archimedean spiral and stops at equal distances along it: from the centre outwards, or inwards if
+/// the robot starts nearer to the outer end. Stops inside an obstacle are left out, and the way round the obstacle is
+/// planned.
 #[derive(Clone, Debug)]
 pub struct Spiral {
     itinerary: Itinerary,
@@ -48,7 +50,7 @@ impl Spiral {
     /// The spiral that `config` describes.
     ///
     /// # Errors
-    /// If a value is outside its domain, or no stop can be reached.
+    /// If a value is invalid, or no stop can be reached.
     pub fn plan(config: &SpiralConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
         let region = Region::try_from(&config.region).map_err(|error| error.within("region"))?;
         let spacing_m = SettingError::positive("lane_spacing_m", config.lane_spacing_m)?;
@@ -56,7 +58,7 @@ impl Spiral {
         let z_m = SettingError::finite("height_m", config.height_m.unwrap_or(surroundings.start.z_m))?;
         let bounds = region.bounds();
         let center = bounds.center();
-        // The corners of the bounds are at most this far, and the turn beyond them is complete.
+        // The corners of the bounding box are nearer than this, and one full turn lies beyond them.
         let reach_m = 0.5 * (bounds.max - bounds.min).length_m() + spacing_m;
         let arm = Arm { spacing_m };
         let (turns, length_m) = (reach_m / spacing_m, arm.length_m(reach_m / spacing_m * TAU));
@@ -107,7 +109,7 @@ impl Arm {
     fn angle_rad(self, length_m: f64) -> f64 {
         const ROUNDS: u32 = 64;
         let b = self.spacing_m / TAU;
-        // θ²b/2 is below the length, so that this is beyond the root, and the steps go one way.
+        // θ²b/2 is below the length, so this start is above the root, and all steps go down.
         let mut angle_rad = (2.0 * length_m / b).sqrt();
         for _ in 0..ROUNDS {
             let step_rad = (self.length_m(angle_rad) - length_m) / (b * angle_rad.hypot(1.0));
@@ -119,7 +121,7 @@ impl Arm {
         angle_rad
     }
 
-    /// Places at equal distances along the spiral from the middle until `reach_m` from it.
+    /// Places at equal distances along the spiral, from the centre up to the distance `reach_m` from it.
     fn stops(self, stop_spacing_m: f64, reach_m: f64) -> impl Iterator<Item = Position> {
         let place = move |stop: u32| {
             let angle_rad = self.angle_rad(f64::from(stop) * stop_spacing_m);
@@ -129,8 +131,8 @@ impl Arm {
         (0..).map(place).take_while(move |place| place.length_m() <= reach_m)
     }
 
-    /// Whether a place on the line from the middle through `place`, no farther than half the lane spacing from it, is in
-    /// the region: with all such places, each point of the region is that near to the spiral.
+    /// Whether the region holds a place within half the lane spacing of `place`, on the line through `place` and the
+    /// centre. If all such places are kept, each point of the region is within half the lane spacing of the spiral.
     fn is_near(self, place: Position, contains: impl Fn(Position) -> bool) -> bool {
         let radius_m = place.length_m();
         let along = if radius_m > 0.0 { place * (1.0 / radius_m) } else { Position::new(1.0, 0.0, 0.0) };
@@ -139,7 +141,7 @@ impl Arm {
     }
 }
 
-/// `places` in turn, with places between those that are farther apart than neighbours on the spiral can be.
+/// `places`, with further places between neighbours that are much farther apart than `spacing_m`.
 fn with_stops_between(places: &[Position], spacing_m: f64) -> Vec<Position> {
     let mut stops: Vec<Position> = places.first().copied().into_iter().collect();
     for leg in places.windows(2) {

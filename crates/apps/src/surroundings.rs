@@ -1,10 +1,10 @@
-//! What a robot has round it when it starts.
+//! The surroundings of a robot when it starts.
 
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::Seed;
 
-/// What a robot has round it when it starts, and where its randomness comes from. Controllers with a planned path look
-/// at the obstacles, others do not.
+/// The surroundings of a robot when it starts, and the source of its random draws. Only controllers that plan their
+/// path use the obstacles.
 #[derive(Clone, Copy)]
 pub struct Surroundings<'a> {
     /// The obstacles.
@@ -15,6 +15,6 @@ pub struct Surroundings<'a> {
     pub radius_m: f64,
     /// Seed of the run.
     pub seed: Seed,
-    /// Number of the robot in its scenario: the address of its random draws.
+    /// Number of the robot in its scenario. It selects the random draws of this robot.
     pub robot: u64,
 }

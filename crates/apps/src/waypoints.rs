@@ -1,4 +1,4 @@
-//! A survey of listed places.
+//! A survey of a list of places.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use sextant_sim::{Controller, RobotCommand, Situation};
 use crate::itinerary::{Itinerary, Planner, Then};
 use crate::surroundings::Surroundings;
 
-/// A survey of listed places, as written in a scenario.
+/// A survey of a list of places, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WaypointsConfig {
@@ -17,7 +17,7 @@ pub struct WaypointsConfig {
     pub places_m: Vec<Position>,
 }
 
-/// Drives to listed places, round obstacles where they are in the way, and listens at each.
+/// Drives to each place of a list and listens there. The way round obstacles is planned.
 #[derive(Clone, Debug)]
 pub struct Waypoints {
     itinerary: Itinerary,
@@ -27,7 +27,7 @@ impl Waypoints {
     /// The survey that `config` describes.
     ///
     /// # Errors
-    /// If there is no place, or one is not finite, in an obstacle, or cannot be reached.
+    /// If the list is empty, or a place is not finite, is inside an obstacle, or cannot be reached.
     pub fn plan(config: &WaypointsConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
         if config.places_m.is_empty() {
             return Err(SettingError::new("places_m", "an empty list", "at least one place"));

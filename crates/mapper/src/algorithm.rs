@@ -28,11 +28,11 @@ pub struct MapConfig {
 pub enum AlgorithmConfig {
     /// Maximum likelihood on a grid.
     MlTm(MlTmConfig),
-    /// Places, reception curve, stops and obstacles estimated together, from the log alone.
+    /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibratedConfig),
     /// A topology-preserving map of hop counts.
     Tpm(TpmConfig),
-    /// Circles round the strongest anchors, three by three.
+    /// Intersections of circles round the strongest anchors, three at a time.
     RssiTriangleCentroid(TriangleCentroidConfig),
     /// The mean of the anchors heard.
     Centroid(CentroidConfig),
@@ -53,7 +53,7 @@ pub enum AlgorithmConfig {
 }
 
 impl AlgorithmConfig {
-    /// The reception profile that is assumed, if one is, and its key in the table of the algorithm.
+    /// The reception profile in the settings, if the algorithm has one, and its key.
     pub fn profile_mut(&mut self) -> Option<(&'static str, &mut ProfileConfig)> {
         match self {
             Self::MlTm(config) => Some(("ml_tm.profile", &mut config.profile)),
@@ -61,7 +61,7 @@ impl AlgorithmConfig {
         }
     }
 
-    /// The law by which signal strengths become distances, if one is assumed.
+    /// The law that turns signal strengths into distances, if the algorithm uses one.
     pub fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
         match self {
             Self::RssiTriangleCentroid(config) => Some(&mut config.ranging),
@@ -84,19 +84,19 @@ pub enum Mapper {
     FittedMlTm(FittedMlTm),
     /// Maximum likelihood under a known channel among known obstacles.
     ObstacleMlTm(Box<ObstacleMlTm>),
-    /// Places, reception curve, stops and obstacles estimated together, from the log alone.
+    /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibrated),
-    /// An algorithm to compare with.
+    /// An algorithm for comparison.
     Comparator(Comparator),
 }
 
-/// What an algorithm learned from a log beside the map.
+/// What an algorithm learned from a log in addition to the map.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Learned {
     /// A reception profile.
     Profile(Fit),
-    /// A reception curve, the efficiency of each stop, and what stands in the way.
+    /// A reception curve, the efficiency of each stop, and the obstacles.
     Calibration(Calibration),
 }
 
@@ -111,7 +111,7 @@ impl Mapper {
         }
     }
 
-    /// What the algorithm uses of what it is given to know.
+    /// The kinds of knowledge that the algorithm uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
         match self {
@@ -128,7 +128,7 @@ impl Mapper {
         }
     }
 
-    /// Anchors without which there is no map in two or three `dimensions`.
+    /// Least number of anchors for a map in two or three `dimensions`.
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
@@ -140,17 +140,17 @@ impl Mapper {
     /// The map of the nodes in the log of `knowledge`, which may be a log alone.
     ///
     /// # Errors
-    /// If the map would need more than the memory allowed, or the algorithm lacks what it needs to know.
+    /// If the map would need more memory than allowed, or the algorithm lacks knowledge that it needs.
     pub fn map<'a>(&self, knowledge: impl Into<Knowledge<'a>>) -> Result<TopologyMap, MapError> {
         self.map_and_learn(knowledge, &Unwatched).map(|(map, _)| map)
     }
 
-    /// The map of the nodes in the log, and what was learned from the log beside it, if the algorithm learns anything.
-    /// `watch` is told how far the work is, and may end it within a fraction of a second.
+    /// The map of the nodes in the log, and what else the algorithm learned from the log, if anything. `watch`
+    /// receives the progress, and may end the work within a fraction of a second.
     ///
     /// # Errors
-    /// If the map would need more than the memory allowed, the algorithm lacks what it needs to know, or `watch` ends the
-    /// work.
+    /// If the map would need more memory than allowed, the algorithm lacks knowledge that it needs, or `watch` ends
+    /// the work.
     pub fn map_and_learn<'a>(
         &self,
         knowledge: impl Into<Knowledge<'a>>,
@@ -208,7 +208,7 @@ impl TryFrom<AlgorithmConfig> for Mapper {
     }
 }
 
-/// The algorithm written under `key`.
+/// The algorithm whose settings are under `key`.
 fn compare<C, A: TryFrom<C, Error = SettingError>>(
     key: &str,
     config: C,

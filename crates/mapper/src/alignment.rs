@@ -1,4 +1,4 @@
-//! Similarities that bring one list of places onto another.
+//! Similarities that align one list of places to another.
 
 use nalgebra::{DMatrix, Matrix3, SVD, Vector3};
 use sextant_channel::Position;
@@ -6,13 +6,13 @@ use sextant_channel::Position;
 /// Whether an alignment may mirror.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reflection {
-    /// It may: for maps without anchors, which are known only up to a mirror image.
+    /// Allowed: for maps without anchors, which are known only up to a mirror image.
     Allowed,
-    /// It may not: for maps in the frame of a physical robot.
+    /// Forbidden: for maps in the frame of a physical robot.
     Forbidden,
 }
 
-/// Why two lists of places cannot be aligned.
+/// Reasons why two lists of places cannot be aligned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AlignmentError {
     /// Too few pairs for an alignment to mean anything.
@@ -107,14 +107,14 @@ impl Similarity {
         })
     }
 
-    /// Where the similarity brings `place`.
+    /// The image of `place`.
     #[must_use]
     pub fn apply(&self, place: Position) -> Position {
         let turned = self.rotation.map(|[x, y, z]| Position::new(x, y, z).dot(place));
         Position::from(turned) * self.scale + self.translation
     }
 
-    /// The similarity that undoes this one.
+    /// The inverse similarity.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let rotation = [0, 1, 2].map(|row| [0, 1, 2].map(|column| self.rotation[column][row]));
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_lists_are_refused() {
+    fn degenerate_lists_are_rejected() {
         let same = [(Position::ORIGIN, Position::new(1.0, 2.0, 0.0)); 5];
         assert!(matches!(Similarity::fit(&same, Reflection::Allowed), Err(AlignmentError::Coincide(_))));
         let collapsed: Vec<_> = places(1, 5, 0.0).into_iter().map(|p| (Position::ORIGIN, p)).collect();

@@ -2,7 +2,7 @@
 
 use sextant_channel::{CellGrid, Position};
 
-/// Points sorted into cubic cells, each cell's points side by side in memory.
+/// Points sorted into cubic cells. The points of a cell are adjacent in memory.
 #[derive(Debug)]
 pub(crate) struct CellIndex {
     grid: CellGrid,
@@ -11,8 +11,8 @@ pub(crate) struct CellIndex {
 }
 
 impl CellIndex {
-    /// The index of `points` in cells about `cell_m` wide: wider where points are few in a large space, so that
-    /// there are never more than a few times as many cells as points.
+    /// The index of `points` in cells about `cell_m` wide. Cells are wider if a few points lie in a large space, so
+    /// that there are at most a few times as many cells as points.
     pub(crate) fn new(points: &[Position], cell_m: f64) -> Self {
         let grid = CellGrid::covering(points.iter().copied(), cell_m);
         let mut first = vec![0; grid.cell_count() + 1];
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn no_points_and_coinciding_points_are_fine() {
+    fn an_index_may_have_no_points_or_coinciding_points() {
         let none = CellIndex::new(&[], 1.0);
         none.within(Position::ORIGIN, 5.0, |_| panic!("there is nothing to find"));
         let same = CellIndex::new(&[Position::ORIGIN; 5], 1.0);

@@ -1,11 +1,11 @@
-//! Why a map cannot be computed.
+//! Errors of mapping.
 
 use sextant_kernel::Interrupted;
 
-/// Why a map or a likelihood surface cannot be computed.
+/// Reasons why a map or a likelihood surface cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapError {
-    /// The part of the lattice that a node may need does not fit the memory allowed.
+    /// The part of the lattice that one node may need does not fit into the memory allowed.
     #[error(
         "a grid of {vertices:.3e} vertices {step_m} m apart needs {} MB for one node; allowed: {} MB; \
          a grid_step_m of {suggested_step_m} fits, or allow more with max_memory_mb",
@@ -23,10 +23,10 @@ pub enum MapError {
         /// A step that fits (m).
         suggested_step_m: f64,
     },
-    /// A lattice round no stops.
+    /// The log has no stops, so there is no lattice.
     #[error("the log has no stops; a grid needs at least one place where the robot listened")]
     NoStops,
-    /// Knowledge that an algorithm needs and was not given.
+    /// The algorithm needs knowledge that it was not given.
     #[error("`{algorithm}` needs {what}, which nobody recorded here; {remedy}")]
     Missing {
         /// The algorithm.
@@ -48,7 +48,7 @@ pub enum MapError {
         /// Anchors needed.
         needed: usize,
     },
-    /// More memory than allowed, nothing of it allocated.
+    /// More memory is needed than allowed. Nothing was allocated.
     #[error(
         "`{algorithm}` needs {} MB for {what}; allowed: {} MB",
         .bytes.div_ceil(1_000_000), .allowed_bytes / 1_000_000
@@ -56,14 +56,14 @@ pub enum MapError {
     TooMuchMemory {
         /// The algorithm.
         algorithm: &'static str,
-        /// What it is for, and how many of these there are.
+        /// What the memory is for, with the numbers that make it so large.
         what: String,
         /// Memory needed (octets).
         bytes: u64,
         /// Memory allowed (octets).
         allowed_bytes: u64,
     },
-    /// An algorithm of the plane in space.
+    /// The algorithm works only in the plane.
     #[error("`{0}` is defined in the plane, but the anchors have different heights")]
     PlanarOnly(&'static str),
     /// A node that the log does not have.
@@ -77,10 +77,10 @@ pub enum MapError {
     /// The log and the settings do not agree.
     #[error("{0}")]
     Log(#[from] sextant_channel::LogError),
-    /// Whoever watches ended the work.
+    /// The work was ended from outside.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
-    /// A node without a likelihood: never heard, or heard only where no grid vertex is in range.
+    /// The node has no likelihood, because it was never heard, or was heard only where no grid vertex is in range.
     #[error("node `{name}` cannot be placed: it was never heard within range of the grid")]
     NotHeard {
         /// Name of the node.

@@ -5,11 +5,11 @@ use sextant_kernel::{Interrupted, SettingError, Watch};
 
 use crate::{Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap, TrapezoidConfig};
 
-/// ML-TM under a profile that is estimated from the log first: for logs of which nobody knows the channel.
+/// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedMlTm {
     fitted: Fitted,
-    /// The algorithm, but for its profile.
+    /// The algorithm. Its profile is replaced by the fitted one.
     ml_tm: MlTm,
     z_range_m: Option<[f64; 2]>,
 }
@@ -18,11 +18,11 @@ impl FittedMlTm {
     /// The algorithm with the settings of `config`, whose profile is replaced by one fitted as `fitted` says.
     ///
     /// # Errors
-    /// If a value is outside its domain.
+    /// If a value is invalid.
     pub fn new(config: MlTmConfig, fitted: FittedConfig) -> Result<Self, SettingError> {
         let fitted = Fitted::try_from(fitted).map_err(|error| error.within("profile.fitted"))?;
         let z_range_m = config.z_range_m;
-        // Any profile does to check the other settings.
+        // Any profile is good enough to check the other settings.
         let reach_m = if config.grid_step_m > 0.0 { config.grid_step_m } else { 1.0 };
         let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.5, 0.0, reach_m));
         Ok(Self { fitted, ml_tm: MlTm::try_from(MlTmConfig { profile, ..config })?, z_range_m })
@@ -36,7 +36,7 @@ impl FittedMlTm {
         self.fitted.fit(&self.ml_tm.counted(log), self.z_range_m, watch)
     }
 
-    /// The algorithm under a fitted profile, for the part of the log that is [evidence](Fit::evidence).
+    /// The algorithm under a fitted profile. Give it the part of the log that is [evidence](Fit::evidence).
     #[must_use]
     pub fn with_fit(&self, fit: &Fit) -> MlTm {
         let step_m = self.ml_tm.grid_step_m().min(fit.curve.range_m());

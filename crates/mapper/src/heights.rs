@@ -1,39 +1,41 @@
-//! At which heights nodes are sought.
+//! The heights at which nodes are searched for.
 
 use sextant_channel::Stop;
+use sextant_kernel::SettingError;
 
-/// Stops whose heights differ by at most this share of the reach of the radios tell nothing of the heights of nodes: a
-/// node above them and its mirror image below are then about equally far from each stop. The floor is uneven.
+/// If the heights of the stops differ by at most this share of the radio range, they do not determine the heights of
+/// nodes: a node above the stops and its mirror image below them are about equally far from each stop. Such small
+/// differences come from an uneven floor.
 const UNEVEN: f64 = 0.05;
 
-/// The heights at which the nodes of a map were sought, and why these.
+/// The heights at which the nodes of a map were searched for, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoughtHeights {
     /// The lowest height (m).
     pub low_m: f64,
-    /// The highest height (m); the lowest one again for a map in a plane.
+    /// The highest height (m). Equal to the lowest for a map in a plane.
     pub high_m: f64,
-    /// Why.
+    /// The reason for these heights.
     pub reason: HeightReason,
 }
 
-/// Why nodes were sought at these heights.
+/// The reason why nodes were searched for at these heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HeightReason {
     /// The settings say so.
     Settings,
     /// All stops have this height.
     LevelStops,
-    /// The heights of the stops differ by so little (m) that they tell nothing of the heights of nodes: the map is in the
-    /// plane half way between the lowest stop and the highest.
+    /// The heights of the stops differ so little that they do not determine the heights of nodes. The map is in the
+    /// plane half way between the lowest and the highest stop. Holds the difference (m).
     UnevenStops(f64),
-    /// Nodes are heard as far below the lowest stop and as far above the highest.
+    /// From one radio range below the lowest stop to one radio range above the highest.
     Reach,
 }
 
 impl SoughtHeights {
-    /// The heights of `z_range_m`, if given. Otherwise the height of the stops if they are level, and from `reach_m` below
-    /// the lowest of them to `reach_m` above the highest if they are not. `None` without stops.
+    /// The heights of `z_range_m`, if given. Otherwise the height of the stops if they are level; if not, from
+    /// `reach_m` below the lowest stop to `reach_m` above the highest. `None` without stops.
     pub(crate) fn of(stops: &[Stop], z_range_m: Option<[f64; 2]>, reach_m: f64) -> Option<Self> {
         let [lowest, highest] = extremes(stops)?;
         if let Some([low_m, high_m]) = z_range_m {
@@ -50,7 +52,7 @@ impl SoughtHeights {
         })
     }
 
-    /// The same for a search.
+    /// These heights in the form that searches use.
     pub(crate) fn heights(self) -> Heights {
         if self.high_m > self.low_m { Heights::Between(self.low_m, self.high_m) } else { Heights::Level(self.low_m) }
     }
@@ -66,7 +68,7 @@ pub(crate) enum Heights {
 }
 
 impl Heights {
-    /// The height that is allowed and nearest to `z_m` (m).
+    /// The allowed height nearest to `z_m` (m).
     pub(crate) fn clamp(self, z_m: f64) -> f64 {
         match self {
             Self::Level(level_m) => level_m,
@@ -75,7 +77,21 @@ impl Heights {
     }
 }
 
-/// Whether the heights of all stops are the same, as far as they tell of the heights of nodes that are heard within
+/// Checks the setting `z_range_m`, if there is one.
+///
+/// # Errors
+/// If it is not two finite heights, the lower one first.
+pub(crate) fn check_z_range(z_range_m: Option<[f64; 2]>) -> Result<(), SettingError> {
+    match z_range_m {
+        Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
+            let allowed = "two finite heights, the lower one first";
+            Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Whether the heights of the stops differ too little to determine the heights of nodes that are heard within
 /// `reach_m`.
 pub(crate) fn are_level(stops: &[Stop], reach_m: f64) -> bool {
     extremes(stops).is_none_or(|[lowest, highest]| highest - lowest <= UNEVEN * reach_m)

@@ -1,13 +1,14 @@
-//! The best curve that never rises.
+//! The best fit by a curve that never rises.
 
 /// The values that never rise with the index and minimise `Σ weight (value − mean)²`: the pool-adjacent-violators
 /// algorithm (Ayer and others 1955, "An empirical distribution function for sampling with incomplete information").
 /// For shares of successes weighed by their trials they are also the binomial maximum likelihood (Barlow and others
-/// 1972, "Statistical inference under order restrictions", section 1.5). Entries of weight 0 get the value of their
-/// neighbour below, those at the start that of the first entry that has weight. Linear in the number of entries.
+/// 1972, "Statistical inference under order restrictions", section 1.5). An entry of weight 0 gets the value of the
+/// entry before it; entries of weight 0 at the start get the value of the first entry with a weight. Linear in the
+/// number of entries.
 ///
 /// # Panics
-/// If there are not as many weights as means.
+/// If the numbers of weights and means differ.
 #[must_use]
 pub fn never_rising(means: &[f64], weights: &[f64]) -> Vec<f64> {
     assert_eq!(means.len(), weights.len(), "each mean has a weight");

@@ -1,4 +1,4 @@
-//! What an algorithm is given to know, and what it says it uses.
+//! The knowledge that an algorithm is given, and the kinds of knowledge that it uses.
 
 use serde::Serialize;
 use sextant_channel::{Anchor, NeighbourLog, ObstacleField, Position, ReceptionLog};
@@ -6,7 +6,8 @@ use sextant_kernel::Seed;
 
 use crate::MapError;
 
-/// All that an algorithm may know. Maximum likelihood needs the reception log alone; comparators need more.
+/// Everything that an algorithm may use. Maximum likelihood needs only the reception log; most algorithms for
+/// comparison need more.
 #[derive(Clone, Copy, Debug)]
 pub struct Knowledge<'a> {
     /// What the robots recorded.
@@ -17,14 +18,14 @@ pub struct Knowledge<'a> {
     pub beacons: Option<&'a NeighbourLog>,
     /// The nodes that know their place, by node.
     pub anchors: &'a [Anchor],
-    /// What stands in the way, if it is known: only simulations tell.
+    /// The obstacles, if they are known. Only a simulation knows them.
     pub obstacles: Option<&'a ObstacleField>,
     /// Seed of the algorithm's own choices, such as the nodes from which hops are counted.
     pub seed: Seed,
 }
 
 impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
-    /// Nothing but the log.
+    /// Only the log is known.
     fn from(log: &'a ReceptionLog) -> Self {
         Self { log, neighbours: None, beacons: None, anchors: &[], obstacles: None, seed: Seed(1) }
     }
@@ -38,7 +39,7 @@ pub enum KnowledgeKind {
     RobotReceptions,
     /// With what strength it heard them.
     RobotRssi,
-    /// Where the robot drove and what it met there.
+    /// Where the robot drove, and which obstacles it met.
     RobotPath,
     /// Which nodes heard each other.
     Neighbours,
@@ -52,12 +53,12 @@ pub enum KnowledgeKind {
     Anchors,
     /// How power falls with distance.
     PathLoss,
-    /// What stands in the way.
+    /// The obstacles.
     Obstacles,
 }
 
 impl KnowledgeKind {
-    /// In the words of tables: `anchor RSSI`.
+    /// The name in tables, for example `anchor RSSI`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -88,7 +89,7 @@ impl KnowledgeKind {
 }
 
 impl<'a> Knowledge<'a> {
-    /// Two if the anchors share one height (without anchors, the stops of the robots), otherwise three.
+    /// 2 if all anchors have the same height, otherwise 3. Without anchors, the heights of the stops decide.
     #[must_use]
     pub fn dimensions(&self) -> usize {
         let anchors = self.anchors.iter().map(|anchor| anchor.position);
@@ -118,7 +119,7 @@ impl<'a> Knowledge<'a> {
         })
     }
 
-    /// What stands in the way.
+    /// The obstacles.
     pub(crate) fn obstacles(&self, algorithm: &'static str) -> Result<&'a ObstacleField, MapError> {
         self.obstacles.ok_or(MapError::Missing {
             algorithm,

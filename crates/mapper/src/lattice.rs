@@ -1,4 +1,4 @@
-//! The vertices at which a likelihood is computed.
+//! The grid on which likelihoods are computed.
 
 use std::ops::Range;
 
@@ -6,11 +6,11 @@ use sextant_channel::{Position, Stop};
 
 use crate::{MapError, SoughtHeights};
 
-/// Octets of a window per vertex: its log-likelihood.
+/// Bytes per vertex of a window, for its log-likelihood.
 const OCTETS_PER_VERTEX: f64 = 8.0;
 
-/// Where the lattice lies relative to the world's origin, in steps: powers of the golden ratio. Nodes that
-/// stand on round coordinates are then never exactly on a vertex, which would flatter every estimator.
+/// Where the lattice lies relative to the world's origin, in steps: powers of the golden ratio. Nodes on round
+/// coordinates are then never exactly on a vertex, which would make every estimator look better than it is.
 const PHASE: [f64; 3] = [0.381_966_011_250_105, 0.236_067_977_499_79, 0.145_898_033_750_315];
 
 /// A cubic lattice of vertices: `origin + step · (i, j, k)` with i, j, k below the counts. A planar lattice is
@@ -35,16 +35,16 @@ impl Lattice {
         Self { origin, step_m, per_m: 1.0 / step_m, counts }
     }
 
-    /// The lattice that holds every place within `range_m` of a stop. Its vertices are a fixed set of places in
-    /// the world (at odd fractions of a step), whatever the stops, so that a longer survey keeps them.
+    /// The lattice that holds every place within `range_m` of a stop. Its vertices are a subset of a fixed lattice in
+    /// the world (at odd fractions of a step), so a longer survey has the same vertices and more.
     ///
-    /// `z_range_m` bounds the heights. Without it the lattice is planar at the height of the stops if they are level to
-    /// a twentieth of `range_m`, and reaches `range_m` below and above them otherwise. A height range below one step has
-    /// one layer of vertices, in its middle.
+    /// `z_range_m` bounds the heights. Without it, the lattice is planar at the height of the stops if their heights
+    /// differ by at most a twentieth of `range_m`. Otherwise it extends `range_m` below and above them. A height
+    /// range smaller than one step has one layer of vertices, in its middle.
     ///
     /// # Errors
     /// [`MapError::GridTooLarge`] if the window of one node, at most `2 range_m` wide, needs more than
-    /// `allowed_bytes`, nothing having been allocated; [`MapError::NoStops`] if there is nothing to cover.
+    /// `allowed_bytes`; nothing is allocated then. [`MapError::NoStops`] if there are no stops.
     pub fn covering(
         stops: &[Stop],
         range_m: f64,
@@ -106,13 +106,13 @@ impl Lattice {
         self.counts.iter().map(|&count| count as u64).product()
     }
 
-    /// Whether there is no vertex: never.
+    /// Whether there is no vertex. Always false.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Half the diagonal of a cell (m): no place within the lattice is farther from a vertex.
+    /// Half the diagonal of a cell (m). Each place within the lattice is at most this far from a vertex.
     #[must_use]
     pub fn half_diagonal_m(&self) -> f64 {
         let axes = self.counts.iter().filter(|&&count| count > 1).count();
@@ -145,10 +145,10 @@ impl Lattice {
         <[f64; 3]>::from(self.origin)[axis] + self.step_m * i as f64
     }
 
-    /// The vertices along `axis` with coordinates in `[low, high]`, as a half-open range of indices, and
-    /// whether rounding may have added one at either end; it never drops one.
+    /// The vertices along `axis` with coordinates in `[low, high]`, as a half-open range of indices, and whether
+    /// rounding may have added a vertex at an end. Rounding never removes one.
     pub(crate) fn span(&self, axis: usize, low: f64, high: f64) -> (Range<usize>, bool) {
-        // Positions in steps are rounded by far less than this.
+        // Rounding errors of positions, in steps, are far smaller than this.
         const SLACK: f64 = 1e-6;
         let origin = <[f64; 3]>::from(self.origin)[axis];
         let first = (low - origin) * self.per_m;
@@ -172,7 +172,7 @@ fn extent(low: f64, high: f64, step: f64, axis: usize) -> (f64, f64) {
     if high - low < step || count < 1.0 { (0.5 * (low + high), 1.0) } else { (first, count) }
 }
 
-/// The lowest count not below `value`. Casts, because a processor may have no instruction for rounding.
+/// The lowest count not below `value`. It uses casts, because some processors have no instruction for rounding.
 fn ceiling(value: f64) -> usize {
     let below = whole(value);
     below + usize::from((below as f64) < value)
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_too_large_is_refused_with_a_step_that_fits() {
+    fn a_grid_that_is_too_large_is_rejected_with_a_step_that_fits() {
         let path = stops(&[[0.0; 3], [30.0, 30.0, 0.0]]);
         let allowed = 100_000_000;
         let refused = Lattice::covering(&path, 10.0, 1e-6, None, allowed).unwrap_err();

@@ -2,24 +2,24 @@
 
 /// A sum of squares to be minimised.
 pub(crate) trait LeastSquares {
-    /// Where the cost is computed.
+    /// A point at which the cost is computed.
     type Point;
-    /// From one point to another.
+    /// A step from one point to another.
     type Step;
-    /// What may end the work.
+    /// The error that ends the work.
     type Error;
 
     /// The sum of squares.
     fn cost(&self, at: &Self::Point) -> f64;
 
-    /// The solution δ of the normal equations with `damping` times their diagonal added, or something like it; `None` if
-    /// they have none.
+    /// The solution δ of the normal equations with `damping` times their diagonal added, or an approximation; `None`
+    /// if there is no solution.
     fn step(&self, at: &Self::Point, damping: f64) -> Result<Option<Self::Step>, Self::Error>;
 
     /// `at − δ`.
     fn moved(&self, at: &Self::Point, step: &Self::Step) -> Self::Point;
 
-    /// Whether so small a step is the last, be it one that lowers the cost or not.
+    /// Whether this step is so small that it is the last. `is_lower` says whether it lowers the cost.
     fn is_last(&self, at: &Self::Point, step: &Self::Step, is_lower: bool) -> bool;
 }
 
@@ -27,15 +27,15 @@ pub(crate) trait LeastSquares {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Damping {
     pub(crate) first: f64,
-    /// Factor after a step that lowers the cost, and the least that there is.
+    /// Factor after a step that lowers the cost, and the lowest damping.
     pub(crate) ease: f64,
     pub(crate) least: f64,
-    /// Factor after any other step, and what ends the search.
+    /// Factor after any other step, and the damping at which the search ends.
     pub(crate) tighten: f64,
     pub(crate) most: f64,
 }
 
-/// The minimum next to `start`, after `steps` steps at most.
+/// The minimum near `start`, found in at most `steps` steps.
 pub(crate) fn minimum<P: LeastSquares>(
     problem: &P,
     start: P::Point,

@@ -1,10 +1,10 @@
-//! Reception log in, topology map out; and how good a map is.
+//! Topology maps from reception logs, and measures of how good a map is.
 //!
-//! Goes in: a [`ReceptionLog`](sextant_channel::ReceptionLog), which is all that robots recorded, and a
-//! [`ReceptionProfile`], which says how likely a packet is received over a distance. Comes out: a
-//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. Algorithms to compare with, which may know more
-//! ([`Knowledge`]), say what they use ([`KnowledgeKind`]). The crate knows no simulation and
-//! no ground truth; its metrics compare whatever two lists of places they are given.
+//! Input: a [`ReceptionLog`](sextant_channel::ReceptionLog), which holds what robots recorded, and a
+//! [`ReceptionProfile`], which gives the probability that a packet is received over a distance. Output: a
+//! [`TopologyMap`] with an [`Estimate`] for each node that was heard. Algorithms for comparison may use more
+//! knowledge ([`Knowledge`]) and state which kinds they use ([`KnowledgeKind`]). The crate does not depend on the
+//! simulation and has no access to ground truth. Its metrics compare any two lists of places.
 //!
 //! ```
 //! use sextant_channel::{Position, Reception, ReceptionLog, Stop};
@@ -51,7 +51,6 @@ mod sectors;
 mod self_calibrated;
 mod solver;
 mod surface;
-mod table_profile;
 mod topology_map;
 
 pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper};
@@ -77,8 +76,8 @@ pub use ml_tm::{CountRule, EstimateKind, MlTm, MlTmConfig, TieRule};
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{
-    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, Trapezoid, TrapezoidConfig,
-    at_least_one,
+    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
+    TrapezoidConfig, at_least_one,
 };
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig};
@@ -86,5 +85,4 @@ pub use self_calibrated::{
     AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
 };
 pub use surface::Surface;
-pub use table_profile::TableProfile;
 pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};

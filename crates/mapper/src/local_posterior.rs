@@ -1,4 +1,4 @@
-//! The posterior of one node round a place near which it is known to be.
+//! The posterior of one node near a known place.
 
 use sextant_channel::Position;
 
@@ -32,19 +32,19 @@ pub(crate) fn covariance(places: impl Iterator<Item = (Position, f64)>) -> [[f64
 /// Steps from the middle of the grid to its edge.
 const PLANAR_REACH: i32 = 4;
 const SPATIAL_REACH: i32 = 3;
-/// How often the grid is fitted to the posterior.
+/// Maximum number of times that the grid is adapted to the posterior.
 const FITS: usize = 20;
-/// Where the middle of the grid lies off the place sought, in steps, so that no true place is on a vertex.
+/// Offset of the vertices from the middle of the grid, in steps, so that no true place is on a vertex.
 const PHASE: [f64; 3] = [0.118, -0.264, 0.354];
-/// Probability at the edge of the grid above which it is too small.
+/// The grid is too small if the probability at its edge is above this.
 const EDGE: f64 = 0.03;
-/// A grid whose steps exceed the spread by this is too coarse.
+/// The grid is too coarse if its step is more than this times the spread.
 const COARSE: f64 = 1.4;
 
 /// The posterior, for a uniform prior, on a grid round `start` that is moved, widened and refined until it holds all
 /// but a few hundredths of the probability in steps of about its spread, which for smooth likelihoods gives its
-/// moments to a thousandth. `spread_m` is a first guess of the spread;
-/// steps do not fall below `least_step_m`. `None` if the likelihood is zero wherever it was looked for.
+/// moments to a thousandth. `spread_m` is a first guess of the spread; steps do not fall below `least_step_m`. `None`
+/// if the likelihood is zero at all places that were tried.
 pub(crate) fn local_posterior(
     heights: Heights,
     start: Position,

@@ -1,13 +1,13 @@
-//! Memory that an algorithm may need at once.
+//! Limits of the memory that an algorithm may allocate at once.
 
 use crate::MapError;
 
-/// Memory that an algorithm may take for tables that grow with the product of two numbers, such as the hops between all
-/// pairs of nodes (octets).
+/// Maximum memory for one table whose size is the product of two numbers, such as the hops between all pairs of nodes
+/// (bytes).
 const ALLOWED_BYTES: u64 = 3_200_000_000;
 
-/// Refuses a table of `rows` times `columns` entries of `entry_bytes` octets that does not fit the memory. `what` says what
-/// it holds.
+/// Rejects a table that does not fit into the memory: `rows` times `columns` entries of `entry_bytes` bytes. `what`
+/// describes its content.
 pub(crate) fn check_table(
     algorithm: &'static str,
     what: impl FnOnce() -> String,

@@ -1,4 +1,4 @@
-//! How good a map is: distances between places, and whether neighbours stay neighbours.
+//! Measures of how good a map is: position errors, and whether neighbours stay neighbours.
 
 mod connectivity;
 mod crlb;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::heights::check_z_range;
 use crate::reach::heard_nodes;
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
@@ -24,25 +25,25 @@ pub struct MlTmConfig {
     pub grid_step_m: f64,
     /// How likely a packet is received over a distance.
     pub profile: ProfileConfig,
-    /// What a reception of several packets counts for. If absent, `packets`; `at_least_one` under a `channel` profile with
-    /// `packets_per_stop`, whose curve is that of a slot.
+    /// How a reception of several packets counts. If absent: `packets`, or `at_least_one` under a `channel` profile
+    /// with `packets_per_stop`, whose curve is that of a whole slot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts: Option<CountRule>,
-    /// Which place is taken from the likelihood.
+    /// How the place is estimated from the likelihood.
     #[serde(default)]
     pub estimate: EstimateKind,
     /// Which place `argmax` takes if several vertices have the highest likelihood.
     #[serde(default)]
     pub ties: TieRule,
-    /// Lowest and highest height of a node (m). Without it a log whose stops share one height, or differ by no more than
-    /// a twentieth of `range_m`, is mapped in the plane of the stops, any other from `range_m` below to `range_m` above
-    /// them.
+    /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
+    /// heights of the stops differ by at most a twentieth of the range of the profile; otherwise from one range below
+    /// the stops to one range above them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
-    /// What is made of the antenna sectors in which nodes were heard. If absent, those that the log tells of are evidence.
+    /// How the antenna sectors in which nodes were heard are used. If absent, the sectors of the log are evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sectors: Option<SectorsConfig>,
-    /// Memory that the grid window of one node may need (MB); 512 if absent.
+    /// Maximum memory for the grid window of one node (MB); 512 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_memory_mb: Option<u32>,
 }
@@ -50,17 +51,18 @@ pub struct MlTmConfig {
 /// Memory allowed for the window of one node (MB).
 const DEFAULT_MEMORY_MB: u32 = 512;
 
-/// What a reception of several packets counts for.
+/// How a reception of several packets counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CountRule {
     /// Each packet received or missed counts by itself.
     Packets,
-    /// The listening slot counts as one packet, received if at least one packet was (thesis, chapter 3).
+    /// The listening slot counts as one packet. It is received if at least one packet was received (thesis, chapter
+    /// 3).
     AtLeastOne,
 }
 
-/// Which place is taken from the likelihood of a node.
+/// How the place is estimated from the likelihood of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EstimateKind {
@@ -71,12 +73,12 @@ pub enum EstimateKind {
     PosteriorMean,
 }
 
-/// Which place stands for several vertices that share the highest likelihood.
+/// Which place represents several vertices that share the highest likelihood.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TieRule {
-    /// Their mean, if the vertex nearest to it is one of them; otherwise, that is if they lie in
-    /// separate places, the one of them that is nearest to the mean.
+    /// Their mean, if the vertex nearest to the mean is one of them. Otherwise they lie in separate places, and the
+    /// one nearest to the mean is taken.
     #[default]
     Mean,
     /// The one with the lowest linear index.
@@ -84,7 +86,7 @@ pub enum TieRule {
 }
 
 impl MlTmConfig {
-    /// The argmax on a grid of `grid_step_m`, everything else as by default.
+    /// The argmax on a grid of `grid_step_m`, with defaults for all other settings.
     #[must_use]
     pub fn new(grid_step_m: f64, profile: ProfileConfig) -> Self {
         Self {
@@ -102,16 +104,16 @@ impl MlTmConfig {
 
 /// The ML-TM algorithm.
 ///
-/// The likelihood of node i at vertex g is the product over all stops of S(d) for each packet received and of
-/// 1 − S(d) for each packet missed, a stop without an entry in the log counting as one packet missed, and `0` of
-/// `0` as no evidence. Where a reception is in a known antenna sector, vertices outside of it are as far as those beyond R:
-/// the reception is impossible, or left to the floor (chapter 4 of the thesis).
+/// The likelihood of node i at vertex g is the product over all stops of S(d) for each packet received and of 1 −
+/// S(d) for each packet missed, a stop without an entry in the log counting as one packet missed, and `0` of `0` as
+/// no evidence. If a reception is in a known antenna sector, vertices outside this sector count as if they were
+/// beyond R: the reception is impossible there, or has the probability of the floor (chapter 4 of the thesis).
 ///
-/// **Search set.** The vertices nearer than R to every stop that received from the node and in its sector, as far as their
-/// likelihood is above zero. If there are none, the node is *infeasible*: its estimate says so, and the search set
-/// is all vertices nearer than R to any such stop and in its sector, under the profile clamped at least to `[10⁻⁶, 1 − 10⁻⁶]`.
-/// Within the search set the answer is exact: the same vertex and the same number of ties as a scan of every vertex
-/// with the product over every stop.
+/// **Search set.** The vertices nearer than R to every stop that received from the node and in its sector, as far as
+/// their likelihood is above zero. If there are none, the node is *infeasible*: its estimate says so, and the search
+/// set is all vertices nearer than R to any such stop and in its sector, under the profile clamped at least to
+/// `[10⁻⁶, 1 − 10⁻⁶]`. Within the search set the result is exact: the same vertex and the same number of ties as a
+/// scan of all vertices with the product over all stops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MlTm {
     grid_step_m: f64,
@@ -155,8 +157,9 @@ impl MlTm {
         Lattice::covering(log.stops(), self.profile.range_m(), self.grid_step_m, self.z_range_m, self.allowed_bytes)
     }
 
-    /// The map of the nodes in `log`, computed on the current rayon pool; the same bits for any number of threads.
-    /// Nodes that were never heard are not placed; nor are nodes heard only where no vertex is in range.
+    /// The map of the nodes in `log`, computed on the current rayon pool. The result is bit-identical for any number
+    /// of threads. Nodes that were never heard are not placed. Neither are nodes that were heard only where no vertex
+    /// is in range.
     ///
     /// # Errors
     /// [`MapError::GridTooLarge`]; [`MapError::Log`] if a sector of the log is not among those of the settings;
@@ -217,7 +220,7 @@ impl MlTm {
             .ok_or_else(|| MapError::NotHeard { name: name.clone() })
     }
 
-    /// The log as its receptions count.
+    /// The log with its receptions counted by the rule of the settings.
     pub(crate) fn counted<'a>(&self, log: &'a ReceptionLog) -> Cow<'a, ReceptionLog> {
         match self.counts {
             CountRule::Packets => Cow::Borrowed(log),
@@ -267,7 +270,7 @@ impl MlTm {
         (estimate, search.evaluated)
     }
 
-    /// The place that stands for the maximisers of which `first` has the lowest index.
+    /// The place for several vertices of highest likelihood; `first` is the one with the lowest index.
     fn place(&self, lattice: &Lattice, peak: &Peak, first: u64) -> Position {
         let place = |index| lattice.position(lattice.vertex(index));
         let vertices = peak.vertices();
@@ -305,15 +308,7 @@ impl TryFrom<MlTmConfig> for MlTm {
             let allowed = format!("above 0, at most the range of the profile ({} m)", profile.range_m());
             return Err(SettingError::new("grid_step_m", grid_step_m, allowed));
         }
-        if let Some([low, high]) = z_range_m
-            && !(low.is_finite() && high.is_finite() && low <= high)
-        {
-            return Err(SettingError::new(
-                "z_range_m",
-                format!("[{low}, {high}]"),
-                "two finite heights, the lower one first",
-            ));
-        }
+        check_z_range(z_range_m)?;
         let sectors =
             SectorSettings::try_from(sectors.unwrap_or_default()).map_err(|error| error.within("sectors"))?;
         let memory_mb = max_memory_mb.unwrap_or(DEFAULT_MEMORY_MB);

@@ -1,9 +1,9 @@
-//! What tells of one node, near a place.
+//! The evidence on one node near a place.
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-/// The stops that tell of one node, with the packets that they received and missed.
+/// The stops that are evidence on one node, with the packets that they received and missed.
 #[derive(Clone, Debug)]
 pub(crate) struct NodeEvidence {
     /// Index of the stop, packets received, packets missed.
@@ -11,8 +11,8 @@ pub(crate) struct NodeEvidence {
 }
 
 impl NodeEvidence {
-    /// What tells of `node` at places within a few metres of `near`: the stops that heard it, and those within one and a half
-    /// times `reach_m`, beyond which nothing is heard (m). `None` if it was never heard.
+    /// The evidence on `node` for places within a few metres of `near`: the stops that heard it, and those within 1.5
+    /// `reach_m`. Nothing is heard beyond `reach_m` (m). `None` if the node was never heard.
     pub(crate) fn near(log: &ReceptionLog, node: NodeId, near: Position, reach_m: f64) -> Option<Self> {
         if log.of(node).iter().all(|reception| reception.received == 0) {
             return None;

@@ -10,23 +10,24 @@ use crate::node_evidence::NodeEvidence;
 use crate::profile::KnownLink;
 use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, SoughtHeights, TopologyMap};
 
-/// ML-TM under a channel whose obstacles are known: the likelihood of a place counts for each stop what the obstacles on the
-/// straight line to it absorb.
+/// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
+/// obstacles on the straight line to the stop absorb.
 ///
-/// That is not a function of the distance, so no grid is shared by the nodes. Each node starts at the best place of a coarse
-/// scan round its posterior mean without obstacles, within a third of the reach (a fifth in space); a grid of its own is moved, widened and refined
-/// round that until it holds the posterior. With `argmax` the place is the best vertex of this grid.
+/// The likelihood is then not a function of distances alone, so nodes do not share a grid. Each node starts at the
+/// best place of a coarse scan round its posterior mean without obstacles, within a third of the reach (a fifth in
+/// space). A grid round this place is moved, widened and refined until it holds the posterior. With `argmax` the
+/// place is the best vertex of this grid.
 #[derive(Clone, Debug)]
 pub struct ObstacleMlTm {
     start: MlTm,
-    /// The channel as written, which [`link`](Self::link) follows from.
+    /// The settings of the channel, from which [`link`](Self::link) was made.
     channel: ChannelProfileConfig,
     link: KnownLink,
     estimate: EstimateKind,
     z_range_m: Option<[f64; 2]>,
 }
 
-/// What a node is placed among.
+/// The data that all nodes share.
 #[derive(Clone, Copy)]
 struct Surroundings<'a> {
     log: &'a ReceptionLog,
@@ -47,7 +48,7 @@ impl ObstacleMlTm {
     /// The algorithm with the settings of `config` under the channel of `channel`.
     ///
     /// # Errors
-    /// If a value is outside its domain, or a number of the channel is absent.
+    /// If a value is invalid, or a value of the channel is absent.
     pub fn new(config: MlTmConfig, channel: &ChannelProfileConfig) -> Result<Self, SettingError> {
         let link = channel.link().map_err(|error| error.within("profile.channel"))?;
         let (estimate, z_range_m) = (config.estimate, config.z_range_m);
@@ -83,7 +84,7 @@ impl ObstacleMlTm {
         Ok(TopologyMap { estimates: estimates?, ..start })
     }
 
-    /// What it takes to look round each place of the map `start`, if all stops are in reach.
+    /// The work of the search round each place of the map `start`, if all stops are in reach.
     fn work(&self, log: &ReceptionLog, start: &TopologyMap, heights: Heights) -> Work {
         let places = match heights {
             Heights::Level(_) => (2 * SCAN[0] + 1).pow(2),
@@ -94,7 +95,7 @@ impl ObstacleMlTm {
         Work { name: "ml-tm among obstacles", unit: "node", steps: start.mapped() as u64, operations }
     }
 
-    /// The estimate of a node; anything if the work was ended meanwhile.
+    /// The estimate of a node. If the work was ended meanwhile, the result means nothing.
     fn place(&self, among: &Surroundings<'_>, node: NodeId, near: Position) -> Option<Estimate> {
         let Surroundings { log, obstacles, heights, watch } = *among;
         let evidence = NodeEvidence::near(log, node, near, self.link.reach_m())?;
@@ -123,7 +124,7 @@ impl ObstacleMlTm {
         Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false })
     }
 
-    /// The likeliest of the places on a coarse grid round `near`, itself included.
+    /// The likeliest place on a coarse grid round `near`, including `near` itself.
     fn scan(&self, near: Position, heights: Heights, log_likelihood: &impl Fn(Position) -> f64) -> Position {
         let step_m = SCAN_STEP * self.link.reach_m();
         let (steps, layers) = match heights {
@@ -183,7 +184,7 @@ mod tests {
         ObstacleMlTm::new(config, &channel()).expect("good settings")
     }
 
-    /// A wall that hardly anything passes, 1 m thick.
+    /// A wall 1 m thick that almost no packet passes.
     fn wall() -> ObstacleField {
         let shape = BoxConfig { center_m: Position::new(3.0, 0.0, 0.0), size_m: [1.0, 12.0, 4.0], yaw_deg: 0.0 };
         let config = ObstacleConfig {
@@ -241,7 +242,7 @@ mod tests {
             place(algorithm.map(&log, &ObstacleField::default(), &Unwatched).expect("a map")),
             place(algorithm.start.map(&log, &Unwatched).expect("a map")),
         );
-        // Half the diagonal of a cell of the shared grid, over which that takes the mean.
+        // The tolerance is half the diagonal of a cell of the shared grid, which averages over its cells.
         assert!(own.distance_m(shared) < 0.18, "{own:?} {shared:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! How accurate any map of a log can be.
+//! A bound of the accuracy of any map of a log.
 
 use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
@@ -8,33 +8,34 @@ use crate::heights::Heights;
 use crate::local_posterior::local_posterior;
 use crate::node_evidence::NodeEvidence;
 
-/// What is true of a simulated survey: what the bound is computed from.
+/// The true model of a simulated survey, from which the bound is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct TrueModel<'a, P> {
-    /// Probability that a node at the place, if it sends once, is heard at the stop of the index: `|stop, place|`.
+    /// Probability that one packet from a node at `place` is received at the stop with the index `stop`:
+    /// `|stop, place|`.
     pub probability: P,
-    /// A place near which each node is known to be (m): where its posterior is looked for.
+    /// A place near each node (m). Its posterior is computed round this place.
     pub near: &'a [Position],
-    /// Distance from a stop beyond which the probability is the same everywhere, or zero (m).
+    /// Distance from a stop beyond which the probability is constant or zero (m).
     pub reach_m: f64,
-    /// Lowest and highest height of a node (m); the same for a planar network.
+    /// Lowest and highest height of a node (m). Both are equal for a planar network.
     pub z_range_m: [f64; 2],
 }
 
-/// Nodes that are looked at, at most.
+/// Maximum number of nodes that are evaluated.
 const MOST_NODES: usize = 1000;
 /// First guess of how far a posterior spreads (m).
 const SPREAD_M: f64 = 0.15;
-/// Vertices of the grids of a node, about.
+/// Approximate number of grid vertices of a node.
 const VERTICES: f64 = 300.0;
 /// Least step of the grid (m).
 const LEAST_STEP_M: f64 = 0.01;
 
-/// The mean over the heard nodes of the expected distance between a node and the mean of its posterior under the true
-/// model, for a uniform prior (m): no estimator that starts from the same log has a smaller mean squared error. `None` if no
-/// node was heard. Each posterior is computed on a grid of its own, in steps of about half its spread, round the place near
-/// which the node is; probability elsewhere is left out. Of more than a thousand nodes, only so many are looked at, evenly
-/// chosen. The same bits for any number of threads.
+/// The expected distance between a node and its posterior mean under the true model with a uniform prior, averaged
+/// over the heard nodes (m). No estimator from the same log has a smaller mean squared error than the posterior mean.
+/// `None` if no node was heard. Each posterior is computed on a grid of its own round the given place, in steps of
+/// about half its spread; probability elsewhere is left out. If there are more than a thousand nodes, at most a
+/// thousand of them are evaluated, evenly chosen. The result is bit-identical for any number of threads.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -65,7 +66,7 @@ pub fn posterior_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
     Ok((count > 0).then(|| sum / f64::from(count)))
 }
 
-/// The expected error of a node; anything if the work was ended meanwhile.
+/// The expected error of a node. If the work was ended meanwhile, the result means nothing.
 fn node_bound_m<P: Fn(u32, Position) -> f64 + Sync>(
     log: &ReceptionLog,
     model: &TrueModel<'_, P>,

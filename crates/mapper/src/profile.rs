@@ -4,49 +4,34 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::TableProfile;
-
 mod cell;
 mod channel;
 mod fitted;
+mod limits;
+mod table;
+mod trapezoid;
 
 pub(crate) use cell::averaged_over_cell;
 pub(crate) use channel::KnownLink;
 pub use channel::{ChannelProfileConfig, ObstacleUse, at_least_one};
 pub use fitted::FittedConfig;
+pub use table::TableProfile;
+pub use trapezoid::{Trapezoid, TrapezoidConfig};
 
-/// Lowest probability that a robust profile gives to any outcome: one shadowed packet from far away
-/// then costs a vertex a factor and does not rule it out.
+/// Lowest probability that a robust profile gives to any outcome: one packet received from far away then lowers the
+/// likelihood of a vertex, but does not rule the vertex out.
 pub(crate) const DEFAULT_FLOOR: f64 = 1e-6;
 
 /// A reception profile as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ProfileConfig {
-    /// Constant near the node, then falling linearly to nothing.
+    /// Constant near the node, then falling linearly to 0.
     Trapezoid(TrapezoidConfig),
     /// The curve that a known channel implies.
     Channel(ChannelProfileConfig),
-    /// A curve that never rises, estimated from the log itself.
+    /// A curve that never rises, estimated from the log.
     Fitted(FittedConfig),
-}
-
-/// The trapezoid as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TrapezoidConfig {
-    /// Reception probability next to the node, above 0, at most 1.
-    pub p0: f64,
-    /// Distance up to which the probability is `p0` (m), below `range_m`.
-    pub plateau_m: f64,
-    /// Distance from which on nothing is received (m).
-    pub range_m: f64,
-    /// Lowest probability of a reception, at any distance; 0 for the literal profile of the thesis.
-    #[serde(default = "default_floor")]
-    pub floor: f64,
-    /// Highest probability of a reception, at any distance; 1 for the literal profile of the thesis.
-    #[serde(default = "default_ceiling")]
-    pub ceiling: f64,
 }
 
 fn default_floor() -> f64 {
@@ -57,47 +42,22 @@ fn default_ceiling() -> f64 {
     1.0 - DEFAULT_FLOOR
 }
 
-impl TrapezoidConfig {
-    /// The trapezoid with the floor 10⁻⁶ and the ceiling 1 − 10⁻⁶.
-    #[must_use]
-    pub fn new(p0: f64, plateau_m: f64, range_m: f64) -> Self {
-        Self { p0, plateau_m, range_m, floor: default_floor(), ceiling: default_ceiling() }
-    }
-
-    /// The same trapezoid without floor and ceiling, as the thesis has it.
-    #[must_use]
-    pub fn literal(self) -> Self {
-        Self { floor: 0.0, ceiling: 1.0, ..self }
-    }
-}
-
 /// A reception profile: the probability S(d) that a packet sent at distance d is received.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReceptionProfile {
-    /// Constant near the node, then falling linearly to nothing.
+    /// Constant near the node, then falling linearly to 0.
     Trapezoid(Trapezoid),
     /// Values at equal distances.
     Table(TableProfile),
 }
 
-/// S(d) = p0 for d ≤ r, p0 (R − d)/(R − r) for r < d < R, 0 from R on (Gunathillake 2018, eq. 3.2), then
-/// clamped to `[floor, ceiling]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trapezoid {
-    p0: f64,
-    plateau_m: f64,
-    range_m: f64,
-    floor: f64,
-    ceiling: f64,
-}
-
 impl ReceptionProfile {
-    /// The profile for the vertices of a grid of `grid_step_m`: with the mean over its cells, if the settings ask
-    /// for it; 0 for no grid.
+    /// The profile for the vertices of a grid of `grid_step_m`: averaged over its cells, if the settings say so. A
+    /// step of 0 means no grid.
     ///
     /// # Errors
-    /// If a value is outside its domain or absent; for a fitted profile, which needs a log and not only settings (see
+    /// If a value is invalid or absent, or if the profile is a fitted one, which needs a log (see
     /// [`Fitted`](crate::Fitted)).
     pub fn for_grid(config: ProfileConfig, grid_step_m: f64) -> Result<Self, SettingError> {
         match config {
@@ -113,11 +73,11 @@ impl ReceptionProfile {
         }
     }
 
-    /// The distance from which on a reception is impossible (or left to the floor) (m).
+    /// At this distance and beyond, a reception is impossible, or has the probability of the floor (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         match self {
-            Self::Trapezoid(trapezoid) => trapezoid.range_m,
+            Self::Trapezoid(trapezoid) => trapezoid.range_m(),
             Self::Table(table) => table.range_m(),
         }
     }
@@ -132,131 +92,10 @@ impl ReceptionProfile {
     }
 }
 
-impl Trapezoid {
-    /// Probability that a packet is received over `distance_m`.
-    #[must_use]
-    pub fn probability(&self, distance_m: f64) -> f64 {
-        let Self { p0, plateau_m: r, range_m: big_r, floor, ceiling } = *self;
-        let s = if distance_m <= r {
-            p0
-        } else if distance_m >= big_r {
-            0.0
-        } else {
-            p0 * (big_r - distance_m) / (big_r - r)
-        };
-        s.clamp(floor, ceiling)
-    }
-
-    /// Reception probability next to the node, before the ceiling.
-    #[must_use]
-    pub fn p0(&self) -> f64 {
-        self.p0
-    }
-
-    /// The plateau r (m).
-    #[must_use]
-    pub fn plateau_m(&self) -> f64 {
-        self.plateau_m
-    }
-
-    /// The range R (m).
-    #[must_use]
-    pub fn range_m(&self) -> f64 {
-        self.range_m
-    }
-
-    /// Lowest probability of a reception.
-    #[must_use]
-    pub fn floor(&self) -> f64 {
-        self.floor
-    }
-
-    /// Highest probability of a reception.
-    #[must_use]
-    pub fn ceiling(&self) -> f64 {
-        self.ceiling
-    }
-}
-
 impl TryFrom<ProfileConfig> for ReceptionProfile {
     type Error = SettingError;
 
     fn try_from(config: ProfileConfig) -> Result<Self, SettingError> {
         Self::for_grid(config, 0.0)
-    }
-}
-
-impl TryFrom<TrapezoidConfig> for Trapezoid {
-    type Error = SettingError;
-
-    fn try_from(config: TrapezoidConfig) -> Result<Self, SettingError> {
-        let TrapezoidConfig { p0, plateau_m, range_m, floor, ceiling } = config;
-        if !(p0 > 0.0 && p0 <= 1.0) {
-            return Err(SettingError::new("p0", p0, "above 0, at most 1"));
-        }
-        SettingError::positive("range_m", range_m)?;
-        SettingError::not_negative("plateau_m", plateau_m)?;
-        if plateau_m >= range_m {
-            return Err(SettingError::new("plateau_m", plateau_m, format!("0 to below range_m = {range_m}")));
-        }
-        if !(ceiling > 0.0 && ceiling <= 1.0) {
-            return Err(SettingError::new("ceiling", ceiling, "above 0, at most 1"));
-        }
-        if !(floor >= 0.0 && floor < p0.min(ceiling)) {
-            return Err(SettingError::new(
-                "floor",
-                floor,
-                format!("0 to below p0 and ceiling ({})", p0.min(ceiling)),
-            ));
-        }
-        Ok(Self { p0, plateau_m, range_m, floor, ceiling })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn trapezoid(config: TrapezoidConfig) -> Result<Trapezoid, SettingError> {
-        Trapezoid::try_from(config)
-    }
-
-    #[test]
-    fn the_trapezoid_is_flat_then_linear_then_nothing() {
-        let s = trapezoid(TrapezoidConfig::new(0.8, 2.0, 10.0).literal()).unwrap();
-        for (d, expected) in [(0.0, 0.8), (2.0, 0.8), (6.0, 0.4), (9.0, 0.1), (10.0, 0.0), (50.0, 0.0)] {
-            assert!((s.probability(d) - expected).abs() < 1e-15, "S({d}) = {}", s.probability(d));
-        }
-    }
-
-    #[test]
-    fn floor_and_ceiling_bound_the_probability() {
-        let s = trapezoid(TrapezoidConfig { floor: 0.01, ceiling: 0.9, ..TrapezoidConfig::new(1.0, 2.0, 10.0) });
-        let s = s.unwrap();
-        assert!((s.probability(1.0) - 0.9).abs() < 1e-15);
-        assert!((s.probability(30.0) - 0.01).abs() < 1e-15);
-    }
-
-    #[test]
-    fn settings_outside_their_domain_are_refused_by_name() {
-        let good = TrapezoidConfig::new(0.9, 2.0, 10.0);
-        assert!(trapezoid(good.clone()).is_ok());
-        let bad = [
-            (TrapezoidConfig { p0: 0.0, ..good.clone() }, "p0"),
-            (TrapezoidConfig { p0: 1.1, ..good.clone() }, "p0"),
-            (TrapezoidConfig { p0: f64::NAN, ..good.clone() }, "p0"),
-            (TrapezoidConfig { range_m: -1.0, ..good.clone() }, "range_m"),
-            (TrapezoidConfig { range_m: f64::INFINITY, ..good.clone() }, "range_m"),
-            (TrapezoidConfig { plateau_m: 10.0, ..good.clone() }, "plateau_m"),
-            (TrapezoidConfig { plateau_m: -0.1, ..good.clone() }, "plateau_m"),
-            (TrapezoidConfig { floor: 0.95, ..good.clone() }, "floor"),
-            (TrapezoidConfig { floor: f64::NAN, ..good.clone() }, "floor"),
-            (TrapezoidConfig { ceiling: 0.0, ..good.clone() }, "ceiling"),
-            (TrapezoidConfig { ceiling: 1.5, ..good }, "ceiling"),
-        ];
-        for (config, key) in bad {
-            let error = ReceptionProfile::try_from(ProfileConfig::Trapezoid(config.clone())).unwrap_err();
-            assert_eq!(error.key, format!("trapezoid.{key}"), "{config:?}");
-        }
     }
 }

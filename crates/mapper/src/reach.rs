@@ -1,9 +1,9 @@
-//! How far nodes are heard, as far as a log tells without any model.
+//! How far nodes are heard, estimated from a log without a model.
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-/// Share of the nodes whose farthest stop is within the reach: the others may have been heard by a freak of the channel.
+/// Share of the nodes whose farthest stop is within the reach. The others may be outliers.
 const COMMON: f64 = 0.95;
 
 /// Where a node was heard.
@@ -66,7 +66,7 @@ pub(crate) fn gap_m(log: &ReceptionLog) -> Option<f64> {
     if gaps.is_empty() { None } else { Some(median(&mut gaps)) }
 }
 
-/// The median of `values`, the upper one of two; there is at least one.
+/// The median of `values`, of two middle values the upper one. There must be at least one value.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1

@@ -1,4 +1,4 @@
-//! Where a node is with a stated probability.
+//! The region that holds a node with a given probability.
 
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::Position;
@@ -80,7 +80,7 @@ mod tests {
             (0.0, half - 1e-9, true),
             (0.0, half + 1e-9, false),
         ] {
-            // Nor does the height count in a plane.
+            // In a plane the height does not count.
             assert_eq!(region.contains(Position::new(1.0 + x_m, 2.0 + y_m, 7.0)), is_in);
         }
         assert!((region.size() - std::f64::consts::PI * 2.0 * half * half).abs() < 1e-9);

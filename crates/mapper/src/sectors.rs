@@ -1,4 +1,4 @@
-//! What is made of the antenna sector in which a node was heard.
+//! How the antenna sector in which a node was heard is used.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,24 +9,25 @@ use sextant_kernel::SettingError;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SectorsConfig {
-    /// How far outside the sector in which it was heard a vertex may lie.
+    /// How far outside the sector of a reception a vertex may lie.
     #[serde(default)]
     pub tolerance: SectorTolerance,
-    /// The sectors of the listener; those that the log tells of if absent. If neither does, sectors are no evidence.
+    /// The sectors of the listener. If absent, those in the log. If the log has none either, sectors are not used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<SectorLayoutConfig>,
 }
 
-/// How far outside the sector in which it was heard a vertex may lie, because nodes lie between the vertices.
+/// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
+/// vertices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SectorTolerance {
-    /// Half the diagonal of a grid cell beyond each edge of the sector, as far away as it may be.
+    /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
     #[default]
     Positional,
     /// The angle under which a grid step is seen over the range, `atan(grid_step_m / R)`, at each edge (thesis, chapter 4).
     Angular,
-    /// Any distance: sectors are no evidence.
+    /// Any distance: sectors are not used.
     Unlimited,
 }
 
@@ -36,7 +37,7 @@ pub enum SectorTolerance {
 pub enum SectorLayoutConfig {
     /// Sectors of equal width all round.
     Even(EvenSectorsConfig),
-    /// Each by itself.
+    /// A list of sectors.
     List(Vec<SectorConfig>),
 }
 
@@ -48,7 +49,7 @@ pub(crate) struct SectorSettings {
 }
 
 impl SectorSettings {
-    /// The sectors that are evidence in `log`; `None` if sectors are not.
+    /// The sectors that are evidence in `log`; `None` if sectors are not used.
     ///
     /// # Errors
     /// If a reception names a sector that is not among those of the settings.

@@ -36,22 +36,22 @@ use score::{Admission, Scorer};
 pub(crate) use sink::{Moments, Peak, Sink};
 use wedges::Wedges;
 
-/// A survey ready to be searched for any of its nodes.
+/// A survey that is prepared for the search of its nodes.
 #[derive(Debug)]
 pub(crate) struct Solver<'a> {
     lattice: &'a Lattice,
     stops: &'a [Stop],
     cells: CellIndex,
-    /// The profile as set.
+    /// The profile of the settings.
     curve: Curve,
-    /// The profile with a floor and a ceiling, for nodes that no vertex explains.
+    /// The profile with a floor and a ceiling, for nodes whose receptions no vertex explains.
     clamped: Curve,
     /// Sectors, if they are evidence.
     wedges: Option<Wedges>,
     watch: &'a dyn Watch,
 }
 
-/// Memory that a thread uses again for each node.
+/// Memory that a thread reuses for each node.
 #[derive(Debug)]
 pub(crate) struct Scratch {
     evidence: Evidence,
@@ -59,10 +59,10 @@ pub(crate) struct Scratch {
     survivors: Survivors,
 }
 
-/// What became of a search.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Search {
-    /// Whether no vertex explains all that was heard.
+    /// Whether no vertex explains all receptions.
     pub(crate) infeasible: bool,
     /// Vertices whose likelihood was computed.
     pub(crate) evaluated: u64,
@@ -108,8 +108,8 @@ impl<'a> Solver<'a> {
     }
 
     /// Gives `sink` the log-likelihood of every vertex of the search set, but for those certain to lie more than
-    /// `margin` below the highest. Nothing is given if the node was not heard or no vertex is in range; anything may be
-    /// given if the work was ended meanwhile.
+    /// `margin` below the highest. It gets nothing if the node was not heard or no vertex is in range. What it gets
+    /// means nothing if the work was ended meanwhile.
     pub(crate) fn search(
         &self,
         scratch: &mut Scratch,
@@ -137,7 +137,7 @@ impl<'a> Solver<'a> {
         search
     }
 
-    /// The search for a node that no vertex explains.
+    /// The search for a node whose receptions no vertex explains.
     fn admit_outliers(
         &self,
         evidence: &Evidence,

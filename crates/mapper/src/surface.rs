@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 use crate::Lattice;
 
-/// Log-likelihood of the place of one node over the part of the grid where it may be.
+/// Log-likelihood of one node on the part of the grid where it may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// The window: the smallest box of vertices that holds the search set.
@@ -12,7 +12,7 @@ pub struct Surface {
     /// Natural logarithm of the likelihood at each vertex of the window, x running fastest;
     /// minus infinity outside the search set and where the likelihood is zero.
     pub log_likelihood: Vec<f64>,
-    /// Whether no vertex explains all that was heard, so that outliers had to be admitted.
+    /// Whether no vertex explains all receptions, so that some were treated as outliers.
     pub infeasible: bool,
 }
 

@@ -5,7 +5,7 @@ use sextant_kernel::NodeId;
 
 use crate::{Reflection, Similarity, SoughtHeights};
 
-/// Where the nodes are, as far as an algorithm can tell from a reception log.
+/// The places of the nodes that an algorithm estimated from a reception log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopologyMap {
     /// The algorithm's name: `ml-tm`.
@@ -28,10 +28,10 @@ pub enum CoordinateFrame {
     /// The world, as robot or anchors know it.
     #[default]
     World,
-    /// The world: the map was made without anchors and brought to them afterwards.
+    /// The world: the map was made without anchors and aligned to them afterwards.
     AlignedToAnchors,
-    /// Nothing: the map is known up to rotation, reflection and scale, each part on its own. For each node the part that
-    /// it belongs to.
+    /// Nothing: each part of the map is known up to rotation, reflection and scale. Holds the part that each node
+    /// belongs to.
     Relative(Vec<u32>),
 }
 
@@ -42,16 +42,17 @@ pub struct Estimate {
     pub position: Position,
     /// Natural logarithm of the highest likelihood on the grid; `None` for an algorithm without a likelihood.
     pub log_likelihood: Option<f64>,
-    /// Number of vertices with the highest likelihood (within 10⁻⁹ in its logarithm); 1 if it is unique.
+    /// Number of vertices with the highest likelihood (within 10⁻⁹ in its logarithm), 1 if there is only one. Always
+    /// 1 for an algorithm without a common grid.
     pub ties: u32,
     /// Posterior covariance of x, y, z (m²): present for a posterior mean.
     pub covariance: Option<[[f64; 3]; 3]>,
-    /// Whether no vertex explains all that was heard, so that outliers had to be admitted.
+    /// Whether no vertex explains all receptions, so that some were treated as outliers.
     pub infeasible: bool,
 }
 
 impl TopologyMap {
-    /// Takes in the estimates of all nodes, each with the vertices that were evaluated for it.
+    /// Stores the estimates of all nodes, and adds up the numbers of vertices evaluated for them.
     pub(crate) fn take_in(&mut self, solved: Vec<(Option<Estimate>, u64)>) {
         for (slot, (estimate, evaluated)) in self.estimates.iter_mut().zip(solved) {
             *slot = estimate;
@@ -59,7 +60,7 @@ impl TopologyMap {
         }
     }
 
-    /// The map of an algorithm that gives places and nothing more.
+    /// The map of an algorithm that gives only places.
     #[must_use]
     pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: CoordinateFrame) -> Self {
         let estimate =
@@ -68,9 +69,9 @@ impl TopologyMap {
         Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, heights: None, frame }
     }
 
-    /// A relative map brought into the world, part by part, by the similarity that fits the `known` places of nodes
-    /// best, mirror images allowed. Nodes of parts with fewer than `least` known places, or with known places that allow
-    /// no similarity, are on the map no longer. A map in the world stays as it is.
+    /// Aligns each part of a relative map to the world, by the similarity that fits the `known` places of nodes best;
+    /// mirror images are allowed. Nodes are removed from the map if their part has fewer than `least` known places,
+    /// or if these do not determine a similarity. A map in the world is not changed.
     #[must_use]
     pub fn aligned_to(mut self, known: &[(NodeId, Position)], least: usize) -> Self {
         let CoordinateFrame::Relative(part_of) = std::mem::take(&mut self.frame) else { return self };
@@ -92,8 +93,7 @@ impl TopologyMap {
         self
     }
 
-    /// Number of nodes that share their place, to the last bit, with another: an algorithm without any difference
-    /// between them.
+    /// Number of nodes whose place is exactly that of another node, because the algorithm cannot tell them apart.
     #[must_use]
     pub fn coincident(&self) -> usize {
         let bits = |place: Position| <[f64; 3]>::from(place).map(f64::to_bits);

@@ -1,4 +1,4 @@
-//! What a survey robot knows: where it listened, what it heard there, what it met.
+//! What a survey robot knows: where it listened, what it heard there, and which obstacles it met.
 
 use sextant_channel::{Bounds, Position};
 use sextant_sim::{Heard, Situation};
@@ -10,15 +10,15 @@ use crate::route::Search;
 /// A node, as the robot knows it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Acquaintance {
-    /// Packets heard in all.
+    /// Total number of packets heard.
     packets: u32,
-    /// Where it was heard loudest: signal strength (dBm) and stop.
+    /// The strongest signal heard from it (dBm), and the stop where it was heard.
     best: Option<(f64, usize)>,
-    /// Times that the robot came back there for it.
+    /// How often the robot returned to that stop for it.
     returns: u32,
 }
 
-/// A free place that no stop was made at when it was seen.
+/// A free place that the robot saw, but where it did not stop.
 #[derive(Clone, Copy, Debug)]
 struct Opening {
     place: Position,
@@ -26,14 +26,14 @@ struct Opening {
     nearest: (usize, f64),
 }
 
-/// All that the robot found out.
+/// Everything the robot has learned.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Knowledge {
     pub(super) visits: Vec<Visit>,
     nodes: Vec<Acquaintance>,
-    /// Free places at a lane's distance, and at half of it, from stops that heard somebody.
+    /// Free places at one lane spacing, and at half of it, from stops that heard a node.
     openings: Vec<Opening>,
-    /// Points of obstacles.
+    /// Known points on obstacles.
     contacts: Vec<Position>,
     /// Radius of the robot's own hull, as its first contact showed (m).
     hull_m: f64,
@@ -46,13 +46,14 @@ const CROSS: [Position; 4] = [
     Position::new(-1.0, 0.0, 0.0),
     Position::new(0.0, -1.0, 0.0),
 ];
-/// Up and down: two more if lanes lie in layers.
+/// Up and down: two more directions if the lanes are in layers.
 const UP_AND_DOWN: [Position; 2] = [Position::new(0.0, 0.0, 1.0), Position::new(0.0, 0.0, -1.0)];
-/// Directions in which the robot looks round where it met an obstacle.
+/// Number of directions in which the robot looks when it meets an obstacle.
 const ROUND: u32 = 16;
 
 impl Knowledge {
-    /// Notes a stop: the nodes heard, and which ways are open. Places that `rules` do not allow are no way.
+    /// Records a stop: the nodes heard, and the directions that are free. Places that `rules` do not allow do not
+    /// count as free.
     pub(super) fn note_stop(&mut self, situation: &Situation<'_>, heard: &[Heard], rules: &Rules) {
         let settings = &rules.settings;
         self.nodes.resize(situation.node_count.max(self.nodes.len()), Acquaintance::default());
@@ -91,7 +92,7 @@ impl Knowledge {
         self.add_openings(&opened);
     }
 
-    /// Notes what the last stop is near to, and the openings seen from it.
+    /// Records which openings the last stop is near to, and the openings seen from it.
     fn add_openings(&mut self, opened: &[Position]) {
         let Some((stop, visit)) = self.visits.iter().enumerate().next_back() else { return };
         for opening in &mut self.openings {
@@ -107,7 +108,7 @@ impl Knowledge {
         }
     }
 
-    /// Notes an obstacle that the robot met, and looks round.
+    /// Records an obstacle that the robot met, and looks for further points in all directions.
     pub(super) fn note_contact(&mut self, situation: &Situation<'_>, contact: Position, range_m: f64) {
         let place = situation.position;
         if self.hull_m <= 0.0 {
@@ -124,7 +125,7 @@ impl Knowledge {
         }
     }
 
-    /// Adds a point of an obstacle unless one next to it is known.
+    /// Adds a point on an obstacle unless a point near it is known.
     fn add_contact(&mut self, contact: Position) {
         let near_m = 0.5 * self.hull_m;
         if self.contacts.iter().all(|known| known.distance_m(contact) > near_m) {
@@ -137,12 +138,12 @@ impl Knowledge {
         self.visits.len()
     }
 
-    /// Whether the last stop heard somebody.
+    /// Whether the last stop heard enough nodes not to count as silent.
     pub(super) fn hears_somebody(&self) -> bool {
         self.visits.last().is_some_and(|visit| !visit.is_silent)
     }
 
-    /// Whether a stop from the number `first` on is within `radius_m` of `place`.
+    /// Whether one of the stops with these numbers is within `radius_m` of `place`.
     pub(super) fn was_near(&self, place: Position, radius_m: f64, stops: std::ops::Range<usize>) -> bool {
         self.visits[stops].iter().any(|visit| visit.place.distance_m(place) <= radius_m)
     }
@@ -152,7 +153,8 @@ impl Knowledge {
         !self.nodes.is_empty() && self.nodes.iter().all(|node| node.packets >= packets)
     }
 
-    /// Whether there are nodes never heard, or heard less than `packets` times after `returns` returns for them.
+    /// Whether there are nodes that were never heard, or that were heard fewer than `packets` times although the
+    /// robot returned `returns` times for them.
     pub(super) fn misses_nodes(&self, packets: u32, returns: u32) -> bool {
         let is_missed =
             |node: &Acquaintance| node.packets < packets && (node.packets == 0 || node.returns >= returns);
@@ -165,8 +167,8 @@ impl Knowledge {
         nearest(uncovered.map(|opening| opening.place), here)
     }
 
-    /// The nearest free place without a stop within `radius_m`, of those nearest to a stop in the midst of the network: one
-    /// that heard at least half as many nodes as any other.
+    /// The nearest gap: a free place without a stop within `radius_m`, whose nearest stop heard at least half as many
+    /// nodes as the stop that heard most.
     pub(super) fn nearest_gap(&self, here: Position, radius_m: f64) -> Option<Position> {
         let most = self.visits.iter().map(|visit| visit.audible).max()?;
         let is_gap = |opening: &&Opening| {
@@ -176,13 +178,13 @@ impl Knowledge {
         nearest(self.openings.iter().filter(is_gap).map(|opening| opening.place), here)
     }
 
-    /// Forgets the openings at `place`: there is no way.
+    /// Forgets the openings at `place`, because they need no visit or cannot be reached.
     pub(super) fn give_up_opening(&mut self, place: Position) {
         self.openings.retain(|opening| opening.place != place);
     }
 
-    /// The nearest of the stops that heard loudest a node of which packets are missing; each node is come back for at
-    /// most `returns` times.
+    /// The nearest stop at which a node with missing packets was heard with the strongest signal. The robot returns
+    /// at most `returns` times for each node.
     pub(super) fn place_to_listen_again(&mut self, here: Position, packets: u32, returns: u32) -> Option<Position> {
         let wanted = |node: &Acquaintance| node.packets < packets && node.returns < returns;
         let place = |node: &Acquaintance| Some(self.visits[node.best?.1].place);
@@ -196,8 +198,8 @@ impl Knowledge {
         Some(target)
     }
 
-    /// A way to `to` past all known points of obstacles, in steps of `lattice_m`; what is unknown counts as free
-    /// (Koenig and Likhachev 2005). The first drive is clear as far as the range sensors see, `range_m`.
+    /// A way to `to` that avoids all known points on obstacles, in steps of `lattice_m`. Unknown space counts as free
+    /// (Koenig and Likhachev 2005). The first drive is free as far as the range sensors see, which is `range_m`.
     pub(super) fn way(
         &self,
         situation: &Situation<'_>,
@@ -218,7 +220,7 @@ impl Knowledge {
         let passable = |a: Position, b: Position| {
             let length_m = a.distance_m(b);
             if a != here {
-                // The goal may be close to an obstacle: the robot stood there, or saw that it is free.
+                // The goal may be close to an obstacle: the robot has been there, or has seen that it is free.
                 return (b == to && length_m <= keep_m + lattice_m) || is_free(a, b);
             }
             let seen_m = length_m.min(range_m);

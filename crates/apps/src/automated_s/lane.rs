@@ -2,7 +2,8 @@
 
 use sextant_channel::Position;
 
-/// Hearing stops that a lane needs before silence ends it early: one lost packet at its start does not.
+/// Number of hearing stops that a lane needs before a silent stop may end it early. Without this, one lost packet at
+/// the start of a lane would end it.
 pub(super) const HEARING_STOPS: u32 = 3;
 
 /// The lane that is being driven.
@@ -14,9 +15,9 @@ pub(super) struct Lane {
     pub(super) first_stop: usize,
     pub(super) hearing_stops: u32,
     pub(super) silent_run: u32,
-    /// Least and greatest y of its stops that heard somebody (m).
+    /// Lowest and highest y of its stops that heard a node (m).
     audible_m: Option<(f64, f64)>,
-    /// The same of the lane before.
+    /// The same for the lane before.
     audible_before_m: Option<(f64, f64)>,
 }
 
@@ -42,7 +43,7 @@ impl Lane {
     /// A first lane southward.
     pub(super) const SOUTHWARD: Self = Self { heading: -1.0, ..Self::FIRST };
 
-    /// The lane that begins `here`, at the stop with the number `stop`, after this one.
+    /// The next lane, which begins `here`, at the stop with the number `stop`.
     pub(super) fn next(self, here: Position, stop: usize) -> Self {
         let is_known = self.hearing_stops >= HEARING_STOPS;
         let audible_before_m = if is_known { self.audible_m } else { self.audible_before_m };
@@ -50,7 +51,7 @@ impl Lane {
         Self { heading, start_y_m: here.y_m, first_stop: stop, audible_before_m, ..Self::FIRST }
     }
 
-    /// Counts a stop that heard somebody.
+    /// Counts a stop that heard a node.
     pub(super) fn count_hearing(&mut self, here: Position) {
         let (south, north) = self.audible_m.unwrap_or((here.y_m, here.y_m));
         self.audible_m = Some((south.min(here.y_m), north.max(here.y_m)));
@@ -58,12 +59,12 @@ impl Lane {
         self.silent_run = 0;
     }
 
-    /// Counts a stop that heard nobody.
+    /// Counts a silent stop.
     pub(super) fn count_silent(&mut self) {
         self.silent_run += 1;
     }
 
-    /// How far this lane, or the one before, heard somebody beyond `y_m` towards `heading` (m).
+    /// How far beyond `y_m`, in the direction `heading`, this lane or the one before heard a node (m).
     pub(super) fn left_of_network_m(&self, y_m: f64, heading: f64) -> f64 {
         let beyond_m = |(south, north): (f64, f64)| if heading > 0.0 { north - y_m } else { y_m - south };
         let audible = [self.audible_m, self.audible_before_m];

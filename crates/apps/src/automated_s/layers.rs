@@ -1,4 +1,4 @@
-//! Layers of lanes one above the other (thesis, section 3.6: the S path in space).
+//! Layers of lanes, one above the other (thesis, section 3.6: the S path in space).
 
 use sextant_channel::Position;
 
@@ -12,16 +12,16 @@ use super::view::View;
 pub(super) struct Layer {
     /// Its height (m).
     z_m: f64,
-    /// The height of the first one (m).
+    /// The height of the first layer (m).
     first_z_m: f64,
-    /// Where the next one lies: 1 above, -1 below.
+    /// Direction to the next layer: 1 for up, -1 for down.
     up: f64,
-    /// Whether there is none left.
+    /// Whether no layer is left.
     is_last: bool,
 }
 
 impl Layer {
-    /// The first layer, at the height where somebody was heard.
+    /// The first layer, at the height where the first node was heard.
     pub(super) fn first(z_m: f64) -> Self {
         Self { z_m, first_z_m: z_m, up: 1.0, is_last: false }
     }
@@ -31,18 +31,18 @@ impl Layer {
         self.is_last
     }
 
-    /// Whether a robot at `here` has left this layer for another one.
+    /// Whether a robot at `here` is in another layer.
     pub(super) fn is_left(&self, here: Position, layers: &Layers) -> bool {
         (here.z_m - self.z_m).abs() >= 0.25 * layers.spacing_m
     }
 
-    /// The layer at the height of `here` is the one that is being swept.
+    /// Makes the layer at the height of `here` the current one.
     pub(super) fn enter(&mut self, here: Position) {
         self.z_m = here.z_m;
     }
 
-    /// A trip to where the climb to the next layer begins: upwards, then, from the first one, downwards. `None` if no
-    /// layer is left.
+    /// A trip to the place where the climb to the next layer begins. Layers above the first one come first, then
+    /// those below it. `None` if no layer is left.
     pub(super) fn leave(&mut self, view: &View<'_>, layers: &Layers) -> Option<Trip> {
         loop {
             let trip = self.next_layer(view, layers);
@@ -61,7 +61,7 @@ impl Layer {
         Trip::plan(view, place, Goal::Climb { to_z_m: z_m + up * climb_m })
     }
 
-    /// Goes on below the first layer; `false` if that was done, and there is no layer left.
+    /// Continues below the first layer. Returns `false` if this was done before, so that no layer is left.
     pub(super) fn turn_down(&mut self) -> bool {
         if self.up < 0.0 {
             self.is_last = true;

@@ -12,50 +12,54 @@ pub struct AutomatedSConfig {
     /// Distance between stops along a lane (m).
     #[serde(default = "default_step_m")]
     pub step_m: f64,
-    /// Distance between lanes (m): half the radius of communication, never more than all of it.
+    /// Distance between lanes (m). A good value is half the communication radius; it should never exceed the radius.
     #[serde(default = "default_lane_spacing_m")]
     pub lane_spacing_m: f64,
     /// Packets wanted from each node (N_p of the thesis).
     #[serde(default = "default_packets_per_node")]
     pub packets_per_node: u32,
-    /// Drives, and repeated listening at one place, at most.
+    /// Maximum number of drives, including repeated listening at one place.
     #[serde(default = "default_max_steps")]
     pub max_steps: u32,
-    /// Stops in a row that hear nobody before the robot turns; more let it drive on beyond the network.
+    /// Number of consecutive silent stops after which the robot turns. With more, it drives farther beyond the
+    /// network.
     #[serde(default = "default_silent_stops_to_turn")]
     pub silent_stops_to_turn: u32,
-    /// A stop that hears fewer nodes than this counts as one that hears nobody; more let the robot turn nearer to the
+    /// A stop that hears fewer nodes than this counts as silent. With a higher value the robot turns nearer to the
     /// network.
     #[serde(default = "default_silent_below_nodes")]
     pub silent_below_nodes: usize,
     /// When the survey is complete.
     #[serde(default)]
     pub until: Until,
-    /// Whether, once the lanes are driven and packets are missing, the robot visits places that it passed by and
-    /// listens again where it heard the nodes concerned. If not, it drives the lanes again; in layers, it ends.
+    /// What the robot does if packets are missing when all lanes are driven. If true, it visits places that it
+    /// passed, and listens again where it heard the nodes concerned. If false, it drives the lanes again; a survey in
+    /// layers ends.
     #[serde(default = "default_coverage_check")]
     pub coverage_check: bool,
-    /// The robot stops in this region only, which holds its start: it turns at the border as where it hears nobody. It is
-    /// done once the area is swept and its gaps are visited, whatever it heard: the nodes beyond are not its own.
+    /// The robot stays in this region and must start in it. It turns at the border as it does at silent stops. The
+    /// survey is complete when the area is swept and its gaps are visited, whatever the robot heard, because nodes
+    /// outside belong to other robots.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area: Option<RegionConfig>,
-    /// The lanes lie in layers one above the other, for a network in space; all at the height of the start if absent.
+    /// Layers of lanes, for a network in space. If absent, all lanes are at the height of the start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<LayersConfig>,
 }
 
-/// Layers of lanes one above the other, as written in a scenario: from that of the start upwards until the ceiling or a
-/// layer that hears nobody, then from below the start downwards until the floor or such a layer.
+/// Layers of lanes, one above the other, as written in a scenario. The robot begins at the height of its start and
+/// goes up until it reaches the ceiling or a layer that hears nothing. Then it goes down from the start until it
+/// reaches the floor or such a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LayersConfig {
     /// Height between layers (m).
     #[serde(default = "default_lane_spacing_m")]
     pub spacing_m: f64,
-    /// The robot goes no lower (m).
+    /// Lowest height of the robot (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub floor_m: Option<f64>,
-    /// The robot goes no higher (m).
+    /// Highest height of the robot (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling_m: Option<f64>,
 }
@@ -64,10 +68,10 @@ pub struct LayersConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Until {
-    /// Each node was heard as often as wanted (thesis): the robot may be far from the last nodes then.
+    /// Each node was heard as often as wanted (thesis). The robot may then be far from the last nodes.
     #[default]
     Heard,
-    /// That, and a lane beyond the network heard nobody: the last nodes are heard from both sides.
+    /// In addition, a lane beyond the network heard nothing, so that the last nodes were heard from both sides.
     Swept,
 }
 
@@ -122,10 +126,10 @@ impl Default for LayersConfig {
     }
 }
 
-/// What follows once the lanes are driven and packets are missing.
+/// What the robot does if packets are missing when all lanes are driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AfterLanes {
-    /// Visit what was passed by.
+    /// Visit the places that it passed.
     Check,
     /// Drive the lanes again.
     Again,
@@ -154,14 +158,14 @@ pub(super) struct Layers {
 }
 
 impl Layers {
-    /// The height of the layer after that at `z_m` in the direction of `up`, 1 or -1: none if what is left to ceiling or
-    /// floor is covered from here.
+    /// The height of the next layer after that at `z_m`; `up` is 1 or -1. `None` if the space up to the ceiling, or
+    /// down to the floor, is covered from here.
     pub(super) fn next_m(&self, z_m: f64, up: f64) -> Option<f64> {
         let next_m = (z_m + up * self.spacing_m).clamp(self.floor_m, self.ceiling_m);
         (up * (next_m - z_m) > 0.5 * self.spacing_m).then_some(next_m)
     }
 
-    /// The key and the value of the limit that a height outside them is beyond.
+    /// Key and value of the limit that `z_m`, a height outside the layers, violates.
     pub(super) fn limit_beyond(&self, z_m: f64) -> (&'static str, f64) {
         if z_m < self.floor_m { ("floor_m", self.floor_m) } else { ("ceiling_m", self.ceiling_m) }
     }

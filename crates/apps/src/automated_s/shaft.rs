@@ -4,15 +4,16 @@ use sextant_channel::Position;
 
 use super::visit::Visit;
 
-/// Places whose heights differ by less are in one layer (m).
+/// Places are in one layer if their heights differ by less than this (m).
 const LEVEL_M: f64 = 1e-3;
-/// A place is in the midst of a layer if it heard this share of the most nodes that any place there heard.
+/// A stop is in the middle of a layer if it heard at least this share of the highest number of nodes heard at any
+/// stop of the layer.
 const IN_THE_MIDST: f64 = 0.75;
 
-/// Where a robot with these `visits` leaves the layer at `z_m` by a climb of `climb_m` in the direction of `up`, 1 or -1:
-/// the stop nearest to `here`, of those in the midst of the layer, from which the way is free, and how far (m). If it is
-/// free from none of them, from any other stop that hears somebody, or at least half-way from the one from which it is
-/// farthest.
+/// Where a robot with these `visits` leaves the layer at `z_m` by a climb of `climb_m`, and how far it can climb
+/// there (m); `up` is 1 or -1. It is the nearest stop to `here`, among those in the middle of the layer, from which
+/// the whole climb is free. If there is none, it is the nearest such stop among all that heard a node; if there is
+/// none either, the stop with the longest free climb, provided that this is at least half of `climb_m`.
 pub(super) fn shaft(
     visits: &[Visit],
     here: Position,

@@ -1,4 +1,4 @@
-//! Off a lane: over to the next one, back in search of a way over, and behind an obstacle.
+//! Leaving a lane: over to the next one, back to find a way over, or to the part behind an obstacle.
 
 use sextant_channel::Position;
 
@@ -6,7 +6,7 @@ use super::sweep::Sweep;
 use super::task::{Step, Task};
 use super::view::{Move, View};
 
-/// Over to the next lane; where there is no way, back along this one in search of one.
+/// Drives over to the next lane. If the way is blocked, the robot goes back along this lane to find another way.
 pub(super) fn shift(sweep: &mut Sweep, view: &View<'_>, from: Position) -> Step {
     let here = view.here();
     let (step_m, lane_m) = (view.rules.settings.step_m, view.rules.settings.lane_spacing_m);
@@ -27,19 +27,20 @@ pub(super) fn shift(sweep: &mut Sweep, view: &View<'_>, from: Position) -> Step 
     if is_stopped || is_at_border { Step::Begin(Task::Retreat) } else { Step::Drive(place) }
 }
 
-/// Whether the area goes on beside this place for half the way to the next lane.
+/// Whether the area extends from this place at least half the way to the next lane.
 fn has_room_over(sweep: &Sweep, view: &View<'_>) -> bool {
     let half_m = sweep.direction * 0.5 * view.rules.settings.lane_spacing_m;
     view.rules.allow(view.here() + Position::new(half_m, 0.0, 0.0))
 }
 
-/// Whether it goes on all the way beside any stop of this lane.
+/// Whether the area extends from any stop of this lane all the way to the next lane.
 fn has_way_over(sweep: &Sweep, view: &View<'_>) -> bool {
     let over = Position::new(sweep.direction * view.rules.settings.lane_spacing_m, 0.0, 0.0);
     view.knowledge.visits[sweep.lane.first_stop..].iter().any(|visit| view.rules.allow(visit.place + over))
 }
 
-/// Back along the lane to where there is a way over; at its end the sweep is at its end.
+/// Drives back along the lane to a place with a way over to the next one. If there is none up to the end of the lane,
+/// the sweep ends.
 pub(super) fn retreat(sweep: &Sweep, view: &View<'_>) -> Step {
     let here = view.here();
     let (step_m, lane_m) = (view.rules.settings.step_m, view.rules.settings.lane_spacing_m);
@@ -54,7 +55,8 @@ pub(super) fn retreat(sweep: &Sweep, view: &View<'_>) -> Step {
     Step::Drive(here + Position::new(0.0, back * step_m, 0.0))
 }
 
-/// To the lane at `x_m` that an obstacle cut short (`obstacleRegistry` of the thesis); the way began at `from`.
+/// Drives to the lane at `x_m` that an obstacle cut short (`obstacleRegistry` of the thesis). The drive began at
+/// `from`.
 pub(super) fn go_behind(sweep: &mut Sweep, view: &View<'_>, x_m: f64, from: Position) -> Step {
     let here = view.here();
     let step_m = view.rules.settings.step_m;

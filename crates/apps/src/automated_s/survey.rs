@@ -17,22 +17,22 @@ use super::view::{Move, View};
 use crate::area::Area;
 use crate::surroundings::Surroundings;
 
-/// Changes of task between two commands, at most: more would be a bug, and end the survey.
+/// Maximum number of task changes between two commands. More would be a bug, and end the survey.
 const MAX_CHANGES: u32 = 64;
 
-/// A survey in lanes along y that works without a map (thesis, appendix C.1.2).
+/// A survey in lanes along y, without a map (thesis, appendix C.1.2).
 ///
-/// The robot drives a step, listens, and drives on, until an obstacle is in its way or it hears nobody. Then it moves
-/// over to the next lane and comes back on that. Where an obstacle cut a lane short, it fills in the part behind it as
-/// soon as a later lane has passed the obstacle. If nodes are missing when a lane has heard nobody, it goes on at the
-/// other side of its start; then it visits what it passed by. In space it does so layer by layer, upwards and then
-/// downwards, with stops on the climbs: it leaves a layer where it heard many nodes, and turns at the ceiling, at the
-/// floor, and where it hears nobody after a climb.
+/// The robot drives a step and listens, again and again, until it meets an obstacle or hears nothing. Then it moves
+/// over to the next lane and drives back along that. Where an obstacle cut a lane short, the robot covers the part
+/// behind the obstacle as soon as a later lane has passed it. If nodes are missing when a whole lane has heard
+/// nothing, the robot continues on the other side of its start. Then it visits places that it passed. In space it
+/// does this layer by layer, first upwards, then downwards, with stops during the climbs. It leaves a layer at a
+/// place where it heard many nodes. It turns at the ceiling, at the floor, and where it hears nothing after a climb.
 ///
-/// Where the pseudo code of the thesis cannot work, this departs from it: the loop runs *until* all packets are
-/// received; each obstacle is registered by itself, for both headings, and forgotten once it is covered; the step
-/// between lanes has a length of its own; parts of lanes that were driven before are not driven again; the number of
-/// steps is capped.
+/// The pseudo code of the thesis does not work in some places. There, this code differs: the loop runs *until* all
+/// packets are received; each obstacle is recorded separately, for both headings, and forgotten when it is covered;
+/// the distance between lanes is a setting of its own; parts of lanes are not driven twice; the number of steps is
+/// limited.
 #[derive(Clone, Debug)]
 pub struct AutomatedS {
     rules: Rules,
@@ -40,16 +40,17 @@ pub struct AutomatedS {
     sweep: Sweep,
     layer: Layer,
     task: Task,
-    /// An obstacle was met, and a stop was made first.
+    /// Whether the robot met an obstacle and stopped to listen before it reacts.
     is_blocked: bool,
     steps: u32,
 }
 
 impl AutomatedS {
-    /// The survey that `config` describes, for a robot that starts in `surroundings` and knows nothing else of them.
+    /// The survey that `config` describes, for a robot that starts in `surroundings`. The robot uses its start only,
+    /// not the obstacles.
     ///
     /// # Errors
-    /// If a value is outside its domain, or the robot starts outside its area or beyond floor or ceiling.
+    /// If a value is invalid, or the robot starts outside its area or beyond floor or ceiling.
     pub fn plan(config: &AutomatedSConfig, surroundings: &Surroundings<'_>) -> Result<Self, SettingError> {
         let settings = Settings::try_from(config)?;
         let start = surroundings.start;
@@ -111,7 +112,7 @@ impl Controller for AutomatedS {
 }
 
 impl AutomatedS {
-    /// Whether the robot need not listen here: on its way somewhere, or back where it has been.
+    /// Whether the robot need not listen here, because it is on a trip or has listened here before.
     fn passes_by(&self, here: Position) -> bool {
         match &self.task {
             Task::Travel(trip) => trip.is_under_way(),
@@ -122,14 +123,14 @@ impl AutomatedS {
         }
     }
 
-    /// Whether all is done: packets, and the sweep if it is wanted to its end.
+    /// Whether the survey is complete: all packets are heard, and the sweep is finished if the settings require it.
     fn is_complete(&self) -> bool {
         let Settings { layers, until, packets_per_node, .. } = self.rules.settings;
         let is_swept = if layers.is_some() { self.layer.is_last() } else { self.sweep.finished > 0 };
         (is_swept || until == Until::Heard) && self.knowledge.heard_all(packets_per_node)
     }
 
-    /// The next command: tasks follow one another until one gives it.
+    /// The next command. Runs one task after another until one gives a command.
     fn proceed(&mut self, situation: &Situation<'_>, last_move: Move) -> RobotCommand {
         let mut last_move = last_move;
         for _ in 0..MAX_CHANGES {
@@ -155,7 +156,7 @@ impl AutomatedS {
         RobotCommand::Finish(Ending::Stuck)
     }
 
-    /// Drives a square spiral, a lane's distance between its turns, until somebody is heard.
+    /// Drives a square spiral until a node is heard. Its turns are one lane spacing apart.
     fn search(&mut self, situation: &Situation<'_>, side: u32, from: Position, last_move: Move) -> Step {
         let here = situation.position;
         if self.knowledge.hears_somebody() {
@@ -173,7 +174,7 @@ impl AutomatedS {
         Step::Drive(place)
     }
 
-    /// Up or down to the layer at `to_z_m`, with stops on the way.
+    /// Climbs up or down to the layer at `to_z_m`, with stops on the way.
     fn climb(&mut self, situation: &Situation<'_>, to_z_m: f64, last_move: Move) -> Step {
         let here = situation.position;
         let left_m = to_z_m - here.z_m;
@@ -183,7 +184,8 @@ impl AutomatedS {
         Step::Drive(Position { z_m: here.z_m + self.rules.stride_m(left_m.abs()).copysign(left_m), ..here })
     }
 
-    /// Begins the layer here, unless nobody is heard, or there was no way: then there is none.
+    /// Begins the layer at this height. If nothing is heard here, or the climb was blocked, there is no layer in this
+    /// direction.
     fn enter_layer(&mut self, situation: &Situation<'_>) -> Step {
         let here = situation.position;
         let Some(layers) = self.rules.settings.layers else { return Step::Begin(self.task.clone()) };
@@ -194,7 +196,7 @@ impl AutomatedS {
         Step::Begin(if self.layer.turn_down() { self.leave_layer(situation) } else { self.after_layers(situation) })
     }
 
-    /// Goes on with a trip, and at its end with what it was made for.
+    /// Continues a trip. At its end, begins what the trip was made for.
     fn travel(&mut self, situation: &Situation<'_>, mut trip: Trip, last_move: Move) -> Step {
         let view = View { situation, last_move, rules: &self.rules, knowledge: &self.knowledge };
         if let Some(place) = trip.next(&view) {
@@ -215,8 +217,8 @@ impl AutomatedS {
         }
     }
 
-    /// What is left to do after a sweep. The first sweep of a layer leads to the nearer border, because the robot enters a
-    /// layer near to where it left the one before.
+    /// What to do after a sweep. The first sweep of a layer leads to the nearer border, because the robot enters a
+    /// layer near the place where it left the last one.
     fn after_sweep(&mut self, situation: &Situation<'_>) -> Task {
         self.sweep.end();
         let is_first = self.sweep.finished == 1;
@@ -248,14 +250,14 @@ impl AutomatedS {
         Trip::plan(&view, self.sweep.start, Goal::OtherSide)
     }
 
-    /// Sets out for the next layer.
+    /// Begins the trip to the next layer.
     fn leave_layer(&mut self, situation: &Situation<'_>) -> Task {
         let view = View { situation, last_move: Move::Free, rules: &self.rules, knowledge: &self.knowledge };
         let trip = self.rules.settings.layers.and_then(|layers| self.layer.leave(&view, &layers));
         trip.map_or_else(|| self.after_layers(situation), Task::Travel)
     }
 
-    /// All layers are swept: what is left to do.
+    /// What to do when all layers are swept.
     fn after_layers(&mut self, situation: &Situation<'_>) -> Task {
         if self.is_complete() {
             Task::Finish(Ending::Complete)
@@ -266,14 +268,14 @@ impl AutomatedS {
         }
     }
 
-    /// Goes where packets of missing nodes may be had.
+    /// Drives to a place where missing nodes may be heard.
     fn check(&mut self, situation: &Situation<'_>) -> Task {
         let trip = check::next_trip(&mut self.knowledge, &self.rules, situation);
         trip.map_or_else(|| Task::Finish(self.ending_with_misses()), Task::Travel)
     }
 
-    /// How a survey ends that has no place left to go to but did not hear all packets: whoever has an area is done
-    /// with it.
+    /// How a survey ends if packets are missing and no place is left to visit. A robot with an area has finished its
+    /// area.
     fn ending_with_misses(&self) -> Ending {
         if self.rules.area.is_some() { Ending::Complete } else { Ending::Stuck }
     }

@@ -1,4 +1,4 @@
-//! A sweep: lane after lane one way, until lanes hear nobody.
+//! A sweep: one lane after another in one direction, until lanes hear nothing.
 
 use sextant_channel::Position;
 
@@ -9,29 +9,29 @@ use super::settings::Settings;
 use super::task::{Step, Task};
 use super::view::{Move, View};
 
-/// Lanes in a row that hear nobody, and end a sweep; one that covers all of the lane before it is enough.
+/// Number of consecutive silent lanes that end a sweep. One is enough if it covers the whole lane before it.
 const EMPTY_LANES: u32 = 2;
-/// The same of a sweep that begins out of reach of the network.
+/// The same for a sweep that begins outside the reach of the network.
 const EMPTY_LANES_OUTSIDE: u32 = 8;
-/// Share of the lane spacing by which a further sweep runs beside the one before: the golden section, so that all
-/// lanes of many sweeps lie apart.
+/// Offset of a further sweep from the last one, as a share of the lane spacing. It is the golden section, so that the
+/// lanes of many sweeps do not coincide.
 const AGAIN: f64 = 0.381_966;
 
-/// The sweep that is being driven, and the lane of it.
+/// The current sweep and its current lane.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep {
     pub(super) lane: Lane,
-    /// Direction of the lanes' order along x: 1 east, -1 west.
+    /// Direction from one lane to the next: 1 for east, -1 for west.
     pub(super) direction: f64,
     /// Where the first lane of the layer began (m).
     pub(super) start: Position,
-    /// Sweeps of this layer that are finished.
+    /// Number of finished sweeps of this layer.
     pub(super) finished: u32,
     /// First stop of this sweep.
     first_stop: usize,
-    /// Lanes in a row that heard nobody.
+    /// Number of consecutive silent lanes.
     empty_lanes: u32,
-    /// Lanes in a row that hear nobody, after which the sweep is over.
+    /// Number of consecutive silent lanes that end this sweep.
     empty_lanes_to_end: u32,
     /// Where obstacles cut lanes short.
     cuts: Vec<Cut>,
@@ -52,7 +52,7 @@ impl Sweep {
         }
     }
 
-    /// Begins the first lane where somebody was heard.
+    /// Begins the first lane where a node was heard.
     pub(super) fn begin(&mut self, here: Position, knowledge: &Knowledge) -> Step {
         self.start = here;
         self.begin_lane(here, knowledge)
@@ -65,7 +65,7 @@ impl Sweep {
         self.begin_side(Lane::FIRST, here, knowledge)
     }
 
-    /// Begins the sweep of the other side of a layer from where its first lane began: first the part of that lane behind
+    /// Begins the sweep of the other side of a layer, where its first lane began. The first lane is the part behind
     /// the start.
     pub(super) fn begin_other_side(&mut self, here: Position, knowledge: &Knowledge) -> Step {
         self.direction = -self.direction;
@@ -79,7 +79,8 @@ impl Sweep {
         self.begin_lane(here, knowledge)
     }
 
-    /// Begins a sweep the other way from here. One over lanes that were driven before runs between them.
+    /// Begins a sweep in the other direction from here. If lanes were driven there before, the new lanes lie between
+    /// them.
     pub(super) fn begin_back(&mut self, here: Position, knowledge: &Knowledge, rules: &Rules) -> Task {
         self.direction = -self.direction;
         self.first_stop = knowledge.stops();
@@ -90,7 +91,7 @@ impl Sweep {
         Task::Shift { from: here - Position::new(self.direction * ahead_m, 0.0, 0.0) }
     }
 
-    /// The sweep is over.
+    /// Ends the sweep.
     pub(super) fn end(&mut self) {
         self.finished += 1;
         self.empty_lanes = 0;
@@ -104,7 +105,7 @@ impl Sweep {
         Step::Begin(Task::Lane)
     }
 
-    /// Counts the stop just made towards the lane.
+    /// Counts the last stop as part of the lane.
     pub(super) fn count_stop(&mut self, here: Position, knowledge: &Knowledge) {
         if knowledge.hears_somebody() {
             self.lane.count_hearing(here);
@@ -113,7 +114,7 @@ impl Sweep {
         }
     }
 
-    /// Goes on along the lane.
+    /// Continues along the lane.
     pub(super) fn drive_lane(&mut self, view: &View<'_>) -> Step {
         let here = view.here();
         let heading = self.lane.heading;
@@ -137,7 +138,7 @@ impl Sweep {
         Step::Drive(place)
     }
 
-    /// Whether all that is ahead on the lane was driven before on this sweep.
+    /// Whether the rest of the lane was driven before in this sweep.
     fn was_driven(&self, view: &View<'_>) -> bool {
         let here = view.here();
         let Settings { step_m, .. } = view.rules.settings;
@@ -154,7 +155,7 @@ impl Sweep {
         true
     }
 
-    /// Turns: over to the next lane, or, beyond the network, to what is left to do.
+    /// Ends the lane: moves over to the next one, or ends the sweep if the network lies behind.
     fn end_lane(&mut self, view: &View<'_>) -> Step {
         let was_empty = self.lane.hearing_stops == 0;
         if was_empty {
@@ -171,7 +172,7 @@ impl Sweep {
         }
     }
 
-    /// The lane behind an obstacle, if this lane has just passed the obstacle and can see that lane
+    /// The x of a lane that an obstacle cut short, if this lane has just passed the obstacle and can see that lane
     /// (`coverObstacles` of the thesis).
     fn uncovered_behind(&self, view: &View<'_>) -> Option<f64> {
         let here = view.here();
@@ -193,7 +194,8 @@ impl Sweep {
         Some(self.cuts.iter().find(is_behind)?.place.x_m)
     }
 
-    /// Forgets the obstacle that cut the lane at `x_m` short: what lies behind it is covered, or out of reach.
+    /// Forgets the obstacle that cut the lane at `x_m` short, because the part behind it is covered or cannot be
+    /// reached.
     pub(super) fn forget_cut(&mut self, x_m: f64) {
         let heading = self.lane.heading;
         self.cuts.retain(|cut| (cut.place.x_m - x_m).abs() > 1e-6 || cut.heading * heading < 0.0);

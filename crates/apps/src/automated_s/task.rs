@@ -1,38 +1,38 @@
-//! What the robot of a survey is doing.
+//! The current task of a survey robot.
 
 use sextant_channel::Position;
 use sextant_sim::Ending;
 
 use super::trip::Trip;
 
-/// What the robot is doing.
+/// The current task of the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Task {
-    /// Nobody was heard yet: a square spiral. Its side, and where that began.
+    /// Searches in a square spiral, because no node was heard yet. Number of the current side, and where it began.
     Search { side: u32, from: Position },
-    /// Along y.
+    /// Drives along a lane.
     Lane,
-    /// Over to the next lane; where it left the last.
+    /// Drives over to the next lane, from where it left the last one.
     Shift { from: Position },
-    /// Back along a lane from which there was no way over, in search of one.
+    /// Drives back along a lane to find a way over to the next one.
     Retreat,
-    /// To the lane at `x_m` that an obstacle cut short.
+    /// Drives to the lane at `x_m` that an obstacle cut short.
     Behind { x_m: f64, from: Position },
-    /// Up or down to another layer.
+    /// Climbs to another layer.
     Climb { to_z_m: f64 },
-    /// Elsewhere.
+    /// Travels to a place off the lanes.
     Travel(Trip),
-    /// Over.
+    /// Ends the survey.
     Finish(Ending),
 }
 
-/// What comes of a task in a situation.
+/// What a task decides.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Step {
-    /// The robot drives there.
+    /// Drive to this place.
     Drive(Position),
-    /// Another task begins.
+    /// Begin another task.
     Begin(Task),
-    /// The sweep is over.
+    /// End the sweep.
     EndSweep,
 }

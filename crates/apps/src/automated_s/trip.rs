@@ -1,30 +1,30 @@
-//! A trip past known obstacles, to a place off the lanes.
+//! A trip round known obstacles, to a place off the lanes.
 
 use sextant_channel::Position;
 
 use super::settings::Settings;
 use super::view::{Move, View};
 
-/// New ways looked for on one trip, at most.
+/// Maximum number of times that one trip is planned again.
 const MAX_REPLANS: u32 = 32;
 
-/// A trip past known obstacles.
+/// A trip round known obstacles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Trip {
     pub(super) goal: Position,
-    /// What begins there.
+    /// What begins at the goal.
     pub(super) then: Goal,
-    /// The way that is left, the next place last.
+    /// The rest of the way, in reverse order: the next place is the last entry.
     way: Vec<Position>,
     replans: u32,
 }
 
-/// Why the robot travels.
+/// The purpose of a trip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Goal {
     /// To sweep the other side of the start.
     OtherSide,
-    /// To listen at a place passed by, or again.
+    /// To listen at a place that was passed, or to listen again.
     Check,
     /// To climb from there to another layer, at this height (m).
     Climb { to_z_m: f64 },
@@ -36,12 +36,12 @@ impl Trip {
         Some(Self { goal, then, way: way(view, goal)?, replans: 0 })
     }
 
-    /// Whether there are places on the way to the goal that the robot has not reached.
+    /// Whether places on the way are still ahead.
     pub(super) fn is_under_way(&self) -> bool {
         !self.way.is_empty()
     }
 
-    /// The next place; `None` at the end, where the goal is reached or no way to it is known.
+    /// The next place. `None` at the end of the trip: the goal is reached, or no way to it is known.
     pub(super) fn next(&mut self, view: &View<'_>) -> Option<Position> {
         if view.last_move == Move::Blocked {
             self.replans += 1;
@@ -52,7 +52,7 @@ impl Trip {
     }
 }
 
-/// A way to `goal`, the next place last.
+/// A way to `goal`, in reverse order: the next place is the last entry.
 fn way(view: &View<'_>, goal: Position) -> Option<Vec<Position>> {
     let Settings { step_m, lane_spacing_m, .. } = view.rules.settings;
     let mut way = view.knowledge.way(view.situation, goal, 0.5 * step_m, 2.0 * lane_spacing_m)?;

@@ -1,4 +1,4 @@
-//! What the robot goes by when it decides.
+//! What the robot takes into account when it decides.
 
 use sextant_channel::Position;
 use sextant_sim::Situation;
@@ -13,7 +13,7 @@ pub(super) enum Move {
     Blocked,
 }
 
-/// What the robot goes by when it decides.
+/// What the robot takes into account when it decides.
 #[derive(Clone, Copy)]
 pub(super) struct View<'a> {
     pub(super) situation: &'a Situation<'a>,

@@ -1,4 +1,4 @@
-//! Robots that keep to areas of their own.
+//! Robots with an area each.
 
 use sextant_apps::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
 use sextant_channel::{ObstacleField, Position};
@@ -34,7 +34,7 @@ fn robots_keep_to_their_areas_and_together_survey_all() {
         min_m: at(half.min(0.0) * 30.0, -30.0),
         max_m: at(half.max(0.0) * 30.0, 30.0),
     };
-    // A wedge has lanes of many lengths, and a border aslant.
+    // A wedge has lanes of many lengths and a slanting border.
     let wedge = |half: f64| RegionConfig::Polygon {
         corners_m: vec![[-25.0, -30.0], [25.0, 30.0], [half * 40.0, half * -40.0]],
         z_m: 0.0,
@@ -57,7 +57,7 @@ fn robots_keep_to_their_areas_and_together_survey_all() {
                     let packets: u32 = robots.iter().map(|robot| robot.packets[node]).sum();
                     assert!(packets >= 5, "node {node}: {packets} packets");
                 }
-                // At a border aslant, a lane ends up to a step short.
+                // At a slanting border a lane ends up to one step before the border.
                 let far: Vec<f64> = (world.nodes.iter())
                     .map(|&node| robots.iter().map(|robot| robot.nearest_stop_m(node)).fold(f64::INFINITY, f64::min))
                     .filter(|&gap_m| gap_m >= lane_spacing_m + 0.5)
@@ -79,7 +79,7 @@ fn an_area_that_holds_the_network_changes_nothing_until_the_network_is_heard() {
 }
 
 #[test]
-fn an_area_of_space_is_floor_and_ceiling() {
+fn an_area_in_space_limits_the_heights_too() {
     let world = World {
         nodes: (0..1000)
             .map(|i| Position::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)))
@@ -103,7 +103,7 @@ fn an_area_of_space_is_floor_and_ceiling() {
 }
 
 #[test]
-fn a_robot_that_starts_outside_its_area_is_refused() {
+fn a_robot_that_starts_outside_its_area_is_rejected() {
     let world = world(ObstacleField::default());
     let area = RegionConfig::Disc { center_m: at(0.0, 0.0), radius_m: 5.0 };
     let error = AutomatedS::plan(&in_area(&area, 2.0), &world.surroundings(at(6.0, 0.0))).unwrap_err();

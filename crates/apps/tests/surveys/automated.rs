@@ -37,7 +37,7 @@ fn sparse(seed: u64) -> World {
     World { field, nodes, robot_radius_m: 0.2, reach_m: 10.0, fading: Some((3.6, 8.2)) }
 }
 
-/// The concave network of chapter 3: a square less a U of concrete, open to the north; suburban.
+/// The concave network of chapter 3: a square around a U of concrete that is open to the north; suburban.
 fn concave(seed: u64) -> World {
     const U: [([f64; 2], [f64; 2], f64); 3] = [
         ([7.325, 12.325], [4.0, 14.0], 0.0),
@@ -72,8 +72,8 @@ fn all_nodes_of_the_networks_of_chapter_3_are_heard_five_times_with_about_as_man
 }
 
 #[test]
-fn every_start_lane_spacing_and_check_completes_the_survey_round_obstacles() {
-    // Obstacles turned, so that lanes meet them aslant; the start is anywhere, also out of radio reach.
+fn the_survey_is_complete_for_every_start_lane_spacing_and_check() {
+    // The obstacles are rotated, so that lanes meet them at an angle. The start is anywhere, even out of radio range.
     let boxes = [([-5.5, -3.5], [4.5, 4.0], 20.0), ([5.0, -4.5], [4.5, 4.5], 45.0), ([0.5, 5.5], [9.0, 3.5], -10.0)];
     let field = field(&boxes);
     let region = RegionConfig::Disc { center_m: Position::ORIGIN, radius_m: 13.7 };
@@ -82,7 +82,8 @@ fn every_start_lane_spacing_and_check_completes_the_survey_round_obstacles() {
     for start in [[-18.0, 0.0], [0.0, 0.0], [12.0, -5.0], [0.0, 10.0], [30.0, 30.0]] {
         for lane_spacing_m in [2.0, 3.0, 4.7, 6.0] {
             for until in [Until::Heard, Until::Swept] {
-                // Without the check, lanes as far apart as the reach leave nodes behind obstacles.
+                // Without the check, nodes behind obstacles are missed if the lanes are as far apart as the radio
+                // range.
                 for coverage_check in [true, lane_spacing_m >= world.reach_m] {
                     let config =
                         AutomatedSConfig { lane_spacing_m, until, coverage_check, ..AutomatedSConfig::default() };
@@ -124,8 +125,8 @@ fn a_robot_that_hears_nobody_searches_up_to_the_cap() {
 }
 
 #[test]
-fn lanes_cover_what_lies_behind_an_obstacle() {
-    // A wall across the second and third lane: each metre beyond it must have a stop near.
+fn lanes_cover_the_space_behind_an_obstacle() {
+    // A wall crosses the second and third lane. There must be a stop near each metre behind it.
     let field = field(&[([7.5, 10.0], [9.0, 1.0], 0.0)]);
     let region = RegionConfig::Rectangle { min_m: Position::ORIGIN, max_m: Position::new(25.0, 20.0, 0.0) };
     let nodes = place(&lattice(region, 1.0, 480), &field, 1);
@@ -169,7 +170,7 @@ fn more_silent_stops_lead_farther_beyond_the_network() {
 }
 
 #[test]
-fn settings_outside_their_domain_are_refused_by_their_key() {
+fn invalid_settings_are_rejected_with_their_key() {
     let world = circular(1);
     let surroundings = world.surroundings(Position::new(-18.0, 0.0, 0.0));
     let key = |config: AutomatedSConfig| AutomatedS::plan(&config, &surroundings).unwrap_err().key;

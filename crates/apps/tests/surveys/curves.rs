@@ -1,4 +1,4 @@
-//! Spirals and Hilbert curves, beside the S path: what they cover, how long they are, what they keep clear of.
+//! Spirals, Hilbert curves and S paths: what they cover, how long they are, and that they avoid obstacles.
 
 use std::f64::consts::TAU;
 
@@ -40,7 +40,7 @@ fn s_path(region: RegionConfig, lane_spacing_m: f64) -> ControllerConfig {
     ControllerConfig::SPath(SPathConfig::new(region, lane_spacing_m))
 }
 
-/// The greatest distance from a place of the region, of many, to the nearest stop (m).
+/// The greatest distance from a place of the region to the nearest stop, over many places (m).
 fn greatest_gap_m(region: &RegionConfig, trace: &Trace) -> f64 {
     const PLACES: u64 = 3000;
     let region = Region::try_from(region).expect("a region");
@@ -86,7 +86,7 @@ fn each_place_of_a_region_is_within_the_lane_spacing_of_a_stop() {
 fn a_hilbert_curve_visits_each_cell_once_in_steps_of_one_cell() {
     let world = world(ObstacleField::default());
     for order in 1..=5 {
-        // Corners of the square are those of the curve, half a cell further in.
+        // The corners of the curve are half a cell inside those of the square.
         for (corner, ahead) in [([0.0, 0.0], [1.0, 1.0]), ([8.0, 0.0], [-1.0, 1.0]), ([0.0, 8.0], [1.0, -1.0])] {
             let cells = f64::from(1_u32 << order);
             let cell_m = 8.0 / cells;
@@ -114,12 +114,12 @@ fn a_spiral_over_a_disc_has_the_length_of_its_formula_and_turns_a_lane_apart() {
     let (spacing_m, radius_m) = (0.8, 6.0);
     let region = RegionConfig::Disc { center_m: at(0.0, 0.0), radius_m };
     let trace = drive(&spiral(region, spacing_m, 0.05), &world, at(0.0, 0.0));
-    // The last turn is the last that is near to the disc all the way round: it ends half a lane beyond.
+    // The last turn ends half a lane spacing outside the disc.
     let turns = (radius_m + 0.5 * spacing_m) / spacing_m;
     let angle_rad = TAU * turns;
     let b_m = spacing_m / TAU;
     let length_m = 0.5 * b_m * (angle_rad * (1.0 + angle_rad * angle_rad).sqrt() + angle_rad.asinh());
-    // Chords of 0.05 m are shorter than their arcs by 0.05³ / 24 r², most in the middle.
+    // Chords of 0.05 m are shorter than their arcs by 0.05³ / 24 r², mostly near the centre.
     assert!((trace.path_length_m() - length_m).abs() < 0.06, "{} for {length_m}", trace.path_length_m());
     for stop in &trace.stops {
         let (radius_m, angle_rad) = (stop.length_m(), stop.y_m.atan2(stop.x_m));
@@ -157,7 +157,8 @@ fn curves_are_driven_at_their_height() {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
-    /// The scripted world holds each drive against exact clips, and each place against the hull.
+    /// The scripted world checks each drive against the exact obstacles, and each place against the radius of the
+    /// hull.
     #[test]
     fn random_obstacles_are_driven_round_and_all_free_stops_are_made(
         boxes in prop::collection::vec(
@@ -179,14 +180,14 @@ proptest! {
         prop_assert_eq!(trace.ending, Ending::Complete);
         let least_m = blocked.robot_radius_m + 5e-3;
         let free: Vec<_> = all.stops.into_iter().filter(|stop| blocked.field.distance_m(*stop) > least_m).collect();
-        // A yard between obstacles may be closed: what is left out is no other than that.
+        // Obstacles may enclose a yard. Only stops in such a yard may be left out.
         prop_assert!(trace.stops.len() <= free.len() && 10 * trace.stops.len() >= 8 * free.len());
         prop_assert!(trace.stops.iter().all(|stop| free.contains(stop)));
     }
 }
 
 #[test]
-fn settings_outside_their_domain_are_refused_by_their_key() {
+fn invalid_settings_are_rejected_with_their_key() {
     let world = world(field(&[([5.0, 5.0], [40.0, 40.0], 0.0)]));
     let open = self::world(ObstacleField::default());
     let key = |config: &ControllerConfig, world: &World| {

@@ -29,7 +29,7 @@ fn survey(world: &World, config: &AutomatedSConfig, start: [f64; 3]) -> Trace {
     world.survey(&mut controller, start, 1)
 }
 
-/// Each node has a stop within the lane spacing, and was heard.
+/// Checks that each node was heard, and that there is a stop within the lane spacing of each node.
 fn assert_covered(world: &World, trace: &Trace, spacing_m: f64, what: &str) {
     assert_eq!(trace.ending, Ending::Complete, "{what}: {} stops", trace.stops.len());
     assert!(trace.least_packets() >= 5, "{what}");
@@ -59,7 +59,7 @@ fn a_ball_is_covered_from_any_start() {
         for start in [[-8.0, -2.0, 3.0], [1.0, -2.0, 3.0], [1.0, -2.0, -4.5], [6.0, 2.0, 6.0], [-12.0, -14.0, 1.0]] {
             let trace = survey(&world, &config(spacing_m, None, None), start);
             assert_covered(&world, &trace, spacing_m, &format!("{spacing_m} m from {start:?}"));
-            // It turned where it heard nobody: at most one climb, and what the lanes overshoot, beyond earshot.
+            // It turned where it heard nothing: at most one climb and the overshoot of a lane beyond the radio range.
             let (low_m, high_m) = heights(&trace);
             assert!(low_m >= 3.0 - 9.7 - spacing_m && high_m <= 3.0 + 9.7 + spacing_m, "{low_m} to {high_m}");
         }
@@ -80,7 +80,7 @@ fn a_box_is_covered_between_floor_and_ceiling() {
 }
 
 #[test]
-fn slabs_are_floor_and_ceiling_to_a_robot_that_knows_none() {
+fn a_robot_without_limits_stays_between_two_slabs() {
     let slab = |z_m: f64| ([7.0, 5.0, z_m], [60.0, 60.0, 1.0]);
     let world = world(hall(), solid_field(&[slab(-0.8), slab(7.8)]), 3.5);
     let trace = survey(&world, &config(2.0, None, None), [-2.0, 5.0, 0.5]);
@@ -130,7 +130,7 @@ fn the_same_world_gives_the_same_survey() {
 }
 
 #[test]
-fn layers_outside_their_domain_are_refused_by_their_key() {
+fn invalid_layers_are_rejected_with_their_key() {
     let world = world(ball(), ObstacleField::default(), 3.5);
     let surroundings = world.surroundings(Position::ORIGIN);
     let key = |spacing_m: f64, floor_m: f64, ceiling_m: f64| {

@@ -1,4 +1,4 @@
-//! Surveys in a scripted world: the controllers against closed forms and against what they must never do.
+//! Surveys in a scripted world: the controllers against closed forms, and checks of what they must never do.
 
 mod areas;
 mod automated;

@@ -1,4 +1,4 @@
-//! Paths laid out beforehand.
+//! Paths planned before the start.
 
 use sextant_apps::{ControllerConfig, SPathConfig, WaypointsConfig};
 use sextant_channel::{ObstacleField, Position};
@@ -65,7 +65,7 @@ fn the_way_to_a_place_behind_a_box_leads_round_its_nearer_corners() {
     let config = ControllerConfig::Waypoints(WaypointsConfig { places_m: vec![at(-3.0, 0.0), at(3.0, 0.0)] });
     let trace = drive(&config, &world, at(-3.0, 0.0));
     assert_eq!(trace.stops, [at(-3.0, 0.0), at(3.0, 0.0)]);
-    // Past the southern corners at the distance of the hull: 0.25 m south of y = -2.
+    // The way passes the southern corners at the radius of the hull: 0.25 m south of y = -2.
     let shortest_m = 2.0 * 2_f64.hypot(2.0) + 2.0;
     let length_m = trace.path_length_m();
     assert!(length_m > shortest_m && length_m < 1.1 * shortest_m, "{length_m} for {shortest_m}");
@@ -82,8 +82,8 @@ fn a_robot_that_flies_may_pass_over_an_obstacle() {
 }
 
 #[test]
-fn places_that_cannot_be_reached_are_refused_by_their_index() {
-    // A closed yard of four walls round (10, 0).
+fn places_that_cannot_be_reached_are_rejected_with_their_index() {
+    // Four walls enclose a yard round (10, 0).
     let walls = [
         ([10.0, 3.0], [7.0, 1.0], 0.0),
         ([10.0, -3.0], [7.0, 1.0], 0.0),

@@ -12,7 +12,7 @@ fn at(x_m: f64, y_m: f64) -> Position {
     Position::new(x_m, y_m, 0.0)
 }
 
-/// A world with one node, so far away that nobody hears it.
+/// A world with one node, which is too far away to be heard.
 fn silent(field: ObstacleField) -> World {
     World { field, nodes: vec![at(1e6, 0.0)], robot_radius_m: 0.2, reach_m: 5.0, fading: None }
 }
@@ -34,7 +34,8 @@ fn the_mean_square_distance_of_a_free_walk_is_the_number_of_steps() {
             let trace = walk(&world, &config, at(0.0, 0.0), seed, 0);
             assert_eq!((trace.ending, trace.stops.len()), (Ending::StepsExhausted, 61));
             let end = trace.stops[60];
-            // Straight runs of k steps are single steps of k metres: n/k of them have n k.
+            // A straight run of k steps is one step of k metres. The mean square distance after n/k such steps is n
+            // k.
             sum += end.dot(end) / (60.0 * f64::from(steps_per_turn));
         }
         assert!((sum / 400.0 - 1.0).abs() < 0.25, "{} at {steps_per_turn}", sum / 400.0);
@@ -42,7 +43,7 @@ fn the_mean_square_distance_of_a_free_walk_is_the_number_of_steps() {
 }
 
 #[test]
-fn a_walk_in_space_goes_as_far_up_as_along() {
+fn a_walk_in_space_goes_as_far_along_each_axis() {
     // Sums of squares of n coordinates, each of mean n/3: 300 walks of 60 steps; five standard errors are 5 √(2/300).
     let world = silent(ObstacleField::default());
     let region = RegionConfig::Ball { center_m: Position::ORIGIN, radius_m: 1e3 };
@@ -89,7 +90,7 @@ fn a_walk_stays_in_its_region_and_out_of_obstacles_and_gets_everywhere() {
 }
 
 #[test]
-fn a_walk_ends_once_each_node_was_heard_as_often_as_wanted() {
+fn a_walk_ends_when_each_node_has_been_heard_as_often_as_wanted() {
     let nodes = vec![at(0.0, 0.0), at(10.0, 10.0)];
     let world = World { nodes, reach_m: 4.0, ..silent(ObstacleField::default()) };
     let region = Some(RegionConfig::Rectangle { min_m: at(0.0, 0.0), max_m: at(10.0, 10.0) });
@@ -101,7 +102,7 @@ fn a_walk_ends_once_each_node_was_heard_as_often_as_wanted() {
 }
 
 #[test]
-fn a_walk_is_a_function_of_seed_and_robot() {
+fn a_walk_depends_on_seed_and_robot_only() {
     let world = silent(ObstacleField::default());
     let config = RandomWalkConfig { max_steps: 50, ..RandomWalkConfig::default() };
     let path = |seed, robot| walk(&world, &config, at(0.0, 0.0), seed, robot).path;
@@ -111,7 +112,7 @@ fn a_walk_is_a_function_of_seed_and_robot() {
 }
 
 #[test]
-fn a_robot_that_cannot_turn_anywhere_is_stuck() {
+fn a_robot_with_no_free_direction_is_stuck() {
     let walls = [
         ([0.0, 0.8], [3.0, 0.4], 0.0),
         ([0.0, -0.8], [3.0, 0.4], 0.0),
@@ -123,7 +124,7 @@ fn a_robot_that_cannot_turn_anywhere_is_stuck() {
 }
 
 #[test]
-fn settings_outside_their_domain_are_refused_by_their_key() {
+fn invalid_settings_are_rejected_with_their_key() {
     let world = silent(ObstacleField::default());
     let surroundings = world.surroundings(at(0.0, 0.0));
     let key = |config: RandomWalkConfig| RandomWalk::plan(&config, &surroundings).unwrap_err().key;

@@ -13,9 +13,9 @@ pub(crate) struct World {
     pub(crate) field: ObstacleField,
     pub(crate) nodes: Vec<Position>,
     pub(crate) robot_radius_m: f64,
-    /// Nobody farther is heard (m).
+    /// Nodes farther away than this are not heard (m).
     pub(crate) reach_m: f64,
-    /// Exponent of path loss, and standard deviation of shadowing (dB); always heard within reach if absent.
+    /// Exponent of path loss, and standard deviation of shadowing (dB). If absent, all nodes within range are heard.
     pub(crate) fading: Option<(f64, f64)>,
 }
 
@@ -44,7 +44,7 @@ impl Trace {
     }
 }
 
-/// Boxes in space: centre and size.
+/// Boxes in space, each given by centre and size.
 pub(crate) fn solid_field(boxes: &[([f64; 3], [f64; 3])]) -> ObstacleField {
     let obstacle = |&(center, size_m): &([f64; 3], [f64; 3])| {
         let shape = ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 0.0 });
@@ -70,12 +70,12 @@ pub(crate) fn place(nodes: &NodesConfig, field: &ObstacleField, seed: u64) -> Ve
 }
 
 impl World {
-    /// What a robot finds that starts at `start`.
+    /// The surroundings of a robot that starts at `start`.
     pub(crate) fn surroundings(&self, start: Position) -> Surroundings<'_> {
         Surroundings { obstacles: &self.field, start, radius_m: self.robot_radius_m, seed: Seed(1), robot: 0 }
     }
 
-    /// Drives the robot until its survey ends. The path is held to be clear of obstacles.
+    /// Drives the robot until its survey ends, and checks that the path is clear of obstacles.
     pub(crate) fn survey(&self, controller: &mut dyn Controller, start: Position, seed: u64) -> Trace {
         const MAX_COMMANDS: usize = 100_000;
         let mut trace = Trace {
@@ -151,8 +151,8 @@ impl World {
         self.nodes.iter().enumerate().filter_map(hear).collect()
     }
 
-    /// No drive runs through an obstacle, by exact clips, and no place of the path is nearer to one than the robot's hull
-    /// allows.
+    /// Checks that no drive crosses an obstacle and that no place of the path is nearer to an obstacle than the
+    /// radius of the robot's hull.
     fn assert_clear(&self, path: &[Position]) {
         const SAMPLE_M: f64 = 0.05;
         let mut crossings = Vec::new();

@@ -1,4 +1,4 @@
-//! APIT (He et al. 2003): in which triangles of anchors a node is, judged by its neighbours.
+//! APIT (He et al. 2003): finds the triangles of anchors that hold a node, by comparison with its neighbours.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,11 +16,11 @@ use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ApitConfig {
-    /// Distance of the points that vote (m).
+    /// Distance between neighbouring grid points (m).
     pub grid_step_m: f64,
     /// How many of the anchors heard are used, the strongest first: 3 to 20.
     pub strongest: usize,
-    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     pub link_share: f64,
 }
 
@@ -30,11 +30,11 @@ impl Default for ApitConfig {
     }
 }
 
-/// APIT, in the plane. A node is judged to be outside a triangle of anchors if a neighbour hears all three of them
-/// more strongly than it does, or all three more weakly; otherwise inside. Each triangle adds one to the grid
-/// points inside it, or takes one away if the node is outside; the estimate is the centroid of the points with the highest
-/// sum. A node with fewer than three anchors gets their centroid; one that heard none is not placed. Anchors
-/// are where they are.
+/// APIT, in the plane. A node is judged to be outside a triangle of anchors if a neighbour hears all three anchors
+/// more strongly than the node does, or all three more weakly; otherwise inside. Each triangle adds one to the grid
+/// points inside it, or subtracts one if the node is outside. The estimate is the centroid of the points with the
+/// highest sum. A node with fewer than three anchors gets their centroid; one that heard none is not placed. Anchors
+/// keep their known places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apit {
     grid_step_m: f64,
@@ -55,14 +55,14 @@ impl TryFrom<ApitConfig> for Apit {
     }
 }
 
-/// Grid points along an axis, at most.
+/// Maximum number of grid points along an axis.
 const MOST_POINTS: usize = 2000;
 
 impl Apit {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "apit";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::Neighbours, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors];
 
@@ -103,7 +103,7 @@ impl Apit {
         anchors.powi(3) / 6.0 * points[0] * points[1]
     }
 
-    /// The place of a node; anything if the work was ended meanwhile.
+    /// The place of a node. If the work was ended meanwhile, the result means nothing.
     fn place(
         &self,
         heard: &[HeardAnchor],
@@ -169,8 +169,8 @@ impl Apit {
     }
 }
 
-/// Whether a neighbour that hears three anchors as `theirs` stands nearer to, or farther from, all three than a node that
-/// hears them as `own` (dBm).
+/// Whether a neighbour that hears three anchors with the strengths `theirs` is nearer to all three, or farther from
+/// all three, than a node that hears them with the strengths `own` (dBm).
 fn departs(own: [f64; 3], theirs: [Option<f64>; 3]) -> bool {
     let [Some(a), Some(b), Some(c)] = theirs else { return false };
     let theirs = [a, b, c];
@@ -216,7 +216,7 @@ mod tests {
         let at = |x, y| Position::new(x, y, 0.0);
         let lower = [at(0.0, 0.0), at(4.0, 0.0), at(0.0, 4.0)];
         let upper = [at(4.0, 0.0), at(0.0, 0.0), at(4.0, 4.0)];
-        // They share the triangle with the apex (2, 2) over the edge from 0 to 4: centroid (2, 2/3).
+        // Both hold the triangle with the apex (2, 2) over the edge from 0 to 4. Its centroid is (2, 2/3).
         let inside = apit.vote(&[(lower, 1), (upper, 1)], &Unwatched);
         assert!(inside.distance_m(at(2.0, 2.0 / 3.0)) < 0.01, "{inside}");
         // Outside the upper one: the triangle (0,0), (0,4), (2,2), centroid (2/3, 2).

@@ -15,7 +15,8 @@ use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 #[serde(deny_unknown_fields, default)]
 pub struct CentroidConfig {}
 
-/// The centroid of all anchors that a node heard; a node that heard none is not placed. Anchors are where they are.
+/// The centroid of all anchors that a node heard. A node that heard none is not placed. Anchors keep their known
+/// places.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Centroid;
 
@@ -23,7 +24,7 @@ impl Centroid {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "centroid";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::AnchorReceptions, KnowledgeKind::Anchors];
 
     /// The map.
@@ -76,7 +77,7 @@ impl WeightedCentroid {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "weighted-centroid";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 
@@ -107,7 +108,7 @@ fn map(
     Ok(TopologyMap::of_places(name, places, CoordinateFrame::World))
 }
 
-/// The mean of places with weights; `None` of none.
+/// The weighted mean of places; `None` if there are no places.
 pub(super) fn weighted_mean(places: &[(Position, f64)]) -> Option<Position> {
     let total: f64 = places.iter().map(|(_, weight)| weight).sum();
     (total > 0.0)

@@ -15,20 +15,20 @@ use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DvHopConfig {
-    /// How an anchor works out the length of a hop.
+    /// How an anchor computes the length of a hop.
     pub hop_length: HopLength,
-    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     pub link_share: f64,
 }
 
-/// How an anchor works out the length of a hop from its distances and hops to the other anchors.
+/// How an anchor computes the length of a hop from its distances and hops to the other anchors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HopLength {
-    /// Sum of the distances over sum of the hops.
+    /// Sum of the distances divided by the sum of the hops.
     #[default]
     Mean,
-    /// Least squares: sum of distance times hops over sum of squared hops.
+    /// Least squares: the sum of distance times hops, divided by the sum of squared hops.
     LeastSquares,
 }
 
@@ -38,8 +38,9 @@ impl Default for DvHopConfig {
     }
 }
 
-/// DV-Hop. A node takes the length of a hop from the anchor with the fewest hops, the lowest of several. Nodes that reach
-/// fewer anchors than dimensions plus one are not placed. Anchors are where they are.
+/// DV-Hop. A node takes the length of a hop from the anchor with the fewest hops; of several such anchors, from the
+/// one with the lowest number. A node is not placed if it reaches fewer anchors than the number of dimensions plus
+/// one. Anchors keep their known places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DvHop {
     hop_length: HopLength,
@@ -59,7 +60,7 @@ impl DvHop {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "dv-hop";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
 
     /// The map.
@@ -96,7 +97,8 @@ impl DvHop {
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
 
-    /// Length of a hop as `anchor`, from which `hops` are counted, sees it (m); `None` if it reaches no other.
+    /// Length of a hop as computed by `anchor`, from which `hops` are counted (m); `None` if it reaches no other
+    /// anchor.
     fn length_m(&self, anchor: &Anchor, hops: &[u32], anchors: &[Anchor]) -> Option<f64> {
         let (mut above, mut below) = (0.0, 0.0);
         for other in anchors.iter().filter(|other| other.node != anchor.node) {

@@ -1,16 +1,16 @@
-//! The greatest eigenvalues of symmetric matrices and their vectors, of large ones from products alone.
+//! The greatest eigenvalues of symmetric matrices, with their eigenvectors. Large matrices are used only in products.
 
 use nalgebra::DMatrix;
 use sextant_kernel::{Interrupted, Watch};
 
-/// Dimensions of the subspace beyond those wanted.
+/// Additional dimensions of the subspace.
 pub(super) const SPARE: usize = 8;
-/// Rounds of the subspace iteration, at most.
+/// Maximum number of rounds of the subspace iteration.
 const ROUNDS: u32 = 500;
-/// Multiplications between two looks at whether to go on: about a twentieth of a second.
+/// Number of multiplications between two checks for interruption: about a twentieth of a second.
 const AT_ONCE: usize = 100_000_000;
 
-/// The `count` greatest eigenvalues of a symmetric matrix, falling, and their vectors.
+/// The `count` greatest eigenvalues of a symmetric matrix in falling order, and their eigenvectors.
 pub(super) fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<f64>) {
     let eigen = matrix.clone().symmetric_eigen();
     let mut order: Vec<usize> = (0..matrix.nrows()).collect();
@@ -19,9 +19,10 @@ pub(super) fn sorted(matrix: &DMatrix<f64>, count: usize) -> (Vec<f64>, DMatrix<
     (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))
 }
 
-/// The same of the matrix whose product with a block of vectors is `product`, by subspace iteration with Rayleigh-Ritz
-/// (Rutishauser 1970) from the block `start`, which has [`SPARE`] more columns. The subspace holds the eigenvalues of
-/// largest magnitude; the spare dimensions hold negative ones, which must be few or small.
+/// The same for a matrix that is given by its `product` with a block of vectors. The method is subspace iteration
+/// with Rayleigh-Ritz (Rutishauser 1970). It starts from the block `start`, which has [`SPARE`] additional columns.
+/// The subspace converges to the eigenvalues of largest magnitude. Negative eigenvalues must be few or small, because
+/// they take up the spare dimensions.
 ///
 /// # Errors
 /// If `product` is interrupted.
@@ -53,7 +54,7 @@ pub(super) fn iterated(
     Ok(result)
 }
 
-/// `matrix · block`, a part of the rows at a time.
+/// `matrix · block`, computed some rows at a time.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -62,22 +63,10 @@ pub(super) fn product(
     block: &DMatrix<f64>,
     watch: &dyn Watch,
 ) -> Result<DMatrix<f64>, Interrupted> {
-    watch.check()?;
-    let per_row = matrix.ncols() * block.ncols();
-    let rows = AT_ONCE.div_ceil(per_row.max(1));
-    if rows >= matrix.nrows() {
-        return Ok(matrix * block);
-    }
-    let mut product = DMatrix::zeros(matrix.nrows(), block.ncols());
-    for first in (0..matrix.nrows()).step_by(rows) {
-        watch.check()?;
-        let count = rows.min(matrix.nrows() - first);
-        product.rows_mut(first, count).gemm(1.0, &matrix.rows(first, count), block, 0.0);
-    }
-    Ok(product)
+    in_parts(matrix.nrows(), block, watch, |first, count| matrix.rows(first, count) * block)
 }
 
-/// `matrixᵀ · block`, a part of the columns of the matrix at a time.
+/// `matrixᵀ · block`, computed from some columns of the matrix at a time.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -86,17 +75,27 @@ pub(super) fn transposed_product(
     block: &DMatrix<f64>,
     watch: &dyn Watch,
 ) -> Result<DMatrix<f64>, Interrupted> {
+    in_parts(matrix.ncols(), block, watch, |first, count| matrix.columns(first, count).transpose() * block)
+}
+
+/// The product of a matrix of `rows` rows with `block`, some rows at a time. `part(first, count)` computes `count`
+/// rows, from the row `first` on.
+fn in_parts(
+    rows: usize,
+    block: &DMatrix<f64>,
+    watch: &dyn Watch,
+    part: impl Fn(usize, usize) -> DMatrix<f64>,
+) -> Result<DMatrix<f64>, Interrupted> {
     watch.check()?;
-    let per_column = matrix.nrows() * block.ncols();
-    let columns = AT_ONCE.div_ceil(per_column.max(1));
-    if columns >= matrix.ncols() {
-        return Ok(matrix.transpose() * block);
+    let at_once = AT_ONCE.div_ceil(block.len().max(1));
+    if at_once >= rows {
+        return Ok(part(0, rows));
     }
-    let mut product = DMatrix::zeros(matrix.ncols(), block.ncols());
-    for first in (0..matrix.ncols()).step_by(columns) {
+    let mut product = DMatrix::zeros(rows, block.ncols());
+    for first in (0..rows).step_by(at_once) {
         watch.check()?;
-        let count = columns.min(matrix.ncols() - first);
-        product.rows_mut(first, count).gemm(1.0, &matrix.columns(first, count).transpose(), block, 0.0);
+        let count = at_once.min(rows - first);
+        product.rows_mut(first, count).copy_from(&part(first, count));
     }
     Ok(product)
 }

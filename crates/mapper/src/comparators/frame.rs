@@ -1,4 +1,4 @@
-//! What maps of hops and ranges are relative to.
+//! The frames of maps of hops and ranges.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,20 +7,21 @@ use sextant_kernel::NodeId;
 
 use crate::{CoordinateFrame, Knowledge, MapError, TopologyMap};
 
-/// What a map without a frame of its own is brought to, as written in a scenario.
+/// What a map without a frame of its own is aligned to, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FrameConfig {
-    /// The anchors, by the similarity that fits them best; parts of the network with fewer anchors than dimensions plus
-    /// two are not mapped.
+    /// The anchors, by the similarity that fits them best. Parts of the network that have fewer anchors than the
+    /// number of dimensions plus two are not mapped.
     #[default]
     Anchors,
-    /// Nothing. To be measured it is brought to the true places of all nodes, which nobody knows outside a simulation.
+    /// Nothing. To measure its errors, the map is aligned to the true places of all nodes, which are known only in a
+    /// simulation.
     Relative,
 }
 
 impl FrameConfig {
-    /// Anchors without which there is no map.
+    /// Least number of anchors for a map.
     pub(super) fn least_anchors(self, dimensions: usize) -> usize {
         match self {
             Self::Anchors => dimensions + 2,
@@ -28,8 +29,8 @@ impl FrameConfig {
         }
     }
 
-    /// The map of `places`, known up to a similarity in each of the parts `part_of` that nodes belong to. Brought to the
-    /// anchors, these are where they are.
+    /// The map of `places`, which are known up to a similarity in each part; `part_of` gives the part of each node.
+    /// If the map is aligned to the anchors, these keep their known places.
     pub(super) fn map(
         self,
         algorithm: &'static str,

@@ -1,4 +1,4 @@
-//! Who is whose neighbour, and how many hops apart nodes are.
+//! The graph of neighbours, and numbers of hops between nodes.
 
 use std::collections::VecDeque;
 
@@ -23,7 +23,7 @@ impl Graph {
             holds(link.received, link.sent)
                 && log.link(link.sender, link.listener).is_some_and(|back| holds(back.received, back.sent))
         });
-        // Links are sorted by listener, then by sender, and each edge is two of them.
+        // Links are sorted by listener, then by sender. Each edge consists of two links.
         let mut first = vec![0; log.node_count() + 1];
         let mut neighbours = Vec::new();
         for edge in edges {
@@ -62,7 +62,7 @@ impl Graph {
         hops
     }
 
-    /// The same from each of `sources`, on behalf of `algorithm`.
+    /// The same from each of `sources`. `algorithm` is the name for progress messages.
     pub(crate) fn hops_from_each(
         &self,
         sources: impl ExactSizeIterator<Item = usize>,
@@ -82,7 +82,8 @@ impl Graph {
             .collect()
     }
 
-    /// The nodes that reach each other, part by part, each in rising order; the part of the lowest node first.
+    /// The connected parts of the graph, each with its nodes in rising order. The part of the lowest node comes
+    /// first.
     pub(crate) fn parts(&self) -> Vec<Vec<usize>> {
         let mut seen = vec![false; self.node_count()];
         let mut parts = Vec::new();

@@ -23,7 +23,7 @@ pub(super) struct HeardAnchors<'a> {
 }
 
 impl<'a> HeardAnchors<'a> {
-    /// What `knowledge` tells, for an `algorithm` that needs at least `needed` anchors.
+    /// The anchors in `knowledge`, for an `algorithm` that needs at least `needed` of them.
     pub(super) fn new(knowledge: &Knowledge<'a>, algorithm: &'static str, needed: usize) -> Result<Self, MapError> {
         knowledge.anchors(algorithm, needed)?;
         Ok(Self { beacons: knowledge.beacons(algorithm)?, places: knowledge.known_places() })
@@ -45,7 +45,7 @@ impl<'a> HeardAnchors<'a> {
         self.beacons.links().len() as f64 / self.node_count().max(1) as f64
     }
 
-    /// The anchors that `node` heard with a strength, strongest first, by node where they are equal.
+    /// The anchors that `node` heard with a known strength, strongest first; equal ones by their number.
     pub(super) fn of(&self, node: usize) -> Vec<HeardAnchor> {
         let links = self.beacons.heard_by(NodeId::from_index(node)).iter();
         let mut heard: Vec<HeardAnchor> = links

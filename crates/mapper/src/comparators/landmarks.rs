@@ -8,18 +8,18 @@ use crate::purpose;
 
 use super::graph::{Graph, UNREACHED};
 
-/// How the nodes are chosen from which hops are counted, as written in a scenario.
+/// How to choose the nodes from which hops are counted, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LandmarksConfig {
-    /// One after the other, each as many hops from those before as possible.
+    /// One after the other; each is as many hops as possible from those before.
     FarthestPoints(CountConfig),
-    /// Nodes at the extremes of a coordinate that two random nodes make (Dhanapala and Jayasumana 2014, "extreme node
-    /// search"); farthest points are added if there are too few.
+    /// Nodes at the extremes of a coordinate that is defined by two random nodes (Dhanapala and Jayasumana 2014,
+    /// "extreme node search"); if these are too few, farthest points are added.
     ExtremeNodeSearch(ExtremeConfig),
     /// At random.
     Random(CountConfig),
-    /// The nodes that know their place; their places are not used.
+    /// The anchors. Their places are not used.
     Anchors {},
 }
 
@@ -58,7 +58,7 @@ impl Default for LandmarksConfig {
 }
 
 impl LandmarksConfig {
-    /// Refuses numbers that make no map.
+    /// Checks the numbers.
     pub(super) fn check(self) -> Result<(), SettingError> {
         match self {
             Self::FarthestPoints(CountConfig { count }) if count < 4 => {
@@ -74,7 +74,7 @@ impl LandmarksConfig {
         }
     }
 
-    /// The nodes chosen in `part`, whose nodes all reach each other, at least `least` of them where it has as many.
+    /// The nodes chosen in `part`, a connected part of the network: at least `least` of them, if it has as many.
     pub(super) fn choose(
         self,
         graph: &Graph,
@@ -102,7 +102,7 @@ impl LandmarksConfig {
     }
 }
 
-/// The nodes of `part` in random order; whether one comes before another depends on the two alone.
+/// The nodes of `part` in random order. Whether one node comes before another does not depend on the other nodes.
 fn shuffled(part: &[usize], seed: Seed) -> Vec<usize> {
     let mut order: Vec<_> =
         part.iter().map(|&node| (seed.bits(purpose::MAPPER, [LANDMARKS, node as u64, 0]), node)).collect();
@@ -113,7 +113,7 @@ fn shuffled(part: &[usize], seed: Seed) -> Vec<usize> {
 /// First word of the addresses of these draws.
 const LANDMARKS: u64 = 1;
 
-/// The node with the most `hops`, the lowest of several.
+/// The node with the most `hops`; of several, the one with the lowest number.
 fn farthest(part: &[usize], hops: impl Fn(usize) -> u32) -> usize {
     let mut best = part[0];
     for &node in part {

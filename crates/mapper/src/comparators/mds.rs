@@ -7,15 +7,15 @@ use sextant_kernel::{Interrupted, Seed, Watch, Work};
 use super::eigenpairs::{self, SPARE};
 use crate::purpose;
 
-/// Up to this size the whole spectrum is computed.
+/// Up to this size all eigenvalues are computed.
 const SMALL: usize = 64;
-/// Rounds of the subspace iteration that are usual.
+/// Usual number of rounds of the subspace iteration.
 const ROUNDS: u32 = 50;
 
-/// The places in two or three `dimensions` whose distances are nearest to `distances` in the sense of classical scaling:
-/// the leading eigenvectors of `B = −½ J D∘D J`, J taking the mean off, times the square roots of their eigenvalues (zero
-/// for negative ones). Exact, up to rotation and reflection, for Euclidean distances. Costs O(N²) a round, on behalf of
-/// `algorithm`.
+/// The places in two or three `dimensions` whose distances are nearest to `distances` in the sense of classical
+/// scaling: the leading eigenvectors of `B = −½ J D∘D J`, where J subtracts the mean, times the square roots of their
+/// eigenvalues (zero for negative ones). Exact, up to rotation and reflection, for Euclidean distances. Costs O(N²)
+/// per round. `algorithm` is the name for progress messages.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -29,7 +29,7 @@ pub(super) fn classical_mds(
     #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
     let operations = (nodes * nodes * (dimensions + SPARE)) as f64 * f64::from(ROUNDS);
     watch.begin(Work { name: algorithm, unit: "round", steps: ROUNDS.into(), operations });
-    // Squared in place: these matrices are the largest that there are.
+    // Squared in place, because these are the largest matrices.
     distances.apply(|distance| *distance = -0.5 * *distance * *distance);
     let (values, vectors) = leading(&distances, dimensions.min(nodes), watch)?;
     let coordinate = |node: usize, axis: usize| {
@@ -74,8 +74,8 @@ fn leading(matrix: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> Result<(Ve
     Ok((values, vectors))
 }
 
-/// The same from a fixed random start. Graph distances have few and small negative eigenvalues, which the spare dimensions
-/// hold.
+/// The same from a fixed random start. Graph distances have few and small negative eigenvalues, for which the spare
+/// dimensions are enough.
 fn iterated(matrix: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> Result<(Vec<f64>, DMatrix<f64>), Interrupted> {
     let start = |row: usize, column: usize| Seed(0).normal(purpose::MAPPER, [2, row as u64, column as u64]);
     let start = centred(DMatrix::from_fn(matrix.nrows(), count + SPARE, start));

@@ -17,11 +17,12 @@ use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MdsMapConfig {
-    /// What the map is brought to.
+    /// What the map is aligned to.
     pub frame: FrameConfig,
-    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     pub link_share: f64,
-    /// Dimensions of the map, 2 or 3; if absent, 2 if the anchors (without any: the stops) share one height, else 3.
+    /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
+    /// the heights of the stops decide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<u8>,
 }
@@ -32,8 +33,8 @@ impl Default for MdsMapConfig {
     }
 }
 
-/// MDS-MAP. Each connected part of the network has a map of its own; parts of fewer nodes than dimensions plus two have
-/// none. Needs memory for the hops between all pairs of the nodes of a part.
+/// MDS-MAP. Each connected part of the network has a map of its own. Parts with fewer nodes than the number of
+/// dimensions plus two are not mapped. Needs memory for the hops between all pairs of the nodes of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MdsMap {
     frame: FrameConfig,
@@ -55,7 +56,7 @@ impl MdsMap {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "mds-map";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
         match self.frame {
@@ -64,7 +65,7 @@ impl MdsMap {
         }
     }
 
-    /// Anchors without which there is no map.
+    /// Least number of anchors for a map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
         self.frame.least_anchors(dimensions)
     }
@@ -87,7 +88,7 @@ impl MdsMap {
 /// Places of the nodes of each part, and the part of each node.
 type Parts = (Vec<Option<Position>>, Vec<u32>);
 
-/// The places that `map` gives to the nodes of each connected part that is large enough.
+/// Calls `map` for each connected part that is large enough, and collects the places of its nodes.
 pub(super) fn of_parts(
     graph: &Graph,
     algorithm: &'static str,
@@ -108,7 +109,7 @@ pub(super) fn of_parts(
     Ok((places, part_of))
 }
 
-/// The nodes of `part` scaled by their hops, in hops, on behalf of `algorithm`.
+/// The nodes of `part` scaled by their hops, in units of hops. `algorithm` is the name for progress messages.
 pub(super) fn scaled(
     graph: &Graph,
     part: &[usize],

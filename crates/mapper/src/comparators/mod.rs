@@ -1,4 +1,4 @@
-//! Algorithms that users know, to compare with: each on the knowledge that it says it uses.
+//! Well-known algorithms for comparison. Each uses only the knowledge that it states.
 
 mod apit;
 mod centroid;
@@ -35,7 +35,7 @@ pub use smacof::{Smacof, SmacofConfig};
 pub use tpm::{AxesConfig, Tpm, TpmConfig};
 pub use triangle_centroid::{TriangleCentroid, TriangleCentroidConfig, TriangleWeights};
 
-/// An algorithm to compare with.
+/// An algorithm for comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Comparator {
@@ -79,7 +79,7 @@ impl Comparator {
         }
     }
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
         match self {
@@ -96,7 +96,7 @@ impl Comparator {
         }
     }
 
-    /// Anchors without which there is no map in two or three `dimensions`.
+    /// Least number of anchors for a map in two or three `dimensions`.
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
@@ -110,10 +110,11 @@ impl Comparator {
         }
     }
 
-    /// The map of what `knowledge` tells.
+    /// The map from `knowledge`.
     ///
     /// # Errors
-    /// If it lacks what the algorithm needs, the map would need more than the memory allowed, or `watch` ends the work.
+    /// If `knowledge` lacks what the algorithm needs, the map would need more memory than allowed, or `watch` ends
+    /// the work.
     pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
         match self {
             Self::Tpm(tpm) => tpm.map(knowledge, watch),
@@ -130,7 +131,7 @@ impl Comparator {
     }
 }
 
-/// Dimensions of a map: as written, or those of the anchors or stops.
+/// Dimensions of a map: from the settings, or from the heights of anchors or stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Dimensions(Option<usize>);
 
@@ -152,7 +153,8 @@ impl Dimensions {
     }
 }
 
-/// What `place` says of each node, one after the other; `operations` are those of one node, at most.
+/// The result of `place` for each node, one after the other. `operations` is the maximum number of operations for one
+/// node.
 fn node_by_node(
     name: &'static str,
     nodes: usize,
@@ -176,7 +178,7 @@ fn default_link_share() -> f64 {
     0.5
 }
 
-/// Refuses shares of packets that make no link.
+/// Checks the setting `link_share`.
 fn check_link_share(share: f64) -> Result<(), SettingError> {
     if share > 0.0 && share <= 1.0 {
         Ok(())

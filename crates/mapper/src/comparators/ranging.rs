@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-/// The law by which a localiser turns signal strengths into distances, as written in a scenario. It knows of no
-/// obstacles. What is absent is taken from the scenario's radio and channel; anywhere else it is needed.
+/// The law that turns signal strengths into distances, as written in a scenario. It ignores obstacles. In a scenario,
+/// absent values come from its radio and channel. Elsewhere, exponent and transmit power are required.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RangingConfig {
@@ -15,7 +15,7 @@ pub struct RangingConfig {
     /// Transmit power at the reference distance (dBm).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tx_power_dbm: Option<f64>,
-    /// Distance at which the transmit power is given (m); 1 if absent everywhere.
+    /// Distance at which the transmit power is given (m); 1 if absent, also in the channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference_distance_m: Option<f64>,
     /// Standard deviation of shadowing (dB).
@@ -64,7 +64,7 @@ impl Ranging {
         self.tx_power_dbm - self.db_per_decade() * libm::log10(distance_m / self.reference_distance_m)
     }
 
-    /// What tenfold the distance costs (dB).
+    /// Path loss per tenfold distance (dB).
     #[must_use]
     pub fn db_per_decade(&self) -> f64 {
         10.0 * self.exponent
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn distance_and_power_undo_each_other() {
+    fn distance_and_power_are_inverse_functions() {
         let law = law(0.0);
         assert!((law.distance_m(-77.0) - 10.0).abs() < 1e-12);
         for distance_m in [0.1, 1.0, 3.7, 25.0] {

@@ -17,7 +17,7 @@ use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 pub struct RssMlConfig {
     /// How power falls with distance.
     pub ranging: RangingConfig,
-    /// Steps, at most: 1 or more.
+    /// Maximum number of steps, 1 or more.
     pub steps: u32,
 }
 
@@ -27,14 +27,14 @@ impl Default for RssMlConfig {
     }
 }
 
-/// Cooperative maximum likelihood: the minimum of `Σ k (P − P_tx + 10 n log₁₀ |x_i − x_j|/d₀)²` over the places of all
-/// nodes that are no anchors, the sum being over all links, between nodes and with anchors, of k packets of mean
-/// strength P. Packets that were not received do not count, which makes far links look too strong.
+/// Cooperative maximum likelihood: the minimum of `Σ k (P − P_tx + 10 n log₁₀ |x_i − x_j|/d₀)²` over the places of
+/// all nodes that are no anchors, the sum being over all links, between nodes and with anchors, of k packets of mean
+/// strength P. Packets that were not received are ignored, so far links look too strong.
 ///
-/// By Levenberg and Marquardt's method; the normal equations are never formed but solved by conjugate gradients.
-/// It starts at the centroid of the anchors heard weighted by the inverse squared distance, or of the neighbours placed
-/// before, and finds the minimum next to that. Nodes without a chain of links to an anchor are not placed. Anchors are
-/// where they are.
+/// The method is that of Levenberg and Marquardt. The normal equations are solved by conjugate gradients, without
+/// forming their matrix. The start of a node is the centroid of the anchors that it heard, weighted by the inverse
+/// squared distance, or that of neighbours placed before it. The result is a local minimum near this start. Nodes
+/// without a chain of links to an anchor are not placed. Anchors keep their known places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RssMl {
     ranging: Ranging,
@@ -53,7 +53,7 @@ impl TryFrom<RssMlConfig> for RssMl {
     }
 }
 
-/// Distance below which two nodes count as this far apart (m).
+/// Two nodes count as at least this far apart (m).
 const LEAST_M: f64 = 1e-3;
 /// A step shorter than this is the last (m).
 const SMALL_M: f64 = 1e-9;
@@ -74,7 +74,7 @@ impl RssMl {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "rss-ml";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::NeighbourRssi, KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 
@@ -98,14 +98,14 @@ impl RssMl {
         };
         let links: Vec<Measured> = logs.iter().flat_map(|log| log.links()).filter_map(measured).collect();
         let start = self.start(&known, &links, watch)?;
-        // Links between two anchors tell nothing; nodes without a start take no part.
+        // Links between two anchors give no information. Nodes without a start are left out.
         let links: Vec<Measured> = links
             .into_iter()
             .filter(|link| start[link.a].is_some() && start[link.b].is_some())
             .filter(|link| known[link.a].is_none() || known[link.b].is_none())
             .collect();
         let fit = Fit { ranging: self.ranging, links: &links, known: &known, dimensions, watch };
-        // A step takes some rounds of conjugate gradients, at most four a node.
+        // A step takes some rounds of conjugate gradients, at most four per node.
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = 4.0 * known.len() as f64 * links.len() as f64 * f64::from(self.steps);
         watch.begin(Work { name: Self::NAME, unit: "step", steps: self.steps.into(), operations });
@@ -162,7 +162,8 @@ impl Fit<'_> {
         Vector3::new(place.x_m, place.y_m, if self.dimensions == 3 { place.z_m } else { 0.0 })
     }
 
-    /// Residual of a link, and its derivative by the place of the first end; that by the other is the opposite.
+    /// Residual of a link, and its derivative with respect to the place of the first end. The derivative with respect
+    /// to the other end is the negative.
     fn residual(&self, places: &[Position], link: &Measured) -> (f64, Vector3<f64>) {
         let mut apart = self.vector(places[link.a] - places[link.b]);
         let mut distance_m = apart.norm();
@@ -241,7 +242,7 @@ impl Fit<'_> {
         image
     }
 
-    /// The inverse of a damped diagonal block; nothing moves along an axis without a slope.
+    /// The inverse of a damped diagonal block; there is no step along an axis without a slope.
     fn inverse(&self, block: &Matrix3<f64>, damping: f64) -> Matrix3<f64> {
         let mut damped = block * (1.0 + damping);
         let scale = damped.trace();

@@ -19,15 +19,16 @@ use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 pub struct SmacofConfig {
     /// How signal strengths between neighbours become distances.
     pub ranging: RangingConfig,
-    /// What the map is brought to.
+    /// What the map is aligned to.
     pub frame: FrameConfig,
-    /// Rounds, at most: 1 or more.
+    /// Maximum number of rounds, 1 or more.
     pub rounds: u32,
-    /// The rounds end when one lowers the stress by less than this share of it: 0 or above.
+    /// The rounds end when a round lowers the stress by less than this share; 0 or above.
     pub tolerance: f64,
-    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     pub link_share: f64,
-    /// Dimensions of the map, 2 or 3; if absent, 2 if the anchors (without any: the stops) share one height, else 3.
+    /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
+    /// the heights of the stops decide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<u8>,
 }
@@ -45,9 +46,9 @@ impl Default for SmacofConfig {
     }
 }
 
-/// SMACOF. The distance of two neighbours is that of the mean strength of all packets that they received of each other;
-/// pairs that are no neighbours weigh nothing. It starts at the map of MDS-MAP, scaled to the distances. Each connected
-/// part of the network has a map of its own.
+/// SMACOF. The distance of two neighbours follows from the mean strength of all packets that they received from each
+/// other. Pairs that are not neighbours have no weight. The start is the map of MDS-MAP, scaled to the distances.
+/// Each connected part of the network has a map of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smacof {
     ranging: Ranging,
@@ -82,7 +83,7 @@ impl Smacof {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "smacof";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
         match self.frame {
@@ -91,7 +92,7 @@ impl Smacof {
         }
     }
 
-    /// Anchors without which there is no map.
+    /// Least number of anchors for a map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
         self.frame.least_anchors(dimensions)
     }
@@ -142,7 +143,7 @@ impl Smacof {
     }
 }
 
-/// How far apart two nodes are measured to be; all pairs that are given weigh the same.
+/// The measured distance of two nodes. All pairs have the same weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Dissimilarity {
     a: usize,
@@ -158,7 +159,7 @@ fn apart(places: &DMatrix<f64>, pair: &Dissimilarity) -> f64 {
     (places.row(pair.a) - places.row(pair.b)).norm()
 }
 
-/// Scales `places` so that their stress is the least.
+/// Scales `places` to minimise their stress.
 fn fit_scale(places: &mut DMatrix<f64>, pairs: &[Dissimilarity]) {
     let (mut product, mut square) = (0.0, 0.0);
     for pair in pairs {
@@ -176,8 +177,8 @@ fn stress(places: &DMatrix<f64>, pairs: &[Dissimilarity]) -> f64 {
     pairs.iter().map(|pair| (apart(places, pair) - pair.distance_m).powi(2)).sum()
 }
 
-/// The matrix whose solutions are the Guttman transforms: `V + 1 1ᵀ/n`, V having −1 for each pair and its row sums made
-/// zero by the diagonal. `None` if the pairs leave a part of the nodes apart.
+/// The matrix whose solutions are the Guttman transforms: `V + 1 1ᵀ/n`, V having −1 for each pair and its row sums
+/// made zero by the diagonal. `None` if the pairs do not connect all nodes.
 fn factored(
     nodes: usize,
     pairs: &[Dissimilarity],
@@ -191,12 +192,12 @@ fn factored(
         v[(a, a)] += 1.0;
         v[(b, b)] += 1.0;
     }
-    // A part apart leaves V + 1 1ᵀ/n singular up to rounding.
+    // If the nodes are not connected, V + 1 1ᵀ/n is singular up to rounding.
     Ok(cholesky(v, watch)?.filter(|cholesky| cholesky.l_dirty().diagonal().min() > 1e-6))
 }
 
-/// The Cholesky factor of a symmetric matrix; `None` if it is not positive definite. The library's own cannot be
-/// interrupted, and takes minutes for ten thousand nodes.
+/// The Cholesky factor of a symmetric matrix; `None` if it is not positive definite. The function of the library
+/// cannot be interrupted, and takes minutes for ten thousand nodes.
 fn cholesky(mut matrix: DMatrix<f64>, watch: &dyn Watch) -> Result<Option<Cholesky<f64, Dyn>>, Interrupted> {
     let size = matrix.nrows();
     #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
@@ -248,7 +249,7 @@ fn transformed(
     Ok(product)
 }
 
-/// `places` after majorisation; `None` if the pairs do not hold them together.
+/// `places` after majorisation; `None` if the pairs do not connect them.
 fn majorised(
     mut places: DMatrix<f64>,
     pairs: &[Dissimilarity],

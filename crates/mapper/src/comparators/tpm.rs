@@ -19,19 +19,20 @@ use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TpmConfig {
-    /// From which nodes hops are counted.
+    /// The nodes from which hops are counted.
     pub landmarks: LandmarksConfig,
-    /// From which hop counts the axes of the map are computed.
+    /// The hop counts from which the axes of the map are computed.
     pub axes: AxesConfig,
-    /// Share of the packets that both nodes of a link must have received of each other: above 0, at most 1.
+    /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
     #[serde(default = "default_link_share")]
     pub link_share: f64,
-    /// Dimensions of the map, 2 or 3; if absent, 2 if the anchors (without any: the stops) share one height, else 3.
+    /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
+    /// the heights of the stops decide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<u8>,
 }
 
-/// From which hop counts the axes of a map are computed, as written in a scenario.
+/// The hop counts from which the axes of a map are computed, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AxesConfig {
@@ -55,12 +56,12 @@ impl Default for TpmConfig {
 
 /// The topology-preserving map.
 ///
-/// `P` holds the hops of each node to each landmark. With the singular value decomposition `P = U S Vᵀ` (not centred),
-/// the map is the second and third column of `P V`, in space the second to fourth; the first is about the mean distance
-/// to the landmarks and no axis. `V` comes from the small matrix `PᵀP`, or from the hops between the landmarks
-/// alone. Columns of `V` have no sign; the entry of largest magnitude is made positive. Each connected part of the
-/// network has a map of its own, in hops, up to rotation, reflection and scale; parts of fewer nodes than dimensions
-/// plus two have none. Nodes with the same hop counts share one place.
+/// `P` holds the hops of each node to each landmark. With the singular value decomposition `P = U S Vᵀ` (not
+/// centred), the map is the second and third column of `P V`, in space the second to fourth; the first column is
+/// about the mean distance to the landmarks, so it is not an axis. `V` comes from the small matrix `PᵀP`, or from the
+/// hops between the landmarks alone. Columns of `V` have no sign; the entry of largest magnitude is made positive.
+/// Each connected part of the network has a map of its own, in hops, up to rotation, reflection and scale; parts with
+/// fewer nodes than the number of dimensions plus two are not mapped. Nodes with the same hop counts share one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tpm {
     landmarks: LandmarksConfig,
@@ -84,7 +85,7 @@ impl Tpm {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "tpm";
 
-    /// What it uses; where anchors are does not matter, even if hops are counted from them.
+    /// The kinds of knowledge that it uses. It never uses the places of anchors, even if hops are counted from them.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
 
     /// Nodes from which hops are counted in a network of one part with `anchors` anchors; `None` if the search decides.
@@ -98,7 +99,7 @@ impl Tpm {
         }
     }
 
-    /// Anchors without which there is no map.
+    /// Least number of anchors for a map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
         if self.landmarks == (LandmarksConfig::Anchors {}) { dimensions + 2 } else { 0 }
     }
@@ -161,7 +162,7 @@ impl Tpm {
     }
 }
 
-/// Up to so many landmarks the whole spectrum is computed.
+/// Up to this number of landmarks, all singular values are computed.
 const SMALL: usize = 256;
 
 /// The first `count` right singular vectors of `p` by falling singular value, from the eigenvectors of `pᵀp`; in each
@@ -178,7 +179,7 @@ fn right_singular_vectors(p: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> 
     for mut column in v.column_iter_mut() {
         let mut largest: f64 = 0.0;
         for &entry in column.iter() {
-            // Entries that differ by rounding alone are equal, so that rounding does not decide the sign.
+            // Entries that differ only by rounding count as equal, so that rounding does not decide the sign.
             if entry.abs() > largest.abs() * (1.0 + 1e-9) {
                 largest = entry;
             }

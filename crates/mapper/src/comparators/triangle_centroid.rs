@@ -1,5 +1,5 @@
 //! RSSI triangle centroid: circles round the strongest anchors, three by three. Reconstructed from descriptions in
-//! later work; the original's smoothing of signal strengths is not known.
+//! later work. How the original smoothed signal strengths is not known.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub struct TriangleCentroidConfig {
     pub ranging: RangingConfig,
     /// How many of the anchors heard are used, the strongest first: 3 to 20, in space at least 4.
     pub strongest: usize,
-    /// Whether distances are divided by the factor by which shadowing makes them too long on average (of one packet).
+    /// Whether distances are corrected for shadowing, which makes distances from one packet too long on average.
     pub unbias: bool,
     /// How the triangles of a node are averaged.
     pub weights: TriangleWeights,
@@ -31,10 +31,10 @@ pub struct TriangleCentroidConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TriangleWeights {
-    /// All alike.
+    /// All triangles have the same weight.
     #[default]
     Equal,
-    /// Each by the inverse of the sum of its distances.
+    /// Each triangle is weighted by the inverse of the sum of its distances.
     InverseDistance,
 }
 
@@ -46,11 +46,12 @@ impl Default for TriangleCentroidConfig {
 
 /// The RSSI triangle centroid.
 ///
-/// Of each three of the strongest anchors that do not nearly lie on one line, each pair of circles gives the point of
-/// intersection that fits the third circle best; circles that do not meet give the point between them. The three points'
-/// centroid is the triangle's estimate, the mean over the triangles the node's. In space, four anchors and the linear
-/// solution take the place of three and their circles. A node with fewer anchors gets their centroid weighted by the
-/// inverse distance; one that heard none is not placed. Anchors are where they are.
+/// It takes all triples of the strongest anchors that are not nearly on one line. Each pair of circles of a triple
+/// gives one point: the intersection that fits the third circle best, or the point between the circles if they do not
+/// meet. The centroid of the three points is the estimate of the triple. The estimate of the node is the mean over
+/// the triples. In space, four anchors and the linear solution replace three anchors and their circles. A node with
+/// fewer anchors gets their centroid, weighted by the inverse distance. A node that heard none is not placed. Anchors
+/// keep their known places.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleCentroid {
     ranging: Ranging,
@@ -72,7 +73,7 @@ impl TryFrom<TriangleCentroidConfig> for TriangleCentroid {
     }
 }
 
-/// Least area of a triangle, over the square of its longest side.
+/// Least area of a triangle, divided by the square of its longest side.
 const LEAST_AREA: f64 = 1e-3;
 
 /// A circle, or a sphere, round an anchor.
@@ -86,7 +87,7 @@ impl TriangleCentroid {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "rssi-triangle-centroid";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] =
         &[KnowledgeKind::AnchorRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss];
 

@@ -1,4 +1,4 @@
-//! Where a node is thought to be.
+//! The estimated place of a node during a fit.
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
@@ -6,7 +6,7 @@ use sextant_kernel::NodeId;
 use super::receivers;
 use crate::heights::Heights;
 
-/// Where a node is thought to be.
+/// The estimated place of a node during a fit.
 #[derive(Clone, Debug)]
 pub(super) struct Belief {
     pub(super) mean: Position,
@@ -14,7 +14,7 @@ pub(super) struct Belief {
 }
 
 impl Belief {
-    /// The median of the stops that heard the node, along each axis: far receptions do not move it much.
+    /// The median along each axis of the stops that heard the node. Outliers do not move it much.
     pub(super) fn first(log: &ReceptionLog, node: NodeId, heights: Heights) -> Self {
         let (mut mean, mut spread_m) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
@@ -25,7 +25,7 @@ impl Belief {
             let middle_half = sorted[sorted.len() * 3 / 4].0 - sorted[sorted.len() / 4].0;
             spread_m[axis] = 0.25 * middle_half;
         }
-        // A survey may be a straight line: nodes lie beside it.
+        // If the survey is a straight line, nodes lie beside it.
         let widest = spread_m.iter().fold(0.0_f64, |widest, &spread| widest.max(spread));
         let spread_m = spread_m.map(|spread| spread.max(0.5 * widest));
         mean[2] = heights.clamp(mean[2]);

@@ -9,7 +9,7 @@ use crate::TableProfile;
 use crate::isotonic::never_rising;
 use crate::lattice::whole;
 
-/// Bins up to the distance that 95 % of the first receptions do not exceed.
+/// Number of bins up to the distance that 95 % of the first receptions do not exceed.
 const BINS_IN_REACH: f64 = 80.0;
 /// How much further bins go.
 const REACHES: f64 = 2.5;
@@ -59,7 +59,7 @@ impl FittedCurve {
         distances.sort_unstable_by(f64::total_cmp);
         let &farthest = distances.last()?;
         let reach_m = distances[distances.len() * 95 / 100];
-        // All stops that heard anything may be in one place.
+        // All stops that heard a node may be in one place.
         let extent_m = if reach_m > 0.0 {
             reach_m
         } else if farthest > 0.0 {
@@ -96,7 +96,7 @@ impl FittedCurve {
         self.bin_m
     }
 
-    /// Distance beyond which a reception is an outlier (m).
+    /// Receptions beyond this distance are outliers (m).
     pub(super) fn range_m(&self) -> f64 {
         self.bin_m * self.in_range as f64
     }
@@ -118,7 +118,7 @@ impl FittedCurve {
         let weights: Vec<f64> = counts.bins.iter().map(|&[sent, _]| sent).collect();
         let values = never_rising(&means, &weights);
         let sum = |bins: &[[f64; 2]]| bins.iter().fold([0.0; 2], |sum: [f64; 2], b| [sum[0] + b[0], sum[1] + b[1]]);
-        // What is left over far away, with half a reception for what was not seen.
+        // The probability far away. Half a reception is added, so that it is never 0.
         let quarter = values.len() * 3 / 4;
         let [sent, received] = sum(&counts.bins[quarter..]);
         let floor = ((received + 0.5) / (sent + 1.0)).clamp(1e-6, 0.02);
@@ -129,8 +129,8 @@ impl FittedCurve {
         Self { values, in_range, floor, ceiling, ..*self }
     }
 
-    /// How far two curves are apart, root mean square over the packets in range of either; and the standard error of
-    /// a share of one half of these packets.
+    /// The root mean square difference of two curves over the packets in range of either, and the standard error of a
+    /// share of one half for this number of packets.
     pub(super) fn distance(&self, other: &Self, counts: &Counts) -> (f64, f64) {
         let (mut sum, mut weight) = (0.0, 0.0);
         for bin in 0..self.in_range.max(other.in_range) {

@@ -1,17 +1,18 @@
-//! Stops at which the receiver was dead.
+//! Stops at which the receiver did not work.
 
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, Watch};
 
-/// Logarithm of the probability below which silence is not by chance: one in three million.
+/// Silence with a probability below this is not by chance (logarithm): one in three million.
 const IMPOSSIBLE: f64 = -15.0;
-/// Other stops that are asked, the nearest.
+/// Number of nearest stops that are compared.
 const NEIGHBOURS: usize = 6;
-/// Packets that the middle one of them must have heard.
+/// Least number of packets that the median of them must have heard.
 const HEARD_NEARBY: u64 = 3;
 
-/// Whether each stop heard nothing at all although, by the curve, that is all but impossible and although most of the
-/// stops nearest to it did hear something. `ln_silence` has the logarithm of the probability of hearing nothing at it.
+/// Whether each stop is dead: it heard nothing, although this is nearly impossible by the curve, and although most of
+/// the nearest stops heard something. `ln_silence` holds, for each stop, the logarithm of the probability of hearing
+/// nothing.
 pub(super) fn find(log: &ReceptionLog, ln_silence: &[f64], watch: &dyn Watch) -> Result<Vec<bool>, Interrupted> {
     let mut heard = vec![0_u64; log.stops().len()];
     for reception in log.receptions() {
@@ -22,7 +23,7 @@ pub(super) fn find(log: &ReceptionLog, ln_silence: &[f64], watch: &dyn Watch) ->
     (0..heard.len()).map(|stop| watch.check().map(|()| is_dead(stop))).collect()
 }
 
-/// Packets heard at the middle one of the stops nearest to `stop`.
+/// Median number of packets heard at the stops nearest to `stop`.
 fn nearby(log: &ReceptionLog, stop: usize, heard: &[u64]) -> u64 {
     let place = log.stops()[stop].position;
     let mut others: Vec<(f64, u64)> = (0..heard.len())

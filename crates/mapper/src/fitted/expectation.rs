@@ -1,4 +1,4 @@
-//! Where the nodes are, given the curve.
+//! The posteriors of the nodes, given the curve.
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, Watch};
@@ -11,12 +11,12 @@ use crate::local_posterior::{LocalPosterior, local_posterior};
 
 /// Smallest step of a grid, in bins of the curve.
 const LEAST_STEP: f64 = 0.5;
-/// Weight below which a place is not counted.
+/// Places with a lower weight are not counted.
 const SLIGHT: f64 = 5e-4;
-/// How many standard deviations beyond the range a reception is an outlier.
+/// A reception is an outlier if it is this many standard deviations beyond the range.
 const SURE: f64 = 3.0;
 
-/// One round: the curve that it starts with, and the stops that count.
+/// One round: its first curve, and the stops that are used.
 pub(super) struct Round<'a> {
     pub(super) log: &'a ReceptionLog,
     pub(super) heights: Heights,
@@ -25,11 +25,11 @@ pub(super) struct Round<'a> {
     pub(super) watch: &'a dyn Watch,
 }
 
-/// What one node adds to a round.
+/// The contribution of one node to a round.
 pub(super) struct Expected {
     pub(super) belief: Belief,
     pub(super) counts: Counts,
-    /// Stops that did not hear the node, with the logarithm of the probability of that.
+    /// Stops that did not hear the node, each with the logarithm of the probability of this silence.
     pub(super) silent: Vec<(u32, f64)>,
 }
 
@@ -42,7 +42,8 @@ struct Listener {
 }
 
 impl Round<'_> {
-    /// The posterior of a node and what it says of the curve; anything if the work was ended meanwhile.
+    /// The posterior of a node and what it says of the curve. If the work was ended meanwhile, the result means
+    /// nothing.
     pub(super) fn expect(&self, node: NodeId, belief: &Belief) -> Expected {
         let (listeners, far) = self.listeners(node, belief);
         let posterior = self.posterior(belief, &listeners);
@@ -73,7 +74,7 @@ impl Round<'_> {
         Expected { belief, counts, silent }
     }
 
-    /// Receptions of a node from far beyond the range; none if the work was ended.
+    /// Receptions of a node from far beyond the range. Empty if the work was ended.
     pub(super) fn outliers(&self, node: NodeId) -> Vec<(NodeId, u32)> {
         if self.watch.is_stopped() {
             return Vec::new();
@@ -89,7 +90,7 @@ impl Round<'_> {
         far.map(|entry| (node, entry.stop)).collect()
     }
 
-    /// The stops that may tell one place of the node from another, dead ones included, and the packets sent and
+    /// The stops whose receptions depend on the place of the node, dead ones included, and the packets sent and
     /// received over all larger distances.
     fn listeners(&self, node: NodeId, belief: &Belief) -> (Vec<Listener>, [f64; 2]) {
         let spread_m = belief.spread_m.iter().map(|spread| spread * spread).sum::<f64>().sqrt();

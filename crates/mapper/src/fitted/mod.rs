@@ -19,11 +19,11 @@ use expectation::Round;
 
 /// How a reception profile is estimated from a log.
 ///
-/// Expectation maximisation: the positions of the nodes under the present curve, as posteriors and not as points;
-/// then the curve of highest likelihood under these posteriors, which is the isotonic regression of the shares of
-/// packets received over distance, weighed by packets sent; and again, until the curve stays. Nothing is known
-/// beforehand but that the probability does not rise with distance. Receptions from far beyond the range that comes
-/// out are no evidence, nor are stops at which a receiver was dead.
+/// The method is expectation maximisation. The first step computes the posterior of each node under the current
+/// curve. The second step computes the curve of highest likelihood under these posteriors: the isotonic regression of
+/// the shares of packets received over distance, weighted by packets sent. Both steps are repeated until the curve
+/// converges. The only assumption is that the probability does not rise with distance. Receptions from far beyond the
+/// estimated range are left out, and so are stops at which the receiver did not work.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
     max_rounds: u32,
@@ -35,34 +35,35 @@ pub struct Fitted {
 pub struct Fit {
     /// The curve.
     pub curve: TableProfile,
-    /// Rounds that it took.
+    /// Number of rounds.
     pub rounds: u32,
-    /// Whether the curve stays.
+    /// Whether the curve has converged.
     pub converged: bool,
-    /// Stops at which nothing was heard although it is all but impossible that a working receiver hears nothing there.
+    /// Stops at which the receiver did not work: nothing was heard, although this is nearly impossible for a working
+    /// receiver.
     pub dead_stops: Vec<u32>,
     /// Receptions from far beyond the range, as node and stop.
     pub outliers: Vec<(NodeId, u32)>,
-    /// Nodes from which the curve was estimated.
+    /// Number of nodes from which the curve was estimated.
     pub nodes: usize,
 }
 
-/// Most nodes that the curve is estimated from, in a plane and in space: it then has an accuracy of some thousandths.
+/// Maximum number of nodes from which the curve is estimated, in a plane and in space. This gives an accuracy of a
+/// few thousandths.
 const ENOUGH_NODES: [usize; 2] = [512, 192];
-/// A curve that changes by less than this share of its own statistical error stays.
+/// The curve has converged if it changes by less than this share of its statistical error.
 const NOISE: f64 = 0.2;
-/// Nodes whose posteriors are held at a time.
+/// Number of nodes whose posteriors are held at a time.
 const BLOCK: usize = 128;
-/// Vertices of the grids of a node in a round, about, in a plane and in space.
+/// Approximate number of grid vertices of a node in a round, in a plane and in space.
 const VERTICES: [f64; 2] = [160.0, 700.0];
-/// Rounds before stops are tested, because the first curves reach too far.
+/// Number of rounds before stops are tested, because the first curves reach too far.
 const ROUNDS_BEFORE_TESTS: u32 = 6;
 
 impl Fitted {
-    /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes (m); if
-    /// absent they are at the height of the stops if these are level, and otherwise as far below and above them as
-    /// packets reach.
-    /// The same bits for any number of threads.
+    /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes
+    /// (m). If absent, nodes are at the height of the stops if these are level, otherwise within one radio range
+    /// below and above them. The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// If `watch` ends the work.
@@ -118,7 +119,7 @@ impl Fitted {
         Ok(Some(Fit { curve: curve.table(), rounds, converged, dead_stops, outliers, nodes: sample.len() }))
     }
 
-    /// What all rounds take, if all stops are in reach of each of `nodes` nodes.
+    /// The work of all rounds, if all stops are in reach of each of `nodes` nodes.
     fn work(&self, log: &ReceptionLog, nodes: usize, heights: Heights) -> Work {
         let is_spatial = matches!(heights, Heights::Between(..));
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
@@ -149,8 +150,8 @@ impl Fit {
         ReceptionProfile::Table(table.unwrap_or_else(|_| curve.clone()))
     }
 
-    /// The part of `log` that is evidence: without dead stops, and with receptions from far beyond the range as `0` of
-    /// `0`. Stops have new indices.
+    /// The part of `log` that is used: without dead stops, and with receptions from far beyond the range replaced by
+    /// `0` of `0`. Stops have new indices.
     ///
     /// # Panics
     /// If this is not the fit of `log`.
@@ -188,7 +189,7 @@ impl Fit {
     }
 }
 
-/// Where stops at which a node was heard lie, with the packets heard.
+/// The places of the stops that heard a node, with the packets heard.
 fn receivers(log: &ReceptionLog, node: NodeId) -> impl Iterator<Item = (Position, u32)> + Clone {
     let heard = log.of(node).iter().filter(|reception| reception.received > 0);
     heard.map(|reception| (log.stops()[reception.stop as usize].position, reception.received))

@@ -6,7 +6,7 @@ mod triangulation;
 pub use multilateration::{Range, multilaterate, multilaterate_linear, refine, trilaterate};
 pub use triangulation::triangulate;
 
-/// Why a place does not follow from distances or angles.
+/// Reasons why a place cannot be computed from distances or angles.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LaterationError {
     /// Too few anchors.
@@ -20,10 +20,10 @@ pub enum LaterationError {
     /// Anchors on one line (in one plane).
     #[error("the anchors lie on one line or in one plane, so that two places fit alike")]
     Degenerate,
-    /// All angles are those of a place on the circle through the anchors, or in line with them.
+    /// The place lies on the circle through the anchors, or on one line with them.
     #[error("the place lies on the circle through the anchors, where all places see them under the same angles")]
     OnCircle,
-    /// A distance, angle or place that is no number.
+    /// A distance, angle or place is not finite.
     #[error("a place, a distance or an angle is not finite")]
     NotFinite,
 }

@@ -10,7 +10,7 @@ use crate::least_squares::{Damping, LeastSquares, minimum};
 
 /// Smallest ratio of singular values at which anchors still span plane or space.
 const FLATNESS: f64 = 1e-9;
-/// Steps of the refinement, at most.
+/// Maximum number of steps of the refinement.
 const STEPS: u32 = 100;
 
 /// A distance to a known place.
@@ -43,8 +43,8 @@ pub fn trilaterate(anchors: [Position; 3], distances_m: [f64; 3]) -> Result<Posi
 }
 
 /// The place in two or three `dimensions` that fits the distances by linear least squares: the equations
-/// `|x − a_i|² = d_i²` less the last one, `X = (PᵀP)⁻¹ PᵀQ` (Gunathillake 2018, appendix A). Weights are not used. In
-/// two dimensions the height is that of the first anchor, and distances are those in the plane.
+/// `|x − a_i|² = d_i²` minus the last one, `X = (PᵀP)⁻¹ PᵀQ` (Gunathillake 2018, appendix A). Weights are not used.
+/// In two dimensions the height is that of the first anchor, and distances are those in the plane.
 ///
 /// # Errors
 /// If there are fewer than `dimensions + 1` anchors, they lie on one line (in one plane), or a number is not finite.
@@ -71,11 +71,12 @@ pub fn multilaterate_linear(ranges: &[Range], dimensions: usize) -> Result<Posit
     Ok(Position::new(last.anchor.x_m + x[0], last.anchor.y_m + x[1], z_m))
 }
 
-/// The place whose distances fit best: the minimum of `Σ w (|x − a| − d)²` next to the linear solution, or next to
-/// the anchors' centroid where there is none.
+/// The place whose distances fit best: the minimum of `Σ w (|x − a| − d)²` near the linear solution, or near the
+/// centroid of the anchors if there is no linear solution.
 ///
 /// # Errors
-/// As [`multilaterate_linear`], but for anchors on one line, which are accepted: one of the two mirror images is found.
+/// As [`multilaterate_linear`], but anchors on one line are accepted; the result is then one of the two mirror
+/// images.
 pub fn multilaterate(ranges: &[Range], dimensions: usize) -> Result<Position, LaterationError> {
     let start = match multilaterate_linear(ranges, dimensions) {
         Ok(place) => place,
@@ -85,8 +86,8 @@ pub fn multilaterate(ranges: &[Range], dimensions: usize) -> Result<Position, La
     Ok(refine(start, ranges, dimensions))
 }
 
-/// A place beside the weighted centroid of the anchors: exactly between anchors on one line all directions across it
-/// are alike.
+/// A place beside the weighted centroid of the anchors. If all anchors are on one line, the slope across the line is
+/// zero on it, and a search could not leave the line.
 fn beside_centroid(ranges: &[Range], dimensions: usize) -> Position {
     let weights: f64 = ranges.iter().map(|range| range.weight).sum();
     let mean = ranges.iter().fold(Position::ORIGIN, |sum, range| sum + range.anchor * (range.weight / weights));
@@ -95,7 +96,7 @@ fn beside_centroid(ranges: &[Range], dimensions: usize) -> Position {
     mean + Position::new(0.618 * step_m, 0.786 * step_m, if dimensions == 3 { 0.486 * step_m } else { 0.0 })
 }
 
-/// The minimum of `Σ w (|x − a| − d)²` next to `start`, by Levenberg and Marquardt's method. In two dimensions the
+/// The minimum of `Σ w (|x − a| − d)²` near `start`, by Levenberg and Marquardt's method. In two dimensions the
 /// height stays that of `start` and distances are those in the plane.
 #[must_use]
 pub fn refine(start: Position, ranges: &[Range], dimensions: usize) -> Position {
@@ -105,7 +106,7 @@ pub fn refine(start: Position, ranges: &[Range], dimensions: usize) -> Position 
 
 const DAMPING: Damping = Damping { first: 1e-3, ease: 0.2, least: 1e-15, tighten: 5.0, most: 5e12 };
 
-/// Distances that a place is to have.
+/// The distances that the place should have.
 struct Ranges<'a> {
     ranges: &'a [Range],
     dimensions: usize,
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn too_few_anchors_and_numbers_that_are_none_are_refused() {
+    fn too_few_anchors_and_invalid_numbers_are_rejected() {
         let two = [Range::new(Position::ORIGIN, 1.0), Range::new(Position::new(1.0, 0.0, 0.0), 1.0)];
         assert_eq!(multilaterate(&two, 2), Err(LaterationError::TooFew { found: 2, dimensions: 2 }));
         assert_eq!(multilaterate(&[], 3), Err(LaterationError::TooFew { found: 0, dimensions: 3 }));

@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 use super::LaterationError;
 
-/// The least sine of an angle under which a pair of anchors tells anything.
+/// Least sine of the angle between two anchors that can be used.
 const LEAST_SINE: f64 = 1e-9;
 
 /// The place in the plane from which three anchors are seen in the directions `bearings_rad`, counter-clockwise from
@@ -16,7 +16,8 @@ const LEAST_SINE: f64 = 1e-9;
 /// in the line of the centres.
 ///
 /// # Errors
-/// If the place lies on the circle through all three anchors, or in line with them all, or a number is not finite.
+/// If the place lies on the circle through all three anchors or on one line with all of them, or if a number is not
+/// finite.
 pub fn triangulate(anchors: [Position; 3], bearings_rad: [f64; 3]) -> Result<Position, LaterationError> {
     if !(anchors.iter().all(|anchor| anchor.is_finite()) && bearings_rad.iter().all(|bearing| bearing.is_finite())) {
         return Err(LaterationError::NotFinite);
@@ -80,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn the_circle_through_the_anchors_is_refused() {
+    fn a_place_on_the_circle_through_the_anchors_is_rejected() {
         let on_circle = |angle: f64| Position::new(3.0 * angle.cos(), 3.0 * angle.sin(), 0.0);
         let anchors = [on_circle(0.1), on_circle(1.7), on_circle(3.9)];
         let refused = triangulate(anchors, bearings(on_circle(5.0), anchors, 0.0));

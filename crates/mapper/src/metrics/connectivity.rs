@@ -7,7 +7,7 @@ use super::ellipse::{Affine, Axes};
 use super::error::MetricError;
 use crate::cells::CellIndex;
 
-/// What a neighbourhood, a ball on the ground, becomes on the map.
+/// How a neighbourhood, which is a ball on the ground, is transferred to the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NeighbourhoodRule {
     /// One ellipse for all nodes: the image of the ball under the affine map from ground to map that fits
@@ -30,19 +30,20 @@ pub struct ConnectivityError {
     pub radius_m: f64,
     /// Pairs of neighbours on the ground.
     pub physical: u64,
-    /// Those that are no neighbours on the map, or have a node that is not mapped.
+    /// Pairs of neighbours on the ground that are not neighbours on the map, or that have a node without a place on
+    /// the map.
     pub lost: u64,
     /// Pairs of neighbours on the map that are not neighbours on the ground.
     pub gained: u64,
     /// Nodes without a neighbour on the ground.
     pub isolated: usize,
-    /// Share of its neighbours that each node has lost; `None` for a node that has none.
+    /// Share of its neighbours that each node has lost; `None` for a node without neighbours.
     pub per_node: Vec<Option<f64>>,
 }
 
 impl ConnectivityError {
-    /// The one-hop connectivity error, 0 to 1: share of the pairs of neighbours that are lost (the thesis' `E_total`);
-    /// 0 if there are none.
+    /// The one-hop connectivity error, 0 to 1: share of the pairs of neighbours that are lost (`E_total` of the
+    /// thesis); 0 if there are no pairs.
     #[must_use]
     pub fn connectivity_error(&self) -> f64 {
         share(self.lost, self.physical)
@@ -54,7 +55,7 @@ impl ConnectivityError {
         share(self.gained, self.physical - self.lost + self.gained)
     }
 
-    /// 1 − F₁ of the map's neighbours: counts lost and gained ones alike, so that a map collapsed to a
+    /// 1 − F₁ of the map's neighbours: counts lost and gained neighbours alike, so that a map with all nodes in one
     /// point is not perfect.
     #[must_use]
     pub fn symmetric_loss(&self) -> f64 {
@@ -78,12 +79,12 @@ fn share(part: u64, whole: u64) -> f64 {
 ///
 /// Two nodes are neighbours on the ground if they are at most `radius_m` apart, whatever stands between them. They
 /// are neighbours on the map if the second lies in the ellipse (ellipsoid) round the first that `rule` makes of that
-/// ball. If all true places share one height, everything happens in the plane. Ellipses follow from the mapped
-/// nodes alone; a node that is not mapped has lost all its neighbours, and they have lost it.
+/// ball. If all true places have the same height, the comparison is in the plane. Ellipses are computed from the
+/// mapped nodes only. A node that is not mapped has lost all its neighbours, and they have lost it.
 ///
 /// # Errors
-/// If the lists differ in length, the radius is no positive number, the mapped nodes lie so that no ellipse follows, or
-/// `watch` ends the work.
+/// If the lists differ in length, the radius is not a positive number, the mapped nodes do not determine an ellipse,
+/// or `watch` ends the work.
 pub fn connectivity_error(
     truth: &[Position],
     map: &[Option<Position>],
@@ -99,8 +100,8 @@ pub fn connectivity_error(
     }
     let pairs: Vec<(Position, Position)> =
         truth.iter().zip(map).filter_map(|(&truth, image)| image.map(|image| (truth, image))).collect();
-    // Images in coordinates in which the neighbourhood of each node is a box-aligned ellipsoid, and its half-axes in
-    // units of the radius.
+    // Images in coordinates in which the neighbourhood of each node is an axis-aligned ellipsoid, and the half-axes
+    // of this ellipsoid in units of the radius.
     let (images, half_axes): (Vec<Position>, Vec<[f64; 3]>) = match rule {
         NeighbourhoodRule::Affine => {
             let affine = Affine::fit(&pairs)?;
@@ -235,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_node_that_moves_gains_false_neighbours() {
-        // A far pair comes together; the others are so many that the affine map hardly changes.
+        // A node moves next to a node far away. The others are so many that the affine map hardly changes.
         let truth = square(20, 1);
         let mut map = images(&truth, |p| p);
         map[210] = Some(Position::new(2.5, 2.5, 0.0));
@@ -277,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_without_an_ellipse_are_refused() {
+    fn inputs_without_an_ellipse_are_rejected() {
         let truth = square(3, 1);
         let map = images(&truth, |_| Position::ORIGIN);
         for rule in RULES {

@@ -10,7 +10,7 @@ pub struct RssLinks<'a> {
     pub places: &'a [Position],
     /// Whether each node is an anchor.
     pub is_anchor: &'a [bool],
-    /// Two nodes and the number of packets whose strengths average; a pair may come more than once.
+    /// Two nodes, and the number of packets over which the strength was averaged. A pair may occur more than once.
     pub links: &'a [(usize, usize, f64)],
     /// Path loss exponent.
     pub exponent: f64,
@@ -18,11 +18,11 @@ pub struct RssLinks<'a> {
     pub sigma_db: f64,
 }
 
-/// Lower bound of the root mean square error of each node that is no anchor, of any unbiased estimator of all places
-/// from the strengths of `links` under log-normal shadowing (m) (Patwari et al. 2003): `sqrt(tr (F⁻¹)_ii)`, F having the
-/// blocks `F_ii = Σ g u uᵀ/d²`, `F_ij = −g u uᵀ/d²` with `g = k (10 n/(σ ln 10))²`, u the unit vector and d the length
-/// of a link of k packets. In two dimensions if all places share one height. `None` if the links leave the places of some
-/// nodes open; an anchor has no entry. Costs O(N³).
+/// Lower bound of the root mean square error (m) of each node that is not an anchor. It holds for any unbiased
+/// estimator of all places from the strengths of `links` under log-normal shadowing (Patwari et al. 2003):
+/// `sqrt(tr (F⁻¹)_ii)`, F having the blocks `F_ii = Σ g u uᵀ/d²`, `F_ij = −g u uᵀ/d²` with `g = k (10 n/(σ ln 10))²`,
+/// u the unit vector and d the length of a link of k packets. Two-dimensional if all places have the same height.
+/// `None` if the links do not determine the places of all nodes; the entry of an anchor is `None`. Costs O(N³).
 #[must_use]
 pub fn rss_crlb_m(links: &RssLinks<'_>) -> Option<Vec<Option<f64>>> {
     let RssLinks { places, is_anchor, links, exponent, sigma_db } = *links;

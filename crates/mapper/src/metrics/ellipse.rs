@@ -1,11 +1,11 @@
-//! What a ball on the ground becomes on the map.
+//! The image on the map of a ball on the ground.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use sextant_channel::Position;
 
 use super::error::MetricError;
 
-/// Smallest ratio of singular values at which places still span plane or space.
+/// Smallest ratio of singular values at which places count as spanning plane or space.
 const FLATNESS: f64 = 1e-9;
 
 /// 2 if the true places share one height, otherwise 3.
@@ -25,7 +25,7 @@ fn flattened(place: Position, dimensions: usize) -> Vector3<f64> {
     Vector3::new(place.x_m, place.y_m, if dimensions == 3 { place.z_m } else { 0.0 })
 }
 
-/// `matrix` with its height made independent in a planar network, inverted.
+/// The inverse of `matrix`. In a planar network the height is first made independent.
 fn inverse(mut matrix: Matrix3<f64>, dimensions: usize) -> Option<Matrix3<f64>> {
     if dimensions == 2 {
         for i in 0..3 {
@@ -85,8 +85,8 @@ impl Affine {
     }
 }
 
-/// The lines that cross the network through its middle, east, north and, in space, up; on the ground and on the
-/// map, where the nodes nearest to their ends are.
+/// The lines through the middle of the network: east, north and, in space, up. On the map they run through the nodes
+/// nearest to their ends.
 #[derive(Debug)]
 pub(super) struct Axes {
     dimensions: usize,
@@ -96,7 +96,7 @@ pub(super) struct Axes {
     half_extent: Vector3<f64>,
     /// The place on the map nearest to all lines.
     crossing: Vector3<f64>,
-    /// From map to coordinates along the lines, each divided by the ratio of its line.
+    /// Maps places on the map to coordinates along the lines, each divided by the ratio of its line.
     scaled: Matrix3<f64>,
 }
 
@@ -135,7 +135,7 @@ impl Axes {
                 return Err(MetricError::Degenerate("the ends of a line across the network coincide"));
             }
             let direction = (end - start) / length;
-            // A step of one metre on the ground along the axis.
+            // The image of a step of one metre along the axis on the ground.
             basis.set_column(axis, &(direction * (length / ground)));
             let across = Matrix3::identity() - direction * direction.transpose();
             normal += across;
@@ -157,8 +157,8 @@ impl Axes {
         Position::new(along.x, along.y, along.z)
     }
 
-    /// Half-axes of a node's own ellipse relative to the network's: how much farther from the middle its image is
-    /// along each line than its place.
+    /// Half-axes of a node's own ellipse relative to the network's: the distance of its image from the middle along
+    /// each line, over that of its place.
     pub(super) fn half_axes(&self, truth: Position, image: Position) -> [f64; 3] {
         let ground = flattened(truth, self.dimensions) - self.middle;
         let map: [f64; 3] = self.scaled(image).into();
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_node_has_its_own_ratios_unless_they_are_wild() {
+    fn a_node_has_its_own_ratios_within_limits() {
         let place = |x, y| Position::new(f64::from(x), f64::from(y), 0.0);
         let mut pairs: Vec<_> =
             (-2..=2).flat_map(|y| (-2..=2).map(move |x| (place(x, y), place(x, y) * 3.0))).collect();

@@ -7,13 +7,13 @@ use crate::cells::CellIndex;
 use crate::lattice::whole;
 
 /// The topology preservation error of a map in the frame of the truth (after Dhanapala and Jayasumana 2014), 0 to 1:
-/// over the lines along each axis of the network, the share of the pairs of nodes on one line that stand on the map in
-/// the other order, or in one place.
+/// over the lines along each axis of the network, the share of the pairs of nodes on one line that are in reverse
+/// order on the map, or in one place.
 ///
 /// The paper's networks are lattices. In general a line is a strip (in space a bar) as wide as the median distance of
-/// a node to its nearest neighbour: a row of the lattice if there is one. If all true places share one height, there are
-/// lines along two axes, otherwise along three. `None` if no line has two nodes. Nodes that are not mapped do not
-/// count.
+/// a node to its nearest neighbour: a row of the lattice if there is one. If all true places have the same height,
+/// there are lines along two axes, otherwise along three. `None` if no line has two nodes. Nodes that are not mapped
+/// are left out.
 ///
 /// # Errors
 /// If `watch` ends the work.
@@ -49,7 +49,7 @@ pub fn topology_preservation_error(
     Ok((compared > 0).then(share))
 }
 
-/// Median distance of a node to its nearest neighbour, if there is one elsewhere (m).
+/// Median distance of a node to its nearest neighbour at another place (m); `None` if all nodes are in one place.
 fn median_spacing_m(pairs: &[([f64; 3], [f64; 3])], watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
     let places: Vec<Position> = pairs.iter().map(|pair| pair.0.into()).collect();
     let Some((first, rest)) = places.split_first() else { return Ok(None) };

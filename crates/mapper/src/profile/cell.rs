@@ -1,12 +1,12 @@
-//! What a curve is like for a node that is somewhere in the cell of a vertex.
+//! The reception curve averaged over the cell of a vertex.
 
 /// Points of the midpoint rule along each side of the cell.
 const POINTS: u32 = 6;
-/// Directions of the stop, as seen from the cell, over an eighth of the circle.
+/// Number of directions to the stop, over an eighth of the circle.
 const DIRECTIONS: u32 = 4;
 
-/// Mean of `probability` over the places of a square cell of side `cell_m` whose middle is `distance_m` away, and over
-/// the directions in which it lies. The variance of the distance is the same for a cube.
+/// Mean of `probability` over a square cell of side `cell_m` whose middle is `distance_m` away, and over the
+/// directions to the cell. The variance of the distance is the same for a cube.
 pub(crate) fn averaged_over_cell(probability: impl Fn(f64) -> f64, distance_m: f64, cell_m: f64) -> f64 {
     let mut sum = 0.0;
     let along = |i: u32| ((f64::from(i) + 0.5) / f64::from(POINTS) - 0.5) * cell_m;

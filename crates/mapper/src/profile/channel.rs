@@ -9,10 +9,11 @@ use sextant_kernel::SettingError;
 
 use super::DEFAULT_FLOOR;
 use super::cell::averaged_over_cell;
+use super::limits::above_0_to_1;
 use crate::TableProfile;
 
-/// The profile of a known channel as written in a scenario. In a scenario, what is absent is taken from its radio, its
-/// channel and its traffic; anywhere else, the first four are needed.
+/// The profile of a known channel as written in a scenario. In a scenario, absent values come from its radio, channel
+/// and traffic. Elsewhere, the first four values are required.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelProfileConfig {
@@ -25,31 +26,32 @@ pub struct ChannelProfileConfig {
     /// Transmit power at the reference distance (dBm).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tx_power_dbm: Option<f64>,
-    /// Least power that is received (dBm).
+    /// Least power at which packets are received (dBm).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity_dbm: Option<f64>,
-    /// Hard communication radius (m); none if absent.
+    /// Hard communication radius (m). If absent, there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
     /// Distance at which the transmit power is given (m); 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_distance_m: Option<f64>,
-    /// Distance below which the loss stays what it is there (m); 0.1 if absent.
+    /// Below this distance the path loss is constant (m); 0.1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_distance_m: Option<f64>,
-    /// Share of the packets that are strong enough and also survive collisions, above 0, at most 1.
+    /// Share of the strong enough packets that survive collisions; above 0, at most 1.
     #[serde(default = "default_delivery")]
     pub delivery: f64,
-    /// Packets that a node sends, on average, while the robot listens at a stop: the curve is then that of hearing at
-    /// least one of them, and a stop counts as one packet. Absent: the curve is that of each packet.
+    /// Mean number of packets that a node sends while the robot listens at a stop. The curve is then the probability
+    /// of hearing at least one of them, and a stop counts as one packet. If absent, the curve is the probability of
+    /// receiving each packet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub packets_per_stop: Option<f64>,
-    /// Whether the probability at a vertex is the mean over its grid cell. Without it a hard radius rules out the
-    /// vertices nearest to a node wherever the node's own place is barely in range.
+    /// Whether the probability at a vertex is averaged over its grid cell. If not, a hard radius may rule out the
+    /// vertices nearest to a node, where the node itself is only just in range.
     #[serde(default = "default_cell_average")]
     pub cell_average: bool,
-    /// Whether the map is told of the obstacles of the world. If it is, the probability at a vertex is that of the straight
-    /// line to each stop with what the obstacles on it absorb.
+    /// Whether the map knows the obstacles of the world. If so, the probability at a vertex includes what the
+    /// obstacles on the straight line to each stop absorb.
     #[serde(default)]
     pub obstacles: ObstacleUse,
     /// Lowest probability of a reception, at any distance.
@@ -60,14 +62,14 @@ pub struct ChannelProfileConfig {
     pub ceiling: f64,
 }
 
-/// Whether a map is told of the obstacles.
+/// Whether a map knows the obstacles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ObstacleUse {
-    /// It knows of none.
+    /// It knows no obstacles.
     #[default]
     Unknown,
-    /// It knows them all, as only a simulation does.
+    /// It knows all obstacles. Only possible in a simulation.
     Known,
 }
 
@@ -80,7 +82,7 @@ fn default_cell_average() -> bool {
 }
 
 impl Default for ChannelProfileConfig {
-    /// Everything absent, all packets delivered, averaged over the grid cell.
+    /// No value given, all packets delivered, averaged over the grid cell.
     fn default() -> Self {
         Self {
             exponent: None,
@@ -102,15 +104,16 @@ impl Default for ChannelProfileConfig {
 
 /// Samples of the curve.
 const SAMPLES: u32 = 2000;
-/// Probability at which a curve without a hard radius ends, the floor standing for what is beyond.
+/// A curve without a hard radius ends at this probability. The floor applies beyond.
 const NEGLIGIBLE: f64 = 1e-3;
 
 impl ChannelProfileConfig {
     /// The curve on a grid of `grid_step_m`; 0 for no grid.
     ///
-    /// With q(d) the channel's own probability of a reception (see [`ChannelLaw::reception_probability`]), `delivery`
-    /// times that survives; a stop at which n packets are sent hears at least one with `1 − (1 − delivery q)ⁿ`, n being
-    /// the one or the other whole number next to `packets_per_stop`, in the shares that give this mean.
+    /// With q(d) the channel's own probability of a reception (see [`ChannelLaw::reception_probability`]), a packet
+    /// arrives with probability `delivery · q(d)`. A stop at which n packets are sent hears at least one with
+    /// probability `1 − (1 − delivery q)ⁿ`. n is one of the two whole numbers next to `packets_per_stop`, in the
+    /// proportions that give this mean.
     pub(super) fn table(&self, grid_step_m: f64) -> Result<TableProfile, SettingError> {
         let link = self.link()?;
         let probability = |distance_m: f64| link.probability(distance_m, Db(0.0));
@@ -127,7 +130,7 @@ impl ChannelProfileConfig {
             if cell_m > 0.0 {
                 averaged_over_cell(probability, distance_m, cell_m)
             } else {
-                // The last sample is at the hard radius, whatever the rounding.
+                // The last sample is exactly at the hard radius, in spite of rounding.
                 probability(if i == SAMPLES { range_m } else { distance_m })
             }
         });
@@ -143,9 +146,7 @@ impl ChannelProfileConfig {
             (needed("tx_power_dbm", self.tx_power_dbm)?, needed("sensitivity_dbm", self.sensitivity_dbm)?);
         SettingError::finite("tx_power_dbm", tx)?;
         SettingError::finite("sensitivity_dbm", sensitivity)?;
-        if !(self.delivery > 0.0 && self.delivery <= 1.0) {
-            return Err(SettingError::new("delivery", self.delivery, "above 0, at most 1"));
-        }
+        let delivery = above_0_to_1("delivery", self.delivery)?;
         let packets = SettingError::positive("packets_per_stop", self.packets_per_stop.unwrap_or(1.0))?;
         let default = LogDistanceConfig::default();
         let config = ChannelConfig {
@@ -163,11 +164,11 @@ impl ChannelProfileConfig {
             obstacles_attenuate: false,
         };
         let law = ChannelLaw::try_from(config).map_err(flat)?;
-        Ok(KnownLink { law, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery: self.delivery, packets })
+        Ok(KnownLink { law, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery, packets })
     }
 }
 
-/// How likely a stop hears a node over a link of known length through known obstacles.
+/// The probability that a stop hears a node over a link of known length through known obstacles.
 #[derive(Clone, Debug)]
 pub(crate) struct KnownLink {
     law: ChannelLaw,
@@ -178,8 +179,8 @@ pub(crate) struct KnownLink {
 }
 
 impl KnownLink {
-    /// Probability that a stop hears at least one packet over `distance_m` through obstacles that take `loss`; 0 beyond the
-    /// hard radius of the channel.
+    /// Probability that a stop hears at least one packet over `distance_m` through obstacles with a total loss of
+    /// `loss`; 0 beyond the hard radius of the channel.
     pub(crate) fn probability(&self, distance_m: f64, loss: Db) -> f64 {
         if distance_m > self.law.max_range_m() {
             return 0.0;
@@ -188,14 +189,14 @@ impl KnownLink {
         at_least_one(self.delivery * q, self.packets)
     }
 
-    /// Distance beyond which hardly anything is received (m).
+    /// Distance beyond which almost nothing is received (m).
     pub(crate) fn reach_m(&self) -> f64 {
         self.law.reach_m(self.tx, self.sensitivity)
     }
 }
 
-/// Probability that at least one of the packets sent at a stop arrives, each with `q`: `1 − (1 − q)ⁿ`, n being the one or the
-/// other whole number next to `packets`, in the shares that give this mean.
+/// Probability that at least one of the packets sent at a stop arrives, each with `q`: `1 − (1 − q)ⁿ`, where n is one
+/// of the two whole numbers next to `packets`, in the proportions that give this mean.
 #[expect(clippy::cast_possible_truncation, reason = "nobody sends 2^31 packets at a stop")]
 #[must_use]
 #[inline]
@@ -206,7 +207,8 @@ pub fn at_least_one(q: f64, packets: f64) -> f64 {
     1.0 - (1.0 - more) * none(few) - more * none(few + 1.0)
 }
 
-/// The distance at which a falling `probability` is negligible, at most `hard_m` (m); `None` if it is everywhere.
+/// The distance at which a falling `probability` becomes negligible, at most `hard_m` (m); `None` if it is negligible
+/// everywhere.
 fn range(probability: impl Fn(f64) -> f64, hard_m: f64) -> Option<f64> {
     let (mut near, mut far) = (1e-3, 1e-3);
     if probability(near) <= NEGLIGIBLE {
@@ -226,7 +228,7 @@ fn range(probability: impl Fn(f64) -> f64, hard_m: f64) -> Option<f64> {
     Some(far)
 }
 
-/// The error with the key of this table instead of the channel's.
+/// The error with the key as in this table.
 fn flat(error: SettingError) -> SettingError {
     let key = error.key.rsplit('.').next().unwrap_or_default().to_owned();
     SettingError { key, ..error }

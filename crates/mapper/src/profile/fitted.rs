@@ -3,15 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The fitted profile as written in a scenario: a curve that never rises, estimated from the log.
+/// The fitted profile as written in a scenario: a curve that never rises and is estimated from the log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FittedConfig {
-    /// Rounds after which the estimation ends whether it has converged or not; 1 or more.
+    /// Maximum number of rounds, 1 or more. The estimation then ends even if it has not converged.
     #[serde(default = "default_max_rounds")]
     pub max_rounds: u32,
-    /// Change of the curve from one round to the next below which it has converged: root of the mean square over all
-    /// pairs of a node and a stop in range. A fifth of the statistical error is enough where that is more.
+    /// The curve has converged if it changes by less than this from one round to the next: root mean square over all
+    /// pairs of a node and a stop in range. A change of a fifth of the statistical error is also small enough.
     #[serde(default = "default_tolerance")]
     pub tolerance: f64,
 }

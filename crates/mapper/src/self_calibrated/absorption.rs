@@ -1,22 +1,22 @@
-//! What stands in the way: a plane of upright cells that absorb.
+//! The map of obstacles: a plane of upright cells that absorb.
 
 use sextant_channel::Position;
 
-/// Absorption estimated from receptions, in upright cells. Its unit is the standard deviation of the shadowing a metre:
-/// the level of a signal is not in the log, only how much more often it is lost.
+/// Absorption estimated from receptions, in upright cells. Its unit is standard deviations of the shadowing per
+/// metre, because signal strengths are not used, only how often packets are lost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AbsorptionMap {
     low: [f64; 2],
     cell_m: f64,
     counts: [usize; 2],
-    /// Standard deviations that a line as long as a cell is wide loses in the cell.
+    /// Loss in each cell of a line as long as the cell is wide (standard deviations).
     pub(super) cells: Vec<f64>,
     /// Number of absorbing cells below and left of a corner.
     absorbing: Vec<u32>,
 }
 
 impl AbsorptionMap {
-    /// Empty cells about `cell_m` wide from `low` to `high`, wider if there would be more than `most`.
+    /// Empty cells about `cell_m` wide from `low` to `high`; wider if there would be more than `most` cells.
     pub(super) fn new(low: [f64; 2], high: [f64; 2], cell_m: f64, most: f64) -> Self {
         let size = [high[0] - low[0], high[1] - low[1]];
         let cell_m = cell_m.max((size[0] * size[1] / most).sqrt());
@@ -61,21 +61,21 @@ impl AbsorptionMap {
         f64::from(self.absorbing.last().copied().unwrap_or_default()) * self.cell_m * self.cell_m
     }
 
-    /// What the straight line between two places loses (standard deviations of the shadowing).
+    /// The loss of the straight line between two places (standard deviations of the shadowing).
     #[must_use]
     pub fn absorbed(&self, from: Position, to: Position) -> f64 {
         self.absorbed_level(from, to) * slant(to - from)
     }
 
-    /// What the projection of the line on the plane loses.
+    /// The loss of the projection of the line on the plane.
     pub(super) fn absorbed_level(&self, from: Position, to: Position) -> f64 {
         let mut sum = 0.0;
         self.crossings(from, to, |cell, enter, leave| sum += self.cells[cell] * (leave - enter));
         sum
     }
 
-    /// Calls `visit` with each cell that the projection of the line on the plane crosses, in turn, and where along the
-    /// projection it enters and leaves the cell, in widths of a cell.
+    /// Calls `visit` with each cell that the projection of the line on the plane crosses, in order, and where along
+    /// the projection the line enters and leaves the cell, in widths of a cell.
     pub(super) fn crossings(&self, from: Position, to: Position, mut visit: impl FnMut(usize, f64, f64)) {
         let per_m = 1.0 / self.cell_m;
         let start = [(from.x_m - self.low[0]) * per_m, (from.y_m - self.low[1]) * per_m];
@@ -137,14 +137,13 @@ impl AbsorptionMap {
         (x >= 0.0 && y >= 0.0 && i < self.counts[0] && j < self.counts[1]).then(|| j * self.counts[0] + i)
     }
 
-    /// Whether nothing absorbs.
+    /// Whether no cell absorbs.
     #[must_use]
     pub fn is_clear(&self) -> bool {
         self.absorbing.last().is_none_or(|&absorbing| absorbing == 0)
     }
 
-    /// Whether nothing absorbs in the cells that a box touches, as far as is known since the last
-    /// [`count`](Self::count).
+    /// Whether nothing absorbs in the cells that a box touches, as of the last [`count`](Self::count).
     pub(super) fn is_clear_within(&self, low: [f64; 2], high: [f64; 2]) -> bool {
         let mut from = [0; 2];
         let mut to = [0; 2];
@@ -161,7 +160,7 @@ impl AbsorptionMap {
         corner(to[0], to[1]) + corner(from[0], from[1]) == corner(from[0], to[1]) + corner(to[0], from[1])
     }
 
-    /// Takes note of which cells absorb.
+    /// Counts the cells that absorb.
     pub(super) fn count(&mut self) {
         let [columns, rows] = self.counts;
         for j in 0..rows {
@@ -174,10 +173,10 @@ impl AbsorptionMap {
     }
 }
 
-/// Absorption of a cell that makes no difference.
+/// Absorption of a cell that is too small to matter.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Length of a line over that of its projection on the plane; 1 if it is upright.
+/// Length of a line divided by that of its projection on the plane; 1 for an upright line.
 pub(super) fn slant(way: Position) -> f64 {
     let level = (way.x_m * way.x_m + way.y_m * way.y_m).sqrt();
     if level > 1e-9 { way.length_m() / level } else { 1.0 }
@@ -209,7 +208,7 @@ mod tests {
                     }
                 }
                 let worst = lengths.iter().fold(0.0, |worst: f64, length| worst.max(length.abs()));
-                // A line along a border may count to either side.
+                // A line along a border may count for either side.
                 assert!(worst < 3.0 * piece.max(1e-9), "{from:?} to {to:?}: {worst}");
             }
         }

@@ -14,52 +14,52 @@ use crate::heights::are_level;
 use crate::reach::reach_m;
 use crate::{CoordinateFrame, Estimate, KnowledgeKind, SoughtHeights, TopologyMap};
 
-/// Grid steps over the range that the log shows, if no step is set, in the plane and in space.
+/// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
-/// The first stage has steps of this share of the range, at most.
+/// Largest step of the first stage, as a share of the range.
 const COARSEST: f64 = 0.12;
 /// Width of a cell that may absorb, as a share of the range.
 const CELL: f64 = 0.05;
-/// Vertices of the window of a node, about, in the plane and in space.
+/// Approximate number of vertices of the window of a node, in the plane and in space.
 const VERTICES: [f64; 2] = [300.0, 3000.0];
 /// A stage ends when a round moves the nodes by less than this share of its step on average.
 const SETTLED: f64 = 0.05;
 
-/// Self-calibrated maps: the positions of the nodes with the reception curve, the efficiency of each stop and what stands
-/// in the way, all from one log.
+/// Self-calibrated maps: the positions of the nodes, the reception curve, the efficiency of each stop and the
+/// obstacles, all estimated from one log.
 ///
 /// The model: a packet sent at distance d is received at stop s with the probability `e_s Φ(z(d) − A)`. Φ is the normal
 /// distribution function, z falls with distance in any way, A is what obstacles absorb along the straight line in standard
 /// deviations of the shadowing (radio tomography; Wilson and Patwari 2010), `e_s` is the efficiency of the stop.
 ///
-/// What a map uses: which packets were received at which stops, and, if obstacles are sought, where the robot drove and
-/// what it met. It uses no channel, no anchors, no signal strengths and no sectors.
+/// A map uses which packets were received at which stops. If obstacles are searched for, it may also use where the
+/// robot drove and which obstacles it met. It does not use the channel, anchors, signal strengths or sectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelfCalibrated {
     settings: Settings,
 }
 
-/// What was estimated beside a self-calibrated map.
+/// What was estimated together with a self-calibrated map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// How likely a packet is received over a clear link at a stop of average efficiency; `None` if the log is too poor to
-    /// tell: the map is then made with a trapezoid over the range that the log shows.
+    /// Probability that a packet is received over a clear link at a stop of average efficiency. `None` if the log has
+    /// too few receptions to estimate it; the map then uses a trapezoid over the range seen in the log.
     pub curve: Option<CalibratedCurve>,
-    /// Efficiency of each stop: the share of the packets that it receives of those that reach it.
+    /// Efficiency of each stop: of the packets that reach it, the share that it receives.
     pub efficiency: Vec<f64>,
-    /// The knowledge of obstacles that was used: less than was asked for if it does not apply.
+    /// The knowledge of obstacles that was used. It may be less than the settings ask for, if it does not apply.
     pub knowledge: ObstacleKnowledge,
-    /// What stands in the way; `None` if it was not sought, or explains nothing.
+    /// The obstacles; `None` if they were not searched for, or explain nothing.
     pub obstacles: Option<AbsorptionMap>,
-    /// Rounds of positions, curve and obstacles.
+    /// Number of rounds of positions, curve and obstacles.
     pub rounds: u32,
     /// Whether the last round moved the nodes by less than a twentieth of the grid step on average, and neither a node
     /// nor the curve is at its bound.
     pub converged: bool,
-    /// Nodes that might as well be farther away than they were sought: a node is sought within reach of the stops that
-    /// heard it, and its place says little if it is at the end of that.
+    /// Nodes that may be farther away. A node is searched for in a box within reach of the stops that heard it. If it
+    /// is at the border of this box, its place is not reliable.
     pub at_bound: Vec<NodeId>,
-    /// Whether the curve goes on farther than the log tells: over the longest distance that there is, packets still arrive.
+    /// Whether the curve extends beyond the log: packets still arrive over the longest distance in the log.
     pub curve_at_bound: bool,
 }
 
@@ -67,7 +67,7 @@ impl SelfCalibrated {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "self-calibrated";
 
-    /// What it uses of what it is given to know.
+    /// The kinds of knowledge that it uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
         match self.settings.obstacles {
@@ -76,10 +76,10 @@ impl SelfCalibrated {
         }
     }
 
-    /// The map of the nodes in `log`, with a covariance of each, and what was estimated beside it (`None` if nothing was
-    /// heard), computed on the current rayon pool; the same bits for any number of threads. Nodes that were never heard
-    /// are not placed. Takes about 30 rounds, each linear in the nodes and in the stops in range of a node. Memory beside the
-    /// log is at most some 400 MB, however large that is.
+    /// The map of the nodes in `log`, with a covariance for each node, and what else was estimated (`None` if nothing
+    /// was heard), computed on the current rayon pool. The result is bit-identical for any number of threads. Nodes
+    /// that were never heard are not placed. Takes about 30 rounds, each linear in the nodes and in the stops in
+    /// range of a node. Apart from the log, it needs at most about 400 MB of memory, for a log of any size.
     ///
     /// # Errors
     /// If `watch` ends the work.
@@ -104,7 +104,7 @@ impl SelfCalibrated {
         map.heights = Some(heights);
         let is_spatial = heights.high_m > heights.low_m;
         let step_m = self.settings.grid_step_m.unwrap_or(start.range_m / STEPS_PER_RANGE[usize::from(is_spatial)]);
-        // Over stops at several heights a robot passes above and below what is in its way elsewhere.
+        // If the stops have several heights, the robot may pass above or below an obstacle that blocks it elsewhere.
         let applies = start.is_rich && are_level(log.stops(), reach_m);
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
         let counts = Counts::new(log, start.range_m);
@@ -138,7 +138,7 @@ impl SelfCalibrated {
         Ok((map, Some(calibration)))
     }
 
-    /// What all rounds take, if all stops are in reach of each of `nodes` nodes.
+    /// The work of all rounds, if all stops are in reach of each of `nodes` nodes.
     fn work(&self, log: &ReceptionLog, nodes: usize, is_spatial: bool) -> Work {
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let links = nodes as f64 * log.stops().len() as f64;
@@ -150,7 +150,8 @@ impl SelfCalibrated {
         }
     }
 
-    /// From coarse steps, without obstacles, to steps of `step_m`; whether the last stage converged.
+    /// Runs the stages, from coarse steps without obstacles to steps of `step_m`. Returns whether the last stage
+    /// converged.
     fn run(
         &self,
         draft: &mut Draft<'_>,
@@ -164,7 +165,7 @@ impl SelfCalibrated {
         let mut converged = draft.stage(coarsest_m, SETTLED * coarsest_m, most_rounds)?;
         if knowledge != ObstacleKnowledge::None {
             draft.seek_obstacles(knowledge, CELL * range_m, coarsest_m);
-            // Obstacles move the nodes, so there is another stage even if there are no finer steps.
+            // Obstacles change the places of the nodes, so there is another stage even without finer steps.
             halvings = halvings.max(1.0);
         }
         while halvings > 0.0 {

@@ -1,29 +1,30 @@
-//! What is believed of all nodes.
+//! The current estimates of the places of all nodes.
 
 use rayon::prelude::*;
 use sextant_kernel::Interrupted;
 
+use super::belief::Belief;
 use super::bounds::Bounds;
 use super::model::Sums;
-use super::posterior::{Belief, Scratch, Surroundings, Tally};
+use super::posterior::{Scratch, Surroundings, Tally};
 
-/// Nodes whose counts are held at a time.
+/// Number of nodes whose counts are held at a time.
 const BLOCK: usize = 512;
 
 /// The beliefs of all nodes that were heard.
 #[derive(Debug)]
 pub(super) struct Beliefs {
     pub(super) nodes: Vec<Belief>,
-    /// Where each of them may be.
+    /// The box in which each node is searched for.
     bounds: Vec<Bounds>,
     tallies: Vec<Tally>,
     next: Vec<Belief>,
 }
 
-/// What a round did.
+/// The progress of one round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
-    /// How far the nodes moved on average (m).
+    /// Mean distance that the nodes moved (m).
     pub(super) shift_m: f64,
     pub(super) vertices: u64,
 }
@@ -34,8 +35,8 @@ impl Beliefs {
         Self { next: nodes.clone(), nodes, bounds, tallies }
     }
 
-    /// Computes the posterior of each node again, and adds their counts to `sums`, in the order of the nodes whatever
-    /// the threads.
+    /// Computes the posterior of each node again, and adds their counts to `sums`. The order is that of the nodes for
+    /// any number of threads.
     pub(super) fn refine(
         &mut self,
         surroundings: &Surroundings<'_>,

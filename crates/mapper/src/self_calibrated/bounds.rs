@@ -1,26 +1,26 @@
-//! How far from the stops that heard it a node may be.
+//! The box in which a node is searched for, from the stops that heard it.
 //!
-//! A log tells where a node is only as far as its stops reach: where all stops hear all nodes alike, a node far away
-//! explains the log as well as one among them, and nothing else holds it. So a node is sought in a box round the stops
-//! that heard it, and one that would rather leave its box is reported.
+//! A log determines the place of a node only within the reach of its stops. If all stops hear all nodes equally well,
+//! a node far away explains the log as well as a node among the stops. So a node is searched for in a box round the
+//! stops that heard it, and a node that is as likely at the border of its box is reported.
 
 use sextant_channel::{Position, ReceptionLog};
 
 use crate::reach::HeardNode;
 use crate::{HeightReason, SoughtHeights};
 
-/// A node may be this many reaches from a stop that heard it.
+/// A node may be this many times the reach away from a stop that heard it.
 const REACHES: f64 = 1.25;
-/// Where the stops that heard a node are farther apart than that, it may be beyond them by this share of the reach, or
-/// of the diagonal of the box of all stops if that is less.
+/// If the stops that heard a node are farther apart than that, the node may be outside them by this share of the
+/// reach, or of the diagonal of the box of all stops if that is smaller.
 const BEYOND: [f64; 2] = [0.5, 0.1];
 
-/// The corners of the box that a node is sought in (m).
+/// The corners of the box in which a node is searched for (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
-    /// Whether the bounds along an axis follow from where the node was heard, and nobody set them.
+    /// Whether the bounds along an axis follow from the stops that heard the node, and not from the settings.
     pub(super) is_guessed: [bool; 3],
 }
 
@@ -46,7 +46,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Limits for a log whose nodes are heard over `reach_m`, and sought at `heights`.
+    /// Limits for a log whose nodes are heard over `reach_m` and searched for at `heights`.
     pub(super) fn new(log: &ReceptionLog, reach_m: f64, heights: SoughtHeights) -> Self {
         let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for stop in log.stops() {

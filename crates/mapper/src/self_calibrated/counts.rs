@@ -1,4 +1,4 @@
-//! What was sent and received between a node and the stops, found by place.
+//! The packets between a node and the stops, with an index by place.
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
@@ -14,14 +14,21 @@ pub(super) struct Link {
     pub(super) missed: u32,
 }
 
-/// What the log says of one node, by stop: packets received and missed.
+impl Link {
+    /// Packets sent.
+    pub(super) fn sent(&self) -> u32 {
+        self.received.saturating_add(self.missed)
+    }
+}
+
+/// The entries of the log for one node: stop, packets received and packets missed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {
     entries: Vec<(u32, u32, u32)>,
 }
 
 impl Record {
-    /// Packets received and missed at a stop; one missed where the log has no entry.
+    /// Packets received and missed at a stop. One packet is missed if the log has no entry.
     fn at(&self, stop: u32) -> (u32, u32) {
         match self.entries.binary_search_by_key(&stop, |&(stop, ..)| stop) {
             Ok(found) => (self.entries[found].1, self.entries[found].2),
@@ -30,7 +37,7 @@ impl Record {
     }
 }
 
-/// The stops of a log, by place.
+/// The stops of a log, with an index of their places.
 #[derive(Debug)]
 pub(super) struct Counts<'a> {
     pub(super) log: &'a ReceptionLog,
@@ -38,13 +45,13 @@ pub(super) struct Counts<'a> {
 }
 
 impl<'a> Counts<'a> {
-    /// Stops are looked for within distances of about `range_m`.
+    /// Stops will be searched for within distances of about `range_m`.
     pub(super) fn new(log: &'a ReceptionLog, range_m: f64) -> Self {
         let places: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
         Self { log, cells: CellIndex::new(&places, 0.25 * range_m) }
     }
 
-    /// Reads what the log says of `node` into `record`.
+    /// Reads the entries of the log for `node` into `record`.
     pub(super) fn read(&self, node: NodeId, record: &mut Record) {
         record.entries.clear();
         let receptions = self.log.of(node).iter();

@@ -1,24 +1,26 @@
-//! A self-calibrated map in the making.
+//! The state of a self-calibrated map while it is computed.
 
 use sextant_kernel::{Interrupted, Watch};
 
+use super::belief::Belief;
 use super::beliefs::Beliefs;
 use super::bounds::Limits;
 use super::counts::Counts;
 use super::model::{Model, Sums};
-use super::posterior::{Belief, Obstacles, Surroundings};
+use super::posterior::{Obstacles, Surroundings};
 use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::Tomography;
 
-/// Rounds with stops of one efficiency: the first curves are too rough to tell stops apart.
+/// Number of rounds in which all stops have the same efficiency, because the first curves are too rough to compare
+/// stops.
 const EQUAL_ROUNDS: u32 = 2;
-/// Rounds of tomography the first time, and each time after.
+/// Number of rounds of tomography the first time, and each time after that.
 const FIRST_IMPROVEMENT: usize = 40;
 const IMPROVEMENT: usize = 15;
 
-/// Positions, curve, efficiencies and obstacles as far as they are known.
+/// The current positions, curve, efficiencies and obstacles.
 #[derive(Debug)]
 pub(super) struct Draft<'a> {
     counts: &'a Counts<'a>,
@@ -63,14 +65,15 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// From now on obstacles are sought, in cells of `cell_m`, over the places of the nodes, known to `slack_m`.
+    /// Searches for obstacles from now on, in cells of `cell_m` that cover the places of the nodes, which are known
+    /// to about `slack_m`.
     pub(super) fn seek_obstacles(&mut self, knowledge: ObstacleKnowledge, cell_m: f64, slack_m: f64) {
         let tomography = Tomography::new(self.counts.log, &self.beliefs.nodes, cell_m, slack_m, knowledge);
         self.tomography = Some(tomography);
     }
 
-    /// Rounds on a grid of `step_m` until one moves the nodes by less than `tolerance_m` on average. Returns whether it
-    /// does before there were `most_rounds` in all; one round is made in any case.
+    /// Runs rounds on a grid of `step_m` until a round moves the nodes by less than `tolerance_m` on average. Returns
+    /// whether this happened before the total number of rounds reached `most_rounds`. At least one round is run.
     pub(super) fn stage(&mut self, step_m: f64, tolerance_m: f64, most_rounds: u32) -> Result<bool, Interrupted> {
         if self.tomography.is_some() && !self.is_obstructed {
             self.look_for_obstacles()?;
@@ -92,12 +95,12 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// What stands in the way, if that was sought and found.
+    /// The obstacles, if they were searched for and found.
     pub(super) fn into_obstacles(self) -> Option<super::AbsorptionMap> {
         self.tomography.filter(|_| self.is_obstructed).map(|tomography| tomography.map)
     }
 
-    /// The posteriors of all nodes; returns how far they moved on average (m).
+    /// Computes the posteriors of all nodes. Returns the mean distance that they moved (m).
     fn refine(&mut self, step_m: f64) -> Result<f64, Interrupted> {
         let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
         if let Some(map) = map {
@@ -124,7 +127,7 @@ impl<'a> Draft<'a> {
         self.model.fit(&self.sums);
     }
 
-    /// Takes obstacles into account if they explain the log.
+    /// Uses obstacles if they explain the log.
     fn look_for_obstacles(&mut self) -> Result<(), Interrupted> {
         let Some(tomography) = &mut self.tomography else { return Ok(()) };
         tomography.draw(self.counts, &self.beliefs.nodes, &self.model, self.watch)?;

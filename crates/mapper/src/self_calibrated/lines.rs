@@ -1,4 +1,4 @@
-//! Straight lines between stops and nodes, and what was received over them tells of the cells that they cross.
+//! Straight lines between stops and nodes, and the evidence of their receptions on the cells that they cross.
 
 use sextant_channel::Position;
 
@@ -6,8 +6,8 @@ use super::absorption::{AbsorptionMap, slant};
 use super::model::{CEILING, FLOOR, Model};
 use super::normal::density;
 
-/// Least curvature of the log-likelihood along a line, a packet: where it is flat, or bent the other way, steps stay
-/// short.
+/// Least curvature of the log-likelihood along a line, per packet. It keeps steps short where the log-likelihood is
+/// flat or not concave.
 const LEAST_CURVATURE: f64 = 0.05;
 
 /// A line from a stop to a node.
@@ -25,7 +25,7 @@ pub(super) struct Line {
     pub(super) half: Half,
 }
 
-/// The lines are halved to see whether what one half tells holds for the other.
+/// The lines are divided into two halves, to test the estimate from one half on the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Half {
     One,
@@ -42,7 +42,7 @@ struct Drawn {
     end: usize,
 }
 
-/// Some of the lines, and what they tell of the cells.
+/// Some of the lines, and their sums for the cells.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     lines: Vec<Drawn>,
@@ -60,7 +60,7 @@ impl Lines {
         self.crossings.clear();
     }
 
-    /// Adds a line between two places; cells that are free do not count.
+    /// Adds a line between two places. Free cells do not count.
     pub(super) fn draw(&mut self, map: &AbsorptionMap, is_free: &[bool], ends: [Position; 2], line: Line) {
         let [from, to] = ends;
         let slant = slant(to - from);
@@ -77,9 +77,9 @@ impl Lines {
         self.lines.push(drawn);
     }
 
-    /// Sums the gradient of the log-likelihood, and the curvature of a separable surrogate, over the lines of one half
-    /// or of both. The surrogate of a line gives each of its cells the curvature along the line times the length of the
-    /// whole line (De Pierro 1995), so that all cells may move at once.
+    /// Sums the gradient of the log-likelihood, and the curvature of a separable surrogate, over the lines of one
+    /// half or of both. The surrogate of a line gives each of its cells the curvature along the line times the length
+    /// of the whole line (De Pierro 1995), so all cells can move at the same time.
     pub(super) fn differentiate(&mut self, model: &Model, cells: &[f64], half: Option<Half>) {
         self.begin(cells.len());
         let Self { lines, crossings, gradient, curvature } = self;
@@ -94,7 +94,7 @@ impl Lines {
         }
     }
 
-    /// Sums the Fisher information of the absorption of each cell, at none, into the gradient.
+    /// Sums the Fisher information of the absorption of each cell, at zero absorption, into the gradient.
     pub(super) fn inform(&mut self, model: &Model, cells: usize, half: Option<Half>) {
         self.begin(cells);
         let Self { lines, crossings, gradient, .. } = self;
@@ -106,7 +106,7 @@ impl Lines {
         }
     }
 
-    /// What the absorption of `cells` gains over none in log-likelihood, line by line of one half.
+    /// The gain in log-likelihood from the absorption of `cells`, for each line of one half.
     pub(super) fn gains(&self, model: &Model, cells: &[f64], half: Half) -> impl Iterator<Item = f64> {
         each(&self.lines, &self.crossings, Some(half)).map(|(drawn, crossings)| {
             let line = &drawn.line;
@@ -143,7 +143,7 @@ impl Line {
         self.received * libm::log(p) + self.missed * libm::log1p(-p)
     }
 
-    /// Slope of the log-likelihood with absorption, and how much it bends down there.
+    /// Slope of the log-likelihood with absorption, and its negative curvature.
     fn derivatives(&self, model: &Model, absorbed: f64) -> (f64, f64) {
         let x = self.score - absorbed;
         let density = density(x);
@@ -154,7 +154,7 @@ impl Line {
         (slope, bend.max(LEAST_CURVATURE * (self.received + self.missed)))
     }
 
-    /// Fisher information of the absorption at none.
+    /// Fisher information of the absorption at zero absorption.
     fn information(&self, model: &Model) -> f64 {
         let p = self.probability(model, 0.0);
         let slope = self.efficiency * density(self.score);
@@ -204,7 +204,8 @@ mod tests {
         }
         let cells = [1.0, 9.0, 1.0, 9.0];
         let gain = |half| lines.gains(&model, &cells, half).sum::<f64>();
-        // Half a cell at each end, one standard deviation together: Φ(0) instead of Φ(1).
+        // The line crosses half a cell at each end, which absorb one standard deviation together: Φ(0) instead of
+        // Φ(1).
         let passed = 0.841_344_746;
         assert!((gain(Half::One) - libm::log(0.5 / (1.0 - passed))).abs() < 1e-4);
         assert!((gain(Half::Other) - libm::log(0.5 / passed)).abs() < 1e-4);

@@ -1,25 +1,29 @@
-//! Self-calibrated maps: what was heard where, and nothing else, tells the reception curve, the efficiency of each
-//! stop, what stands in the way, and where the nodes are.
+//! Self-calibrated maps: the reception curve, the efficiency of each stop, the obstacles and the places of the nodes,
+//! all estimated from the log alone.
 //!
-//! The model: a packet sent at distance d is received at stop s with the probability `e_s Φ(z(d) − A)`. Φ is the normal
-//! distribution function (shadowing is normal in decibels), z falls with distance in any way, a hard cut included,
-//! A is what obstacles absorb along the straight line, in standard deviations of the shadowing, and `e_s` is what
-//! collisions and the receiver leave. All are found in turn, again and again, from coarse to fine steps: a posterior of
-//! each node on a grid round its last place; the curve by isotonic regression of the counts expected under these
-//! posteriors; the efficiency of a stop by what it heard of what was expected; the absorption of cells by penalised
-//! maximum likelihood along the straight lines (radio tomography; Wilson and Patwari 2010).
+//! The model: a packet sent at distance d is received at stop s with the probability `e_s Φ(z(d) − A)`. Φ is the
+//! normal distribution function (shadowing is normal in decibels). z falls with distance in any way, even with a hard
+//! cut. A is what obstacles absorb along the straight line, in standard deviations of the shadowing. `e_s` is the
+//! share of packets that survive collisions and the receiver. All are estimated in turn, in many rounds, from coarse
+//! to fine steps: the posterior of each node on a grid round its last place; the curve, by isotonic regression of the
+//! counts expected under these posteriors; the efficiency of a stop, from the number of packets that it heard and the
+//! number expected; the absorption of cells, by penalised maximum likelihood along the straight lines (radio
+//! tomography; Wilson and Patwari 2010).
 //!
-//! Obstacles are upright: a line loses in a cell what its projection on the plane does, times its slant. Where stops have
-//! several heights this is no model, and obstacles are not sought; [`Calibration::knowledge`] says so. Nor are they
-//! believed in before the absorption that one half of the lines tells explains the other half, so that an open network is
-//! mapped as if it were known to be open. Sectors and signal strengths are not used.
+//! Obstacles are upright: the loss of a line in a cell is that of its projection on the plane, times its slant. This
+//! model does not hold if the stops have several heights. Obstacles are then not searched for, and
+//! [`Calibration::knowledge`] says so. Obstacles are used only if the absorption estimated from one half of the lines
+//! explains the other half. An open network is therefore mapped as if it were known to be open. Sectors and signal
+//! strengths are not used.
 
 mod absorption;
 mod algorithm;
+mod belief;
 mod beliefs;
 mod bounds;
 mod counts;
 mod draft;
+mod likelihood;
 mod lines;
 mod model;
 mod normal;
@@ -28,6 +32,7 @@ mod settings;
 mod shadows;
 mod start;
 mod tomography;
+mod window;
 
 pub use absorption::AbsorptionMap;
 pub use algorithm::{Calibration, SelfCalibrated};

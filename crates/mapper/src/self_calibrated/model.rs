@@ -1,31 +1,33 @@
-//! How likely a packet is received: a curve over distance, an efficiency of each stop.
+//! The probability that a packet is received: a curve over distance, and an efficiency of each stop.
 
 use super::normal::{Normal, index, quantile};
 use crate::never_rising;
 
-/// Bins over the range that the log shows.
+/// Number of bins over the range seen in the log.
 const BINS_PER_RANGE: f64 = 100.0;
-/// Bins; the last of them holds everything beyond two and a half ranges.
+/// Number of bins. The last one holds everything beyond two and a half ranges.
 const BINS: u32 = 250;
-/// Least probability of anything.
+/// Lowest probability of a reception.
 pub(super) const FLOOR: f64 = 1e-6;
 /// Highest probability of a reception.
 pub(super) const CEILING: f64 = 1.0 - 1e-4;
-/// What a clear link next to the node is set to at full efficiency: curve and efficiency are known up to a factor only.
+/// Probability of a clear link next to the node at full efficiency. It is fixed because curve and efficiency are
+/// determined only up to a common factor.
 const TOP: f64 = 0.998;
-/// Packets expected at a stop that weigh as much as its own: what the efficiency of all stops counts.
+/// Weight of the mean efficiency of all stops in the estimate for one stop, in expected packets.
 const SHRINKAGE: f64 = 20.0;
 /// The curve ends where it falls below this.
 const NOTHING: f64 = 1e-4;
-/// The range that is told of ends where it falls below this.
+/// The reported range ends where the curve falls below this.
 const RARE: f64 = 0.01;
 
-/// What a model is estimated from: packets by distance and by stop, as expected under the positions of the nodes.
+/// The counts from which a model is estimated: packets by distance and by stop, expected under the posteriors of the
+/// nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
     /// Packets received, by bin.
     pub(super) received: Vec<f64>,
-    /// Packets sent times the efficiency of the stop and the share that obstacles let pass, by bin.
+    /// Packets sent, times the efficiency of the stop and the share that passes the obstacles, by bin.
     pub(super) sent: Vec<f64>,
     /// Packets received, and expected at full efficiency, by stop.
     pub(super) stops: Vec<[f64; 2]>,
@@ -78,7 +80,7 @@ impl Model {
         self.clear[bin]
     }
 
-    /// Nothing counted yet.
+    /// Sums of zero.
     pub(super) fn sums(&self) -> Sums {
         let bins = vec![0.0; self.clear.len()];
         Sums { received: bins.clone(), sent: bins, stops: vec![[0.0; 2]; self.efficiency.len()] }
@@ -90,20 +92,20 @@ impl Model {
         index(distance_m * self.per_m).min(self.clear.len() - 1)
     }
 
-    /// Where the curve falls below `probability` for good (m).
+    /// The distance beyond which the curve stays below `probability` (m).
     pub(super) fn reach_m(&self, probability: f64) -> f64 {
         let bin = self.clear.iter().rposition(|&clear| clear > probability).unwrap_or(0);
         let bin = bin as f64;
         bin * self.bin_m
     }
 
-    /// Where the last bin begins (m).
+    /// The distance at which the last bin begins (m).
     pub(super) fn last_bin_m(&self) -> f64 {
         let bins = (self.clear.len() - 1) as f64;
         bins * self.bin_m
     }
 
-    /// Distance from which on receptions are outliers (m).
+    /// Receptions at this distance or beyond are outliers (m).
     pub(super) fn range_m(&self) -> f64 {
         self.range_m
     }
@@ -138,8 +140,8 @@ impl Model {
         (passed * efficiency).clamp(self.floor, CEILING)
     }
 
-    /// Share of the packets over a length in `bin` that would arrive over a clear link and do so although obstacles
-    /// weaken them by `absorbed` standard deviations.
+    /// Of the packets over a length in `bin` that would arrive over a clear link, the share that still arrives if
+    /// obstacles weaken them by `absorbed` standard deviations.
     pub(super) fn passed(&self, bin: usize, absorbed: f64) -> f64 {
         if absorbed <= 0.0 { 1.0 } else { self.normal.below(self.score[bin] - absorbed) / self.clear[bin] }
     }
@@ -147,7 +149,7 @@ impl Model {
     /// Fits curve and efficiencies to `sums`.
     pub(super) fn fit(&mut self, sums: &Sums) {
         self.fit_efficiency(&sums.stops);
-        // Half a packet in 10⁴ keeps probabilities off 0 where nothing was sent.
+        // One half of 2·10⁻⁴ packets keeps probabilities above 0 where nothing was sent.
         let sent: Vec<f64> = sums.sent.iter().map(|sent| sent + 2e-4).collect();
         let received = sums.received.iter().map(|received| received + 1e-4);
         let means: Vec<f64> = received.zip(&sent).map(|(received, sent)| received / sent).collect();
@@ -162,8 +164,8 @@ impl Model {
         self.finish();
     }
 
-    /// Fits the efficiencies but for their common level: were that set by the old curve, and the curve by the old
-    /// efficiencies, both would swing for ever.
+    /// Fits the efficiencies, but not their common level. If the level followed from the old curve, and the curve
+    /// from the old efficiencies, both would oscillate for ever.
     fn fit_efficiency(&mut self, stops: &[[f64; 2]]) {
         let (mut received, mut expected, mut at_full) = (0.0, 0.0, 0.0);
         for (efficiency, stop) in self.efficiency.iter().zip(stops) {
@@ -180,8 +182,8 @@ impl Model {
         }
     }
 
-    /// Probability of a reception over the nearest hundredth of the links in range, at full efficiency; of more of them, up
-    /// to a tenth, if these are fewer than fifty packets.
+    /// Probability of a reception over the nearest hundredth of the links in range, at full efficiency. If these have
+    /// fewer than fifty packets, more links are used, up to a tenth.
     fn top(&self, sums: &Sums) -> f64 {
         let within = self.bin(self.range_m);
         let all: f64 = sums.sent[..=within].iter().sum();
@@ -208,12 +210,12 @@ impl Model {
         self.range_m = range_m;
     }
 
-    /// Whether the curve is still above nothing in the last bin.
+    /// Whether the curve is still clearly above 0 in the last bin.
     pub(super) fn is_at_bound(&self) -> bool {
         self.clear.last().is_some_and(|&clear| clear > RARE)
     }
 
-    /// The curve for everybody.
+    /// The curve for users.
     pub(super) fn curve(&self) -> CalibratedCurve {
         let mean = self.efficiency.iter().sum::<f64>() / self.efficiency.len().max(1) as f64;
         let probabilities = self.clear.iter().map(|&clear| (clear * mean).clamp(self.floor, CEILING)).collect();
@@ -249,7 +251,7 @@ impl CalibratedCurve {
         self.range_m
     }
 
-    /// Width of the bins within which the curve is constant, the last of them without an end (m).
+    /// Width of the bins within which the curve is constant (m). The last bin has no end.
     #[must_use]
     pub fn bin_m(&self) -> f64 {
         self.bin_m

@@ -1,8 +1,8 @@
-//! The normal distribution, fast.
+//! A fast normal distribution function.
 
-/// Values a standard deviation.
+/// Number of values per standard deviation.
 const PER_UNIT: f64 = 128.0;
-/// The table ends here, on either side.
+/// The table ends here on both sides.
 const END: f64 = 8.0;
 /// Steps of the table: two ends of 128 values a standard deviation.
 const STEPS: u32 = 2048;

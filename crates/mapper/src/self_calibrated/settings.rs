@@ -4,24 +4,27 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-/// The self-calibrated map as written in a scenario. Every key has a value that fits logs of any range.
+use crate::heights::check_z_range;
+
+/// The self-calibrated map as written in a scenario. The defaults fit logs of any range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SelfCalibratedConfig {
-    /// Distance of neighbouring grid vertices in the last stage (m); if absent, a sixtieth of the range that the log shows,
-    /// a fortieth in space.
+    /// Distance of neighbouring grid vertices in the last stage (m). If absent, a sixtieth of the range seen in the
+    /// log, or a fortieth in space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
-    /// Which knowledge of obstacles is used. Obstacles are thought of as upright, and are sought only if all stops share
-    /// one height, or nearly; else none is used.
+    /// Which knowledge of obstacles is used. Obstacles are modelled as upright. They are searched for only if all
+    /// stops have nearly the same height.
     #[serde(default)]
     pub obstacles: ObstacleKnowledge,
-    /// Rounds of positions, curve and obstacles, at most, but for one of each stage; 1 or more.
+    /// Maximum number of rounds of positions, curve and obstacles, 1 or more. Each stage runs at least one round,
+    /// even beyond this number.
     #[serde(default = "default_max_rounds")]
     pub max_rounds: u32,
-    /// Lowest and highest height of a node (m). Without it a log whose stops share one height, or differ by no more than a
-    /// twentieth of how far packets reach, is mapped in the plane of the stops, any other as far below and above them as
-    /// packets reach.
+    /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
+    /// heights of the stops differ by at most a twentieth of the radio range seen in the log; otherwise up to one
+    /// such range below and above the stops.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
 }
@@ -34,8 +37,8 @@ pub enum ObstacleKnowledge {
     None,
     /// Which packets were received at which stops.
     FromReceptions,
-    /// That, and what the robot knows of its own way: where it drove straight from one stop to the next nothing
-    /// stands; where it met an obstacle one is likely.
+    /// In addition, what the robot knows of its own way: there is no obstacle where it drove straight from one stop
+    /// to the next, and an obstacle is likely where it met one.
     #[default]
     FromLog,
 }
@@ -75,12 +78,7 @@ impl TryFrom<SelfCalibratedConfig> for Settings {
         if max_rounds == 0 {
             return Err(SettingError::new("max_rounds", 0, "1 or more"));
         }
-        if let Some([low, high]) = z_range_m
-            && !(low.is_finite() && high.is_finite() && low <= high)
-        {
-            let allowed = "two finite heights, the lower one first";
-            return Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed));
-        }
+        check_z_range(z_range_m)?;
         Ok(Self { grid_step_m, obstacles, max_rounds, z_range_m })
     }
 }
@@ -90,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_outside_their_domain_are_refused_by_name() {
+    fn invalid_settings_are_rejected_with_their_key() {
         let good = SelfCalibratedConfig::default();
         assert!(Settings::try_from(good.clone()).is_ok());
         for (config, key) in [

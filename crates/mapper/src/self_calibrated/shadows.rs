@@ -1,4 +1,4 @@
-//! What obstacles absorb round each stop, looked up instead of traced.
+//! Tables of what obstacles absorb round each stop, which are faster than tracing each line.
 
 use rayon::prelude::*;
 use sextant_channel::{Position, Stop};
@@ -7,25 +7,25 @@ use sextant_kernel::{Interrupted, Watch};
 use super::absorption::AbsorptionMap;
 use super::normal::index;
 
-/// Memory for the tables, at most (values); larger surveys get coarser tables.
+/// Maximum size of the tables (values). Larger surveys get coarser tables.
 const MOST_VALUES: f64 = 5e7;
 
-/// Absorption along level rays from each stop that something absorbs near.
+/// Absorption along horizontal rays from each stop that has absorbing cells near it.
 #[derive(Debug, Default)]
 pub(super) struct Shadows {
-    /// Where the table of a stop begins; none for a stop with nothing near.
+    /// Where the table of a stop begins; `None` for a stop without absorbing cells near it.
     first: Vec<Option<usize>>,
-    /// Rays by rays, absorption up to each station.
+    /// Absorption up to each station, ray by ray.
     absorbed: Vec<f32>,
-    /// Rays a quarter turn.
+    /// Number of rays in a quarter turn.
     rays: usize,
-    /// Stations of a ray; one more than spans.
+    /// Number of stations of a ray, one more than the number of spans.
     stations: usize,
     stations_per_m: f64,
 }
 
 impl Shadows {
-    /// Traces the rays anew, as far as `reach_m`.
+    /// Traces the rays again, up to `reach_m`.
     pub(super) fn trace(
         &mut self,
         map: &AbsorptionMap,
@@ -68,12 +68,12 @@ impl Shadows {
         })
     }
 
-    /// Whether there is anything to look up round a stop.
+    /// Whether a stop has a table.
     pub(super) fn has(&self, stop: u32) -> bool {
         self.first[stop as usize].is_some()
     }
 
-    /// What the projection of a line on the plane absorbs, from a stop along `way`, by interpolation.
+    /// What the projection on the plane of a line from a stop along `way` absorbs, by interpolation.
     #[inline]
     pub(super) fn absorbed_level(&self, stop: u32, way: [f64; 2], level_m: f64) -> f64 {
         let Some(first) = self.first[stop as usize] else { return 0.0 };
@@ -93,7 +93,7 @@ impl Shadows {
     }
 }
 
-/// Fills in what is absorbed up to each station of a ray.
+/// Computes what is absorbed up to each station of a ray.
 fn trace_ray(map: &AbsorptionMap, from: Position, direction: [f64; 2], reach_m: f64, absorbed: &mut [f32]) {
     let gap = reach_m / (absorbed.len() - 1) as f64 / map.cell_m();
     let to = from + Position::new(direction[0], direction[1], 0.0) * reach_m;
@@ -119,7 +119,7 @@ fn trace_ray(map: &AbsorptionMap, from: Position, direction: [f64; 2], reach_m: 
     put(f64::INFINITY, f64::INFINITY, sum, 0.0);
 }
 
-/// The direction of a ray: even steps of the pseudo-angle.
+/// The direction of a ray, in equal steps of the pseudo-angle.
 fn direction(ray: usize, rays: usize) -> [f64; 2] {
     let share = (ray % rays) as f64 / rays as f64;
     let (a, b) = (1.0 - share, share);
@@ -128,8 +128,8 @@ fn direction(ray: usize, rays: usize) -> [f64; 2] {
     [x / length, y / length]
 }
 
-/// The pseudo-angle of a direction, in quarter turns from east by north: it grows with the angle, but needs one
-/// division only.
+/// The pseudo-angle of a direction, in quarter turns from east by north: it grows with the angle, but needs only one
+/// division.
 #[inline]
 fn turn([x, y]: [f64; 2]) -> f64 {
     let sum = x.abs() + y.abs();

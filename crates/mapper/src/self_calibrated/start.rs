@@ -1,21 +1,21 @@
-//! A first guess: each node in the middle of where it was heard.
+//! A first estimate: each node is at the middle of the stops that heard it.
 
 use sextant_channel::ReceptionLog;
 
 use crate::reach::{HeardNode, gap_m, heard_nodes, median};
 
-/// Receptions a node, on average, that a curve needs; with fewer each node could lie on the stop that heard it, and the
-/// likeliest curve would fall to nothing right there.
+/// Least mean number of receptions per node for estimating a curve. With fewer, each node could be at the stop that
+/// heard it, and the likeliest curve would fall to 0 right there.
 const LEAST_RECEPTIONS: f64 = 6.0;
 
-/// The first guess.
+/// The first estimate.
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     /// The nodes that were heard.
     pub(super) nodes: Vec<HeardNode>,
     /// The median, over the nodes, of the distance to the farthest stop that heard it; above 0 (m).
     pub(super) range_m: f64,
-    /// Whether the log is rich enough to tell a curve.
+    /// Whether the log has enough receptions to estimate a curve.
     pub(super) is_rich: bool,
 }
 

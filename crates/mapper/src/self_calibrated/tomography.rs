@@ -5,19 +5,20 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, Seed, Watch};
 
 use super::absorption::AbsorptionMap;
+use super::belief::Belief;
 use super::counts::{Counts, Record};
 use super::lines::{Half, Line, Lines};
 use super::model::Model;
-use super::posterior::Belief;
 use super::settings::ObstacleKnowledge;
 use crate::purpose;
 use crate::reach::gap_m;
 
-/// Parts that the lines are dealt to, whatever the threads, so that sums have one order.
+/// Number of parts into which the lines are divided. It does not depend on the threads, so that sums have a fixed
+/// order.
 const PARTS: usize = 8;
-/// Crossings of lines and cells, at most; of more lines, some are drawn by lot.
+/// Maximum number of crossings of lines and cells. If there would be more, a random sample of the lines is used.
 const MOST_CROSSINGS: f64 = 5e6;
-/// Cells, at most.
+/// Maximum number of cells.
 const MOST_CELLS: f64 = 2e5;
 /// Lines shorter than this share of the range cross nothing that matters.
 const SHORTEST: f64 = 0.03;
@@ -25,25 +26,25 @@ const SHORTEST: f64 = 0.03;
 const MARGIN: f64 = 0.03;
 /// The end of the curve for this purpose.
 const FAINT: f64 = 0.02;
-/// Absorption of a cell, at most (standard deviations): two such cells stop all that a clear link would bring.
+/// Highest absorption of a cell (standard deviations). Two such cells stop all packets of a clear link.
 const OPAQUE: f64 = 4.0;
-/// What a cell must gain to absorb, in standard deviations of its gain by chance: the 95 % quantile of the normal
+/// Least gain of an absorbing cell, in standard deviations of the gain by chance: the 95 % quantile of the normal
 /// distribution.
 const THRESHOLD: f64 = 1.645;
 /// The penalty of a difference between neighbours, as a share of that of absorption.
 const SMOOTHNESS: f64 = 0.25;
-/// Differences below this count less (standard deviations).
+/// The penalty of differences below this is weaker (standard deviations).
 const SOFT: f64 = 0.05;
-/// The threshold of a cell where the robot met an obstacle, as a share.
+/// Factor on the threshold of a cell where the robot met an obstacle.
 const CONTACT: f64 = 0.2;
-/// Drives longer than this many gaps between stops need not have been straight.
+/// Drives longer than this many gaps between stops may not have been straight.
 const STRAIGHT: f64 = 1.5;
 
 /// Radio tomography by penalised maximum likelihood.
 #[derive(Debug)]
 pub(super) struct Tomography {
     pub(super) map: AbsorptionMap,
-    /// Cells where nothing can stand.
+    /// Cells where no obstacle can be.
     is_free: Vec<bool>,
     /// Factor on the threshold of each cell.
     reluctance: Vec<f64>,
@@ -53,7 +54,7 @@ pub(super) struct Tomography {
 }
 
 impl Tomography {
-    /// Cells over the places of the nodes, which are known to about `slack_m`.
+    /// Cells that cover the places of the nodes, which are known to about `slack_m`.
     pub(super) fn new(
         log: &ReceptionLog,
         nodes: &[Belief],
@@ -85,7 +86,7 @@ impl Tomography {
         tomography
     }
 
-    /// Takes note of where the robot drove, and what it met.
+    /// Uses where the robot drove and which obstacles it met.
     fn learn(&mut self, log: &ReceptionLog) {
         let straight_m = STRAIGHT * gap_m(log).unwrap_or(0.0);
         for drive in log.drives().filter(|drive| drive.length_m() <= straight_m) {
@@ -98,7 +99,7 @@ impl Tomography {
         }
     }
 
-    /// Draws the lines anew for the places of the nodes.
+    /// Selects the lines again, for the current places of the nodes.
     pub(super) fn draw(
         &mut self,
         counts: &Counts<'_>,
@@ -148,8 +149,8 @@ impl Tomography {
         })
     }
 
-    /// Whether absorption estimated from half of the lines explains the other half better than none does, by more
-    /// than three standard deviations of the difference. Leaves nothing absorbing.
+    /// Whether absorption estimated from half of the lines explains the other half better than no absorption, by more
+    /// than three standard deviations of the difference. Resets all absorption.
     pub(super) fn is_warranted(
         &mut self,
         model: &Model,
@@ -173,7 +174,7 @@ impl Tomography {
         Ok(sum > 3.0 * squares.sqrt())
     }
 
-    /// Improves the absorption, starting from what it is.
+    /// Improves the absorption, starting from its current values.
     pub(super) fn improve(&mut self, model: &Model, rounds: usize, watch: &dyn Watch) -> Result<(), Interrupted> {
         self.set_threshold(model, None);
         for _ in 0..rounds {
@@ -195,8 +196,8 @@ impl Tomography {
         }
     }
 
-    /// One round of separable surrogates (De Pierro 1995; Erdogan and Fessler 1999): each cell moves to the optimum of a
-    /// parabola of its own, all cells at once.
+    /// One round of separable surrogates (De Pierro 1995; Erdogan and Fessler 1999): each cell moves to the optimum
+    /// of its own parabola, all cells at the same time.
     fn step(&mut self, model: &Model, half: Option<Half>) {
         let cells = &self.map.cells;
         self.parts.par_iter_mut().for_each(|part| part.differentiate(model, cells, half));

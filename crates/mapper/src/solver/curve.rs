@@ -1,4 +1,4 @@
-//! The reception profile in the form that the inner loop wants.
+//! The reception profile in the form for the inner loop.
 
 use super::evidence::Evidence;
 use super::single::single;
@@ -75,7 +75,7 @@ impl Curve {
         Self { table, table_single, steepest_per_m: steepest / step_m, step_m, chunk, ..self }
     }
 
-    /// The same curve with every outcome possible everywhere.
+    /// The same curve, clamped so that every outcome is possible everywhere.
     pub(crate) fn clamped(&self) -> Self {
         let top = self.top.min(1.0 - DEFAULT_FLOOR);
         let floor = self.floor.max(DEFAULT_FLOOR.min(0.5 * top));
@@ -101,16 +101,16 @@ impl Curve {
     #[expect(clippy::cast_possible_truncation, reason = "an index of a table")]
     #[expect(clippy::cast_sign_loss, reason = "distances are not negative")]
     fn interpolated(&self, d: f64) -> f64 {
-        // To the bit what the profile itself gives, so that a probability of 0 or 1 is one here too.
+        // The result equals that of the profile to the last bit, so that a probability of 0 or 1 is 0 or 1 here too.
         let along = d / self.step_m;
         let below = (along as usize).min(self.table.len() - 1);
         let [value, increment] = self.table[below];
         if d < self.range_m { value + increment * (along - below as f64) } else { 0.0 }
     }
 
-    /// The most received packets that can come from beyond R at a vertex with at least the log-likelihood
-    /// `least`: each of them costs `ln floor`, each other one at least `ln top`, and no vertex misses better than
-    /// from afar. At most all packets but one.
+    /// The most received packets that can come from beyond R at a vertex with at least the log-likelihood `least`:
+    /// each of them costs `ln floor`, each other received packet at least `ln top`, and missed packets cost least far
+    /// away. At most all packets but one.
     pub(crate) fn most_outliers(&self, evidence: &Evidence, least: f64) -> u64 {
         let (ln_top, ln_floor) = (libm::log(self.top), libm::log(self.floor));
         let (heard, missed) = (evidence.heard_packets() as f64, evidence.missed_packets() as f64);

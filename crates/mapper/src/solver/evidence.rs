@@ -1,4 +1,4 @@
-//! What the log says about one node, sorted by how it enters the likelihood.
+//! The entries of the log for one node, sorted by how they enter the likelihood.
 
 use sextant_channel::{Position, Reception, Receptions, Stop};
 
@@ -13,7 +13,7 @@ pub(crate) struct Count {
     pub(crate) missed: u32,
 }
 
-/// What the log says about one node.
+/// The entries of the log for one node.
 #[derive(Debug)]
 pub(crate) struct Evidence {
     /// Every stop that received.
@@ -24,7 +24,7 @@ pub(crate) struct Evidence {
     pub(crate) counts: Vec<Count>,
     /// Whether a receiver has a sector.
     sectored: bool,
-    /// One bit a stop: whether the log has an entry for it.
+    /// One bit per stop: whether the log has an entry for it.
     listed: Vec<u64>,
     stops: usize,
     entries: usize,
@@ -81,7 +81,7 @@ impl Evidence {
         }
     }
 
-    /// Whether the log has an entry for a stop; if not, one packet was missed there.
+    /// Whether the log has an entry for a stop. If not, one packet was missed there.
     pub(crate) fn is_listed(&self, stop: u32) -> bool {
         self.listed[stop as usize / 64] >> (stop % 64) & 1 == 1
     }
@@ -95,7 +95,7 @@ impl Evidence {
         &self.receivers
     }
 
-    /// Whether a stop that received did so in a known sector.
+    /// Whether any reception is in a known sector.
     pub(crate) fn is_sectored(&self) -> bool {
         self.sectored
     }

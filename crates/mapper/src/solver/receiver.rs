@@ -1,8 +1,8 @@
-//! A stop that received from the node.
+//! A stop that received packets from the node.
 
 use sextant_channel::Position;
 
-/// A stop that received from the node.
+/// A stop that received packets from the node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Receiver {
     pub(crate) place: Position,

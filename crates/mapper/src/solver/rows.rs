@@ -9,7 +9,7 @@ use super::receiver::Receiver;
 use super::wedges::{Plane, Residual, Wedges};
 use crate::Lattice;
 
-/// A factor on R² that is more than the rounding of squared distances, so that no vertex in range is dropped.
+/// A factor on R² that is larger than the rounding error of squared distances, so that no vertex in range is dropped.
 const ROUNDING: f64 = 1.0 + 1e-14;
 
 /// The part of the lattice to look at, and the receptions that cut it.
@@ -48,7 +48,7 @@ impl Rows {
         self.residuals.clear();
         if let Some(wedges) = wedges {
             wedges.demand(receivers, &mut self.planes, &mut self.residuals);
-            // The vertices nearest to the edges of a flat lattice are those that there are.
+            // No vertex lies outside the lattice, so the box need not either.
             for axis in 0..3 {
                 low[axis] = low[axis].max(lattice.coordinate(axis, 0));
                 high[axis] = high[axis].min(lattice.coordinate(axis, lattice.counts()[axis] - 1));
@@ -123,7 +123,7 @@ impl Rows {
     ) {
         let has_slow_planes = self.planes.iter().any(|plane| plane.is_along_rows() && plane.normal[0].abs() > 0.0);
         let reach = range_m * range_m * ROUNDING;
-        // Below this half-length the ends of a span are not known to a small part of a step.
+        // If the half-length is below this, the ends of a span are not accurate to a small part of a step.
         let grazing = 1e-4 * range_m;
         let [along, ys, zs] = self.span.clone();
         for k in zs {

@@ -23,9 +23,10 @@ const BATCH: usize = 2048;
 /// Which vertices are in the search set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Admission {
-    /// Those within R and in the sector of every stop that received: only such vertices are given to the scorer.
+    /// Vertices within R and in the sector of every stop that received. The caller gives only such vertices to the
+    /// scorer.
     WithinAll,
-    /// Those within R and in the sector of any stop that received: the scorer sees to it.
+    /// Vertices within R and in the sector of any stop that received. The scorer checks this.
     WithinAny,
 }
 
@@ -95,7 +96,7 @@ impl Scorer<'_> {
         let constant = self.find_silent();
         let mut chosen = std::mem::take(&mut self.survivors.chosen);
         chosen.clear();
-        // Bounds do not know of sectors and are of no use where these are contradicted.
+        // Bounds do not include sectors, so they are useless where receptions contradict their sectors.
         let is_bounded = self.admission == Admission::WithinAll || !self.evidence.is_sectored();
         if S::WANTS_FEW && count > 2 * LANES && is_bounded && self.bound() {
             // The most promising vertices rule out most others.
@@ -104,11 +105,11 @@ impl Scorer<'_> {
             let candidates = self.survivors.screen.candidates(sink.least() - constant);
             chosen.extend(candidates.filter(|vertex| !first.contains(vertex)));
         } else {
-            // The middle first: the likelihood is often highest there, and then rules out the rest early.
+            // Begin in the middle: the likelihood is often highest there, which rules out the rest early.
             chosen.extend((count / 2..count).chain(0..count / 2));
         }
         for block in chosen.chunks(LANES) {
-            // The last block is filled up with copies of a vertex, which nobody looks at.
+            // The last block is filled up with copies of a vertex. Their results are not used.
             let lanes = std::array::from_fn(|lane| block[lane.min(block.len() - 1)]);
             self.score(lanes, block.len(), constant, sink);
         }
@@ -133,7 +134,7 @@ impl Scorer<'_> {
             Some(wedges) => lanes.multiply_sectors(self.curve, self.evidence, wedges),
             None => lanes.multiply_entries(self.curve, self.evidence, self.admission),
         }
-        // What is missed can only lower a likelihood.
+        // Missed packets can only lower a likelihood.
         if lanes.highest() + constant < sink.least() {
             return;
         }
@@ -208,7 +209,7 @@ impl<'v> Lanes<'v> {
         dx * dx + dy * dy + dz * dz
     }
 
-    /// Multiplies by the factors of what the log has of the node.
+    /// Multiplies by the factors of the entries of the log.
     fn multiply_entries(&mut self, curve: &Curve, evidence: &Evidence, admission: Admission) {
         if admission == Admission::WithinAny {
             self.keep_near(evidence.receptions().iter().map(|receiver| receiver.place), curve.range_squared);

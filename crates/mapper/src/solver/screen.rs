@@ -18,10 +18,10 @@ const LANES: usize = 4;
 /// Factors, each at least [`LEAST`], whose product is a normal number.
 const GROUP: usize = 4;
 
-/// Where the stops are that fill up a vector (m): beyond any range.
+/// The place of stops that only fill up a vector (m); it is beyond any range.
 const NOWHERE: f32 = 1e18;
 
-/// Bounds of a factor are at least this; to raise a factor keeps a bound.
+/// Lowest bound of a factor. Raising a factor keeps it an upper bound.
 const LEAST: f32 = 1e-9;
 
 /// Error of a distance over the largest coordinate: sixteen roundings.
@@ -39,7 +39,7 @@ const MOST_PACKETS: u32 = 64;
 /// Memory for bounds, used again for each batch of vertices.
 #[derive(Debug, Default)]
 pub(crate) struct Screen {
-    /// Of each vertex a number that grows with its bound: [`key`].
+    /// For each vertex, a number that grows with its bound; see [`key`].
     keys: Vec<f64>,
     heard: Places,
     silent: Places,
@@ -80,7 +80,7 @@ impl Places {
     }
 }
 
-/// What is known of a node, and the vertices to be bounded.
+/// The evidence on a node, and the vertices to be bounded.
 pub(crate) struct Scene<'s> {
     pub(crate) curve: &'s Curve,
     pub(crate) evidence: &'s Evidence,
@@ -91,7 +91,7 @@ pub(crate) struct Scene<'s> {
     pub(crate) corners: [[f64; 3]; 2],
 }
 
-/// A profile in single precision, moved so that it cannot be below (or above) the exact one.
+/// A profile in single precision, shifted so that it is never below (or never above) the exact one.
 #[derive(Clone, Copy)]
 struct Moved<'c> {
     range_m: f32x4,
@@ -147,7 +147,7 @@ impl<'c> Moved<'c> {
 }
 
 impl Screen {
-    /// Bounds the likelihoods of a scene. Returns whether it did; if not, they may be anything.
+    /// Bounds the likelihoods of a scene. Returns whether it did. If not, the bounds mean nothing.
     pub(crate) fn bound(&mut self, scene: &Scene<'_>) -> bool {
         let Scene { curve, evidence, silent, vertices: [x, y, z], corners: [low, high] } = *scene;
         if evidence.counts.iter().any(|count| count.received + count.missed > MOST_PACKETS) {

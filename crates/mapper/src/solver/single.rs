@@ -1,4 +1,4 @@
-//! Single precision.
+//! Conversion to single precision.
 
 /// The nearest number in single precision.
 #[expect(clippy::cast_possible_truncation, reason = "rounded on purpose")]

@@ -1,10 +1,10 @@
-//! What is made of the likelihoods as they come: a peak, moments, a list.
+//! Receivers of likelihoods: a peak, moments, or a list.
 
 use sextant_channel::Position;
 
 use crate::Lattice;
 
-/// Takes the log-likelihoods of vertices, each once, in no particular order.
+/// Receives the log-likelihood of each vertex once, in any order.
 pub(crate) trait Sink {
     /// Whether most vertices make no difference, so that it pays to bound their likelihoods first.
     const WANTS_FEW: bool;
@@ -38,7 +38,7 @@ impl Peak {
         self.highest
     }
 
-    /// The vertices that share it, the one with the lowest index first.
+    /// The vertices that share it, in the order of their indices.
     pub(crate) fn vertices(&self) -> &[(u64, f64)] {
         &self.vertices
     }
@@ -67,7 +67,7 @@ impl Sink for Peak {
 /// Mean and covariance of the vertices weighted by their likelihoods, under a uniform prior on the search set.
 #[derive(Debug)]
 pub(crate) struct Moments {
-    /// The place from which offsets are measured: keeps the sums small.
+    /// The place from which offsets are measured, which keeps the sums small.
     reference: Option<Position>,
     fallback: Position,
     highest: f64,
@@ -78,7 +78,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// How far below the highest log-likelihood a vertex no longer counts: even 10⁹ of them weigh 10⁻¹⁷.
+    /// A vertex this far below the highest log-likelihood is left out: even 10⁹ such vertices have a weight of 10⁻¹⁷.
     pub(crate) const NEGLIGIBLE: f64 = 60.0;
 
     pub(crate) fn new(lattice: &Lattice) -> Self {

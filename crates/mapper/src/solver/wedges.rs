@@ -14,7 +14,7 @@ use sextant_channel::{SectorTable, Wedge};
 use super::receiver::Receiver;
 use crate::{Lattice, SectorTolerance};
 
-/// What the tolerance is at least, so that rounding does not exclude an edge (m).
+/// Least tolerance, so that rounding does not exclude an edge (m).
 const ROUNDING_M: f64 = 1e-9;
 
 /// The sectors of a survey.
@@ -28,7 +28,7 @@ pub(crate) struct Wedges {
     tolerance_m: f64,
 }
 
-/// What a vertex must satisfy to be in one sector.
+/// The conditions for a vertex to be in one sector.
 #[derive(Clone, Debug, Default)]
 struct Test {
     /// Half-spaces: indices of their normals.
@@ -39,7 +39,7 @@ struct Test {
     cones: Vec<[f64; 2]>,
 }
 
-/// A condition of one reception that is no half-space.
+/// A condition of one reception that is not a half-space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     place: [f64; 3],
@@ -99,7 +99,7 @@ impl Wedges {
         if high < FRAC_PI_2 {
             cones.push([libm::sin(high), -libm::cos(high)]);
         }
-        // Behind the stop, as far as the edges leave room there.
+        // Behind the stop, as far as the tolerance at the edges allows.
         if libm::sin(middle) > libm::cos(low) || -libm::sin(middle) > libm::cos(high) {
             cones.push([libm::cos(middle), libm::sin(middle)]);
         }
@@ -113,7 +113,7 @@ impl Wedges {
         }
     }
 
-    /// The index of a normal, which may be there already.
+    /// The index of a normal, which is added if it is new.
     fn normal(&mut self, normal: [f64; 3]) -> usize {
         // The cosine of a right angle is not quite zero.
         let normal = normal.map(|component| if component.abs() < 1e-12 { 0.0 } else { component });
@@ -139,8 +139,8 @@ impl Wedges {
                 .all(|&[alpha, beta]| alpha * (dx * dx + dy * dy).sqrt() + beta * dz >= -self.tolerance_m)
     }
 
-    /// Collects what all receptions demand: the tightest half-space of each direction, as normals with the least value
-    /// of the product with a place, and the conditions that are not half-spaces.
+    /// Collects the conditions of all receptions: the tightest half-space of each direction, as a normal and the
+    /// least value of its product with a place; and the conditions that are not half-spaces.
     pub(crate) fn demand(&self, receivers: &[Receiver], planes: &mut Vec<Plane>, residuals: &mut Vec<Residual>) {
         planes.clear();
         planes.extend(self.normals.iter().map(|&normal| Plane { normal, least: f64::NEG_INFINITY }));
@@ -240,13 +240,13 @@ impl Plane {
         self.along(place) >= self.least
     }
 
-    /// Whether the half-space hardly bounds a row.
+    /// Whether the half-space is almost parallel to a row.
     pub(crate) fn is_along_rows(&self) -> bool {
         self.normal[0].abs() < 1e-6
     }
 
-    /// Cuts an interval of x to the half-space in the row through y and z; leaves it as it is if the row is almost
-    /// parallel to the edge, so that it cuts off too little rather than too much.
+    /// Cuts an interval of x to the half-space in the row through y and z; leaves it unchanged if the row is almost
+    /// parallel to the edge, so that it never cuts off too much.
     pub(crate) fn cut(&self, y: f64, z: f64, low: &mut f64, high: &mut f64) {
         let [nx, ny, nz] = self.normal;
         let rest = self.least - ny * y - nz * z;

@@ -1,4 +1,5 @@
-//! Logs that hardly tell where nodes are: self-calibration stays within reach of the stops that heard them, and says so.
+//! Logs with little evidence on the places of nodes: self-calibration keeps the nodes within reach of the stops that
+//! heard them, and reports this.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
@@ -9,9 +10,9 @@ use sextant_mapper::{Calibration, SelfCalibrated, SelfCalibratedConfig, Topology
 struct Links {
     /// Margin at 1 m.
     margin: f64,
-    /// What e-fold the distance costs.
+    /// Loss per e-fold distance.
     slope: f64,
-    /// Standard deviation of what all packets of a link share.
+    /// Standard deviation of the part that all packets of a link share.
     shadowing: f64,
     /// The same of a node and of a stop.
     offsets: f64,
@@ -19,7 +20,7 @@ struct Links {
     packets: u32,
 }
 
-/// Links with heavy shadowing of their own, as walls make it.
+/// Links with heavy shadowing, as caused by walls.
 const WALLS: Links = Links { margin: 3.0, slope: 0.8, shadowing: 1.5, offsets: 0.5, packets: 20 };
 
 fn draw(address: [u64; 3]) -> f64 {
@@ -116,13 +117,13 @@ fn shadowing_of_links_few_stops_and_stops_on_a_line_push_no_node_out_of_reach() 
     }
     let huge = Links { margin: 2.0, slope: 1.2, shadowing: 3.0, offsets: 1.2, packets: 16 };
     bounded(&log(&scattered(8, 40, 30.0, 30.0), &scattered(9, 100, 30.0, 30.0), huge));
-    // What is farther is heard better.
+    // Nodes farther away are heard better.
     let inverted = Links { margin: 0.0, slope: -0.4, shadowing: 0.5, offsets: 0.3, packets: 50 };
     bounded(&log(&scattered(10, 15, 20.0, 20.0), &scattered(11, 80, 20.0, 20.0), inverted));
 }
 
 #[test]
-fn a_survey_larger_than_the_reach_of_its_nodes_binds_nothing() {
+fn in_a_survey_larger_than_the_reach_no_node_is_at_its_bound() {
     let stops: Vec<Position> =
         (0..400_u32).map(|i| Position::new(f64::from(i % 20), f64::from(i / 20), 0.0)).collect();
     let nodes: Vec<Position> =

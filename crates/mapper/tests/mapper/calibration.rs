@@ -1,4 +1,4 @@
-//! Whether what the mapper says of its own accuracy is true.
+//! Whether the accuracy that the mapper states is correct.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};

@@ -1,4 +1,4 @@
-//! Algorithms to compare with, on networks whose maps are known.
+//! Algorithms for comparison, on networks whose maps are known.
 
 mod anchored;
 mod hops;

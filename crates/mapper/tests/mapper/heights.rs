@@ -1,4 +1,4 @@
-//! At which heights nodes are sought.
+//! The heights at which nodes are searched for.
 
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
@@ -6,7 +6,7 @@ use sextant_mapper::{
     AlgorithmConfig, EstimateKind, HeightReason, Mapper, MlTmConfig, ProfileConfig, SelfCalibratedConfig, TopologyMap,
 };
 
-/// Nothing is heard farther away (m).
+/// Nothing is heard beyond this distance (m).
 const RANGE_M: f64 = 6.0;
 
 /// A survey of `nodes` nodes over 40 m by 40 m from stops 2 m apart whose heights differ by `uneven_m`.

@@ -1,4 +1,4 @@
-//! Maps of logs whose truth the tests alone know.
+//! Maps of logs whose truth only the tests know.
 
 mod bounds;
 mod calibration;

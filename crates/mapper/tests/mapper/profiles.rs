@@ -84,7 +84,7 @@ fn a_channel_profile_without_a_hard_radius_ends_where_nothing_arrives() {
 }
 
 #[test]
-fn what_is_missing_or_wrong_in_a_channel_profile_is_named() {
+fn errors_of_a_channel_profile_name_the_key() {
     for (config, key) in [
         (ChannelProfileConfig::default(), "channel.tx_power_dbm"),
         (ChannelProfileConfig { exponent: None, ..suburban() }, "channel.exponent"),
@@ -179,7 +179,7 @@ fn a_known_curve_is_recovered_from_the_log_alone() {
     assert!(curve_error(&fit) < 0.05, "{}: {fit:?}", curve_error(&fit));
     assert!((fit.curve.range_m() - 6.0).abs() < 0.6, "{}", fit.curve.range_m());
     assert_eq!((fit.dead_stops.len(), fit.outliers.len()), (0, 0));
-    // Nobody told the mapper the curve, yet it is nearly as good as one that was told.
+    // The mapper does not know the curve, yet its map is nearly as good as with the known curve.
     let told = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.9, 0.0, 11.25));
     let told =
         MlTm::try_from(MlTmConfig { profile: told, ..ml_tm(0.25) }).unwrap().map(&survey.log, &Unwatched).unwrap();
@@ -262,7 +262,7 @@ fn the_number_of_threads_does_not_change_the_fit() {
 }
 
 #[test]
-fn hardly_any_evidence_is_no_reason_to_fail() {
+fn a_log_with_little_evidence_does_not_fail() {
     let stop = |x_m: f64| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
     let heard =
         |node, stop| Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None };

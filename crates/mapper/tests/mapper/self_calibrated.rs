@@ -1,4 +1,4 @@
-//! Self-calibrated maps of logs whose channel and obstacle are known to the test alone.
+//! Self-calibrated maps of logs whose channel and obstacle only the tests know.
 
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
@@ -17,7 +17,7 @@ const ABSORPTION_PER_M: f64 = 2.0;
 /// Step of the grids (m).
 const STEP_M: f64 = 0.2;
 
-/// What a survey is like.
+/// The parameters of a survey.
 #[derive(Clone, Copy)]
 struct World {
     seed: u64,
@@ -129,7 +129,7 @@ impl World {
     }
 }
 
-/// What is computed in tests of accuracy.
+/// Settings for tests of accuracy.
 fn settings() -> SelfCalibratedConfig {
     SelfCalibratedConfig { grid_step_m: Some(STEP_M), ..SelfCalibratedConfig::default() }
 }
@@ -213,7 +213,7 @@ fn knowledge_of_obstacles_is_used_as_far_as_it_is_allowed() {
     let (blind_m, none) = with(ObstacleKnowledge::None);
     let (receptions_m, found) = with(ObstacleKnowledge::FromReceptions);
     assert!(none.is_none() && receptions_m < 0.8 * blind_m, "{receptions_m} m, without obstacles {blind_m} m");
-    // What is known of the drives keeps the field where nothing drove.
+    // Drives show where there is no obstacle, so that the obstacle is found only where no robot drove.
     let (_, known) = with(ObstacleKnowledge::FromLog);
     let on_lane = |map: Option<sextant_mapper::AbsorptionMap>| {
         let map = map.expect("there is an obstacle");
@@ -266,12 +266,12 @@ fn knowing_the_paths_of_two_robots_is_not_worse_than_not_knowing_them() {
         joined_m += error(ObstacleKnowledge::FromLog, &one);
     }
     assert!(known_m < 1.02 * unknown_m, "{known_m} m with the paths, {unknown_m} m without");
-    // Lines between the places of two robots lead through the obstacle: they must not count as driven.
+    // Lines between the places of two robots cross the obstacle. They must not count as drives.
     assert!(joined_m > 1.2 * known_m, "{joined_m} m as if one robot had driven, {known_m} m");
 }
 
 #[test]
-fn without_obstacles_none_is_found_and_the_map_is_as_good_as_with_a_fitted_profile() {
+fn in_an_open_network_no_obstacle_is_found_and_the_map_is_as_good_as_with_a_fitted_profile() {
     let (mut error_m, mut fitted_m) = (0.0, 0.0);
     for seed in 10..12 {
         let (log, truth) = World { seed, has_obstacle: false, ..PLANE }.survey();
@@ -335,7 +335,7 @@ fn a_dead_stop_is_found_and_pairs_without_evidence_count_for_nothing() {
 }
 
 #[test]
-fn in_space_obstacles_are_sought_from_stops_at_one_height_only() {
+fn in_space_obstacles_are_searched_for_only_if_all_stops_have_one_height() {
     for (climbs, knowledge) in [(true, ObstacleKnowledge::None), (false, ObstacleKnowledge::FromLog)] {
         let (log, truth) = World { nodes: 60, packets: 2, tall_m: 2.0, climbs, ..PLANE }.survey();
         let z_range_m = Some([0.0, 2.0]);
@@ -358,7 +358,7 @@ fn in_space_obstacles_are_sought_from_stops_at_one_height_only() {
 }
 
 #[test]
-fn poor_logs_are_mapped_as_far_as_they_go() {
+fn logs_with_little_evidence_are_mapped_as_well_as_possible() {
     let algorithm = SelfCalibrated::try_from(SelfCalibratedConfig::default()).expect("good settings");
     let stop = |x_m, y_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
     let heard =
@@ -367,7 +367,7 @@ fn poor_logs_are_mapped_as_far_as_they_go() {
     let log = |nodes, stops: Vec<Stop>, receptions| {
         ReceptionLog::new(names(nodes), stops, receptions, Vec::new()).expect("a log")
     };
-    // Nothing at all, no stops, no nodes, nothing heard.
+    // An empty log, no stops, no nodes, nothing heard.
     for log in [
         log(0, vec![], vec![]),
         log(3, vec![], vec![]),
@@ -398,7 +398,7 @@ fn poor_logs_are_mapped_as_far_as_they_go() {
 }
 
 #[test]
-fn the_mapper_says_what_was_learned() {
+fn the_mapper_returns_what_was_learned() {
     let (log, _) = World { nodes: 40, ..PLANE }.survey();
     let mapper =
         Mapper::try_from(AlgorithmConfig::SelfCalibrated(SelfCalibratedConfig::default())).expect("good settings");

@@ -1,4 +1,4 @@
-//! Every algorithm tells what it is about to do, and ends at once when it is told to.
+//! Every algorithm reports its work before it begins, and ends soon after it is interrupted.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +13,7 @@ use sextant_mapper::{
 
 use crate::comparators::network::{Network, RANGING, lattice};
 
-/// Ends the work at the `last`-th time that it is asked.
+/// Ends the work the `last`-th time that it is asked.
 #[derive(Debug)]
 struct Script {
     last: u64,
@@ -107,7 +107,7 @@ fn algorithms() -> Vec<AlgorithmConfig> {
 }
 
 #[test]
-fn every_algorithm_tells_its_work_and_ends_when_it_is_told_to() {
+fn every_algorithm_reports_its_work_and_can_be_interrupted() {
     let network = Network::new(lattice([10, 10, 1], 0.2), 5, 2.5, 5.0, 0.0);
     let log = survey(&network);
     let obstacles = ObstacleField::default();
@@ -136,7 +136,7 @@ fn every_algorithm_tells_its_work_and_ends_when_it_is_told_to() {
 }
 
 #[test]
-fn bounds_and_metrics_end_when_they_are_told_to() {
+fn bounds_and_metrics_can_be_interrupted() {
     let network = Network::new(lattice([10, 10, 1], 0.2), 5, 2.5, 5.0, 0.0);
     let log = survey(&network);
     let truth = &network.places;
@@ -156,7 +156,7 @@ fn bounds_and_metrics_end_when_they_are_told_to() {
 }
 
 #[test]
-fn tables_beyond_the_memory_are_refused_with_their_size() {
+fn tables_that_need_too_much_memory_are_rejected_with_their_size() {
     // Beacons of 30 000 anchors, which nobody hears: the hops alone would need 3.6 GB.
     let places: Vec<Position> = (0..30_000_u32).map(|i| Position::new(f64::from(i), f64::from(i % 7), 0.0)).collect();
     let anchors: Vec<_> = places

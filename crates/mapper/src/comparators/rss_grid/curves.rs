@@ -1,14 +1,14 @@
-//! What a stop tells at a distance.
+//! The evidence of a stop as a function of distance.
 
 use crate::comparators::ranging::Ranging;
 use crate::lattice::whole;
 
-/// Distance below which the strength rises no further (m).
+/// Below this distance the strength is constant (m).
 const LEAST_M: f64 = 0.1;
 /// Cells of the tables over distance.
 const CELLS: usize = 8192;
 
-/// Mean strength and log-probability of silence over distance, tabulated: the one falls, the other rises.
+/// Tables of the mean strength, which falls with distance, and of the log-probability of silence, which rises.
 pub(super) struct Curves {
     per_m: f64,
     mean_dbm: Vec<f64>,

@@ -14,6 +14,7 @@ use self::curves::Curves;
 use self::search::{HeardStop, Search};
 use self::tiles::Tiles;
 use super::ranging::{Ranging, RangingConfig};
+use crate::heights::check_z_range;
 use crate::{
     CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights, TopologyMap,
 };
@@ -27,13 +28,13 @@ pub struct RssGridConfig {
     /// How power falls with distance, and how it scatters.
     #[serde(default)]
     pub ranging: RangingConfig,
-    /// Least power that is received (dBm); in a scenario, that of its radio if absent.
+    /// Least power at which packets are received (dBm). If absent in a scenario, that of its radio.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensitivity_dbm: Option<f64>,
-    /// Hard communication radius (m); in a scenario, that of its channel if absent.
+    /// Hard communication radius (m). If absent in a scenario, that of its channel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
-    /// Which place is taken from the likelihood.
+    /// How the place is estimated from the likelihood.
     #[serde(default = "posterior_mean")]
     pub estimate: EstimateKind,
     /// Lowest and highest height of a node (m); as of `ml_tm` if absent.
@@ -45,14 +46,13 @@ fn posterior_mean() -> EstimateKind {
     EstimateKind::PosteriorMean
 }
 
-/// The Bayesian grid: what the robot's receptions tell with their strengths, so what maximum likelihood on receptions
-/// alone does without.
+/// The Bayesian grid. It uses the strengths of the robot's receptions, which ML-TM does not.
 ///
-/// The log-likelihood of a node at a vertex at distance d from a stop is `−(P − m(d))²/2σ²` for a reception of strength
-/// P, `m(d)` being the mean strength, and `log Φ((P_min − m(d))/σ)` for a stop without one, zero beyond the hard
-/// radius. Each stop counts as one packet. Vertices beyond the hard radius of a stop that heard the node are ruled out, as
-/// far as any are left. Bounds of the likelihood over tiles of the grid spare all vertices that make no difference; the
-/// answer is that of a scan of all vertices.
+/// The log-likelihood of a node at a vertex at distance d from a stop is `−(P − m(d))²/2σ²` for a reception of
+/// strength P, `m(d)` being the mean strength, and `log Φ((P_min − m(d))/σ)` for a stop without one, zero beyond the
+/// hard radius. Each stop counts as one packet. Vertices beyond the hard radius of a stop that heard the node are
+/// ruled out, unless no vertex is left. Bounds of the likelihood over tiles of the grid skip vertices that make no
+/// difference. The result is that of a scan of all vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RssGrid {
     grid_step_m: f64,
@@ -77,29 +77,24 @@ impl TryFrom<RssGridConfig> for RssGrid {
         if let Some(range_m) = max_range_m {
             SettingError::positive("max_range_m", range_m)?;
         }
-        if let Some([low, high]) = z_range_m
-            && !(low.is_finite() && high.is_finite() && low <= high)
-        {
-            let allowed = "two finite heights, the lower one first";
-            return Err(SettingError::new("z_range_m", format!("[{low}, {high}]"), allowed));
-        }
+        check_z_range(z_range_m)?;
         let grid_step_m = SettingError::positive("grid_step_m", grid_step_m)?;
         Ok(Self { grid_step_m, ranging, sensitivity_dbm, max_range_m, estimate, z_range_m })
     }
 }
 
-/// Memory that the shared surface and the search of a node may need (octets).
+/// Maximum memory for the shared surface and the search of a node (bytes).
 const ALLOWED_BYTES: u64 = 1_536_000_000;
-/// Octets of a vertex: its log-likelihood of silence, and its place in the list of a search.
+/// Bytes per vertex: its log-likelihood of silence, and its entry in the list of a search.
 const OCTETS_PER_VERTEX: u64 = 24;
-/// Standard deviations above the mean that a reception without a hard radius is credited with.
+/// Without a hard radius, receptions may be this many standard deviations stronger than the mean.
 const REACH_SIGMAS: f64 = 3.0;
 
 impl RssGrid {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "rss-grid";
 
-    /// What it uses.
+    /// The kinds of knowledge that it uses.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi, KnowledgeKind::PathLoss];
 
     /// Distance within which nodes are heard (m).
@@ -108,8 +103,8 @@ impl RssGrid {
             .unwrap_or_else(|| self.ranging.distance_m(self.sensitivity_dbm - REACH_SIGMAS * self.ranging.sigma_db()))
     }
 
-    /// The map, computed on the current rayon pool; the same bits for any number of threads. Nodes that were never heard
-    /// with a strength are not placed.
+    /// The map, computed on the current rayon pool. The result is bit-identical for any number of threads. Nodes that
+    /// were never heard with a strength are not placed.
     ///
     /// # Errors
     /// [`MapError::GridTooLarge`]; [`MapError::Interrupted`].

@@ -1,4 +1,4 @@
-//! The search for one node: tiles that cannot hold a vertex that counts are not looked at.
+//! The search for one node. Tiles that cannot hold a relevant vertex are skipped.
 
 use std::ops::Range;
 
@@ -8,11 +8,13 @@ use sextant_kernel::Watch;
 use super::curves::Curves;
 use super::tiles::{Part, Silence, Tiles};
 use crate::local_posterior::covariance;
+use crate::solver::Peak;
 use crate::{Estimate, EstimateKind, Lattice};
 
-/// How far below the highest log-likelihood a vertex no longer counts in a mean: even 10⁹ of them weigh 10⁻²¹.
+/// A vertex this far below the highest log-likelihood is left out of the mean: even 10⁹ such vertices have a weight
+/// of 10⁻²¹.
 const NEGLIGIBLE: f64 = 70.0;
-/// What a bound may be too low by, for rounding: relative to the sum of what it is made of.
+/// Margin of a bound for rounding errors, relative to the sum of its terms.
 const ROUNDING: f64 = 1e-9;
 
 /// A stop that heard a node.
@@ -29,7 +31,7 @@ enum Radius {
     Ignored,
 }
 
-/// A survey ready to be searched for any of its nodes.
+/// A survey that is prepared for the search of its nodes.
 pub(super) struct Search<'a> {
     pub(super) curves: Curves,
     pub(super) lattice: &'a Lattice,
@@ -67,7 +69,7 @@ impl Silence for Search<'_> {
         let mut sum = 0.0;
         for stop in self.stops {
             let [_, far_m] = part.distances_m(stop.position);
-            // Up to the last vertex a row may be in range by rounding, or not.
+            // Near the range, rounding decides whether a vertex is in range.
             if far_m < self.range_m * (1.0 - 1e-6) {
                 sum += self.curves.log_silence(far_m);
             }
@@ -77,7 +79,7 @@ impl Silence for Search<'_> {
 }
 
 impl Search<'_> {
-    /// Adds what the silence of a stop says to the vertices `columns` of a row.
+    /// Adds the log-likelihood of the silence of a stop to the vertices `columns` of a row.
     fn add_silence(&self, stop: Position, [j, k]: [usize; 2], columns: &Range<usize>, values: &mut [f64]) {
         let first = self.lattice.position([0, j, k]);
         let across_m = (first.y_m - stop.y_m).hypot(first.z_m - stop.z_m);
@@ -92,7 +94,7 @@ impl Search<'_> {
         }
     }
 
-    /// What the log-likelihood of a node is at most at any vertex of a part whose silence bound is `silence`.
+    /// An upper bound of the log-likelihood of a node at any vertex of a part whose silence bound is `silence`.
     fn bound(&self, part: &Part, silence: f64, heard: &[HeardStop], radius: Radius) -> f64 {
         let slack_m = self.slack_m();
         let (mut gain, mut loss) = (0.0, 0.0);
@@ -111,20 +113,20 @@ impl Search<'_> {
         silence + gain - loss + ROUNDING * (1.0 - silence + gain + loss)
     }
 
-    /// How far from a stop that heard it a node may be at a vertex (m).
+    /// How far a vertex may be from a stop that heard the node (m).
     fn slack_m(&self) -> f64 {
         self.range_m + self.lattice.half_diagonal_m()
     }
 
-    /// The estimate of a node that was heard at these stops, and how many vertices were looked at; anything if the work
-    /// was ended meanwhile.
+    /// The estimate of a node that was heard at these stops, and how many vertices were looked at. If the work was
+    /// ended meanwhile, the result means nothing.
     pub(super) fn estimate(&self, tiles: &Tiles, heard: &[HeardStop], kind: EstimateKind) -> (Option<Estimate>, u64) {
         let Some(strongest) = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)) else { return (None, 0) };
         let mut found = Found::new(kind);
         self.look(tiles, &self.spans(heard), heard, Radius::Hard, &mut found);
         let is_infeasible = found.vertices.is_empty();
         if is_infeasible {
-            // No vertex is in reach of all: round the strongest, ruling nothing out.
+            // No vertex is in reach of all: search round the strongest, and rule nothing out.
             self.look(tiles, &self.spans(&[*strongest]), heard, Radius::Ignored, &mut found);
         }
         let evaluated = found.evaluated;
@@ -142,7 +144,7 @@ impl Search<'_> {
         })
     }
 
-    /// Gives `found` all vertices of a box that may count, block by block, the most promising first.
+    /// Gives `found` all relevant vertices of a box, block by block, the most promising first.
     fn look(&self, tiles: &Tiles, spans: &[Range<usize>; 3], heard: &[HeardStop], radius: Radius, found: &mut Found) {
         let mut blocks: Vec<_> = tiles
             .blocks(self.lattice, spans)
@@ -176,7 +178,6 @@ impl Search<'_> {
         (heard, radius): (&[HeardStop], Radius),
         found: &mut Found,
     ) {
-        let slack_m = self.slack_m();
         let mut silence = silence.iter();
         for k in part.span(2) {
             for j in part.span(1) {
@@ -187,27 +188,36 @@ impl Search<'_> {
                         continue;
                     }
                     let place = self.lattice.position(vertex);
-                    let mut value = silence;
-                    let mut is_ruled_out = false;
-                    for stop in heard {
-                        let distance_m = place.distance_m(stop.place);
-                        is_ruled_out |= distance_m > slack_m;
-                        let misfit = stop.rssi_dbm - self.curves.mean_dbm(distance_m);
-                        value -= 0.5 * misfit * misfit / self.variance;
-                        if distance_m <= self.range_m {
-                            value -= self.curves.log_silence(distance_m);
-                        }
-                    }
-                    if !(radius == Radius::Hard && is_ruled_out) {
+                    if let Some(value) = self.log_likelihood(place, silence, heard, radius) {
                         found.take(self.lattice.index(vertex), value);
                     }
                 }
             }
         }
     }
+
+    /// The log-likelihood of a node at a vertex where that of the silence of all stops is `silence`; `None` if the vertex is
+    /// ruled out.
+    #[inline]
+    fn log_likelihood(&self, place: Position, silence: f64, heard: &[HeardStop], radius: Radius) -> Option<f64> {
+        let slack_m = self.slack_m();
+        let mut value = silence;
+        for stop in heard {
+            let distance_m = place.distance_m(stop.place);
+            if radius == Radius::Hard && distance_m > slack_m {
+                return None;
+            }
+            let misfit = stop.rssi_dbm - self.curves.mean_dbm(distance_m);
+            value -= 0.5 * misfit * misfit / self.variance;
+            if distance_m <= self.range_m {
+                value -= self.curves.log_silence(distance_m);
+            }
+        }
+        Some(value)
+    }
 }
 
-/// The vertices found that count, or did when they were found.
+/// The vertices that are relevant, or were relevant when they were found.
 struct Found {
     kind: EstimateKind,
     margin: f64,
@@ -219,13 +229,13 @@ struct Found {
 impl Found {
     fn new(kind: EstimateKind) -> Self {
         let margin = match kind {
-            EstimateKind::Argmax => 0.0,
+            EstimateKind::Argmax => Peak::TOLERANCE,
             EstimateKind::PosteriorMean => NEGLIGIBLE,
         };
         Self { kind, margin, highest: f64::NEG_INFINITY, vertices: Vec::new(), evaluated: 0 }
     }
 
-    /// Whether a vertex with this log-likelihood would count.
+    /// Whether a vertex with this log-likelihood would be relevant.
     fn is_within_reach(&self, value: f64) -> bool {
         value > f64::NEG_INFINITY && value >= self.highest - self.margin
     }
@@ -258,7 +268,9 @@ impl Found {
                 (best + mean, Some(covariance(apart)))
             }
         };
-        Some(Estimate { position, log_likelihood: Some(highest), ties: 1, covariance, infeasible })
+        let ties = self.vertices.iter().filter(|&&(_, value)| value >= highest - Peak::TOLERANCE).count();
+        let ties = u32::try_from(ties).unwrap_or(u32::MAX);
+        Some(Estimate { position, log_likelihood: Some(highest), ties, covariance, infeasible })
     }
 }
 
@@ -270,8 +282,8 @@ mod tests {
     use super::*;
     use crate::{Ranging, RangingConfig};
 
-    /// What a scan of all vertices finds: the likeliest vertices that are not ruled out (several only if they are equally
-    /// likely, but for rounding), their log-likelihood, and the mean.
+    /// What a scan of all vertices finds: the likeliest vertices that are not ruled out (several if they are equally
+    /// likely), their log-likelihood, and the mean.
     fn scan(search: &Search<'_>, heard: &[HeardStop], radius: Radius) -> Option<(Vec<Position>, f64, Position)> {
         let slack_m = search.slack_m();
         let strongest = heard.iter().max_by(|a, b| a.rssi_dbm.total_cmp(&b.rssi_dbm)).expect("it was heard");
@@ -298,7 +310,7 @@ mod tests {
             found.push((place, value));
         }
         let highest = found.iter().map(|&(_, value)| value).reduce(f64::max)?;
-        let is_best = |value: f64| highest - value <= 1e-12 * (1.0 + highest.abs());
+        let is_best = |value: f64| value >= highest - Peak::TOLERANCE;
         let best = found.iter().filter(|&&(_, value)| is_best(value)).map(|&(place, _)| place).collect();
         let weights = || found.iter().map(|&(place, value)| (place, (value - highest).exp()));
         let total: f64 = weights().map(|(_, weight)| weight).sum();
@@ -354,6 +366,7 @@ mod tests {
                 let estimate = estimate.expect("a vertex near the strongest stop");
                 prop_assert!(evaluated <= 2 * lattice.len());
                 prop_assert_eq!(estimate.infeasible, radius == Radius::Ignored);
+                prop_assert_eq!(estimate.ties as usize, best.len());
                 prop_assert!((estimate.log_likelihood.unwrap() - highest).abs() < 1e-9 * (1.0 + highest.abs()));
                 let expected = if kind == EstimateKind::Argmax { best.as_slice() } else { &[mean] };
                 prop_assert!(

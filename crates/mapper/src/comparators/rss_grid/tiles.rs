@@ -1,4 +1,4 @@
-//! The grid in tiles, and tiles in blocks: what silence says of them.
+//! The grid in tiles, and the tiles in blocks, with the log-likelihood of silence.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -9,10 +9,10 @@ use sextant_kernel::{Interrupted, Watch};
 
 use crate::Lattice;
 
-/// Vertices of a tile along x, y and z in a plane and in space, and tiles of a block the same.
+/// Number of vertices of a tile along x, y and z, in a plane and in space. It is also the number of tiles of a block.
 const EDGES: [[usize; 3]; 2] = [[8, 8, 1], [4, 4, 4]];
 
-/// Vertices that lie together.
+/// A box of vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     /// Indices along x, y and z: from the first to before the last.
@@ -23,7 +23,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// The part of the lattice from `first` on, `edge` vertices wide as far as there are any.
+    /// The part of the lattice from `first` on, `edge` vertices wide or less at the border.
     fn new(lattice: &Lattice, first: [usize; 3], edge: [usize; 3]) -> Self {
         let end = [0, 1, 2].map(|axis| (first[axis] + edge[axis]).min(lattice.counts()[axis]));
         Self { first, end, low: lattice.position(first), high: lattice.position(end.map(|end| end - 1)) }
@@ -34,7 +34,7 @@ impl Part {
         self.first[axis]..self.end[axis]
     }
 
-    /// The least and the greatest distance from its vertices to a place (m), or less and more.
+    /// A lower and an upper bound of the distances from its vertices to a place (m).
     pub(super) fn distances_m(&self, place: Position) -> [f64; 2] {
         let (low, high, place): ([f64; 3], [f64; 3], [f64; 3]) = (self.low.into(), self.high.into(), place.into());
         let (mut near, mut far) = (0.0, 0.0);
@@ -48,28 +48,28 @@ impl Part {
     }
 }
 
-/// What tiles hold: how likely the silence of all stops is at the vertices of a lattice.
+/// The content of tiles: the likelihood of the silence of all stops at the vertices of a lattice.
 pub(super) trait Silence: Sync {
     /// The lattice.
     fn lattice(&self) -> &Lattice;
 
-    /// Who may end the work.
+    /// The watch that may end the work.
     fn watch(&self) -> &dyn Watch;
 
     /// The log-likelihood of silence at each vertex of a part of the lattice, x running fastest.
     fn silence(&self, part: &Part) -> Box<[f64]>;
 
-    /// At least the log-likelihood of silence at any vertex of a part of the lattice.
+    /// An upper bound of the log-likelihood of silence at any vertex of a part of the lattice.
     fn silence_bound(&self, part: &Part) -> f64;
 }
 
-/// A grid in tiles. What silence says is worked out where a search gets to, and kept.
+/// A grid in tiles. The log-likelihood of silence is computed when a search first needs it, and kept.
 pub(super) struct Tiles {
     edge: [usize; 3],
     /// Numbers of tiles and of blocks along x, y and z.
     counts: [usize; 3],
     block_counts: [usize; 3],
-    /// Of each block a bound of the log-likelihood of silence at its vertices.
+    /// For each block, an upper bound of the log-likelihood of silence at its vertices.
     block_bounds: Vec<f64>,
     bounds: Vec<OnceLock<f64>>,
     silence: Vec<OnceLock<Box<[f64]>>>,

@@ -49,7 +49,7 @@ fn a_lattice_in_space_keeps_its_lines_too() {
 
 #[test]
 fn nodes_with_the_same_hops_share_a_place_and_are_counted() {
-    // In a full mesh all nodes but the landmarks are one hop from everybody.
+    // In a full mesh, each node that is not a landmark is one hop from all landmarks.
     let network = Network::new(lattice([5, 5, 1], 0.0), 25, 100.0, 5.0, 0.0);
     let config =
         TpmConfig { landmarks: LandmarksConfig::FarthestPoints(CountConfig { count: 6 }), ..TpmConfig::default() };
@@ -61,7 +61,7 @@ fn nodes_with_the_same_hops_share_a_place_and_are_counted() {
 fn each_part_of_a_network_that_falls_apart_has_its_own_map() {
     let mut places = lattice([8, 8, 1], 0.1);
     places.extend(lattice([8, 8, 1], 0.1).iter().map(|&p| p + Position::new(40.0, 5.0, 0.0)));
-    // Two nodes alone are no map.
+    // Two nodes alone have no map.
     places.extend([Position::new(90.0, 0.0, 0.0), Position::new(91.0, 0.0, 0.0)]);
     let network = Network::new(places, 10, 1.6, 5.0, 0.0);
     let map = tpm(TpmConfig::default()).map(&network.knowledge(), &Unwatched).unwrap();

@@ -1,4 +1,4 @@
-//! Networks that hear without losses, under a path loss without shadowing unless it is asked for.
+//! Networks without packet loss. There is no shadowing unless a test asks for it.
 
 use sextant_channel::{Anchor, Link, NeighbourLog, Position, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
@@ -43,7 +43,7 @@ impl Network {
         }
     }
 
-    /// Nothing but the robot's log.
+    /// Only the robot's log.
     pub(crate) fn robot_only(&self) -> Knowledge<'_> {
         Knowledge::from(&self.log)
     }

@@ -150,7 +150,7 @@ fn relative_maps_are_the_same_up_to_a_similarity() {
     };
     let aligned = map(FrameConfig::Relative).aligned_to(&network.truth(), 4);
     let anchored = map(FrameConfig::Anchors);
-    // The truth of all nodes fits at least as well as that of some.
+    // An alignment to all nodes fits at least as well as an alignment to some.
     assert!(mean_error_m(&network, &aligned) < mean_error_m(&network, &anchored) + 0.05);
 }
 
@@ -246,4 +246,44 @@ fn the_grid_is_the_same_on_any_number_of_threads_and_silent_nodes_are_not_placed
     assert_eq!(key(RssGridConfig { sensitivity_dbm: None, ..config }), "sensitivity_dbm");
     assert_eq!(key(RssGridConfig { ranging: RANGING, ..config }), "ranging.sigma_db");
     assert_eq!(key(RssGridConfig { grid_step_m: 0.0, ..config }), "grid_step_m");
+}
+
+#[test]
+fn the_grid_counts_the_vertices_that_are_equally_likely() {
+    // Both stops are on one row of vertices: the node is as likely on one side of the row as on the other.
+    let step_m = 0.5;
+    let vertex = |i: f64, j: f64| {
+        Position::new((i + 0.381_966_011_250_105) * step_m, (j + 0.236_067_977_499_79) * step_m, 0.0)
+    };
+    let stops = [vertex(0.0, 0.0), vertex(8.0, 0.0)];
+    let ties = |places: &[Position], estimate| {
+        let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
+        let reception = |(stop, place): (u32, &Position)| Reception {
+            node: NodeId(0),
+            stop,
+            received: 1,
+            sent: 1,
+            sector: None,
+            rssi_dbm: Some(-50.0 - 27.0 * vertex(3.0, 5.0).distance_m(*place).log10()),
+        };
+        let receptions = (0..).zip(places).map(reception).collect();
+        let log = ReceptionLog::new(vec!["n".into()], places.iter().map(stop).collect(), receptions, Vec::new());
+        let config = RssGridConfig {
+            grid_step_m: step_m,
+            ranging: RangingConfig { sigma_db: Some(4.0), ..RANGING },
+            sensitivity_dbm: Some(-90.0),
+            max_range_m: Some(10.0),
+            estimate,
+            z_range_m: None,
+        };
+        let map = RssGrid::try_from(config).unwrap().map(&Knowledge::from(&log.unwrap()), &Unwatched).unwrap();
+        map.estimates[0].as_ref().unwrap().ties
+    };
+    for estimate in [EstimateKind::Argmax, EstimateKind::PosteriorMean] {
+        assert_eq!(ties(&stops, estimate), 2);
+        // A single stop: all vertices at the same distance from it, (±3, ±5) and (±5, ±3) steps away.
+        assert_eq!(ties(&stops[..1], estimate), 8);
+        let beside = [stops[0], stops[1], vertex(2.0, 4.3)];
+        assert_eq!(ties(&beside, estimate), 1);
+    }
 }

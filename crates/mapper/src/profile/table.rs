@@ -1,11 +1,13 @@
-//! A reception profile given by its values: curves that were estimated, or computed from a channel.
+//! A reception profile given by a table of values, for curves that are estimated or computed from a channel.
 
 use sextant_kernel::SettingError;
 
-/// Values below this are taken as 0: products of many factors then stay within the range of f64.
+use super::limits::Limits;
+
+/// Values below this count as 0. Products of many factors then stay within the range of f64.
 const NOTHING: f64 = 1e-30;
 
-/// S(d) by linear interpolation of values at equal distances, 0 from the last of them on, then clamped to
+/// S(d) by linear interpolation of values at equal distances, 0 from the last value on, then clamped to
 /// `[floor, ceiling]`. The values need not fall with distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableProfile {
@@ -13,13 +15,12 @@ pub struct TableProfile {
     /// At 0, `step_m`, 2 `step_m`, ...
     probabilities: Vec<f64>,
     range_m: f64,
-    floor: f64,
-    ceiling: f64,
+    limits: Limits,
 }
 
 impl TableProfile {
-    /// The profile with `probabilities` at the distances 0, `step_m`, 2 `step_m`, ...; the last of them is the range.
-    /// Values below 10⁻³⁰ are taken as 0.
+    /// The profile with `probabilities` at the distances 0, `step_m`, 2 `step_m`, ...; the last distance is the
+    /// range. Values below 10⁻³⁰ count as 0.
     ///
     /// # Errors
     /// `step_m` if it is not above 0; `probabilities` if there are fewer than two, one is not in `[0, 1]`, or none
@@ -33,12 +34,7 @@ impl TableProfile {
         if let Some(&wrong) = probabilities.iter().find(|&&p| !(0.0..=1.0).contains(&p)) {
             return Err(SettingError::new("probabilities", wrong, "0 to 1"));
         }
-        if !(ceiling > 0.0 && ceiling <= 1.0) {
-            return Err(SettingError::new("ceiling", ceiling, "above 0, at most 1"));
-        }
-        if !(floor >= 0.0 && floor < ceiling) {
-            return Err(SettingError::new("floor", floor, format!("0 to below the ceiling ({ceiling})")));
-        }
+        let limits = Limits::new(floor, ceiling)?;
         let before_range = &probabilities[..probabilities.len() - 1];
         if before_range.iter().all(|&p| p <= floor) {
             let highest = before_range.iter().fold(0.0, |highest: f64, &p| highest.max(p));
@@ -47,7 +43,7 @@ impl TableProfile {
         }
         let range_m = step_m * (probabilities.len() - 1) as f64;
         let probabilities = probabilities.into_iter().map(|p| if p < NOTHING { 0.0 } else { p }).collect();
-        Ok(Self { step_m, probabilities, range_m, floor, ceiling })
+        Ok(Self { step_m, probabilities, range_m, limits })
     }
 
     /// Probability that a packet is received over `distance_m`.
@@ -61,7 +57,7 @@ impl TableProfile {
         } else {
             0.0
         };
-        s.clamp(self.floor, self.ceiling)
+        self.limits.clamp(s)
     }
 
     /// Distance of neighbouring values (m).
@@ -76,7 +72,7 @@ impl TableProfile {
         &self.probabilities
     }
 
-    /// The distance from which on a reception is impossible (or left to the floor) (m).
+    /// At this distance and beyond, a reception is impossible, or has the probability of the floor (m).
     #[must_use]
     pub fn range_m(&self) -> f64 {
         self.range_m
@@ -85,13 +81,13 @@ impl TableProfile {
     /// Lowest probability of a reception.
     #[must_use]
     pub fn floor(&self) -> f64 {
-        self.floor
+        self.limits.floor()
     }
 
     /// Highest probability of a reception.
     #[must_use]
     pub fn ceiling(&self) -> f64 {
-        self.ceiling
+        self.limits.ceiling()
     }
 }
 
@@ -109,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn values_outside_their_domain_are_refused_by_name() {
+    fn invalid_values_are_rejected_with_their_key() {
         let key = |step, values: &[f64], floor, ceiling| {
             TableProfile::new(step, values.to_vec(), floor, ceiling).map_err(|error| error.key)
         };

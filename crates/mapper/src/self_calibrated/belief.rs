@@ -1,0 +1,25 @@
+//! The current estimate of the place of one node.
+
+use sextant_channel::Position;
+use sextant_kernel::NodeId;
+
+/// The current estimate of the place of one node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Belief {
+    pub(super) node: NodeId,
+    /// Posterior mean (m).
+    pub(super) mean: Position,
+    /// Log-likelihood of the likeliest vertex.
+    pub(super) highest: f64,
+    /// Posterior covariance (m²).
+    pub(super) covariance: [[f64; 3]; 3],
+    /// Whether places at the bounds of the node are about as likely as the likeliest.
+    pub(super) at_bound: bool,
+}
+
+impl Belief {
+    /// Standard deviation along an axis (m).
+    pub(super) fn spread_m(&self, axis: usize) -> f64 {
+        self.covariance[axis][axis].max(0.0).sqrt()
+    }
+}
