@@ -4,6 +4,7 @@ mod bound;
 mod discovery;
 mod evaluation;
 mod gather;
+mod mac;
 mod message_energy;
 mod outcome;
 mod pipeline;
