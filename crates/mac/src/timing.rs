@@ -74,6 +74,16 @@ impl Phy {
         }
     }
 
+    /// Its channel page (IEEE 802.15.4-2006, 6.1.2.2): 0, or 1 for ASK and 2 for O-QPSK below 1 GHz.
+    #[must_use]
+    pub const fn page(self) -> u8 {
+        match self {
+            Self::Oqpsk2450 | Self::Bpsk868 | Self::Bpsk915 => 0,
+            Self::Ask868 | Self::Ask915 => 1,
+            Self::Oqpsk868 | Self::Oqpsk915 => 2,
+        }
+    }
+
     /// Its channels (IEEE 802.15.4-2006, 6.1.2.1).
     #[must_use]
     pub const fn channels(self) -> RangeInclusive<u8> {

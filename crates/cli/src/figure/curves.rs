@@ -91,7 +91,11 @@ mod tests {
 
     #[test]
     fn each_point_is_marked_in_the_colour_of_its_curve() {
-        let series = |name: &str, y: f64| Series { name: name.into(), points: vec![(0.0, y), (1.0, 2.0 * y)], half_widths: vec![] };
+        let series = |name: &str, y: f64| Series {
+            name: name.into(),
+            points: vec![(0.0, y), (1.0, 2.0 * y)],
+            half_widths: vec![],
+        };
         let curves = Curves {
             title: "t".into(),
             note: String::new(),

@@ -11,6 +11,9 @@ use super::source::Source;
 use crate::text::counted;
 
 const NODE: RGBColor = INK;
+const SINK: RGBColor = ACCENT;
+/// Side of the square of a sink (px).
+const SINK_SIDE: f64 = 10.0;
 const CONTACT: Stroke = Stroke::new(ACCENT, 1.6);
 
 /// The figure.
@@ -26,7 +29,7 @@ pub(super) fn draw(source: &Source<'_>) -> Picture {
         finest: 1.0,
         ramp: Ramp::Marks,
     };
-    let views = source.views(source.survey());
+    let views = source.views(source.survey().chain(drawn.sinks.values().copied()));
     let radius = 0.75 * views.dot_radius(drawn.nodes.len());
     let side = 2.2 * views.dot_radius(log.stops().len().max(drawn.nodes.len()));
     let (picture, areas) = sheet(source, &bar, radius, side).lay_out(&views.sizes());
@@ -42,6 +45,9 @@ pub(super) fn draw(source: &Source<'_>) -> Picture {
         for &node in drawn.nodes.values() {
             picture.disc(panel.at(node), radius, NODE);
         }
+        for &sink in drawn.sinks.values() {
+            picture.square(panel.at(sink), SINK_SIDE, SINK);
+        }
         for contact in log.contacts() {
             picture.cross(panel.at(contact.position), 3.5, CONTACT);
         }
@@ -56,8 +62,15 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
     if !drawn.nodes.is_empty() {
         legend.push(Entry { symbol: Symbol::Disc { radius, fill: NODE }, text: "node".to_owned() });
     }
-    let fill = bar.color(0.7 * bar.high);
-    legend.push(Entry { symbol: Symbol::Square { side, fill }, text: "stop".to_owned() });
+    if !drawn.sinks.is_empty() {
+        let symbol = Symbol::Square { side: SINK_SIDE, fill: SINK };
+        legend.push(Entry { symbol, text: "sink".to_owned() });
+    }
+    let has_stops = !log.stops().is_empty();
+    if has_stops {
+        let fill = bar.color(0.7 * bar.high);
+        legend.push(Entry { symbol: Symbol::Square { side, fill }, text: "stop".to_owned() });
+    }
     for (i, (robot, _)) in drawn.paths.iter().enumerate() {
         legend.push(Entry {
             symbol: Symbol::Line { stroke: track(i), pattern: &[] },
@@ -70,12 +83,20 @@ fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet 
     }
     legend.extend(source.obstacle_entry());
     let length_m: f64 = drawn.paths.iter().map(|(_, path)| length_m(path)).sum();
-    let mut note = vec![counted(log.node_count(), "node"), counted(drawn.obstacles.len(), "obstacle")];
-    note.push(counted(log.stops().len(), "stop"));
+    let mut note =
+        vec![counted(log.node_count().max(drawn.nodes.len()), "node"), counted(drawn.obstacles.len(), "obstacle")];
+    if !drawn.sinks.is_empty() {
+        note.push(counted(drawn.sinks.len(), "sink"));
+    }
+    if has_stops {
+        note.push(counted(log.stops().len(), "stop"));
+    }
     if !drawn.paths.is_empty() {
         note.push(format!("path of {length_m:.0} m"));
     }
-    Sheet { title: format!("{title}: network and survey"), note: note.join(", "), bar: Some(bar.clone()), legend }
+    let what = if has_stops { "network and survey" } else { "network" };
+    let bar = has_stops.then(|| bar.clone());
+    Sheet { title: format!("{title}: {what}"), note: note.join(", "), bar, legend }
 }
 
 /// The line style of the `i`th robot.

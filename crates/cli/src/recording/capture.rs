@@ -44,6 +44,10 @@ pub struct CapturedFrame<'a> {
     pub airtime: Duration,
     /// The MAC frame (MPDU) with its check sequence.
     pub mpdu: &'a [u8],
+    /// Number of the radio channel.
+    pub channel: u8,
+    /// Channel page: 0, or 1 for ASK and 2 for O-QPSK below 1 GHz.
+    pub page: u8,
     /// How it was received, if the capture is by one receiver.
     pub signal: Option<Signal>,
 }
@@ -73,19 +77,18 @@ impl Signal {
 pub struct Capture<W: Write> {
     output: W,
     path: PathBuf,
-    channel: u16,
     record: Vec<u8>,
     failure: Option<RecordingError>,
 }
 
 impl<W: Write> Capture<W> {
-    /// A capture on radio channel `channel` (page 0) that is written to `output`; `path` is its name in errors.
+    /// A capture that is written to `output`; `path` is its name in errors.
     ///
     /// # Errors
     /// If the header cannot be written.
-    pub fn new(output: W, path: &Path, channel: u8) -> Result<Self, RecordingError> {
+    pub fn new(output: W, path: &Path) -> Result<Self, RecordingError> {
         let record = Vec::with_capacity(256);
-        let mut capture = Self { output, path: path.to_owned(), channel: u16::from(channel), record, failure: None };
+        let mut capture = Self { output, path: path.to_owned(), record, failure: None };
         let [major, minor] = VERSION;
         capture.record.extend(NANOSECOND_MAGIC.to_le_bytes());
         capture.record.extend(major.to_le_bytes());
@@ -123,8 +126,7 @@ impl<W: Write> Capture<W> {
             let power_dbm = signal.power.0 as f32;
             self.field(field::RSS, &power_dbm.to_le_bytes());
         }
-        let [low, high] = self.channel.to_le_bytes();
-        self.field(field::CHANNEL_ASSIGNMENT, &[low, high, 0]);
+        self.field(field::CHANNEL_ASSIGNMENT, &[frame.channel, 0, frame.page]);
         self.field(field::START_OF_FRAME, &frame.start.as_nanos().to_le_bytes());
         self.field(field::END_OF_FRAME, &end.as_nanos().to_le_bytes());
         if let Some(signal) = frame.signal {
@@ -179,14 +181,14 @@ pub struct FileCapture {
 }
 
 impl FileCapture {
-    /// A capture on radio channel `channel` for the file `path`. An existing file is replaced when the capture is
+    /// A capture for the file `path`. An existing file is replaced when the capture is
     /// finished.
     ///
     /// # Errors
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
-    pub fn create(path: &Path, channel: u8) -> Result<Self, RecordingError> {
+    pub fn create(path: &Path) -> Result<Self, RecordingError> {
         let draft = Draft::new(path, ".part");
-        let capture = Capture::new(draft.open()?, &draft.part, channel)?;
+        let capture = Capture::new(draft.open()?, &draft.part)?;
         Ok(Self { capture, draft })
     }
 

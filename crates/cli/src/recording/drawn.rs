@@ -10,7 +10,7 @@ use sextant_kernel::NodeId;
 
 use super::drawing::{self, LikelihoodPlane, Solid, place};
 use super::error::RecordingError;
-use super::names::{ANCHORS_TOPIC, WORLD_NODES_TOPIC};
+use super::names::{ANCHORS_TOPIC, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC};
 use super::reader::sound;
 use super::scan::Piece;
 
@@ -22,6 +22,8 @@ pub type Places = BTreeMap<NodeId, Position>;
 pub struct Drawn {
     /// The true positions of the nodes; empty if the recording does not have them.
     pub nodes: Places,
+    /// The positions of the sinks, by number.
+    pub sinks: Places,
     /// The nodes that know their position.
     pub anchors: BTreeSet<NodeId>,
     /// The obstacles.
@@ -68,6 +70,7 @@ impl Drawn {
     fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
             "foxglove.PointCloud" if topic == WORLD_NODES_TOPIC => self.nodes = places(data)?,
+            "foxglove.PointCloud" if topic == WORLD_SINKS_TOPIC => self.sinks = places(data)?,
             "foxglove.PointCloud" => {
                 if let Some(name) = topic.strip_prefix("/map/") {
                     replace(&mut self.maps, name, places(data)?);

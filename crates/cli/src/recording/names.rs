@@ -14,5 +14,7 @@ pub(super) const BEACONS_TOPIC: &str = "/beacons";
 pub(super) const ANCHORS_TOPIC: &str = "/anchors";
 /// Topic of the true positions of the nodes.
 pub(super) const WORLD_NODES_TOPIC: &str = "/world/nodes";
+/// Topic of the positions of the sinks.
+pub(super) const WORLD_SINKS_TOPIC: &str = "/world/sinks";
 /// Name of the metadata record of a recovered recording.
 pub(super) const RECOVERED_METADATA: &str = "recovered";

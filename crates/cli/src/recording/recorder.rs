@@ -17,7 +17,7 @@ use super::error::RecordingError;
 use super::messages;
 use super::names::{
     ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
-    WORLD_NODES_TOPIC,
+    WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
 use super::sink::Sink;
 use crate::output::Draft;
@@ -301,6 +301,14 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn world_nodes(&mut self, time: SimTime, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
         self.write(time, WORLD_NODES_TOPIC, &drawing::cloud(time, nodes))
+    }
+
+    /// Writes the positions of the sinks, by number, for viewers.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn world_sinks(&mut self, time: SimTime, sinks: &[PlacedNode]) -> Result<(), RecordingError> {
+        self.write(time, WORLD_SINKS_TOPIC, &drawing::cloud(time, sinks))
     }
 
     /// Writes the map by `algorithm`; nodes without a position are absent.

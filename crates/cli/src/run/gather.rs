@@ -1,8 +1,8 @@
 //! Recording of a simulation while it runs.
 
-use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
+use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::SimTime;
-use sextant_sim::{FrameOnAir, Observer, Progress};
+use sextant_sim::{FrameOnAir, Observer, Progress, Radio};
 
 use crate::interrupt::Interrupt;
 use crate::recording::{CapturedFrame, FileCapture, FileRecorder, RecordingError, Signal, messages};
@@ -25,22 +25,27 @@ pub(super) struct Sniffer<'a> {
     pub(super) capture: &'a mut FileCapture,
     /// The robot whose receptions are captured; all frames on air if absent.
     pub(super) robot: Option<usize>,
-    /// The lowest power that a robot can receive.
-    pub(super) sensitivity: Dbm,
+    /// The radios of each network.
+    pub(super) radios: Vec<Radio>,
+    /// The radio channel to name instead of that of the radios.
+    pub(super) channel: Option<u8>,
 }
 
 impl Sniffer<'_> {
     /// Captures a frame, if it is to be captured.
     fn sniff(&mut self, frame: &FrameOnAir<'_>) -> Result<(), RecordingError> {
+        let radio = &self.radios[frame.network.index()];
         let signal = match self.robot {
             None => None,
             Some(robot) => match frame.heard.iter().find(|heard| heard.collector == robot) {
                 None => return Ok(()),
-                Some(heard) => Some(Signal { power: heard.power, sensitivity: self.sensitivity }),
+                Some(heard) => Some(Signal { power: heard.power, sensitivity: radio.sensitivity() }),
             },
         };
         let FrameOnAir { start, airtime, bytes: mpdu, .. } = *frame;
-        self.capture.frame(&CapturedFrame { start, airtime, mpdu, signal })
+        let channel = self.channel.unwrap_or(radio.channel());
+        let page = radio.phy().page();
+        self.capture.frame(&CapturedFrame { start, airtime, mpdu, channel, page, signal })
     }
 }
 

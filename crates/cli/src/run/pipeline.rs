@@ -32,8 +32,7 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let _keeper = interrupt.keep();
     let mut recorder = FileRecorder::create(request.recording)?;
-    let channel = scenario.recording().pcap.channel;
-    let mut capture = request.pcap.map(|path| FileCapture::create(path, channel)).transpose()?;
+    let mut capture = request.pcap.map(FileCapture::create).transpose()?;
     open(&mut recorder, scenario)?;
     discoveries.record(scenario, &mut recorder)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
@@ -86,6 +85,11 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     let place = |(i, position)| PlacedNode { node: NodeId::from_index(i), position, error_m: None };
     let nodes: Vec<_> = world.nodes.iter().map(|node| node.position).enumerate().map(place).collect();
     recorder.world_nodes(SimTime::ZERO, &nodes)?;
+    let sinks = scenario.config().sinks.iter().map(|sink| sink.position_m).enumerate();
+    let sinks: Vec<_> = sinks.map(place).collect();
+    if !sinks.is_empty() {
+        recorder.world_sinks(SimTime::ZERO, &sinks)?;
+    }
     Ok(())
 }
 
@@ -107,7 +111,8 @@ fn gather(
     let sniffer = outputs.capture.map(|capture| Sniffer {
         capture,
         robot: scenario.captured_robot(),
-        sensitivity: scenario.network().link.radio.sensitivity(),
+        radios: scenario.networks().iter().map(|network| network.link.radio).collect(),
+        channel: scenario.recording().pcap.channel,
     });
     let frames = scenario.recording().frames;
     let mut gathering = Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names);

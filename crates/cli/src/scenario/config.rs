@@ -122,21 +122,17 @@ pub struct RecordingConfig {
 }
 
 /// What `--pcap` writes, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PcapConfig {
     /// Name of a robot: only the frames that it receives are written, with their strength and quality. All frames on air
     /// if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// The channel number in the capture, 11 to 26 (2.4 GHz). It has no effect on the simulation.
-    pub channel: u8,
-}
-
-impl Default for PcapConfig {
-    fn default() -> Self {
-        Self { robot: None, channel: *CHANNELS_2450.start() }
-    }
+    /// The channel number in the capture, 11 to 26 (2.4 GHz), instead of that of the radios. It has no effect on the
+    /// simulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<u8>,
 }
 
 /// Radio channels at 2.4 GHz (IEEE 802.15.4-2006, 6.1.2.1).
@@ -145,8 +141,8 @@ const CHANNELS_2450: RangeInclusive<u8> = 11..=26;
 impl PcapConfig {
     /// Rejects channels of other bands and unknown robots.
     pub(crate) fn check(&self, robots: &[RobotConfig<ControllerConfig>]) -> Result<(), SettingError> {
-        if !CHANNELS_2450.contains(&self.channel) {
-            return Err(SettingError::new("channel", self.channel, "11 to 26"));
+        if let Some(channel) = self.channel.filter(|channel| !CHANNELS_2450.contains(channel)) {
+            return Err(SettingError::new("channel", channel, "11 to 26"));
         }
         match &self.robot {
             Some(name) if !robots.iter().any(|robot| robot.name == *name) => {

@@ -89,8 +89,7 @@ impl Table {
     /// The numeric setting with the most values, and the last one of several.
     fn across(&self) -> Option<usize> {
         let values = |column: usize| -> Option<usize> {
-            let mut numbers =
-                (0..self.rows.len()).map(|row| self.number(row, column)).collect::<Option<Vec<_>>>()?;
+            let mut numbers = (0..self.rows.len()).map(|row| self.number(row, column)).collect::<Option<Vec<_>>>()?;
             numbers.sort_by(f64::total_cmp);
             numbers.dedup();
             (numbers.len() > 1).then_some(numbers.len())

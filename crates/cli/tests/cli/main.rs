@@ -16,3 +16,4 @@ mod reproduce;
 mod run;
 mod scenario_errors;
 mod sweep;
+mod traffic;

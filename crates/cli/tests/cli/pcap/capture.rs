@@ -20,9 +20,9 @@ fn hex(text: &str) -> Vec<u8> {
 }
 
 fn captured(channel: u8, frames: &[CapturedFrame<'_>]) -> Vec<u8> {
-    let mut capture = Capture::new(Vec::new(), Path::new("a.pcap"), channel).unwrap();
+    let mut capture = Capture::new(Vec::new(), Path::new("a.pcap")).unwrap();
     for frame in frames {
-        capture.frame(frame).unwrap();
+        capture.frame(&CapturedFrame { channel, ..*frame }).unwrap();
     }
     capture.into_output().unwrap()
 }
@@ -30,7 +30,14 @@ fn captured(channel: u8, frames: &[CapturedFrame<'_>]) -> Vec<u8> {
 fn received(dbm: f64, mpdu: &[u8]) -> CapturedFrame<'_> {
     let signal = Signal { power: Dbm(dbm), sensitivity: Dbm(-100.0) };
     let airtime = Duration::from_micros(352);
-    CapturedFrame { start: SimTime::from_nanos(2_123_456_789), airtime, mpdu, signal: Some(signal) }
+    CapturedFrame {
+        start: SimTime::from_nanos(2_123_456_789),
+        airtime,
+        mpdu,
+        channel: 11,
+        page: 0,
+        signal: Some(signal),
+    }
 }
 
 #[test]

@@ -20,7 +20,7 @@ use super::frame_queue::Payloads;
 use super::mac::{Mac, NodeMac};
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, Emission, Transmission};
+use crate::air::{Arrival, Emission, FrameOutcome, Transmission};
 use crate::event::ieee802154::Event;
 use crate::observer::{HeardFrame, Observer};
 use crate::purpose;
@@ -29,6 +29,7 @@ use crate::service::network_id::NetworkId;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::upcall::Upcall;
 use crate::station::Kind;
+use sending::data_frame;
 
 /// PAN of the first network; the others follow.
 const FIRST_PAN: u16 = 0x5E87;
@@ -224,7 +225,21 @@ impl Network {
             let is_member = self.members.as_ref().is_none_or(|members| members[i]);
             let spent = stack.meter.spent(&self.radio_states, self.radios.emission.power);
             energy.push(if is_member { spent } else { EnergySpent::default() });
-            self.packets[i].pending = u64::from(self.macs[i].is_busy()) + stack.waiting.len() as u64;
+            let packets = &mut self.packets[i];
+            packets.pending = stack.waiting.len() as u64;
+            if let Some(frame) = stack.frame {
+                // A frame that was received counts so, even if its acknowledgement is still under way.
+                let station = StationId::from_index(i);
+                let header = data_frame(self.pan, station, frame.to);
+                if stack.outcome == FrameOutcome::Received {
+                    packets.sent += 1;
+                    packets.transmissions += 1;
+                    packets.received += 1;
+                    packets.octets_received += u64::from(frame.mpdu_octets - header.overhead_octets());
+                } else {
+                    packets.pending += 1;
+                }
+            }
         }
         NetworkRecord {
             packets: self.packets,

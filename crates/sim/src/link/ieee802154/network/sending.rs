@@ -156,10 +156,7 @@ impl Network {
     }
 
     pub(super) fn data_frame(&self, station: StationId, to: Destination) -> DataFrame {
-        match to {
-            Destination::All => DataFrame::broadcast(self.pan, station),
-            Destination::Station(to) => DataFrame::unicast(self.pan, station, to),
-        }
+        data_frame(self.pan, station, to)
     }
 
     /// Writes the data frame of `station` that is under way.
@@ -172,5 +169,13 @@ impl Network {
             Content::Octets(slot) => self.payloads.octets(slot),
         };
         header.write(stack.sequence, payload, &mut self.mpdu);
+    }
+}
+
+/// The header of the data frames of `station` to others of its PAN.
+pub(super) fn data_frame(pan: u16, station: StationId, to: Destination) -> DataFrame {
+    match to {
+        Destination::All => DataFrame::broadcast(pan, station),
+        Destination::Station(to) => DataFrame::unicast(pan, station, to),
     }
 }
