@@ -129,13 +129,13 @@ pub struct FrameMessage {
     /// Time on air (ns).
     #[prost(uint64, tag = "2")]
     pub airtime_ns: u64,
-    /// Index of the station that sent it; robots are numbered after the nodes.
+    /// Index of the station that sent it: nodes come first, then robots, then sinks.
     #[prost(uint32, tag = "3")]
     pub source: u32,
     /// The MAC frame, its check sequence included.
     #[prost(bytes = "vec", tag = "4")]
     pub mpdu: Vec<u8>,
-    /// The best outcome at any robot or, for a frame of a robot, at any node: `received`, `collided`, `weak`,
+    /// The best outcome at any robot or sink or, for a frame of one, at any node: `received`, `collided`, `weak`,
     /// `out_of_range` or `not_listened`.
     #[prost(string, tag = "5")]
     pub outcome: String,

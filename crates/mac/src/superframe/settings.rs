@@ -8,7 +8,7 @@ use super::{MAX_GUARANTEED, MAX_ORDER, SLOTS};
 use crate::RadioState;
 use crate::csma::{CsmaConfig, CsmaSettings};
 
-/// A beacon-enabled PAN of IEEE 802.15.4 whose coordinator is the first robot, as written in a scenario. The robot
+/// A beacon-enabled PAN of IEEE 802.15.4 whose coordinator is the first robot, or the first sink, as written in a scenario. It
 /// sends beacons while it stands and listens. Nodes that heard a beacon answer in its superframe, by slotted CSMA-CA
 /// or in a guaranteed slot. Defaults are those of the standard where it has them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

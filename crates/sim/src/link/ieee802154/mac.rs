@@ -15,7 +15,7 @@ use sextant_mac::{Phy, RadioState};
 pub enum MacConfig {
     /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
     CsmaUnslotted(CsmaConfig),
-    /// The first robot is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
+    /// The first robot, or the first sink if there is no robot, is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
     /// guaranteed slots (IEEE 802.15.4 at 2.4 GHz).
     BeaconEnabled(BeaconEnabledConfig),
 }
