@@ -52,7 +52,8 @@ impl<A: Application> Engine<A> {
     /// An engine with an application for each station: nodes come first, then robots, then sinks.
     ///
     /// # Errors
-    /// If networks in one band have different channels.
+    /// If networks in one band have different channels, or the reception model of a network is not that of its
+    /// physical layer.
     ///
     /// # Panics
     /// If the number of applications is not that of the stations.
@@ -82,6 +83,7 @@ impl<A: Application> Engine<A> {
         };
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
+        bands::check_reception(&networks)?;
         let bands = bands::bands(&networks)?;
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         for (i, band) in bands.iter().enumerate() {
