@@ -7,6 +7,7 @@ use sextant_kernel::{EventKey, NodeId, Seed, SimTime, StationId};
 
 use crate::event::{Event, Timer};
 use crate::model::{Model, Note};
+use crate::purpose;
 use crate::service::delivery::DriveEnd;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
@@ -66,6 +67,12 @@ impl Port<'_> {
     #[must_use]
     pub fn seed(&self) -> Seed {
         self.model.scene.seed
+    }
+
+    /// A random number of this station, uniform in (0, 1): each `number` has its own, always the same in a run.
+    #[must_use]
+    pub fn uniform(&self, number: u64) -> f64 {
+        self.seed().uniform(purpose::APPLICATION, [self.station.0.into(), number, 0])
     }
 
     /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before.
