@@ -97,7 +97,9 @@ impl Port<'_> {
     }
 
     /// A robot opens its receiver for `span`, whether it stands or drives;
-    /// [`Application::listened`](super::Application::listened) is called at the end.
+    /// [`Application::listened`](super::Application::listened) is called at the end. If it listens already, the new
+    /// time replaces what is left of the old one. An acknowledgement that is under way at the end is sent first.
+    /// Nodes and sinks listen anyway, and go on afterwards.
     pub fn listen(&mut self, network: NetworkId, span: Duration) {
         self.model.networks[network.index()].listen(self.station, span, &mut self.model.scene);
     }

@@ -105,7 +105,7 @@ impl<A: Application> Engine<A> {
                 cca_threshold: network.radio.cca_threshold().to_milliwatts(),
                 radio_states: network.radio_states.clone(),
                 air,
-                first_receiver: scene.airs[air].add_receivers(bands::rules(network)),
+                first_receiver: scene.airs[air].add_receivers(bands::rules(network), &hears),
                 coordinator: coordinator.take_if(|_| i == 0),
                 keeps_delays: roll.sinks > 0,
             };
@@ -161,11 +161,11 @@ impl<A: Application> Engine<A> {
 
     fn begin(&mut self, observer: &mut impl Observer) {
         for station in self.model.scene.roll.stations() {
-            let mut port = Port { model: &mut self.model, station };
-            self.applications[station.index()].started(&mut port);
             for network in &mut self.model.networks {
                 network.begin(station, &mut self.model.scene);
             }
+            let mut port = Port { model: &mut self.model, station };
+            self.applications[station.index()].started(&mut port);
         }
         for network in &mut self.model.networks {
             network.begin_schedule(&mut self.model.scene);
