@@ -112,9 +112,10 @@ impl<A: Application> Engine<A> {
             links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
         }
         let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
-        let unfinished = applications.iter().filter(|application| application.has_task()).count();
+        let has_task: Vec<bool> = applications.iter().map(Application::has_task).collect();
+        let unfinished = has_task.iter().filter(|&&has_task| has_task).count();
         Ok(Self {
-            model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), unfinished },
+            model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), has_task, unfinished },
             applications,
             log: Log::new(roll.nodes),
             end: duration.map(|duration| SimTime::ZERO + duration),
