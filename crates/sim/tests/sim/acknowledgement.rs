@@ -9,8 +9,8 @@ use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, Ended, Engine, EngineSetup, FrameId, FrameOutcome, NetworkId, Packets,
-    Payload, Port, SendOutcome, SendReport, Timer,
+    Application, Delivery, Destination, Ended, Engine, EngineSetup, FrameId, FrameOutcome, NetworkId, NetworkSetup,
+    Packets, Payload, Port, ReceptionConfig, SendOutcome, SendReport, SinrThresholdConfig, Timer,
 };
 
 use crate::network;
@@ -140,6 +140,39 @@ fn a_frame_whose_acknowledgements_are_all_lost_is_reported_as_unanswered_althoug
     assert_eq!(on_air.frames(true).len(), 4);
     let packets = ended.networks[0].packets[1];
     assert_eq!((packets.received, packets.unacknowledged, packets.transmissions), (1, 1, 4));
+}
+
+#[test]
+fn an_acknowledgement_has_no_address_so_that_only_its_sequence_number_tells_for_whom_it_is() {
+    // Both others send to the first station at the same instant; it receives the nearer one, and the farther one hears
+    // the acknowledgement while it waits for its own.
+    let places = [0.0, 0.5, -1.0].map(|x_m| Position::new(x_m, 0.0, 0.0));
+    let capture = ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db: 3.0 });
+    let link = NetworkSetup {
+        reception: capture.try_into().expect("a good threshold"),
+        ..network::link(2.0, network::prompt())
+    };
+    let mut confused = 0;
+    for seed in 0..1000 {
+        let sender = |payload| Scripted::listener().and_sends(Duration::ZERO, to(0), payload);
+        let stations = vec![Scripted::listener(), sender(b"n"), sender(b"f")];
+        let mut on_air = OnAir::default();
+        let engine = Engine::new(network::engine(&places, link.clone(), seed), stations).expect("good settings");
+        let ended = engine.run(&mut on_air);
+        let [listener, near, far] = &ended.applications[..] else { panic!("three stations") };
+        assert_eq!(near.reports, [(at(1440), report(to(0), SendOutcome::Acknowledged, 1))]);
+        let [first, second, ..] = on_air.0[..] else { panic!("two frames") };
+        if first.sequence == second.sequence {
+            confused += 1;
+            assert_eq!(far.reports, [(at(1440), report(to(0), SendOutcome::Acknowledged, 1))]);
+            assert_eq!(listener.payloads(), [b"n"]);
+        } else {
+            assert_eq!(far.reports, [(at(ATTEMPT_US + 1440), report(to(0), SendOutcome::Acknowledged, 2))]);
+            assert_eq!(listener.payloads(), [b"n", b"f"]);
+        }
+    }
+    // One in 256 is expected.
+    assert_eq!(confused, 4);
 }
 
 /// A robot that listens once, or a node that sends to it.

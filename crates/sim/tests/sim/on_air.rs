@@ -12,6 +12,7 @@ pub(crate) struct Span {
     pub(crate) from_us: u64,
     pub(crate) to_us: u64,
     pub(crate) is_acknowledgement: bool,
+    pub(crate) sequence: u8,
     pub(crate) outcome: FrameOutcome,
 }
 
@@ -35,13 +36,14 @@ impl Observer for OnAir {
 
     fn framed(&mut self, frame: FrameOnAir<'_>) {
         let micros = |at: SimTime| at.as_nanos() / 1000;
-        let body = Frame::parse(frame.bytes).expect("a frame").body;
+        let Frame { body, sequence, .. } = Frame::parse(frame.bytes).expect("a frame");
         self.0.push(Span {
             network: frame.network,
             source: frame.source,
             from_us: micros(frame.start),
             to_us: micros(frame.start + frame.airtime),
             is_acknowledgement: matches!(body, FrameBody::Acknowledgement),
+            sequence,
             outcome: frame.outcome,
         });
     }
