@@ -78,14 +78,20 @@ impl Medium {
         power_at(&self.channel, signal, station, place)
     }
 
-    /// Mean power that a station hears from others during `[from, to)`.
-    pub(crate) fn sensed(&mut self, station: StationId, place: Position, from: SimTime, to: SimTime) -> Milliwatts {
+    /// Mean power that a radio hears from others during `[from, to)`.
+    pub(crate) fn sensed(
+        &mut self,
+        (receiver, station): (ReceiverId, StationId),
+        place: Position,
+        from: SimTime,
+        to: SimTime,
+    ) -> Milliwatts {
         let forgotten = to.saturating_sub(self.memory);
         let mut energy = 0.0;
         let channel = &self.channel;
         self.signals.near(place, |cell| {
             cell.retain(|signal| signal.end > forgotten);
-            for signal in cell.iter().filter(|s| s.source != station && s.start < to && s.end > from) {
+            for signal in cell.iter().filter(|s| s.sender != receiver && s.start < to && s.end > from) {
                 if let Some(power) = power_at(channel, signal, station, place) {
                     let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
                     energy += power.0 * overlap.as_secs_f64();
@@ -135,13 +141,13 @@ impl Medium {
     pub(crate) fn listeners(&mut self, signal: &Signal, found: &mut Vec<Listener<Position>>) {
         found.clear();
         for &Listener { receiver, station, place } in &self.mobile {
-            if station != signal.source {
+            if receiver != signal.sender {
                 found.push(Listener { receiver, station, place: place.at(signal.start) });
             }
         }
         if self.standing_count > 0 {
             self.standing.near(signal.position, |cell| {
-                found.extend(cell.iter().filter(|listener| listener.station != signal.source));
+                found.extend(cell.iter().filter(|listener| listener.receiver != signal.sender));
             });
         }
         if found.len() > 1 {

@@ -135,7 +135,7 @@ impl Air {
         }
         let on_air = self.medium.on_air(now, place);
         self.receivers[receiver.index()].start(now);
-        for signal in on_air.iter().filter(|signal| signal.source != station) {
+        for signal in on_air.iter().filter(|signal| signal.sender != receiver) {
             if let Some(power) = self.medium.power_at(signal, station, place) {
                 let rules = *self.rules(receiver);
                 self.receivers[receiver.index()].begin(now, signal.packet, power, false, &rules);
@@ -167,13 +167,13 @@ impl Air {
     /// Whether carrier sense finds power at or above `threshold` in `[from, to)`.
     pub(crate) fn is_busy(
         &mut self,
-        station: StationId,
+        (receiver, station): (ReceiverId, StationId),
         place: Position,
         from: SimTime,
         to: SimTime,
         threshold: Milliwatts,
     ) -> bool {
-        self.medium.sensed(station, place, from, to) >= threshold
+        self.medium.sensed((receiver, station), place, from, to) >= threshold
     }
 
     /// The station of `sender` starts to send a frame, to the station of the receiver `to` or to all of its network.
@@ -186,7 +186,8 @@ impl Air {
         emission: Emission,
         airtime: Duration,
     ) -> Transmission {
-        let signal = Signal { packet: self.packets, source, position, emission, start: now, end: now + airtime };
+        let signal =
+            Signal { packet: self.packets, source, sender, position, emission, start: now, end: now + airtime };
         self.packets += 1;
         self.medium.begin(signal);
         let network = self.network(sender);

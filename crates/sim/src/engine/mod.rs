@@ -10,7 +10,7 @@ use sextant_mac::coordinator::Coordinator;
 use crate::air::{Air, Antenna};
 use crate::application::{Application, Port};
 use crate::event::Event;
-use crate::link::ieee802154;
+use crate::link::ieee802154::{self, Mac};
 use crate::link::network::Network;
 use crate::model::log::Log;
 use crate::model::{Model, Vehicle};
@@ -52,12 +52,16 @@ impl<A: Application> Engine<A> {
     /// An engine with an application for each station: nodes come first, then robots, then sinks.
     ///
     /// # Errors
-    /// If networks in one band have different channels, or the reception model of a network is not that of its
-    /// physical layer.
+    /// If networks in one band have different channels, the reception model of a network is not that of its physical
+    /// layer, or its channel access needs beacons: no station sends any.
     ///
     /// # Panics
     /// If the number of applications is not that of the stations.
     pub fn new(setup: EngineSetup, applications: Vec<A>) -> Result<Self, SettingError> {
+        if setup.networks.iter().any(|network| matches!(network.mac, Mac::BeaconEnabled(_))) {
+            let found = "set for stations with own applications, none of which sends beacons";
+            return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
+        }
         let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator: None };
         Self::with(setup, applications, extras)
     }

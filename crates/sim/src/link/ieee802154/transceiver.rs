@@ -60,8 +60,9 @@ impl Transceiver<'_> {
             return true;
         }
         let place = self.scene.place(self.station);
+        let receiver = self.radios.receiver(self.station);
         let air = &mut self.scene.airs[self.radios.air];
-        air.is_busy(self.station, place, from, now, self.radios.cca_threshold)
+        air.is_busy((receiver, self.station), place, from, now, self.radios.cca_threshold)
     }
 
     /// Brings the receiver in line with the state of the radio.
