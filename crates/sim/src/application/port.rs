@@ -75,6 +75,20 @@ impl Port<'_> {
         self.seed().uniform(purpose::APPLICATION, [self.station.0.into(), number, 0])
     }
 
+    /// A random choice of this station among `count`: an index below it, each equally likely. Each `number` has its
+    /// own, always the same in a run.
+    ///
+    /// # Panics
+    /// If `count` is zero, or does not fit in 32 bits.
+    #[must_use]
+    pub fn choice(&self, number: u64, count: usize) -> usize {
+        let count = u32::try_from(count).expect("at most 2^32 things to choose from");
+        assert!(count > 0, "there is nothing to choose from");
+        let bits = self.seed().bits(purpose::APPLICATION, [self.station.0.into(), number, 1]);
+        // The upper 32 bits scaled to the range.
+        usize::try_from(((bits >> 32) * u64::from(count)) >> 32).expect("below 2^32")
+    }
+
     /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before.
     ///
     /// # Errors

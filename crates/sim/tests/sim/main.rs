@@ -2,6 +2,7 @@
 
 mod acknowledgement;
 mod discovery;
+mod draws;
 mod flooding;
 mod listening;
 mod meeting;

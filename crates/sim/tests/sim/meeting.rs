@@ -49,6 +49,7 @@ impl Message {
     }
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "a place in a small world")]
 fn centimetres(m: f64) -> i32 {
     (100.0 * m).round() as i32
 }

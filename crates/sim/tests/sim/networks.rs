@@ -52,7 +52,7 @@ impl Application for Pair {
 
     fn timed(&mut self, Timer(number): Timer, port: &mut Port<'_>) {
         let Some(to) = self.to else { return };
-        let number = u8::try_from(number).unwrap();
+        let number = u8::try_from(number).expect("20 frames");
         // Those that find the queue full are counted by the link.
         let _ = port.send(self.network, Destination::Station(to), Payload::Octets(&[self.network.0, number]));
     }

@@ -183,8 +183,8 @@ fn value_of(node: u16) -> u8 {
 /// A tree over nodes at `places` with the sink one metre to the left of the first one; node i reads i `gaps` after the
 /// tree is built.
 fn collect(places: &[Position], range_m: f64, gap: Duration, seed: u64) -> Ended<Station> {
-    let branch = |i| Station::Branch(Branch { reads_after: gap * i, ..Branch::default() });
-    let mut stations: Vec<Station> = (0..u32::try_from(places.len()).unwrap()).map(branch).collect();
+    let branch = |(_, i): (&Position, u32)| Station::Branch(Branch { reads_after: gap * i, ..Branch::default() });
+    let mut stations: Vec<Station> = places.iter().zip(0..).map(branch).collect();
     stations.push(Station::Root(Vec::new()));
     let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
     let setup = EngineSetup {
@@ -202,9 +202,9 @@ fn readings(ended: &Ended<Station>) -> Vec<(u16, u8, u8)> {
     readings
 }
 
-/// What the sink should hear, with the hops of a node at its place.
-fn expected(places: &[Position], hops: impl Fn(Position) -> u8) -> Vec<(u16, u8, u8)> {
-    places.iter().zip(0..).map(|(&place, node)| (node, value_of(node), hops(place))).collect()
+/// What the sink should hear of `count` nodes, with the hops of each.
+fn expected(count: u16, hops: impl Fn(u16) -> u8) -> Vec<(u16, u8, u8)> {
+    (0..count).map(|node| (node, value_of(node), hops(node))).collect()
 }
 
 fn branches(ended: &Ended<Station>) -> impl Iterator<Item = &Branch> {
@@ -214,20 +214,21 @@ fn branches(ended: &Ended<Station>) -> impl Iterator<Item = &Branch> {
     })
 }
 
-fn along_a_line(place: Position) -> u8 {
-    place.x_m as u8 + 1
+/// Hops of a node on a line.
+fn along_a_line(node: u16) -> u8 {
+    u8::try_from(node + 1).expect("a short line")
 }
 
-/// With diagonal neighbours, from the sink at (-1, 0).
-fn across_a_grid(place: Position) -> u8 {
-    (place.x_m as u8 + 1).max(place.y_m as u8)
+/// Hops of a node in a grid of five columns with diagonal neighbours, from the sink at (-1, 0).
+fn across_a_grid(node: u16) -> u8 {
+    u8::try_from((node % 5 + 1).max(node / 5)).expect("a small grid")
 }
 
 #[test]
 fn readings_of_a_line_of_five_arrive_once_over_as_many_hops_as_there_are() {
     let places = network::grid(5, 1);
     let ended = collect(&places, 1.0, Duration::from_secs(1), 2);
-    assert_eq!(readings(&ended), expected(&places, along_a_line));
+    assert_eq!(readings(&ended), expected(5, along_a_line));
     let parents: Vec<u32> = branches(&ended).map(|branch| branch.parent.unwrap().station.0).collect();
     assert_eq!(parents, [5, 0, 1, 2, 3]);
     // Each node sends its beacon, its own reading and those of the nodes behind it; the sink sends its beacon.
@@ -252,13 +253,16 @@ fn readings_of_a_line_of_five_arrive_once_over_as_many_hops_as_there_are() {
 fn readings_of_a_grid_of_25_arrive_once_over_the_fewest_hops() {
     let places = network::grid(5, 5);
     let ended = collect(&places, 1.5, Duration::from_secs(1), 2);
-    assert_eq!(readings(&ended), expected(&places, across_a_grid));
-    for (branch, &place) in branches(&ended).zip(&places) {
+    assert_eq!(readings(&ended), expected(25, across_a_grid));
+    for (node, (branch, &place)) in (0..).zip(branches(&ended).zip(&places)) {
         let parent = branch.parent.unwrap();
-        assert_eq!((parent.hops + 1, branch.given_up), (across_a_grid(place), 0));
+        assert_eq!((parent.hops + 1, branch.given_up), (across_a_grid(node), 0));
         // Of the parents with the fewest hops it has the nearest one.
         let at = |station: StationId| places.get(station.index()).copied().unwrap_or(Position::new(-1.0, 0.0, 0.0));
-        let hops_of = |station: StationId| places.get(station.index()).map_or(0, |&place| across_a_grid(place));
+        let hops_of = |StationId(station): StationId| match u16::try_from(station) {
+            Ok(node @ ..25) => across_a_grid(node),
+            _ => 0,
+        };
         let nearest_m = (0..26)
             .map(StationId)
             .filter(|&station| hops_of(station) == parent.hops)
@@ -267,7 +271,7 @@ fn readings_of_a_grid_of_25_arrive_once_over_the_fewest_hops() {
         assert!((at(parent.station).distance_m(place) - nearest_m).abs() < 1e-9);
     }
     // One beacon of each station, and a frame for each hop of each reading.
-    let hops: u64 = places.iter().map(|&place| u64::from(across_a_grid(place))).sum();
+    let hops: u64 = (0..25).map(|node| u64::from(across_a_grid(node))).sum();
     let packets: Packets = ended.networks[0].packets.iter().copied().sum();
     assert_eq!((packets.offered, packets.received, packets.transmissions), (26 + hops, 26 + hops, 26 + hops));
 }
@@ -280,7 +284,7 @@ fn readings_that_are_all_taken_at_once_arrive_after_retransmissions() {
         let mut readings = readings(&ended);
         let arrived = readings.len();
         readings.dedup();
-        assert_eq!(readings, expected(&places, across_a_grid), "seed {seed}");
+        assert_eq!(readings, expected(25, across_a_grid), "seed {seed}");
         // A frame that was received, but never acknowledged, is sent again as a new one, and arrives twice.
         let given_up: u32 = branches(&ended).map(|branch| branch.given_up).sum();
         assert!(arrived <= 25 + given_up as usize, "seed {seed}: {arrived} readings, {given_up} frames given up");
