@@ -6,18 +6,9 @@ use sextant_channel::{Channel, Dbm, Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
 use super::cells::Cells;
+use super::receiver_id::ReceiverId;
 use super::signal::Signal;
 use crate::station::Motion;
-
-/// Number of a receiver among those of an air.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct ReceiverId(pub(crate) u32);
-
-impl ReceiverId {
-    pub(crate) fn index(self) -> usize {
-        self.0 as usize
-    }
-}
 
 /// A receiver that listens, and where its station is.
 #[derive(Clone, Copy, Debug, PartialEq)]

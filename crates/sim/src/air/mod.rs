@@ -4,6 +4,7 @@ mod cells;
 mod medium;
 mod outcome;
 mod receiver;
+mod receiver_id;
 mod reception_model;
 mod signal;
 
@@ -17,9 +18,9 @@ use crate::station::{Motion, Roll};
 use medium::{Listener, Medium};
 use receiver::Receiver;
 
-pub(crate) use medium::ReceiverId;
 pub use outcome::FrameOutcome;
 pub(crate) use receiver::ReceptionRules;
+pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, SinrThresholdConfig};
 pub(crate) use signal::{Antenna, Emission, Signal};
 

@@ -3,7 +3,7 @@
 use sextant_channel::{Db, Dbm, Position};
 use sextant_kernel::{SimTime, StationId};
 
-use super::medium::ReceiverId;
+use super::receiver_id::ReceiverId;
 
 /// An antenna as it points now.
 #[derive(Clone, Copy, Debug, PartialEq)]
