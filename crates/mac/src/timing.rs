@@ -64,6 +64,20 @@ impl Phy {
     pub const ALL: [Self; 7] =
         [Self::Oqpsk2450, Self::Bpsk868, Self::Bpsk915, Self::Ask868, Self::Ask915, Self::Oqpsk868, Self::Oqpsk915];
 
+    /// Its name in scenarios.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Oqpsk2450 => "oqpsk2450",
+            Self::Bpsk868 => "bpsk868",
+            Self::Bpsk915 => "bpsk915",
+            Self::Ask868 => "ask868",
+            Self::Ask915 => "ask915",
+            Self::Oqpsk868 => "oqpsk868",
+            Self::Oqpsk915 => "oqpsk915",
+        }
+    }
+
     /// Its band.
     #[must_use]
     pub const fn band(self) -> Band {
@@ -244,6 +258,15 @@ mod tests {
         wait(Phy::Ask868, 20 + 12 + 3 + 3);
         wait(Phy::Ask915, 20 + 12 + 7 + 10);
         wait(Phy::Oqpsk868, 54);
+    }
+
+    #[test]
+    fn each_layer_is_read_by_its_name() {
+        use serde::de::IntoDeserializer;
+        for phy in Phy::ALL {
+            let name: serde::de::value::StrDeserializer<'_, serde::de::value::Error> = phy.name().into_deserializer();
+            assert_eq!(Phy::deserialize(name), Ok(phy));
+        }
     }
 
     #[test]

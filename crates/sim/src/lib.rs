@@ -13,6 +13,70 @@
 //! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
 //! has an address.
+//!
+//! An own application: one node asks its neighbour for a reading, and the neighbour answers with two octets.
+//!
+//! ```
+//! use sextant_channel::{ChannelConfig, ObstacleField, Position};
+//! use sextant_kernel::{Seed, SettingError, StationId};
+//! use sextant_mac::{Phy, RadioStates, csma::CsmaSettings};
+//! use sextant_sim::{
+//!     Application, Delivery, Destination, Engine, EngineSetup, Mac, NetworkId, NetworkSetup, Payload, Port, Radio,
+//!     RadioConfig, ReceptionModel, Unobserved, World, layout::PlacedNode,
+//! };
+//!
+//! enum Station {
+//!     Asks(Option<u16>),
+//!     Answers(u16),
+//! }
+//!
+//! impl Application for Station {
+//!     fn hears(&self) -> bool {
+//!         true
+//!     }
+//!
+//!     fn started(&mut self, port: &mut Port<'_>) {
+//!         if let Station::Asks(_) = self {
+//!             port.send(NetworkId(0), Destination::Station(StationId(1)), Payload::Octets(b"?")).expect("a free link");
+//!         }
+//!     }
+//!
+//!     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
+//!         match self {
+//!             Station::Asks(reading) => *reading = delivery.payload.try_into().ok().map(u16::from_be_bytes),
+//!             Station::Answers(reading) => {
+//!                 let answer = reading.to_be_bytes();
+//!                 let to = Destination::Station(delivery.from);
+//!                 port.send(delivery.network, to, Payload::Octets(&answer)).expect("a free link");
+//!             }
+//!         }
+//!     }
+//! }
+//!
+//! let node = |x_m| PlacedNode { name: format!("node at {x_m} m"), position: Position::new(x_m, 0.0, 0.0) };
+//! let radio = RadioConfig {
+//!     phy: Phy::Oqpsk2450,
+//!     channel: Some(26),
+//!     tx_power_dbm: -40.0,
+//!     sensitivity_dbm: -95.0,
+//!     cca_threshold_dbm: None,
+//!     noise_floor_dbm: None,
+//! };
+//! let network = NetworkSetup {
+//!     channel: ChannelConfig::default().try_into()?,
+//!     radio: Radio::try_from(radio)?,
+//!     reception: ReceptionModel::Ber,
+//!     mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
+//!     radio_states: RadioStates::cc2420(),
+//! };
+//! let world = World { nodes: vec![node(0.0), node(3.0)], obstacles: ObstacleField::default() };
+//! let (robots, sinks, networks) = (vec![], vec![], vec![network]);
+//! let setup = EngineSetup { world, robots, sinks, networks, duration: None, seed: Seed(1) };
+//! let ended = Engine::new(setup, vec![Station::Asks(None), Station::Answers(451)])?.run(&mut Unobserved);
+//! assert!(matches!(ended.applications[0], Station::Asks(Some(451))));
+//! assert_eq!(ended.networks[0].packets[1].received, 1);
+//! # Ok::<(), SettingError>(())
+//! ```
 
 mod air;
 mod application;

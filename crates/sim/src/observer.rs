@@ -21,8 +21,9 @@ pub struct FrameOnAir<'a> {
     pub source: StationId,
     /// The MAC frame (MPDU), frame check sequence included.
     pub bytes: &'a [u8],
-    /// Its best outcome at any robot or sink; for a frame from a robot or sink, at any node. For a frame to one
-    /// station, its outcome there.
+    /// For a data frame to one station, its outcome there; for one to all, its best outcome at any station whose
+    /// application hears. For a beacon, its best outcome at any node; for an acknowledgement that a robot or sink sends
+    /// to a node, also at any node, because it has no address; for other acknowledgements, at the station that waits.
     pub outcome: FrameOutcome,
     /// Power at that station (dBm), if a signal was measured.
     pub power: Option<Dbm>,

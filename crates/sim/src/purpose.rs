@@ -17,6 +17,8 @@ pub(crate) const SEQUENCE: Purpose = Purpose::new(6);
 pub(crate) const ANCHORS: Purpose = Purpose::new(9);
 /// Phases, backoffs and losses of neighbour discovery.
 pub(crate) const DISCOVERY: Purpose = Purpose::new(10);
+/// Draws of applications.
+pub(crate) const APPLICATION: Purpose = Purpose::new(12);
 /// Channels of the bands after the first one.
 pub(crate) const BAND: Purpose = Purpose::new(11);
 /// Traffic in the networks after the first one.

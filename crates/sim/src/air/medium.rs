@@ -8,21 +8,12 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::budget::Budget;
 use super::cells::Cells;
+use super::receiver_id::ReceiverId;
 use super::signal::Signal;
 use crate::station::Motion;
 
 /// So many signals are looked at one by one: that is faster than to look for those near a place.
 const FEW: usize = 16;
-
-/// Number of a receiver among those of an air.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct ReceiverId(pub(crate) u32);
-
-impl ReceiverId {
-    pub(crate) fn index(self) -> usize {
-        self.0 as usize
-    }
-}
 
 /// A receiver that listens, and where its station is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,14 +86,20 @@ impl Medium {
         self.budget.power_at(signal, station, place)
     }
 
-    /// Mean power that a station hears from others during `[from, to)`.
-    pub(crate) fn sensed(&mut self, station: StationId, place: Position, from: SimTime, to: SimTime) -> Milliwatts {
+    /// Mean power that a radio hears from others during `[from, to)`.
+    pub(crate) fn sensed(
+        &mut self,
+        (receiver, station): (ReceiverId, StationId),
+        place: Position,
+        from: SimTime,
+        to: SimTime,
+    ) -> Milliwatts {
         let forgotten = to.saturating_sub(self.memory);
         let mut energy = 0.0;
         let (budget, reach_m) = (&mut self.budget, self.reach_m);
         let mut add = |signal: &Signal| {
             let is_far = signal.position.distance_m(place) > reach_m;
-            if is_far || signal.source == station || signal.start >= to || signal.end <= from {
+            if is_far || signal.sender == receiver || signal.start >= to || signal.end <= from {
                 return;
             }
             if let Some(power) = budget.power_at(signal, station, place) {
@@ -164,13 +161,13 @@ impl Medium {
     pub(crate) fn listeners(&mut self, signal: &Signal, found: &mut Vec<Listener<Position>>) {
         found.clear();
         for &Listener { receiver, station, place } in &self.mobile {
-            if station != signal.source {
+            if receiver != signal.sender {
                 found.push(Listener { receiver, station, place: place.at(signal.start) });
             }
         }
         if self.standing_count > 0 {
             self.standing.near(signal.position, |cell| {
-                found.extend(cell.iter().filter(|listener| listener.station != signal.source));
+                found.extend(cell.iter().filter(|listener| listener.receiver != signal.sender));
             });
         }
         if found.len() > 1 {

@@ -5,6 +5,7 @@ mod cells;
 mod medium;
 mod outcome;
 mod receiver;
+mod receiver_id;
 mod reception_model;
 mod signal;
 
@@ -19,9 +20,9 @@ use budget::Budget;
 use medium::{Listener, Medium};
 use receiver::Receiver;
 
-pub(crate) use medium::ReceiverId;
 pub use outcome::FrameOutcome;
 pub(crate) use receiver::ReceptionRules;
+pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, SinrThresholdConfig};
 pub(crate) use signal::{Antenna, Emission, Signal};
 
@@ -29,26 +30,32 @@ pub(crate) use signal::{Antenna, Emission, Signal};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transmission {
     signal: Signal,
-    /// Whether collectors beyond the radius of communication listened when it began.
+    /// Number of its network among those of the band.
+    network: usize,
+    /// Whether a station that it is for listened when it began, but beyond the radius of communication.
     beyond: bool,
 }
 
 /// The outcome of a transmission at one receiver.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
-    pub(crate) receiver: ReceiverId,
     pub(crate) station: StationId,
     pub(crate) power: Milliwatts,
     pub(crate) outcome: FrameOutcome,
 }
 
-/// The air of one band. Robots and sinks are collectors: what nodes send is meant for them.
+/// The air of one band. The audience of a network are the stations whose applications look at what is delivered to
+/// them: a frame to all is for them.
 pub(crate) struct Air {
     medium: Medium,
     receivers: Vec<Receiver>,
+    /// Whether the station of each receiver is in the audience of its network.
+    in_audience: Vec<bool>,
+    /// The rules of the receivers of each network.
     rules: Vec<ReceptionRules>,
     roll: Roll,
-    collectors_listening: usize,
+    /// Number of receivers of each network that listen and are in its audience.
+    audience_listening: Vec<usize>,
     packets: u64,
     seed: Seed,
     near: Vec<Listener<Position>>,
@@ -78,39 +85,36 @@ impl Air {
         Self {
             medium: Medium::new(budget, places, power, floor, sensing),
             receivers: Vec::new(),
+            in_audience: Vec::new(),
             rules: Vec::new(),
             roll,
-            collectors_listening: 0,
+            audience_listening: Vec::new(),
             packets: first_packet,
             seed,
             near: Vec::new(),
         }
     }
 
-    /// Adds a receiver for each station, with these `rules`. Returns the number of the first one; the others follow
-    /// in the order of the stations.
-    pub(crate) fn add_receivers(&mut self, rules: ReceptionRules) -> u32 {
+    /// Adds a network: a receiver for each station, with these `rules`; `audience` tells which stations are in the
+    /// audience. Returns the number of the first receiver; the others follow in the order of the stations.
+    pub(crate) fn add_receivers(&mut self, rules: ReceptionRules, audience: &[bool]) -> u32 {
         let first = self.receivers.len();
         self.receivers.resize(first + self.roll.len(), Receiver::default());
+        self.in_audience.extend(audience);
+        self.audience_listening.push(0);
         self.rules.push(rules);
         u32::try_from(first).expect("at most 2^32 receivers")
     }
 
-    /// Whether more than one network is in this band.
-    pub(crate) fn is_shared(&self) -> bool {
-        self.rules.len() > 1
+    /// The number of the network of a receiver.
+    #[inline]
+    fn network(&self, receiver: ReceiverId) -> usize {
+        if self.rules.len() == 1 { 0 } else { receiver.index() / self.roll.len() }
     }
 
     #[inline]
     fn rules(&self, receiver: ReceiverId) -> &ReceptionRules {
-        if let [rules] = &self.rules[..] {
-            return rules;
-        }
-        &self.rules[receiver.index() / self.roll.len()]
-    }
-
-    fn is_collector(&self, station: StationId) -> bool {
-        !self.roll.is_node(station)
+        &self.rules[self.network(receiver)]
     }
 
     fn is_mobile(&self, station: StationId) -> bool {
@@ -128,7 +132,8 @@ impl Air {
         if self.is_listening(receiver) {
             return;
         }
-        self.collectors_listening += usize::from(self.is_collector(station));
+        let network = self.network(receiver);
+        self.audience_listening[network] += usize::from(self.in_audience[receiver.index()]);
         let place = motion.at(now);
         if self.is_mobile(station) {
             self.medium.join_mobile(receiver, station, *motion);
@@ -137,7 +142,7 @@ impl Air {
         }
         let on_air = self.medium.on_air(now, place);
         self.receivers[receiver.index()].start(now);
-        for signal in on_air.iter().filter(|signal| signal.source != station) {
+        for signal in on_air.iter().filter(|signal| signal.sender != receiver) {
             if let Some(power) = self.medium.power_at(signal, station, place) {
                 let rules = *self.rules(receiver);
                 self.receivers[receiver.index()].begin(now, signal.packet, power, false, &rules);
@@ -155,7 +160,8 @@ impl Air {
     /// The radio of a station stops listening; `place` is where it is.
     pub(crate) fn deafen(&mut self, receiver: ReceiverId, station: StationId, place: Position) {
         if self.is_listening(receiver) {
-            self.collectors_listening -= usize::from(self.is_collector(station));
+            let network = self.network(receiver);
+            self.audience_listening[network] -= usize::from(self.in_audience[receiver.index()]);
             if self.is_mobile(station) {
                 self.medium.leave_mobile(receiver);
             } else {
@@ -168,67 +174,70 @@ impl Air {
     /// Whether carrier sense finds power at or above `threshold` in `[from, to)`.
     pub(crate) fn is_busy(
         &mut self,
-        station: StationId,
+        (receiver, station): (ReceiverId, StationId),
         place: Position,
         from: SimTime,
         to: SimTime,
         threshold: Milliwatts,
     ) -> bool {
-        self.medium.sensed(station, place, from, to) >= threshold
+        self.medium.sensed((receiver, station), place, from, to) >= threshold
     }
 
-    /// A station starts to send a frame.
+    /// The station of `sender` starts to send a frame, to the station of the receiver `to` or to all of its network.
     pub(crate) fn begin(
         &mut self,
         now: SimTime,
-        source: StationId,
+        (sender, source): (ReceiverId, StationId),
+        to: Option<ReceiverId>,
         position: Position,
         emission: Emission,
         airtime: Duration,
     ) -> Transmission {
-        let signal = Signal { packet: self.packets, source, position, emission, start: now, end: now + airtime };
+        let signal =
+            Signal { packet: self.packets, source, sender, position, emission, start: now, end: now + airtime };
         self.packets += 1;
         self.medium.begin(signal);
+        let network = self.network(sender);
+        let mut listening = match to {
+            Some(to) => usize::from(self.is_listening(to)),
+            // A radio that sends is deaf, so the sender is not among them.
+            None => self.audience_listening[network],
+        };
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(&signal, &mut near);
-        let mut collectors_reached = 0;
         for &Listener { receiver, station, place } in &near {
             if let Some(power) = self.medium.power_at(&signal, station, place) {
-                collectors_reached += usize::from(self.is_collector(station));
+                let is_for = match to {
+                    Some(to) => receiver == to,
+                    None => self.in_audience[receiver.index()] && self.network(receiver) == network,
+                };
+                listening -= usize::from(is_for);
                 let rules = *self.rules(receiver);
                 self.receivers[receiver.index()].begin(now, signal.packet, power, true, &rules);
             }
         }
         self.near = near;
-        Transmission { signal, beyond: self.collectors_listening > collectors_reached }
+        Transmission { signal, network, beyond: listening > 0 }
     }
 
-    /// A frame ends: fills `arrivals` with its outcome at each radio that it reached, by receiver, and
-    /// returns its best outcome at any collector.
-    pub(crate) fn end(
-        &mut self,
-        now: SimTime,
-        transmission: &Transmission,
-        arrivals: &mut Vec<Arrival>,
-    ) -> FrameOutcome {
-        let Transmission { signal, beyond } = transmission;
-        let mut best = if *beyond { FrameOutcome::OutOfRange } else { FrameOutcome::NotListened };
+    /// A frame ends: fills `arrivals` with its outcome at each radio of its network that it reached, by receiver. For
+    /// the radios of other networks in the band it was only a disturbance.
+    pub(crate) fn end(&mut self, now: SimTime, transmission: &Transmission, arrivals: &mut Vec<Arrival>) {
+        let &Transmission { signal, network, .. } = transmission;
         let mut near = std::mem::take(&mut self.near);
-        self.medium.listeners(signal, &mut near);
+        self.medium.listeners(&signal, &mut near);
         arrivals.clear();
         for &Listener { receiver, station, .. } in &near {
             let seed = self.seed;
             let luck = || seed.uniform(purpose::RECEPTION, [signal.packet, receiver.0.into(), 0]);
             let rules = *self.rules(receiver);
-            if let Some((power, outcome)) = self.receivers[receiver.index()].end(now, signal.packet, &rules, luck) {
-                if self.is_collector(station) {
-                    best = best.max(outcome);
-                }
-                arrivals.push(Arrival { receiver, station, power, outcome });
+            if let Some((power, outcome)) = self.receivers[receiver.index()].end(now, signal.packet, &rules, luck)
+                && self.network(receiver) == network
+            {
+                arrivals.push(Arrival { station, power, outcome });
             }
         }
         self.near = near;
-        best
     }
 }
 
@@ -238,9 +247,9 @@ impl Transmission {
         self.signal.source
     }
 
-    /// Whether a robot or a sink listened when it began, but beyond the radius of communication.
-    pub(crate) fn missed_a_collector(&self) -> bool {
-        self.beyond
+    /// Its outcome at a station that it is for, but did not reach.
+    pub(crate) fn missed(&self) -> FrameOutcome {
+        if self.beyond { FrameOutcome::OutOfRange } else { FrameOutcome::NotListened }
     }
 
     /// Start of its first symbol on air.

@@ -16,7 +16,7 @@ pub enum ReceptionConfig {
     /// (capture).
     SinrThreshold(SinrThresholdConfig),
     /// Bit errors occur at the rate of O-QPSK with DSSS (IEEE 802.15.4-2006 annex E); the frame is received with
-    /// the probability that it has no bit error.
+    /// the probability that it has no bit error. Only with the physical layer `oqpsk2450`.
     Ber {},
 }
 

@@ -3,6 +3,8 @@
 use sextant_channel::{Db, Dbm, Position};
 use sextant_kernel::{SimTime, StationId};
 
+use super::receiver_id::ReceiverId;
+
 /// An antenna as it points now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Antenna {
@@ -32,6 +34,8 @@ pub(crate) struct Emission {
 pub(crate) struct Signal {
     pub(crate) packet: u64,
     pub(crate) source: StationId,
+    /// The receiver of the radio that sends it, which does not hear it. Another radio of the station does.
+    pub(crate) sender: ReceiverId,
     /// Where its transmitter was at its start.
     pub(crate) position: Position,
     pub(crate) emission: Emission,

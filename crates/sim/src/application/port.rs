@@ -78,6 +78,26 @@ impl Port<'_> {
         }
     }
 
+    /// A random number of this station, uniform in (0, 1): each `number` has its own, always the same in a run.
+    #[must_use]
+    pub fn uniform(&self, number: u64) -> f64 {
+        self.seed().uniform(purpose::APPLICATION, [self.station.0.into(), number, 0])
+    }
+
+    /// A random choice of this station among `count`: an index below it, each equally likely. Each `number` has its
+    /// own, always the same in a run.
+    ///
+    /// # Panics
+    /// If `count` is zero, or does not fit in 32 bits.
+    #[must_use]
+    pub fn choice(&self, number: u64, count: usize) -> usize {
+        let count = u32::try_from(count).expect("at most 2^32 things to choose from");
+        assert!(count > 0, "there is nothing to choose from");
+        let bits = self.seed().bits(purpose::APPLICATION, [self.station.0.into(), number, 1]);
+        // The upper 32 bits scaled to the range.
+        usize::try_from(((bits >> 32) * u64::from(count)) >> 32).expect("below 2^32")
+    }
+
     /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before.
     ///
     /// # Errors
@@ -100,7 +120,9 @@ impl Port<'_> {
     }
 
     /// A robot opens its receiver for `span`, whether it stands or drives;
-    /// [`Application::listened`](super::Application::listened) is called at the end.
+    /// [`Application::listened`](super::Application::listened) is called at the end. If it listens already, the new
+    /// time replaces what is left of the old one. An acknowledgement that is under way at the end is sent first.
+    /// Nodes and sinks listen anyway, and go on afterwards.
     pub fn listen(&mut self, network: NetworkId, span: Duration) {
         self.model.networks[network.index()].listen(self.station, span, &mut self.model.scene);
     }
@@ -154,13 +176,11 @@ impl Port<'_> {
         self.model.notes.push(Note::Stopped(Stop { robot, time: since, position }, receptions));
     }
 
-    /// The task of the application is done. The simulation ends when the tasks of all are.
-    ///
-    /// # Panics
-    /// If more tasks are finished than there are.
+    /// The task of the application is done. The simulation ends when the tasks of all are. A second call changes
+    /// nothing, and neither does one of an application without a task.
     pub fn finish(&mut self) {
-        self.model.unfinished =
-            self.model.unfinished.checked_sub(1).expect("an application with a task finishes once");
+        let had_task = std::mem::take(&mut self.model.has_task[self.station.index()]);
+        self.model.unfinished -= usize::from(had_task);
     }
 }
 

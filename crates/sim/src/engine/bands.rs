@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
-use sextant_mac::oqpsk;
+use sextant_mac::{Phy, oqpsk};
 
 use super::setup::NetworkSetup;
-use crate::air::{AirSettings, ReceptionRules};
+use crate::air::{AirSettings, ReceptionModel, ReceptionRules};
 use crate::purpose;
 use crate::world::World;
 
@@ -42,6 +42,21 @@ pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, Settin
         }
     }
     Ok(bands)
+}
+
+/// Refuses bit errors of another physical layer than that of which they are known.
+pub(super) fn check_reception(networks: &[NetworkSetup]) -> Result<(), SettingError> {
+    for (i, network) in networks.iter().enumerate() {
+        let phy = network.radio.phy();
+        if network.reception == ReceptionModel::Ber && phy != Phy::Oqpsk2450 {
+            let found = format!("set for a radio with `phy = \"{}\"`", phy.name());
+            let allowed = "only `phy = \"oqpsk2450\"`, whose bit error rate is known; \
+                           with others `reception.sinr_threshold` or `reception.overlap`";
+            let refusal = SettingError::new("reception.ber", found, allowed);
+            return Err(if i == 0 { refusal } else { refusal.within(format!("networks[{i}]")) });
+        }
+    }
+    Ok(())
 }
 
 /// The air of the band number `band`, which `networks` share.

@@ -10,7 +10,7 @@ use sextant_mac::coordinator::Coordinator;
 use crate::air::{Air, Antenna};
 use crate::application::{Application, Port};
 use crate::event::Event;
-use crate::link::ieee802154;
+use crate::link::ieee802154::{self, Mac};
 use crate::link::network::Network;
 use crate::model::log::Log;
 use crate::model::{Model, Vehicle};
@@ -52,11 +52,16 @@ impl<A: Application> Engine<A> {
     /// An engine with an application for each station: nodes come first, then robots, then sinks.
     ///
     /// # Errors
-    /// If networks in one band have different channels.
+    /// If networks in one band have different channels, the reception model of a network is not that of its physical
+    /// layer, or its channel access needs beacons: no station sends any.
     ///
     /// # Panics
     /// If the number of applications is not that of the stations.
     pub fn new(setup: EngineSetup, applications: Vec<A>) -> Result<Self, SettingError> {
+        if setup.networks.iter().any(|network| matches!(network.mac, Mac::BeaconEnabled(_))) {
+            let found = "set for stations with own applications, none of which sends beacons";
+            return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
+        }
         let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator: None };
         Self::with(setup, applications, extras)
     }
@@ -82,6 +87,7 @@ impl<A: Application> Engine<A> {
         };
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
+        bands::check_reception(&networks)?;
         let bands = bands::bands(&networks)?;
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         for (i, band) in bands.iter().enumerate() {
@@ -103,7 +109,7 @@ impl<A: Application> Engine<A> {
                 cca_threshold: network.radio.cca_threshold().to_milliwatts(),
                 radio_states: network.radio_states.clone(),
                 air,
-                first_receiver: scene.airs[air].add_receivers(bands::rules(network)),
+                first_receiver: scene.airs[air].add_receivers(bands::rules(network), &hears),
                 coordinator: coordinator.take_if(|_| i == 0),
                 keeps_delays: roll.sinks > 0,
                 members: network.members.clone(),
@@ -111,9 +117,10 @@ impl<A: Application> Engine<A> {
             links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
         }
         let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
-        let unfinished = applications.iter().filter(|application| application.has_task()).count();
+        let has_task: Vec<bool> = applications.iter().map(Application::has_task).collect();
+        let unfinished = has_task.iter().filter(|&&has_task| has_task).count();
         Ok(Self {
-            model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), unfinished },
+            model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), has_task, unfinished },
             applications,
             log: Log::new(roll.nodes),
             end: duration.map(|duration| SimTime::ZERO + duration),
@@ -160,11 +167,11 @@ impl<A: Application> Engine<A> {
 
     fn begin(&mut self, observer: &mut impl Observer) {
         for station in self.model.scene.roll.stations() {
-            let mut port = Port { model: &mut self.model, station };
-            self.applications[station.index()].started(&mut port);
             for network in &mut self.model.networks {
                 network.begin(station, &mut self.model.scene);
             }
+            let mut port = Port { model: &mut self.model, station };
+            self.applications[station.index()].started(&mut port);
         }
         for network in &mut self.model.networks {
             network.begin_schedule(&mut self.model.scene);

@@ -61,7 +61,7 @@ impl Network {
         }
     }
 
-    /// A robot opens its receiver for `span`.
+    /// A station listens for `span` from now.
     pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
         match self {
             Self::Ieee802154(network) => network.listen(station, span, scene),

@@ -20,7 +20,9 @@ pub(crate) struct Model {
     pub(crate) vehicles: Vec<Vehicle>,
     /// What is to be told to the observer.
     pub(crate) notes: Vec<Note>,
-    /// Number of stations that have a task and have not finished it.
+    /// Which stations have a task that they have not finished.
+    pub(crate) has_task: Vec<bool>,
+    /// Number of these stations.
     pub(crate) unfinished: usize,
 }
 

@@ -7,8 +7,9 @@ use sextant_mac::EnergySpent;
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
-/// `not_listened`. A packet to one station is received by that station; a packet to all is received if any robot or
-/// sink received it, and the best outcome counts. With several transmissions of one packet, the best outcome counts.
+/// `not_listened`. A packet to one station is received by that station; a packet to all is received if any station
+/// received it whose application hears, and the best outcome counts. With several transmissions of one packet, the
+/// best outcome counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Packets {
     /// Given to a MAC by an application.

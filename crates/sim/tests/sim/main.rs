@@ -1,8 +1,23 @@
 //! Complete networks, against closed forms and reference values of other simulators.
 
+mod acknowledgement;
 mod discovery;
+mod draws;
+mod flooding;
 mod hopping;
+mod listening;
+mod meeting;
+mod mesh;
 mod network;
+mod networks;
+mod on_air;
 mod one_shot;
+mod phy;
+mod queue;
+mod scripted;
+mod seeker;
 mod superframe;
 mod survey;
+mod tasks;
+mod timers;
+mod tree;

@@ -2,14 +2,15 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, ObstacleField, Position};
+use sextant_channel::{ChannelConfig, LogDistanceConfig, ObstacleField, PathLossConfig, Position};
 use sextant_kernel::Seed;
-use sextant_mac::csma::CsmaSettings;
+use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, CommandOutcome, Controller, Ending, Mac, NetworkId, NetworkSetup, Packets, Radio, RadioConfig,
-    ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Situation, Traffic, TrafficConfig, TrafficPlan, World,
+    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Mac, NetworkId,
+    NetworkSetup, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Situation,
+    Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -114,4 +115,64 @@ pub(crate) fn ended(packets: &Packets) -> u64 {
     let Packets { lost_channel_access, lost_queue, pending, received, .. } = packets;
     let Packets { lost_collision, lost_signal, out_of_range, not_listened, .. } = packets;
     lost_channel_access + lost_queue + pending + received + lost_collision + lost_signal + out_of_range + not_listened
+}
+
+/// Channel access whose instants are known while nobody disturbs: no backoff before the first assessment, receivers
+/// always on.
+pub(crate) fn prompt() -> CsmaConfig {
+    CsmaConfig { min_be: 0, rx_on_when_idle: true, ..CsmaConfig::default() }
+}
+
+/// A network in which stations within `range_m` of each other hear each other, without shadowing, and others do not.
+/// Overlapping frames are lost.
+pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> NetworkSetup {
+    let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
+    let channel = ChannelConfig {
+        environment: None,
+        path_loss: Some(PathLossConfig::LogDistance(law)),
+        max_range_m: Some(range_m),
+        ..ChannelConfig::default()
+    };
+    NetworkSetup {
+        channel: channel.try_into().expect("good settings"),
+        radio: Radio::try_from(radio(0.0)).expect("good settings"),
+        reception: ReceptionModel::Overlap,
+        mac: Mac::CsmaUnslotted(csma.try_into().expect("good settings")),
+        radio_states: RadioStates::cc2420(),
+        members: None,
+    }
+}
+
+/// Nodes at `places`, without obstacles, robots and sinks, in one network, until nothing is left to happen.
+pub(crate) fn engine(places: &[Position], link: NetworkSetup, seed: u64) -> EngineSetup {
+    EngineSetup {
+        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
+        robots: Vec::new(),
+        sinks: Vec::new(),
+        networks: vec![link],
+        duration: None,
+        seed: Seed(seed),
+    }
+}
+
+/// The body of a robot that starts at `start`.
+pub(crate) fn body(name: &str, start: Position) -> RobotBody {
+    RobotBody {
+        name: name.into(),
+        start,
+        speed_m_per_s: 0.5,
+        radius_m: 0.2,
+        listen: Duration::from_secs(1),
+        network: NetworkId::default(),
+    }
+}
+
+/// `columns` times `rows` places one metre apart, row by row.
+pub(crate) fn grid(columns: usize, rows: usize) -> Vec<Position> {
+    (0..columns * rows).map(|i| Position::new((i % columns) as f64, (i / columns) as f64, 0.0)).collect()
+}
+
+/// Runs an engine to its end, without an observer.
+pub(crate) fn run<A: Application>(setup: EngineSetup, applications: Vec<A>) -> Ended<A> {
+    Engine::new(setup, applications).expect("good settings").run(&mut Unobserved)
 }

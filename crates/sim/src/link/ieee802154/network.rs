@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use sextant_channel::{Dbm, Milliwatts};
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
@@ -141,14 +141,18 @@ impl Network {
         if !self.has(station) {
             return;
         }
-        let stack = &mut self.stacks[station.index()];
-        stack.listening = match scene.roll.kind(station) {
+        self.stacks[station.index()].listening = self.listens_at_rest(station, scene);
+        self.transceiver(station, scene).tune();
+    }
+
+    /// Whether what a station hears at rest is looked at, without a command to listen.
+    fn listens_at_rest(&self, station: StationId, scene: &Scene) -> bool {
+        match scene.roll.kind(station) {
             // What a node with superframes hears are beacons.
             Kind::Node(_) => self.macs[station.index()].follows_beacons() || self.hears[station.index()],
             Kind::Robot(_) => false,
             Kind::Sink(_) => true,
-        };
-        self.transceiver(station, scene).tune();
+        }
     }
 
     /// Starts the schedule of beacons, if there is one.
@@ -178,7 +182,11 @@ impl Network {
             Event::Coordinator(event) => self.handle_coordinator(station, event, scene, observer),
             Event::BeaconDue => self.prepare_beacon(scene),
             Event::ActivePartEnded => {}
-            Event::ListeningOver => self.stacks[station.index()].leaving = true,
+            Event::ListeningOver => {
+                let stack = &mut self.stacks[station.index()];
+                stack.listening_over = None;
+                stack.leaving = true;
+            }
         }
         if self.stacks[station.index()].leaving && self.may_leave(station, scene.now) {
             self.stop_listening(station, scene);
@@ -186,16 +194,22 @@ impl Network {
         }
     }
 
-    /// A robot opens its receiver for `span`.
+    /// A station listens for `span` from now, instead of what is left of an earlier time to listen.
     pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
-        self.stacks[station.index()].listening = true;
+        let over = self.schedule(station, span, Event::ListeningOver, scene);
+        let stack = &mut self.stacks[station.index()];
+        stack.listening = true;
+        stack.leaving = false;
+        if let Some(earlier) = stack.listening_over.replace(over) {
+            scene.queue.cancel(earlier);
+        }
         self.transceiver(station, scene).tune();
-        self.schedule(station, span, Event::ListeningOver, scene);
     }
 
     fn stop_listening(&mut self, station: StationId, scene: &mut Scene) {
+        let listening = self.listens_at_rest(station, scene);
         let stack = &mut self.stacks[station.index()];
-        stack.listening = false;
+        stack.listening = listening;
         stack.leaving = false;
         self.transceiver(station, scene).tune();
     }
@@ -259,8 +273,8 @@ impl Network {
         Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false }
     }
 
-    fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) {
+    fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) -> EventKey {
         let event = crate::event::link::LinkEvent::Ieee802154(event);
-        scene.after(span, crate::event::Event::Link(station, self.radios.network, event));
+        scene.after(span, crate::event::Event::Link(station, self.radios.network, event))
     }
 }

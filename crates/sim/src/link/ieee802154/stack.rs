@@ -1,6 +1,6 @@
 //! The state of one station's link, apart from its channel access machine.
 
-use sextant_kernel::{EventKey, SimTime};
+use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::{EnergyMeter, RadioState};
 
 use super::frame_queue::{QueuedFrame, Waiting};
@@ -13,12 +13,16 @@ pub(super) struct Stack {
     pub(super) wanted: RadioState,
     /// The state while the station sends an acknowledgement or a beacon, which goes before channel access.
     pub(super) overriding: Option<RadioState>,
+    /// When the station last began or ended to send an acknowledgement or a beacon.
+    pub(super) overridden_until: SimTime,
     /// Whether what the receiver hears at rest is looked at.
     pub(super) listening: bool,
     /// Whether channel access waits for an acknowledgement.
     pub(super) awaits_ack: bool,
     /// Whether the station has listened long enough, and stops as soon as it may.
     pub(super) leaving: bool,
+    /// The pending end of a time to listen.
+    pub(super) listening_over: Option<EventKey>,
     /// Sequence number of the frame under way.
     pub(super) sequence: u8,
     /// The best outcome so far of the frame under way.
@@ -37,6 +41,8 @@ pub(super) struct Stack {
     pub(super) backoffs: u64,
     /// The acknowledgement on air, with its sequence number.
     pub(super) acknowledgement: Option<(Transmission, u8)>,
+    /// The sender of the frame that was received last: whom an acknowledgement answers.
+    pub(super) answered: Option<StationId>,
 }
 
 impl Stack {
@@ -45,9 +51,11 @@ impl Stack {
             meter: EnergyMeter::new(state, SimTime::ZERO),
             wanted: state,
             overriding: None,
+            overridden_until: SimTime::ZERO,
             listening: false,
             awaits_ack: false,
             leaving: false,
+            listening_over: None,
             sequence,
             outcome: FrameOutcome::NotListened,
             transmission: None,
@@ -58,6 +66,7 @@ impl Stack {
             tracking: None,
             backoffs: 0,
             acknowledgement: None,
+            answered: None,
         }
     }
 

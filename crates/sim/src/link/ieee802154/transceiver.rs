@@ -14,6 +14,7 @@ use crate::event::link::LinkEvent;
 use crate::purpose;
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
+use crate::service::report::Destination;
 
 /// What all radios of a network have in common.
 #[derive(Clone, Copy, Debug)]
@@ -50,17 +51,18 @@ impl Transceiver<'_> {
         self.scene.after(span, event)
     }
 
-    /// Whether the station finds the channel busy in the window that ends now. A station that sends an
-    /// acknowledgement, or is about to, does.
+    /// Whether the station finds the channel busy in the window that ends now. A station that sent an
+    /// acknowledgement in it, or is about to, does.
     pub(super) fn senses_busy(&mut self) -> bool {
-        if self.stack.overriding.is_some() {
-            return true;
-        }
         let now = self.scene.now;
         let from = now.saturating_sub(self.radios.phy.cca());
+        if self.stack.overriding.is_some() || self.stack.overridden_until > from {
+            return true;
+        }
         let place = self.scene.place(self.station);
+        let receiver = self.radios.receiver(self.station);
         let air = &mut self.scene.airs[self.radios.air];
-        air.is_busy(self.station, place, from, now, self.radios.cca_threshold)
+        air.is_busy((receiver, self.station), place, from, now, self.radios.cca_threshold)
     }
 
     /// Brings the receiver in line with the state of the radio.
@@ -76,14 +78,18 @@ impl Transceiver<'_> {
         }
     }
 
-    fn begin_transmission(&mut self, airtime: Duration) -> crate::air::Transmission {
+    /// Puts a frame on air, to one station or to all.
+    fn begin_transmission(&mut self, to: Option<StationId>, airtime: Duration) -> crate::air::Transmission {
         let (now, place) = (self.scene.now, self.scene.place(self.station));
-        self.scene.airs[self.radios.air].begin(now, self.station, place, self.radios.emission, airtime)
+        let sender = (self.radios.receiver(self.station), self.station);
+        let to = to.map(|to| self.radios.receiver(to));
+        self.scene.airs[self.radios.air].begin(now, sender, to, place, self.radios.emission, airtime)
     }
 
     /// The radio sends something that goes before channel access, or ends it with `Receive`.
     fn override_with(&mut self, state: RadioState) {
         self.stack.overriding = (state != RadioState::Receive).then_some(state);
+        self.stack.overridden_until = self.scene.now;
         self.tune();
     }
 }
@@ -119,7 +125,11 @@ impl csma::Radio for Transceiver<'_> {
 
     fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
         let airtime = self.radios.phy.airtime(frame.mpdu_octets);
-        self.stack.transmission = Some(self.begin_transmission(airtime));
+        let to = self.stack.frame.and_then(|frame| match frame.to {
+            Destination::Station(to) => Some(to),
+            Destination::All => None,
+        });
+        self.stack.transmission = Some(self.begin_transmission(to, airtime));
         self.schedule(airtime, Event::Csma(csma::Event::TransmissionEnded));
     }
 }
@@ -147,7 +157,7 @@ impl responder::Radio for Transceiver<'_> {
 
     fn start_acknowledgement(&mut self, sequence: u8) {
         let airtime = self.radios.phy.ack_airtime();
-        self.stack.acknowledgement = Some((self.begin_transmission(airtime), sequence));
+        self.stack.acknowledgement = Some((self.begin_transmission(self.stack.answered, airtime), sequence));
         self.schedule(airtime, Event::Responder(responder::Event::TransmissionEnded));
     }
 }
@@ -169,7 +179,7 @@ impl coordinator::Radio for Beaconing<'_> {
 
     fn start_beacon(&mut self, mpdu_octets: u8) {
         let airtime = self.transceiver.radios.phy.airtime(mpdu_octets);
-        *self.beacon = Some(self.transceiver.begin_transmission(airtime));
+        *self.beacon = Some(self.transceiver.begin_transmission(None, airtime));
         self.transceiver.schedule(airtime, Event::Coordinator(coordinator::Event::TransmissionEnded));
     }
 }

@@ -34,10 +34,16 @@ impl Network {
         let on_air = self.stacks[station.index()].acknowledgement.take();
         let (transmission, sequence) = on_air.expect("only an acknowledgement on air ends");
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
-        self.keep_own_arrivals(scene);
         if observer.wants_frames() {
             Frame::acknowledgement(sequence).write(&mut self.mpdu).expect("an acknowledgement has five octets");
-            self.tell_frame(&transmission, self.best_at_others(station, scene), scene, observer);
+            let answered = self.stacks[station.index()].answered;
+            let is_to_node = answered.is_some_and(|to| scene.roll.is_node(to));
+            let fate = if is_to_node && !scene.roll.is_node(station) {
+                self.fate_at_nodes(scene)
+            } else {
+                self.fate(&transmission, |station| Some(station) == answered)
+            };
+            self.tell_frame(&transmission, fate, scene, observer);
         }
         let now = scene.now;
         for i in 0..self.arrivals.len() {

@@ -39,7 +39,7 @@ impl Network {
         observer: &mut impl Observer,
     ) {
         if event == coordinator::Event::TransmissionEnded {
-            self.end_beacon(station, scene, observer);
+            self.end_beacon(scene, observer);
         }
         let now = scene.now;
         let (_, coordinator) = self.coordinator.as_mut().expect("a coordinator has events");
@@ -53,14 +53,13 @@ impl Network {
     }
 
     /// A beacon ends: the nodes that received it follow it.
-    fn end_beacon(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
+    fn end_beacon(&mut self, scene: &mut Scene, observer: &mut impl Observer) {
         let transmission = self.beacon.take().expect("only a beacon on air ends");
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
-        self.keep_own_arrivals(scene);
         let (_, coordinator) = self.coordinator.as_ref().expect("a coordinator sends");
         coordinator.write_beacon(&mut self.mpdu);
         if observer.wants_frames() {
-            self.tell_frame(&transmission, self.best_at_others(station, scene), scene, observer);
+            self.tell_frame(&transmission, self.fate_at_nodes(scene), scene, observer);
         }
         let now = scene.now;
         let octets = u8::try_from(self.mpdu.len()).expect("at most 127 octets");

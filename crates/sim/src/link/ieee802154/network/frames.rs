@@ -1,5 +1,6 @@
 //! Frames for observers.
 
+use sextant_channel::Dbm;
 use sextant_kernel::StationId;
 
 use super::Network;
@@ -7,49 +8,65 @@ use crate::air::{Arrival, FrameOutcome, Transmission};
 use crate::observer::{FrameOnAir, HeardFrame, Observer};
 use crate::scene::Scene;
 
+/// What became of a transmission at the stations that it is for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fate {
+    /// The best outcome.
+    pub(super) outcome: FrameOutcome,
+    /// The power at the first station with that outcome, if a signal was measured.
+    power: Option<Dbm>,
+}
+
+impl Fate {
+    fn missed(outcome: FrameOutcome) -> Self {
+        Self { outcome, power: None }
+    }
+
+    fn or(self, arrival: &Arrival) -> Self {
+        let is_better = arrival.outcome > self.outcome || arrival.outcome == self.outcome && self.power.is_none();
+        if is_better { Self { outcome: arrival.outcome, power: Some(arrival.power.to_dbm()) } } else { self }
+    }
+}
+
 impl Network {
-    /// Tells the observer of the frame in `mpdu`, which ends now, with its outcome.
+    /// What became of a transmission at the stations that it `is_for`.
+    pub(super) fn fate(&self, transmission: &Transmission, is_for: impl Fn(StationId) -> bool) -> Fate {
+        (self.arrivals.iter().filter(|arrival| is_for(arrival.station)))
+            .fold(Fate::missed(transmission.missed()), Fate::or)
+    }
+
+    /// What became of a transmission of a robot or a sink at the nodes.
+    pub(super) fn fate_at_nodes(&self, scene: &Scene) -> Fate {
+        (self.arrivals.iter().filter(|arrival| scene.roll.is_node(arrival.station)))
+            .fold(Fate::missed(FrameOutcome::NotListened), Fate::or)
+    }
+
+    /// Tells the observer of the frame in `mpdu`, which ends now, with its fate.
     pub(super) fn tell_frame(
         &mut self,
         transmission: &Transmission,
-        outcome: FrameOutcome,
+        fate: Fate,
         scene: &Scene,
         observer: &mut impl Observer,
     ) {
-        let (source, nodes) = (transmission.source(), scene.roll.nodes);
-        let is_from_node = scene.roll.is_node(source);
-        let is_at_collector = |arrival: &&Arrival| !scene.roll.is_node(arrival.station);
         self.told.clear();
         self.told.extend(
-            (self.arrivals.iter().filter(is_at_collector))
-                .filter(|arrival| arrival.outcome == FrameOutcome::Received)
+            (self.arrivals.iter())
+                .filter(|arrival| !scene.roll.is_node(arrival.station) && arrival.outcome == FrameOutcome::Received)
                 .map(|arrival| HeardFrame {
-                    collector: arrival.station.index() - nodes,
+                    collector: arrival.station.index() - scene.roll.nodes,
                     power: arrival.power.to_dbm(),
                 }),
         );
-        let counts = |arrival: &&Arrival| is_at_collector(arrival) == is_from_node && arrival.outcome == outcome;
         observer.framed(FrameOnAir {
             network: self.radios.network,
             start: transmission.start(),
             airtime: scene.now - transmission.start(),
-            source,
+            source: transmission.source(),
             bytes: &self.mpdu,
-            outcome,
-            power: self.arrivals.iter().find(counts).map(|arrival| arrival.power.to_dbm()),
+            outcome: fate.outcome,
+            power: fate.power,
             heard: &self.told,
         });
-    }
-
-    /// The best outcome at any station on the other side of `source`: of a robot's or a sink's frame at the nodes, of
-    /// a node's frame at robots and sinks.
-    pub(super) fn best_at_others(&self, source: StationId, scene: &Scene) -> FrameOutcome {
-        let from_node = scene.roll.is_node(source);
-        self.arrivals
-            .iter()
-            .filter(|arrival| scene.roll.is_node(arrival.station) != from_node)
-            .map(|arrival| arrival.outcome)
-            .max()
-            .unwrap_or(FrameOutcome::NotListened)
     }
 }

@@ -5,7 +5,7 @@ use sextant_mac::frame::{Frame, FrameBody};
 use sextant_mac::responder::Verdict;
 
 use super::Network;
-use crate::air::{Arrival, FrameOutcome, Transmission};
+use crate::air::{Arrival, FrameOutcome};
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -18,57 +18,30 @@ impl Network {
         let stack = &mut self.stacks[station.index()];
         let transmission = stack.transmission.take().expect("only a frame on air ends");
         let frame = stack.frame.expect("a frame is under way");
-        let air = &mut scene.airs[self.radios.air];
-        let mut best = air.end(scene.now, &transmission, &mut self.arrivals);
-        self.keep_own_arrivals(scene);
-        match frame.to {
-            Destination::Station(to) => best = self.outcome_at(to, &transmission, scene),
-            Destination::All if !scene.roll.is_node(station) => best = self.best_at_others(station, scene),
-            Destination::All => {}
-        }
+        scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        let fate = match frame.to {
+            Destination::Station(to) => self.fate(&transmission, |station| station == to),
+            Destination::All => self.fate(&transmission, |station| self.hears[station.index()]),
+        };
         let stack = &mut self.stacks[station.index()];
-        if best == FrameOutcome::Received
+        if fate.outcome == FrameOutcome::Received
             && stack.outcome != FrameOutcome::Received
             && let Some(delays) = &mut self.delays
         {
             delays.push((station, scene.now - frame.offered));
         }
-        stack.outcome = stack.outcome.max(best);
+        stack.outcome = stack.outcome.max(fate.outcome);
         let is_heard = self.arrivals.iter().any(|arrival| self.is_delivered(arrival));
         if !(is_heard || observer.wants_frames()) {
             return;
         }
         self.write_frame(station);
         if observer.wants_frames() {
-            self.tell_frame(&transmission, best, scene, observer);
+            self.tell_frame(&transmission, fate, scene, observer);
         }
         if is_heard {
             self.deliver(scene);
         }
-    }
-
-    /// Forgets arrivals at stations of other networks in the same band: for them the frame is only a disturbance.
-    pub(super) fn keep_own_arrivals(&mut self, scene: &Scene) {
-        if scene.airs[self.radios.air].is_shared() {
-            let first = self.radios.receiver(StationId(0));
-            let last = self.radios.receiver(StationId::from_index(self.stacks.len() - 1));
-            self.arrivals.retain(|arrival| (first..=last).contains(&arrival.receiver));
-        }
-    }
-
-    /// The outcome of a frame at the station that it is for.
-    fn outcome_at(&self, to: StationId, transmission: &Transmission, scene: &Scene) -> FrameOutcome {
-        let arrival = self.arrivals.iter().find(|arrival| arrival.station == to);
-        let missed = || {
-            // A robot or sink listened when the frame began, or else a node listens now.
-            let listened = if scene.roll.is_node(to) {
-                scene.airs[self.radios.air].is_listening(self.radios.receiver(to))
-            } else {
-                transmission.missed_a_collector()
-            };
-            if listened { FrameOutcome::OutOfRange } else { FrameOutcome::NotListened }
-        };
-        arrival.map_or_else(missed, |arrival| arrival.outcome)
     }
 
     /// Whether the station of `arrival` looks at the frame.
@@ -93,6 +66,7 @@ impl Network {
             let station = arrival.station;
             let gap = self.ack_gap(station, scene.now);
             let stack = &mut self.stacks[station.index()];
+            stack.answered = source;
             let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
             let verdict = self.responders[station.index()].receive_and_respond(&frame, gap, &mut radio);
             if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
