@@ -19,3 +19,7 @@ pub(crate) const ANCHORS: Purpose = Purpose::new(9);
 pub(crate) const DISCOVERY: Purpose = Purpose::new(10);
 /// Channels of the bands after the first one.
 pub(crate) const BAND: Purpose = Purpose::new(11);
+/// Ways of targets.
+pub(crate) const TARGETS: Purpose = Purpose::new(13);
+/// Offsets, noise and phases of sensors.
+pub(crate) const SENSING: Purpose = Purpose::new(14);

@@ -3,5 +3,6 @@
 mod discovery;
 mod network;
 mod one_shot;
+mod sensing;
 mod superframe;
 mod survey;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, ObstacleField, Position};
+use sextant_channel::{ChannelConfig, Position};
 use sextant_kernel::Seed;
 use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
@@ -81,7 +81,7 @@ pub(crate) fn setup(
         radio_states: RadioStates::cc2420(),
     };
     Setup {
-        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
+        world: World { nodes: nodes(places), ..World::default() },
         networks: vec![BusyNetwork { link, traffic: Traffic::try_from(traffic).expect("good settings") }],
         robots: Vec::new(),
         sinks: Vec::new(),
