@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use crate::recording::{DrawnLikelihood, LikelihoodPlane, Places, Solid};
+use crate::recording::{DrawnLikelihood, GridPlane, Places, Solid};
 
 use super::palette::{ACCENT, INK, PAPER, Ramp, THREAD};
 use super::picture::{Area, Picture, Stroke};
@@ -91,17 +91,17 @@ pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
 }
 
 /// Logarithm (base 10) of the likelihood relative to the maximum, at each vertex.
-fn levels(plane: &LikelihoodPlane) -> Vec<f64> {
-    let highest = plane.log_likelihood.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+fn levels(plane: &GridPlane) -> Vec<f64> {
+    let highest = plane.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !highest.is_finite() {
-        return vec![f64::NEG_INFINITY; plane.log_likelihood.len()];
+        return vec![f64::NEG_INFINITY; plane.values.len()];
     }
-    plane.log_likelihood.iter().map(|&log| (log - highest) / std::f64::consts::LN_10).collect()
+    plane.values.iter().map(|&log| (log - highest) / std::f64::consts::LN_10).collect()
 }
 
 /// Two opposite corners of the area of all cells.
-fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
-    let rows = plane.log_likelihood.len() / plane.columns as usize;
+fn corners(plane: &GridPlane) -> [Position; 2] {
+    let rows = plane.values.len() / plane.columns as usize;
     let (across, up) = (f64::from(plane.columns), rows as f64);
     let half = Position::new(0.5, 0.5, 0.0) * plane.step_m;
     let first = plane.first - half;
@@ -109,7 +109,7 @@ fn corners(plane: &LikelihoodPlane) -> [Position; 2] {
 }
 
 /// Draws one rectangle for each run of cells of equal shade along x, and nothing where the likelihood is zero.
-fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &LikelihoodPlane, levels: &[f64], bar: &ColourBar) {
+fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &GridPlane, levels: &[f64], bar: &ColourBar) {
     let shade = |level: f64| {
         let shade = ((level - bar.low) / (bar.high - bar.low) * SHADES).round().clamp(0.0, SHADES);
         (level > f64::NEG_INFINITY).then_some(shade)
@@ -139,8 +139,8 @@ fn draw_cells(picture: &mut Picture, panel: &Panel, plane: &LikelihoodPlane, lev
 mod tests {
     use super::*;
 
-    fn plane(log_likelihood: Vec<f64>) -> LikelihoodPlane {
-        LikelihoodPlane { first: Position::new(1.0, 2.0, 0.0), step_m: 0.5, columns: 3, log_likelihood }
+    fn plane(log_likelihood: Vec<f64>) -> GridPlane {
+        GridPlane { first: Position::new(1.0, 2.0, 0.0), step_m: 0.5, columns: 3, values: log_likelihood }
     }
 
     #[test]

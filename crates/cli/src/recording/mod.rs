@@ -35,10 +35,12 @@ mod reader;
 mod recorder;
 mod recover;
 mod scan;
+mod sensation;
 mod sink;
 
 pub use capture::{Capture, CapturedFrame, FileCapture, Signal};
-pub use drawing::{LikelihoodPlane, PlacedNode, Solid};
+pub use drawing::{GridPlane, PlacedNode, Solid};
+pub use drawn::sensing::{Detection, DrawnField, DrawnTarget, Sample};
 pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use error::RecordingError;
 pub use foxglove::messages::log::Level;
@@ -49,3 +51,4 @@ pub use reader::{Attachment, RecordedRun, read_log, read_truth};
 pub use recorder::{FileRecorder, Origin, Recorder};
 pub use recover::{Recovery, recover};
 pub use scan::Damage;
+pub use sensation::Sensation;

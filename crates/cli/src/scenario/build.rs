@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use sextant_apps::{ControllerConfig, Surroundings};
-use sextant_channel::{Anchor, ChannelLaw, ObstacleField};
+use sextant_channel::{Anchor, Bounds, ChannelLaw, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mac::RadioStates;
 use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
-    BusyNetwork, Discovery, Mac, NetworkSetup, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup,
+    BusyNetwork, Discovery, Mac, NetworkSetup, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Sensors, Setup,
     Simulation, Traffic, World,
 };
 
@@ -210,6 +210,8 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
+    let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
+    let world = world.zip(sensors).map(|(world, sensors)| World { sensors, ..world });
     let radio = errors.take("radio", Radio::try_from(config.radio));
     let channel = errors.take("channel", ChannelLaw::try_from(config.channel));
     let mac = errors.take("mac", Mac::try_from(config.mac.clone()));
@@ -219,7 +221,12 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let robots = check_robots(config, world.as_ref(), errors);
     let known = channel.map(|channel| known_channel(config, channel));
     let maps = check_maps(&config.maps, known, errors);
+    check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());
+    if let Some(snapshots) = &config.recording.fields {
+        let places = world.iter().flat_map(|world| &world.nodes).map(|node| node.position);
+        errors.take("recording.fields", snapshots.check(Bounds::of(places)));
+    }
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
@@ -246,6 +253,16 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         }
     }
     (Some(Parts { setup, anchors, discovery }), maps)
+}
+
+/// Refuses targets with the name of a robot: in a recording, both would be the same frame.
+fn check_target_names(robots: &[RobotConfig<ControllerConfig>], world: Option<&World>, errors: &mut Errors<'_>) {
+    for (i, target) in world.iter().flat_map(|world| &world.targets).enumerate() {
+        if robots.iter().any(|robot| robot.name == target.name()) {
+            let found = format!("`{}`, the name of a robot", target.name());
+            errors.refuse(&SettingError::new(format!("world.targets[{i}].name"), found, "a unique name"));
+        }
+    }
 }
 
 /// The nodes that know their position; checks that there are enough for each of `maps`.

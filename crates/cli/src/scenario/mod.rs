@@ -13,6 +13,7 @@ mod known_channel;
 mod layers;
 mod map_settings;
 mod refusal;
+mod snapshots;
 mod source;
 mod survey_identity;
 mod sweep;
@@ -22,6 +23,7 @@ pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
 pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
 pub use map_settings::{AlgorithmName, MapSettings};
+pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, Sweep, SweepConfig};
 

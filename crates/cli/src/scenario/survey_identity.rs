@@ -4,7 +4,7 @@ use serde::Serialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
-use sextant_sim::{MacConfig, RadioConfig, ReceptionConfig, RobotConfig, TrafficConfig, WorldConfig};
+use sextant_sim::{MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, TrafficConfig, WorldConfig};
 use sha2::{Digest, Sha256};
 
 use super::config::ScenarioConfig;
@@ -18,6 +18,7 @@ pub struct SurveyIdentity([u8; 32]);
 #[derive(Serialize)]
 struct SurveySettings<'a> {
     world: &'a WorldConfig,
+    sensors: &'a SensorsConfig,
     radio: &'a RadioConfig,
     channel: &'a ChannelConfig,
     mac: &'a MacConfig,
@@ -37,6 +38,7 @@ impl SurveyIdentity {
         // Without `..`, so that a new table of settings must be listed here.
         let ScenarioConfig {
             world,
+            sensors,
             radio,
             channel,
             mac,
@@ -53,7 +55,7 @@ impl SurveyIdentity {
             recording: _,
             sweep: _,
         } = config;
-        let settings = SurveySettings { world, radio, channel, mac, traffic, reception, energy, robots };
+        let settings = SurveySettings { world, sensors, radio, channel, mac, traffic, reception, energy, robots };
         let json = serde_json::to_vec(&settings).expect("settings that were read from text can be written as text");
         Self(Sha256::digest(json).into())
     }

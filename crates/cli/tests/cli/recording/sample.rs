@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sextant::recording::messages::FrameMessage;
-use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid};
+use sextant::recording::{FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Solid};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
@@ -127,11 +127,11 @@ pub(crate) fn record_all<W: std::io::Write>(
     })?;
     let placed = PlacedNode { node: NodeId(1), position: Position::new(4.0, 5.0, 6.0), error_m: Some(0.25) };
     recorder.map(at(10), "ml-tm", &[placed])?;
-    let plane = LikelihoodPlane {
+    let plane = GridPlane {
         first: Position::new(-1.0, -2.0, 0.0),
         step_m: 0.5,
         columns: 2,
-        log_likelihood: vec![-1.0, -2.0, f64::NEG_INFINITY, -4.0],
+        values: vec![-1.0, -2.0, f64::NEG_INFINITY, -4.0],
     };
     recorder.likelihood(at(11), "ml-tm", "n12", &plane)?;
     recorder.summary("{\"maps\": []}")
