@@ -29,7 +29,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let path = &arguments.recording;
     let run = recording::read_log(path)?;
     let drawn = recording::read_drawn(path)?;
-    if drawn.maps.is_empty() && run.log.stops().is_empty() {
+    if drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(
             format!("`{}` has neither maps nor stops, so there is nothing to draw", path.display()),
             "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",

@@ -32,10 +32,10 @@ pub(super) fn record(
     Ok(())
 }
 
-/// The values of a field on the level through the middle of `bounds`.
+/// The values of a field around `bounds`, on the level through their middle.
 fn plane(field: &Field, time: SimTime, bounds: Bounds, snapshots: &SnapshotsConfig) -> GridPlane {
-    let first = Position { z_m: bounds.center().z_m, ..bounds.min };
     let step_m = snapshots.step_m;
+    let first = Position { z_m: bounds.center().z_m, ..bounds.min - Position::new(step_m, step_m, 0.0) };
     let [columns, rows] = snapshots.counts(bounds);
     let vertex = |column: u32, row: u32| first + Position::new(f64::from(column), f64::from(row), 0.0) * step_m;
     let values = (0..rows).flat_map(|row| (0..columns).map(move |column| vertex(column, row)));

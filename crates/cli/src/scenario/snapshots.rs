@@ -40,12 +40,12 @@ impl SnapshotsConfig {
         Ok(())
     }
 
-    /// Number of vertices along x and y within `bounds`.
+    /// Number of vertices along x and y: one before the `bounds`, as many as cover them, and one after.
     #[must_use]
     pub fn counts(&self, bounds: Bounds) -> [u32; 2] {
         let size = bounds.max - bounds.min;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
-        let count = |length_m: f64| ((length_m / self.step_m) as u32).saturating_add(1);
+        let count = |length_m: f64| ((length_m / self.step_m).ceil() as u32).saturating_add(3);
         [count(size.x_m), count(size.y_m)]
     }
 }

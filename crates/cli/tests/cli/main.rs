@@ -15,4 +15,5 @@ mod recording;
 mod reproduce;
 mod run;
 mod scenario_errors;
+mod sensing;
 mod sweep;
