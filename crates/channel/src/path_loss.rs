@@ -21,9 +21,13 @@ pub struct LogDistanceConfig {
     /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// Distance to which the transmit power refers: the loss there is 0 dB (m).
+    /// Distance to which `reference_loss_db` refers (m).
     #[serde(default = "default_reference_distance_m")]
     pub reference_distance_m: f64,
+    /// Loss at the reference distance (dB). If it is 0, transmit powers are powers at that distance; 40.05 dB is the
+    /// loss of free space over 1 m at 2.4 GHz.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub reference_loss_db: f64,
     /// Distance below which the loss is constant (m).
     #[serde(default = "default_min_distance_m")]
     pub min_distance_m: f64,
@@ -33,28 +37,34 @@ fn default_reference_distance_m() -> f64 {
     1.0
 }
 
+fn is_zero(loss_db: &f64) -> bool {
+    loss_db.to_bits() == 0
+}
+
 fn default_min_distance_m() -> f64 {
     0.1
 }
 
 impl Default for LogDistanceConfig {
-    /// No exponent, reference 1 m, constant below 0.1 m.
+    /// No exponent, no loss at 1 m, constant below 0.1 m.
     fn default() -> Self {
         Self {
             exponent: None,
             reference_distance_m: default_reference_distance_m(),
+            reference_loss_db: 0.0,
             min_distance_m: default_min_distance_m(),
         }
     }
 }
 
-/// Log-distance path loss: `L(d) = 10 ε log10(d / d0)` (thesis eq. 3.14; Rappaport 2002, eq. 4.69),
-/// constant below a minimum distance. Transmit powers are powers at `d0`, so that `L(d0) = 0` and
-/// nearer receivers have a gain.
+/// Log-distance path loss: `L(d) = L0 + 10 ε log10(d / d0)` (thesis eq. 3.14; Rappaport 2002, eq. 4.69),
+/// constant below a minimum distance. With `L0 = 0`, transmit powers are powers at `d0`, and nearer receivers have a
+/// gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogDistance {
     exponent: f64,
     reference_distance_m: f64,
+    reference_loss: Db,
     min_distance_m: f64,
 }
 
@@ -68,6 +78,7 @@ impl TryFrom<LogDistanceConfig> for LogDistance {
         Ok(Self {
             exponent: SettingError::positive("exponent", exponent)?,
             reference_distance_m: SettingError::positive("reference_distance_m", config.reference_distance_m)?,
+            reference_loss: Db(SettingError::in_range("reference_loss_db", config.reference_loss_db, -200.0, 300.0)?),
             min_distance_m: SettingError::positive("min_distance_m", config.min_distance_m)?,
         })
     }
@@ -80,10 +91,16 @@ impl LogDistance {
         self.exponent
     }
 
-    /// Distance to which the transmit power refers (m).
+    /// Distance to which the reference loss refers (m).
     #[must_use]
     pub fn reference_distance_m(&self) -> f64 {
         self.reference_distance_m
+    }
+
+    /// Loss at the reference distance.
+    #[must_use]
+    pub fn reference_loss(&self) -> Db {
+        self.reference_loss
     }
 
     /// Distance below which the loss is constant (m).
@@ -92,11 +109,12 @@ impl LogDistance {
         self.min_distance_m
     }
 
-    /// Loss over `distance_m` relative to the reference distance; negative below the reference distance.
+    /// Loss over `distance_m`.
     #[must_use]
     #[inline]
     pub fn loss(&self, distance_m: f64) -> Db {
-        Db(10.0 * self.exponent * libm::log10(distance_m.max(self.min_distance_m) / self.reference_distance_m))
+        let ratio = distance_m.max(self.min_distance_m) / self.reference_distance_m;
+        self.reference_loss + Db(10.0 * self.exponent * libm::log10(ratio))
     }
 
     /// The largest distance at which the loss is at most `loss` (m); 0 if the loss is larger everywhere.
@@ -105,7 +123,7 @@ impl LogDistance {
         if loss < self.loss(0.0) {
             return 0.0;
         }
-        self.reference_distance_m * libm::pow(10.0, loss.0 / (10.0 * self.exponent))
+        self.reference_distance_m * libm::pow(10.0, (loss - self.reference_loss).0 / (10.0 * self.exponent))
     }
 }
 
@@ -124,6 +142,15 @@ mod tests {
         assert!((law.loss(10.0).0 - 27.0).abs() < 1e-12);
         assert!((law.loss(0.2) - law.loss(2.0)).0 + 27.0 < 1e-12);
         assert_eq!(law.loss(0.0), law.loss(0.1));
+    }
+
+    #[test]
+    fn the_loss_at_the_reference_distance_is_added_everywhere() {
+        let config =
+            LogDistanceConfig { exponent: Some(2.0), reference_loss_db: 40.05, ..LogDistanceConfig::default() };
+        let law = LogDistance::try_from(config).unwrap();
+        assert!((law.loss(1.0).0 - 40.05).abs() < 1e-12 && (law.loss(10.0).0 - 60.05).abs() < 1e-12);
+        assert!((law.distance_m(Db(60.05)) - 10.0).abs() < 1e-9);
     }
 
     #[test]
@@ -146,6 +173,7 @@ mod tests {
             (LogDistanceConfig { exponent: Some(-2.0), ..good }, "exponent"),
             (LogDistanceConfig { exponent: Some(f64::NAN), ..good }, "exponent"),
             (LogDistanceConfig { reference_distance_m: 0.0, ..good }, "reference_distance_m"),
+            (LogDistanceConfig { reference_loss_db: f64::NAN, ..good }, "reference_loss_db"),
             (LogDistanceConfig { min_distance_m: f64::INFINITY, ..good }, "min_distance_m"),
         ] {
             assert_eq!(LogDistance::try_from(config).unwrap_err().key, key);

@@ -85,6 +85,12 @@ impl ShadowingLaw {
         self.sigma_db
     }
 
+    /// Whether each packet has a value of its own.
+    #[must_use]
+    pub fn is_per_packet(&self) -> bool {
+        self.sigma_db > 0.0 && matches!(self.correlation, CorrelationLaw::PerPacket)
+    }
+
     /// Whether two links that share an end or are near each other have similar values.
     #[must_use]
     pub fn is_spatial(&self) -> bool {

@@ -35,7 +35,10 @@ pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, SinrThresholdConfig
 pub use application::{Application, Driving, Port};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use applications::survey::Robot;
-pub use applications::traffic::{BeaconConfig, QueryConfig, Traffic, TrafficConfig};
+pub use applications::traffic::{
+    GroupConfig, Next, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig,
+    TraceConfig, Traffic, TrafficConfig, TrafficPlan,
+};
 pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
 pub use link::ieee802154::{Mac, MacConfig, Radio, RadioConfig};

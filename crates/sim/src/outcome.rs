@@ -5,7 +5,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
-use crate::service::packets::Packets;
+use crate::service::packets::{NetworkRecord, Packets};
 
 /// The result of a simulation: everything that robots heard, and the outcomes of the packets.
 #[derive(Clone, Debug)]
@@ -18,7 +18,9 @@ pub struct Survey {
     pub packets: Packets,
     /// Energy of the radios of all nodes together.
     pub energy: EnergySpent,
-    /// Time at which the last robot finished.
+    /// What became of the packets in each network, and of the energy, by station.
+    pub networks: Vec<NetworkRecord>,
+    /// Time at which the last robot finished, or the time was over.
     pub end: SimTime,
     /// Number of events.
     pub events: u64,

@@ -23,3 +23,5 @@ pub(crate) const BAND: Purpose = Purpose::new(11);
 pub(crate) const TARGETS: Purpose = Purpose::new(13);
 /// Offsets, noise and phases of sensors.
 pub(crate) const SENSING: Purpose = Purpose::new(14);
+/// Traffic in the networks after the first one.
+pub(crate) const NETWORK: Purpose = Purpose::new(15);

@@ -1,4 +1,4 @@
-//! `sextant figure`: pictures of a run for papers and pages.
+//! `sextant figure`: pictures of a run or of a sweep for papers and pages.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -6,27 +6,47 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::diagnostic::Failure;
-use crate::figure::{self, FileFormat, Source};
+use crate::figure::{self, Figure, FileFormat, Source};
 use crate::interrupt::Interrupt;
 use crate::output::write_file;
 use crate::recording::{self, ORIGIN_METADATA};
+use crate::sweep;
 
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// A recording of `run`
-    #[arg(value_name = "RUN.mcap")]
+    /// A recording of `run`, or a CSV table of `sweep`
+    #[arg(value_name = "RUN.mcap|TABLE.csv")]
     pub recording: PathBuf,
-    /// The folder for the figures [default: RUN.figures beside the recording]. It is created if it does not exist
+    /// The folder for the figures [default: RUN.figures beside the file]. It is created if it does not exist
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// The format of the figures
     #[arg(long, value_enum, default_value_t)]
     pub format: FileFormat,
+    /// The measures of a table to draw, as the names of their columns [default: the usual ones]. Only for tables
+    #[arg(long, value_name = "COLUMN")]
+    pub column: Vec<String>,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let path = &arguments.recording;
+    if path.extension().is_some_and(|extension| extension == "csv") {
+        let figures = sweep::figures(path, &arguments.column)?;
+        if figures.is_empty() {
+            return Err(Failure::bad_input_with_help(
+                format!("`{}` has none of the measures that are drawn", path.display()),
+                "`--column COLUMN` draws any measure of the table",
+            ));
+        }
+        return write(&figures, arguments, interrupt);
+    }
+    if let [column, ..] = &arguments.column[..] {
+        return Err(Failure::bad_input_with_help(
+            format!("`--column {column}` is given, but `{}` is not a table", path.display()),
+            "`--column` chooses measures of a table of `sweep`, whose name ends with .csv",
+        ));
+    }
     let run = recording::read_log(path)?;
     let drawn = recording::read_drawn(path)?;
     if drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty() && run.log.stops().is_empty() {
@@ -38,10 +58,14 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let scenario = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("scenario"));
     let source = Source { title: scenario.map_or(&*stem, String::as_str), log: &run.log, drawn: &drawn };
-    let folder = arguments.out.clone().unwrap_or_else(|| path.with_extension("figures"));
+    write(&figure::all(&source), arguments, interrupt)
+}
+
+fn write(figures: &[Figure], arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
+    let folder = arguments.out.clone().unwrap_or_else(|| arguments.recording.with_extension("figures"));
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
     let mut stdout = io::stdout().lock();
-    for figure in figure::all(&source) {
+    for figure in figures {
         let file = figure.path(&folder, arguments.format);
         let bytes = figure.encode(arguments.format).map_err(|error| Failure::unwritable(&file, &error))?;
         // Drawing may be stopped at any time, writing may not.

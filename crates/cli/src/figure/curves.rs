@@ -16,6 +16,8 @@ pub struct Series {
     pub name: String,
     /// Its points, in the order of the line.
     pub points: Vec<(f64, f64)>,
+    /// Half the height of the interval at each point; none is drawn where it is 0 or absent.
+    pub half_widths: Vec<f64>,
 }
 
 /// Several curves with common axes; the vertical axis begins at 0.
@@ -45,7 +47,11 @@ impl Curves {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let low = points().map(|point| point.0).fold(f64::INFINITY, f64::min);
         let high = points().map(|point| point.0).fold(f64::NEG_INFINITY, f64::max);
-        let top = points().map(|point| point.1).fold(0.0, f64::max);
+        let reach = |series: &Series| {
+            let widths = series.half_widths.iter().copied().chain(std::iter::repeat(0.0));
+            series.points.iter().zip(widths).map(|(point, half)| point.1 + half).fold(0.0, f64::max)
+        };
+        let top = self.series.iter().map(reach).fold(0.0, f64::max);
         // An axis needs a width even if there is only one value.
         let (low, high) = if low < high { (low, high) } else { (low.min(0.0) - 0.5, high.max(0.0) + 0.5) };
         let legend = self.series.iter().enumerate().map(|(i, series)| {
@@ -65,6 +71,10 @@ impl Curves {
             let (stroke, pattern) = style(i);
             let places: Vec<_> = series.points.iter().map(|&(x, y)| axes.at(x, y)).collect();
             picture.dashed(&places, pattern, stroke);
+            for (&(x, y), &half) in series.points.iter().zip(&series.half_widths).filter(|(_, half)| **half > 0.0) {
+                let (low, high) = (axes.at(x, (y - half).max(0.0)), axes.at(x, y + half));
+                picture.line(low, high, Stroke::new(stroke.color, 1.0));
+            }
             for place in places {
                 picture.disc(place, 3.0, stroke.color);
             }
@@ -81,7 +91,11 @@ mod tests {
 
     #[test]
     fn each_point_is_marked_in_the_colour_of_its_curve() {
-        let series = |name: &str, y: f64| Series { name: name.into(), points: vec![(0.0, y), (1.0, 2.0 * y)] };
+        let series = |name: &str, y: f64| Series {
+            name: name.into(),
+            points: vec![(0.0, y), (1.0, 2.0 * y)],
+            half_widths: vec![],
+        };
         let curves = Curves {
             title: "t".into(),
             note: String::new(),

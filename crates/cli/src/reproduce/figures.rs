@@ -61,7 +61,7 @@ fn distribution(experiment: &Experiment, runs: &Runs) -> Option<Figure> {
         let point = |(error, number)| Some((error, share(number)?.mean));
         let points = NODE_ERRORS.into_iter().zip(node_errors::ALL.iter().copied()).filter_map(point).collect();
         let name = format!("{map}, {}", scenario.trim_start_matches("ml-tm/").trim_end_matches(".toml"));
-        series.push(Series { name, points });
+        series.push(Series { name, points, half_widths: Vec::new() });
     }
     let curves = Curves {
         title: "Connectivity error of the nodes".to_owned(),

@@ -3,7 +3,7 @@
 use sextant_channel::{Channel, Dbm, Position};
 use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{TrueModel, at_least_one};
-use sextant_sim::{MacConfig, Survey};
+use sextant_sim::{Mac, Survey};
 
 use crate::scenario::Scenario;
 
@@ -17,7 +17,7 @@ pub(super) fn posterior_bound_m(
     watch: &dyn Watch,
 ) -> Result<Option<f64>, Interrupted> {
     let known = scenario.known_channel();
-    let beacons_come_first = matches!(scenario.config().mac, MacConfig::BeaconEnabled(_));
+    let beacons_come_first = matches!(scenario.network().link.mac, Mac::BeaconEnabled(_));
     if !(known.is_independent() && known.is_alike_at_all_stops) || beacons_come_first {
         return Ok(None);
     }

@@ -16,8 +16,7 @@ pub(super) fn message_energy_j(
     survey: &Survey,
     discoveries: &Discoveries,
 ) -> Option<f64> {
-    let setup = scenario.setup();
-    let network = setup.network();
+    let network = scenario.network();
     let (radio, octets) = (&network.link.radio, network.traffic.mpdu_octets());
     let packet = MessageEnergy::of_packet(&network.link.radio_states, radio.tx_power(), radio.phy(), octets);
     let (nodes, anchors) = (count(scenario.world().nodes.len()), scenario.anchors().len());

@@ -5,6 +5,7 @@ mod discovery;
 mod evaluation;
 mod fields;
 mod gather;
+mod mac;
 mod message_energy;
 mod outcome;
 mod pipeline;

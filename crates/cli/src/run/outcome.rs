@@ -5,6 +5,7 @@ use sextant_sim::{Ending, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
+use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
     EnergySummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SimulationSummary, Summary,
@@ -26,15 +27,19 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
         duration_s: record.end.map(SimTime::as_secs_f64),
         unreached: unreached(survey, config.controller.packets_per_node()),
     });
+    let has_robots = !survey.robots.is_empty();
+    let mut traffic = mac::traffic(scenario, survey).into_iter();
     Summary {
         scenario: Some(identity(scenario)),
+        mac: traffic.next(),
+        other_networks: traffic.collect(),
         simulation: Some(SimulationSummary {
             sim_time_s: survey.end.as_secs_f64(),
             events: survey.events,
             nodes: scenario.world().nodes.len(),
             obstacles: scenario.world().obstacles.len(),
         }),
-        gathering: Some(GatheringSummary {
+        gathering: has_robots.then(|| GatheringSummary {
             path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
             duration_s: Some(survey.end.as_secs_f64()),
             packets_offered: Some(packets.offered),

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use sextant_channel::{Dbm, Position};
+use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime, Watch};
 use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
 use sextant_sim::{Field, SensorsConfig, Simulation, Survey};
@@ -113,7 +113,7 @@ fn gather(
     let sniffer = outputs.capture.map(|capture| Sniffer {
         capture,
         robot: scenario.captured_robot(),
-        sensitivity: Dbm(scenario.config().radio.sensitivity_dbm),
+        sensitivity: scenario.network().link.radio.sensitivity(),
     });
     let frames = scenario.recording().frames;
     let mut gathering =

@@ -1,23 +1,21 @@
 //! Checks a scenario and builds everything that a run needs, before anything runs.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::{Anchor, Bounds, ChannelLaw, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
-use sextant_mac::RadioStates;
 use sextant_mapper::{MapConfig, Mapper};
-use sextant_sim::{
-    BusyNetwork, Discovery, Mac, NetworkSetup, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Sensors, Setup,
-    Simulation, Traffic, World,
-};
+use sextant_sim::{BusyNetwork, Discovery, Robot, RobotBody, RobotConfig, Sensors, Setup, Simulation, Sink, World};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
-use super::document::Document;
-use super::error::{ScenarioError, ScenarioErrors};
+use super::error::ScenarioErrors;
+use super::errors::Errors;
 use super::known_channel::KnownChannel;
 use super::layers;
+use super::networks::{self, NetworkTables};
 use super::survey_identity::SurveyIdentity;
 use crate::text::counted;
 
@@ -63,6 +61,17 @@ impl Scenario {
         for (key, file) in config.world.files_mut() {
             document.rebase(&format!("world.{key}"), file, folder);
             named_files.push(folder.join(file));
+        }
+        let of_traffic = config.traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic));
+        let of_networks = config
+            .networks
+            .iter_mut()
+            .filter_map(|(name, network)| Some((format!("networks.{name}.traffic"), network.traffic.as_mut()?)));
+        for (table, traffic) in of_traffic.chain(of_networks) {
+            for (key, file) in traffic.files_mut() {
+                document.rebase(&format!("{table}.{key}"), file, folder);
+                named_files.push(folder.join(file));
+            }
         }
         let mut errors = Errors { document: &document, found: Vec::new() };
         let (parts, maps) = check(&config, folder, &mut errors);
@@ -117,8 +126,24 @@ impl Scenario {
 
     /// Its channel, for maps that may know it.
     #[must_use]
+    ///
+    /// # Panics
+    /// Never for a scenario that was checked.
     pub fn known_channel(&self) -> KnownChannel {
-        known_channel(&self.config, self.parts.setup.network().link.channel)
+        let known = known_channel(&self.config, self.network().link.channel);
+        known.expect("a checked scenario has radios and traffic")
+    }
+
+    /// Its first network: the one that maps may know.
+    #[must_use]
+    pub fn network(&self) -> &BusyNetwork {
+        self.parts.setup.network()
+    }
+
+    /// All its networks.
+    #[must_use]
+    pub fn networks(&self) -> &[BusyNetwork] {
+        &self.parts.setup.networks
     }
 
     /// The maps to compute.
@@ -178,6 +203,7 @@ impl Scenario {
             counted(world.nodes.len(), "node"),
             counted(world.obstacles.len(), "obstacle"),
             counted(self.config.robots.len(), "robot"),
+            counted(self.config.sinks.len(), "sink"),
             counted(self.maps.len(), "map"),
         ]
         .join(", ")
@@ -187,23 +213,6 @@ impl Scenario {
 /// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
 
-/// Collects errors.
-pub(super) struct Errors<'a> {
-    pub(super) document: &'a Document,
-    pub(super) found: Vec<ScenarioError>,
-}
-
-impl Errors<'_> {
-    fn refuse(&mut self, error: &SettingError) {
-        self.found.push(self.document.outside(error));
-    }
-
-    /// The value; an error is collected as one within `table`.
-    pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
-        result.map_err(|error| self.refuse(&error.within(table))).ok()
-    }
-}
-
 /// Checks each part of the scenario, then all parts together.
 fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Option<Parts>, Vec<NamedMap>) {
     if config.name.trim().is_empty() {
@@ -212,14 +221,21 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
     let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
     let world = world.zip(sensors).map(|(world, sensors)| World { sensors, ..world });
-    let radio = errors.take("radio", Radio::try_from(config.radio));
-    let channel = errors.take("channel", ChannelLaw::try_from(config.channel));
-    let mac = errors.take("mac", Mac::try_from(config.mac.clone()));
-    let traffic = errors.take("traffic", Traffic::try_from(config.traffic));
-    let reception = errors.take("reception", ReceptionModel::try_from(config.reception));
-    let radio_states = errors.take("energy", RadioStates::try_from(config.energy));
+    let tables = NetworkTables::all(config);
+    let nodes = world.as_ref().map(|world| world.nodes.as_slice());
+    let networks: Vec<_> = tables.iter().map(|network| network.check(config, nodes, folder, errors)).collect();
     let robots = check_robots(config, world.as_ref(), errors);
-    let known = channel.map(|channel| known_channel(config, channel));
+    let sinks = check_sinks(config, world.as_ref(), errors);
+    let duration = config.duration_s.map(|duration_s| {
+        let checked = SettingError::in_range("duration_s", duration_s, 1e-6, 1e7).map(Duration::from_secs_f64);
+        errors.take("", checked)
+    });
+    if config.robots.is_empty() && config.duration_s.is_none() {
+        let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
+        errors.refuse(&SettingError::new("robots", "none", allowed));
+    }
+    let law = networks.first().and_then(|network| network.as_ref()).map(|network| network.link.channel);
+    let known = law.and_then(|law| known_channel(config, law));
     let maps = check_maps(&config.maps, known, errors);
     check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());
@@ -230,9 +246,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
-    let (Some(world), Some(channel), Some(radio), Some(mac), Some(traffic), Some(reception), Some(radio_states)) =
-        (world, channel, radio, mac, traffic, reception, radio_states)
-    else {
+    let (Some(world), Some(networks)) = (world, networks.into_iter().collect::<Option<Vec<_>>>()) else {
         return (None, maps);
     };
     let (Some(anchors), Some(discovery)) = (anchors, discovery) else { return (None, maps) };
@@ -243,9 +257,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         }
     }
     let seed = Seed(config.seed);
-    let link = NetworkSetup { channel, radio, reception, mac, radio_states };
-    let networks = vec![BusyNetwork { link, traffic }];
-    let setup = Setup { world, networks, robots, sinks: Vec::new(), duration: None, seed };
+    let setup = Setup { world, networks, robots, sinks, duration: duration.flatten(), seed };
     if errors.found.is_empty() {
         // The simulation checks what depends on several parts, such as the size of frames.
         if let Err(error) = Simulation::new(setup.clone()) {
@@ -288,9 +300,6 @@ fn check_anchors(
 
 fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Robot> {
     let mut robots: Vec<Robot> = Vec::new();
-    if config.robots.is_empty() {
-        errors.refuse(&SettingError::new("robots", "empty", "at least one robot"));
-    }
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = format!("robots[{i}]");
         let none = ObstacleField::default();
@@ -304,7 +313,10 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
             errors.refuse(&SettingError::new("start_m", format!("[{x}, {y}, {z}]"), allowed).within(&table));
             continue;
         }
-        let robot = robot(i, robot_config, obstacles, Seed(config.seed));
+        let robot = robot(i, robot_config, obstacles, Seed(config.seed)).and_then(|mut robot| {
+            robot.body.network = networks::number("network", robot_config.network.as_deref(), &config.networks)?;
+            Ok(robot)
+        });
         let Some(robot) = errors.take(&table, robot) else {
             continue;
         };
@@ -317,8 +329,40 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
     robots
 }
 
-fn known_channel(config: &ScenarioConfig, channel: ChannelLaw) -> KnownChannel {
-    KnownChannel::new(config.radio, channel, config.traffic, &config.robots)
+/// What maps may know of the channel of the first network.
+fn known_channel(config: &ScenarioConfig, channel: ChannelLaw) -> Option<KnownChannel> {
+    let tables = NetworkTables::all(config);
+    let network = tables.first()?;
+    Some(KnownChannel::new(*network.radio.value?, channel, network.traffic.value?, &config.robots))
+}
+
+/// The sinks, with names of their own.
+fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Sink> {
+    let none = ObstacleField::default();
+    let obstacles = world.map_or(&none, |world| &world.obstacles);
+    let mut sinks: Vec<Sink> = Vec::new();
+    for (i, sink) in config.sinks.iter().enumerate() {
+        let placed = sink.place(obstacles).and_then(|placed| {
+            let numbers = sink.networks.as_ref().map(|names| {
+                let numbered = names.iter().enumerate();
+                let number = |(j, name): (usize, &String)| {
+                    networks::number(&format!("networks[{j}]"), Some(name), &config.networks)
+                };
+                numbered.map(number).collect::<Result<Vec<_>, _>>()
+            });
+            Ok(Sink { networks: numbers.transpose()?, ..placed })
+        });
+        let table = format!("sinks[{i}]");
+        let Some(placed) = errors.take(&table, placed) else { continue };
+        let is_taken = sinks.iter().any(|other| other.name == placed.name)
+            || config.robots.iter().any(|robot| robot.name == placed.name);
+        if is_taken {
+            let found = format!("`{}`, as of another robot or sink", placed.name);
+            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
+        }
+        sinks.push(placed);
+    }
+    sinks
 }
 
 /// The maps to compute; absent channel settings are taken from `channel`, if it is known.

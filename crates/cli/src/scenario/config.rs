@@ -1,5 +1,6 @@
 //! A scenario as written in its file.
 
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use schemars::JsonSchema;
@@ -10,11 +11,12 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::MapConfig;
 use sextant_sim::{
-    AnchorsConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig,
+    AnchorsConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig,
     TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
+use super::network_config::NetworkConfig;
 use super::snapshots::SnapshotsConfig;
 
 /// A scenario: the world, the radios, the robots, and the maps to compute. Lengths are in metres, times in seconds and
@@ -32,23 +34,36 @@ pub struct ScenarioConfig {
     /// The sensors of the nodes; they sense nothing if absent.
     #[serde(default)]
     pub sensors: SensorsConfig,
-    /// The radios of nodes and robots.
-    pub radio: RadioConfig,
+    /// The radios of all stations; required unless each of `networks` has its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radio: Option<RadioConfig>,
     /// Path loss and shadowing of the radio channel; suburban, without a maximum range, if absent.
     #[serde(default)]
     pub channel: ChannelConfig,
     /// How nodes share the channel; unslotted CSMA-CA as in the standard if absent.
     #[serde(default)]
     pub mac: MacConfig,
-    /// What the nodes send, and when.
-    pub traffic: TrafficConfig,
+    /// What the nodes send, and when; required unless each of `networks` has its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traffic: Option<TrafficConfig>,
     /// Which frames are received; those with an SINR of at least 3 dB if absent.
     #[serde(default)]
     pub reception: ReceptionConfig,
     /// The radio chip whose energy is counted.
     #[serde(default)]
     pub energy: EnergyConfig,
-    /// The robots that drive and listen; at least one.
+    /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception` and `energy` of its
+    /// own; one network with the tables of the scenario if absent.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub networks: BTreeMap<String, NetworkConfig>,
+    /// When the simulation ends (s); if absent, when the last robot has finished.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub duration_s: Option<f64>,
+    /// The fixed sinks, which always listen.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sinks: Vec<SinkConfig>,
+    /// The robots that drive and listen.
+    #[serde(default)]
     pub robots: Vec<RobotConfig<ControllerConfig>>,
     /// The nodes that know their position, for maps that need them; a random fifth of the nodes if absent.
     #[serde(default)]

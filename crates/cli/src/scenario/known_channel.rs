@@ -22,12 +22,21 @@ impl KnownChannel {
     pub(super) fn new(
         radio: RadioConfig,
         channel: ChannelLaw,
-        traffic: TrafficConfig,
+        traffic: &TrafficConfig,
         robots: &[RobotConfig<ControllerConfig>],
     ) -> Self {
         let packets = |robot: &RobotConfig<ControllerConfig>| match traffic {
-            TrafficConfig::Beacon(beacon) => robot.listen_s / beacon.interval_s,
-            TrafficConfig::Query(_) => 1.0,
+            TrafficConfig::Beacon(periodic) | TrafficConfig::Periodic(periodic) => {
+                robot.listen_s / periodic.interval_s
+            }
+            TrafficConfig::Poisson(poisson) => robot.listen_s * poisson.rate_per_s,
+            // A rate that is not known, or differs between nodes, counts as one packet.
+            TrafficConfig::Query(_)
+            | TrafficConfig::Once(_)
+            | TrafficConfig::Saturated(_)
+            | TrafficConfig::Trace(_)
+            | TrafficConfig::Groups(_)
+            | TrafficConfig::Silent(_) => 1.0,
         };
         let least = robots.iter().map(packets).fold(f64::INFINITY, f64::min);
         let most = robots.iter().map(packets).fold(0.0, f64::max);
@@ -39,12 +48,14 @@ impl KnownChannel {
     /// Fills in the absent channel settings of a map that knows the channel.
     pub(super) fn complete(&self, map: &mut MapConfig) {
         let path_loss = self.channel.path_loss();
+        // Maps take the transmit power as the power at the reference distance.
+        let tx_power_dbm_at_reference = self.radio.tx_power_dbm - path_loss.reference_loss().0;
         let sigma_of_channel_db = self.channel.shadowing().sigma_db();
         let max_range_m = Some(self.channel.max_range_m()).filter(|range_m| range_m.is_finite());
         if let Some(ranging) = map.algorithm.ranging_mut() {
             let RangingConfig { exponent, tx_power_dbm, reference_distance_m, sigma_db } = ranging;
             exponent.get_or_insert(path_loss.exponent());
-            tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
+            tx_power_dbm.get_or_insert(tx_power_dbm_at_reference);
             reference_distance_m.get_or_insert(path_loss.reference_distance_m());
             sigma_db.get_or_insert(sigma_of_channel_db);
         }
@@ -56,7 +67,7 @@ impl KnownChannel {
         let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
         exponent.get_or_insert(path_loss.exponent());
         sigma_db.get_or_insert(sigma_of_channel_db);
-        tx_power_dbm.get_or_insert(self.radio.tx_power_dbm);
+        tx_power_dbm.get_or_insert(tx_power_dbm_at_reference);
         sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
         profile.max_range_m = profile.max_range_m.or(max_range_m);
         profile.reference_distance_m.get_or_insert(path_loss.reference_distance_m());

@@ -8,11 +8,12 @@ use sextant_channel::{ChannelConfig, ChannelLaw, ObstacleConfig, ObstacleField};
 use sextant_mapper::{KnowledgeKind, MapConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 
-use super::build::{Errors, NamedMap, check_maps};
+use super::build::{NamedMap, check_maps};
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
 use super::document::{Document, Value};
 use super::error::{ScenarioError, ScenarioErrors};
+use super::errors::Errors;
 use super::keys::keys_of;
 use super::known_channel::KnownChannel;
 
@@ -108,7 +109,7 @@ impl MapSettings {
         let channel = match (config.radio, config.traffic) {
             (Some(radio), Some(traffic)) => errors
                 .take("channel", ChannelLaw::try_from(config.channel))
-                .map(|channel| KnownChannel::new(radio, channel, traffic, &config.robots)),
+                .map(|channel| KnownChannel::new(radio, channel, &traffic, &config.robots)),
             _ => None,
         };
         let maps = check_maps(&config.maps, channel, &mut errors);

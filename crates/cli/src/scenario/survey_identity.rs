@@ -1,13 +1,18 @@
 //! Which scenarios have the same surveys.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
-use sextant_sim::{MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, TrafficConfig, WorldConfig};
+use sextant_sim::{
+    MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+};
 use sha2::{Digest, Sha256};
 
 use super::config::ScenarioConfig;
+use super::network_config::NetworkConfig;
 
 /// A hash of all settings that a survey depends on, except the seed. Scenarios with the same hash have the same survey for
 /// each seed. Files are hashed by name, not by content.
@@ -19,12 +24,15 @@ pub struct SurveyIdentity([u8; 32]);
 struct SurveySettings<'a> {
     world: &'a WorldConfig,
     sensors: &'a SensorsConfig,
-    radio: &'a RadioConfig,
+    radio: &'a Option<RadioConfig>,
     channel: &'a ChannelConfig,
     mac: &'a MacConfig,
-    traffic: &'a TrafficConfig,
+    traffic: &'a Option<TrafficConfig>,
     reception: &'a ReceptionConfig,
     energy: &'a EnergyConfig,
+    networks: &'a BTreeMap<String, NetworkConfig>,
+    duration_s: &'a Option<f64>,
+    sinks: &'a [SinkConfig],
     robots: &'a [RobotConfig<ControllerConfig>],
 }
 
@@ -45,6 +53,9 @@ impl SurveyIdentity {
             traffic,
             reception,
             energy,
+            networks,
+            duration_s,
+            sinks,
             robots,
             name: _,
             seed: _,
@@ -55,7 +66,20 @@ impl SurveyIdentity {
             recording: _,
             sweep: _,
         } = config;
-        let settings = SurveySettings { world, sensors, radio, channel, mac, traffic, reception, energy, robots };
+        let settings = SurveySettings {
+            world,
+            sensors,
+            radio,
+            channel,
+            mac,
+            traffic,
+            reception,
+            energy,
+            networks,
+            duration_s,
+            sinks,
+            robots,
+        };
         let json = serde_json::to_vec(&settings).expect("settings that were read from text can be written as text");
         Self(Sha256::digest(json).into())
     }

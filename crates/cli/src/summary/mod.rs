@@ -4,6 +4,8 @@
 //! Everything except [`Summary::timing`] depends on scenario and seed alone.
 
 mod gathering;
+mod mac;
+mod mac_table;
 mod map;
 pub mod measures;
 mod results;
@@ -11,6 +13,7 @@ mod table;
 mod timing;
 
 pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSummary, RoundSummary};
+pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, HeightsSource,
     HeightsSummary, MapSummary, NODE_ERRORS,

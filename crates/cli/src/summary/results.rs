@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::gathering::{DiscoverySummary, GatheringSummary};
+use super::mac::MacSummary;
 use super::map::MapSummary;
 use super::timing::Timing;
 use crate::diagnostic::Failure;
@@ -22,6 +23,12 @@ pub struct Summary {
     /// The survey: packets, paths and energy.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gathering: Option<GatheringSummary>,
+    /// The traffic, if there are sinks; that of the first network if there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mac: Option<MacSummary>,
+    /// The traffic in the networks after the first one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub other_networks: Vec<MacSummary>,
     /// Discovery before the survey, if a map needed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discovery: Option<DiscoverySummary>,

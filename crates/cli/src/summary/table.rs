@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
+use super::mac_table;
 use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
 use super::results::Summary;
 use super::timing::Timing;
@@ -24,6 +25,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if let Some(gathering) = &summary.gathering {
         columns(&gathering_rows(gathering), &[Align::Left, Align::Right, Align::Left], out)?;
         writeln!(out)?;
+    }
+    for mac in summary.mac.iter().chain(&summary.other_networks) {
+        mac_table::write(mac, out)?;
     }
     if let Some(discovery) = &summary.discovery {
         discovery_lines(discovery, out)?;

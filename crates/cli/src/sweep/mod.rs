@@ -7,6 +7,7 @@
 //! shards does not change its rows.
 
 mod column;
+mod curves;
 mod parts;
 mod plan;
 mod row;
@@ -16,6 +17,7 @@ mod table_file;
 mod unit;
 
 pub use column::{Column, Kind};
+pub use curves::figures;
 pub use plan::{Cell, Plan};
 pub use row::Row;
 pub use shard::Shard;

@@ -152,6 +152,7 @@ impl ChannelProfileConfig {
         let config = ChannelConfig {
             environment: None,
             path_loss: Some(PathLossConfig::LogDistance(LogDistanceConfig {
+                reference_loss_db: default.reference_loss_db,
                 exponent: Some(needed("exponent", self.exponent)?),
                 reference_distance_m: self.reference_distance_m.unwrap_or(default.reference_distance_m),
                 min_distance_m: self.min_distance_m.unwrap_or(default.min_distance_m),

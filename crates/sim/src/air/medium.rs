@@ -1,13 +1,18 @@
 //! The signals on air, and the receivers that can hear them.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
-use sextant_channel::{Channel, Dbm, Milliwatts, Position};
+use sextant_channel::{Dbm, Milliwatts, Position};
 use sextant_kernel::{SimTime, StationId};
 
+use super::budget::Budget;
 use super::cells::Cells;
 use super::signal::Signal;
 use crate::station::Motion;
+
+/// So many signals are looked at one by one: that is faster than to look for those near a place.
+const FEW: usize = 16;
 
 /// Number of a receiver among those of an air.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,34 +38,41 @@ pub(crate) struct Listener<P> {
 /// or a radio that listens. Both look only at signals and listeners within reach, so the time for a frame grows with
 /// the number of neighbours and not with the size of the network.
 pub(crate) struct Medium {
-    channel: Channel,
+    budget: Budget,
+    /// The signals on air and those that ended within the memory: all of them, the first ones first, ...
+    recent: VecDeque<Signal>,
+    /// ... and by place.
     signals: Cells<Signal>,
     /// The listeners that stand, by place.
     standing: Cells<Listener<Position>>,
     standing_count: usize,
     /// The listeners that may drive: few.
     mobile: Vec<Listener<Motion>>,
+    /// Signals from farther away are neglected (m).
+    reach_m: f64,
     /// How long a signal is kept after its end: the window of carrier sense.
     memory: Duration,
 }
 
 impl Medium {
-    /// An empty medium for stations that stay near `places` and transmit with at most `power`; signals below
-    /// `floor` may be neglected.
+    /// An empty medium for stations that stay near `places` and transmit with at most the power of `budget`; signals
+    /// below `floor` may be neglected.
     pub(crate) fn new(
-        channel: Channel,
+        budget: Budget,
         places: impl Iterator<Item = Position> + Clone,
         power: Dbm,
         floor: Dbm,
         memory: Duration,
     ) -> Self {
-        let reach_m = channel.law().reach_m(power, floor);
+        let reach_m = budget.channel().law().reach_m(power, floor);
         Self {
-            channel,
+            budget,
+            recent: VecDeque::new(),
             signals: Cells::covering(places.clone(), reach_m),
             standing: Cells::covering(places, reach_m),
             standing_count: 0,
             mobile: Vec::new(),
+            reach_m,
             memory,
         }
     }
@@ -68,30 +80,47 @@ impl Medium {
     /// Starts a signal.
     pub(crate) fn begin(&mut self, signal: Signal) {
         let forgotten = signal.start.saturating_sub(self.memory);
+        while self.recent.front().is_some_and(|old| old.end <= forgotten) {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(signal);
         let cell = self.signals.at(signal.position);
         cell.retain(|old| old.end > forgotten);
         cell.push(signal);
     }
 
     /// Power of a signal at a station; `None` beyond the radius of communication.
-    pub(crate) fn power_at(&self, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
-        power_at(&self.channel, signal, station, place)
+    #[inline]
+    pub(crate) fn power_at(&mut self, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
+        self.budget.power_at(signal, station, place)
     }
 
     /// Mean power that a station hears from others during `[from, to)`.
     pub(crate) fn sensed(&mut self, station: StationId, place: Position, from: SimTime, to: SimTime) -> Milliwatts {
         let forgotten = to.saturating_sub(self.memory);
         let mut energy = 0.0;
-        let channel = &self.channel;
-        self.signals.near(place, |cell| {
-            cell.retain(|signal| signal.end > forgotten);
-            for signal in cell.iter().filter(|s| s.source != station && s.start < to && s.end > from) {
-                if let Some(power) = power_at(channel, signal, station, place) {
-                    let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
-                    energy += power.0 * overlap.as_secs_f64();
-                }
+        let (budget, reach_m) = (&mut self.budget, self.reach_m);
+        let mut add = |signal: &Signal| {
+            let is_far = signal.position.distance_m(place) > reach_m;
+            if is_far || signal.source == station || signal.start >= to || signal.end <= from {
+                return;
             }
-        });
+            if let Some(power) = budget.power_at(signal, station, place) {
+                let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
+                energy += power.0 * overlap.as_secs_f64();
+            }
+        };
+        while self.recent.front().is_some_and(|old| old.end <= forgotten) {
+            self.recent.pop_front();
+        }
+        if self.recent.len() <= FEW {
+            self.recent.iter().for_each(&mut add);
+        } else {
+            self.signals.near(place, |cell| {
+                cell.retain(|signal| signal.end > forgotten);
+                cell.iter().for_each(&mut add);
+            });
+        }
         Milliwatts(energy / (to - from).as_secs_f64())
     }
 
@@ -148,11 +177,4 @@ impl Medium {
             found.sort_unstable_by_key(|listener| listener.receiver);
         }
     }
-}
-
-fn power_at(channel: &Channel, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
-    let mean = channel.mean_power(signal.emission.power, signal.position, place)?;
-    let shadowing = channel.shadowing(signal.source, signal.position, station, place, signal.packet);
-    let gain = signal.emission.antenna.gain(place - signal.position);
-    Some((mean + shadowing + gain).to_milliwatts())
 }

@@ -1,5 +1,6 @@
 //! The air between the stations: the signals of one band, and all radios that listen to them.
 
+mod budget;
 mod cells;
 mod medium;
 mod outcome;
@@ -14,6 +15,7 @@ use sextant_kernel::{Seed, SimTime, StationId};
 
 use crate::purpose;
 use crate::station::{Motion, Roll};
+use budget::Budget;
 use medium::{Listener, Medium};
 use receiver::Receiver;
 
@@ -69,8 +71,12 @@ pub(crate) struct AirSettings {
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
         let AirSettings { channel, power, floor, sensing, first_packet, seed } = settings;
+        let first_robot = StationId::from_index(roll.nodes).0;
+        let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
+        let emission = Emission { power, antenna: Antenna::Omnidirectional };
+        let budget = Budget::new(channel, emission, roll.len(), mobile);
         Self {
-            medium: Medium::new(channel, places, power, floor, sensing),
+            medium: Medium::new(budget, places, power, floor, sensing),
             receivers: Vec::new(),
             rules: Vec::new(),
             roll,

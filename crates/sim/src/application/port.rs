@@ -7,6 +7,7 @@ use sextant_kernel::{EventKey, NodeId, Seed, SimTime, StationId};
 
 use crate::event::{Event, Timer};
 use crate::model::{Model, Note};
+use crate::purpose;
 use crate::service::delivery::DriveEnd;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
@@ -67,6 +68,15 @@ impl Port<'_> {
     #[must_use]
     pub fn seed(&self) -> Seed {
         self.model.scene.seed
+    }
+
+    /// The seed of the traffic in a network: that of all in the first network, so that more networks change nothing
+    /// there.
+    pub(crate) fn seed_of(&self, network: NetworkId) -> Seed {
+        match network.0 {
+            0 => self.seed(),
+            number => Seed(self.seed().bits(purpose::NETWORK, [number.into(), 0, 0])),
+        }
     }
 
     /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before.

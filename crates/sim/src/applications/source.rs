@@ -1,45 +1,73 @@
 //! A node that sends traffic and looks at nothing that it hears.
 
+use std::sync::Arc;
+
+use sextant_kernel::SimTime;
+
+use super::traffic::{Next, Traffic};
 use crate::application::{Application, Port};
 use crate::event::Timer;
 use crate::service::network_id::NetworkId;
-use crate::service::report::{Destination, Payload};
-
-use super::traffic::Traffic;
-
-/// The timer of the next frame.
-const DUE: Timer = Timer(0);
+use crate::service::report::{Destination, Payload, SendReport};
 
 /// A source of traffic in one network.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     network: NetworkId,
-    traffic: Traffic,
+    traffic: Arc<Traffic>,
     to: Destination,
     /// Frames offered so far.
     count: u64,
     /// Frames to offer.
     limit: u64,
+    /// Size of the next frame (octets).
+    octets: u8,
+    /// Whether the next frame follows the end of the last one.
+    is_saturated: bool,
 }
 
 impl Source {
-    pub(crate) fn new(network: NetworkId, traffic: Traffic, to: Destination) -> Self {
-        Self { network, traffic, to, count: 0, limit: u64::MAX }
+    pub(crate) fn new(network: NetworkId, traffic: Arc<Traffic>, to: Destination) -> Self {
+        Self { network, traffic, to, count: 0, limit: u64::MAX, octets: 0, is_saturated: false }
     }
 
     pub(crate) fn with_limit(self, limit: u64) -> Self {
         Self { limit, ..self }
     }
 
+    pub(crate) fn network(&self) -> NetworkId {
+        self.network
+    }
+
+    /// The timer of its next frame: each network has its own.
+    fn timer(&self) -> Timer {
+        Timer(self.network.0.into())
+    }
+
     /// Schedules the next frame, if there is one.
-    fn schedule(&self, port: &mut Port<'_>) {
+    fn schedule(&mut self, port: &mut Port<'_>) {
         if self.count >= self.limit {
             return;
         }
         let Some(node) = port.node(port.station()) else { return };
-        if let Some(due) = self.traffic.due(port.seed(), node, self.count) {
-            port.after(due.saturating_since(port.now()), DUE);
+        let last = if self.count == 0 { SimTime::ZERO } else { port.now() };
+        match self.traffic.next(port.seed_of(self.network), node, self.count, last) {
+            Next::At(due, octets) => {
+                self.octets = octets;
+                port.after(due.saturating_since(port.now()), self.timer());
+            }
+            Next::AfterTheLast(octets) => {
+                self.octets = octets;
+                self.is_saturated = true;
+            }
+            Next::Never => {}
         }
+    }
+
+    fn offer(&mut self, port: &mut Port<'_>) {
+        self.count += 1;
+        // A frame that finds the queue full is lost, and the link counts it.
+        let _ = port.send(self.network, self.to, Payload::Filler(self.octets));
     }
 }
 
@@ -49,9 +77,14 @@ impl Application for Source {
     }
 
     fn timed(&mut self, _timer: Timer, port: &mut Port<'_>) {
-        self.count += 1;
-        // A frame that finds the queue full is lost, and the link counts it.
-        let _ = port.send(self.network, self.to, Payload::Filler(self.traffic.mpdu_octets()));
+        self.offer(port);
         self.schedule(port);
+    }
+
+    #[inline]
+    fn sent(&mut self, _network: NetworkId, _report: &SendReport, port: &mut Port<'_>) {
+        if self.is_saturated {
+            self.offer(port);
+        }
     }
 }

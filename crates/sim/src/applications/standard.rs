@@ -10,8 +10,10 @@ use crate::service::report::SendReport;
 
 /// One of the applications that every scenario needs.
 pub(crate) enum Standard {
-    /// Of a node: it sends traffic.
+    /// Of a node: it sends traffic in a network.
     Source(Source),
+    /// Of a node: it sends traffic in several networks, or in none.
+    Sources(Box<[Source]>),
     /// Of a robot: its survey.
     Survey(Box<Survey>),
     /// Of a sink: it takes what it receives.
@@ -20,12 +22,12 @@ pub(crate) enum Standard {
 
 impl Application for Standard {
     fn hears(&self) -> bool {
-        !matches!(self, Self::Source(_))
+        !matches!(self, Self::Source(_) | Self::Sources(_))
     }
 
     /// Nodes sense, so that what their sensors say can be observed.
     fn senses(&self) -> bool {
-        matches!(self, Self::Source(_))
+        matches!(self, Self::Source(_) | Self::Sources(_))
     }
 
     fn has_task(&self) -> bool {
@@ -35,6 +37,7 @@ impl Application for Standard {
     fn started(&mut self, port: &mut Port<'_>) {
         match self {
             Self::Source(source) => source.started(port),
+            Self::Sources(sources) => sources.iter_mut().for_each(|source| source.started(port)),
             Self::Survey(survey) => survey.started(port),
             Self::Sink => {}
         }
@@ -44,6 +47,10 @@ impl Application for Standard {
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         match self {
             Self::Source(source) => source.timed(timer, port),
+            Self::Sources(sources) => {
+                let due = |source: &&mut Source| Timer(source.network().0.into()) == timer;
+                sources.iter_mut().filter(due).for_each(|source| source.timed(timer, port));
+            }
             Self::Survey(survey) => survey.timed(timer, port),
             Self::Sink => {}
         }
@@ -57,8 +64,13 @@ impl Application for Standard {
 
     #[inline]
     fn sent(&mut self, network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
-        if let Self::Source(source) = self {
-            source.sent(network, report, port);
+        match self {
+            Self::Source(source) => source.sent(network, report, port),
+            Self::Sources(sources) => {
+                let of_network = |source: &&mut Source| source.network() == network;
+                sources.iter_mut().filter(of_network).for_each(|source| source.sent(network, report, port));
+            }
+            Self::Survey(_) | Self::Sink => {}
         }
     }
 

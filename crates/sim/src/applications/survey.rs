@@ -15,9 +15,6 @@ use crate::station::RobotBody;
 /// Largest number of commands in a row that take no time; a controller that gives more is stuck.
 const IDLE_COMMANDS: u32 = 1000;
 
-/// The network that a survey listens to.
-const NETWORK: NetworkId = NetworkId(0);
-
 /// The timer of the start.
 const START: Timer = Timer(0);
 
@@ -94,7 +91,7 @@ impl Survey {
                 },
                 RobotCommand::Listen => {
                     self.listening_since = port.now();
-                    port.listen(NETWORK, self.body.listen);
+                    port.listen(self.body.network, self.body.listen);
                     return;
                 }
                 RobotCommand::Finish(ending) => return self.finish(ending, port),

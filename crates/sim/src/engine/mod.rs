@@ -109,6 +109,7 @@ impl<A: Application> Engine<A> {
                 first_receiver: scene.airs[air].add_receivers(bands::rules(network)),
                 coordinator: coordinator.take_if(|_| i == 0),
                 keeps_delays: roll.sinks > 0,
+                members: network.members.clone(),
             };
             links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
         }

@@ -24,6 +24,8 @@ pub struct NetworkSetup {
     pub mac: Mac,
     /// Energy model of the radios.
     pub radio_states: RadioStates,
+    /// Whether each station is in the network; `None` if all are.
+    pub members: Option<Vec<bool>>,
 }
 
 /// The world, its stations and their networks.
@@ -35,7 +37,7 @@ pub struct EngineSetup {
     pub robots: Vec<RobotBody>,
     /// The sinks.
     pub sinks: Vec<Sink>,
-    /// The networks: all stations are in each.
+    /// The networks.
     pub networks: Vec<NetworkSetup>,
     /// When the simulation ends; `None` if when the tasks of all applications are done.
     pub duration: Option<Duration>,

@@ -98,6 +98,8 @@ pub struct NetworkRecord {
     pub packets: Vec<Packets>,
     /// Energy that the radio of each station used.
     pub energy: Vec<EnergySpent>,
+    /// Number of frames that were delivered to each station, each once.
+    pub deliveries: Vec<u64>,
     /// Time from offer to first reception of each packet that was received, in the order of receptions, with its
     /// sender. Kept only if there are sinks.
     pub delays: Vec<(StationId, Duration)>,

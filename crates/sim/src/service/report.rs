@@ -41,8 +41,8 @@ pub enum SendError {
     /// The frame goes to its own sender, or to a station that is not there.
     #[error("{0} cannot receive the frame")]
     NoSuchStation(StationId),
-    /// The station has no means to send in this network: with beacons, only nodes send data.
-    #[error("this station sends no data in a network with beacons")]
+    /// The station is not in this network, or has no means to send: with beacons, only nodes send data.
+    #[error("this station sends no data in this network")]
     ReceivesOnly,
 }
 

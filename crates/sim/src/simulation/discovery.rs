@@ -12,7 +12,7 @@ use sextant_mac::frame::DataFrame;
 use super::setup::Setup;
 use crate::applications::hello::Hello;
 use crate::applications::source::Source;
-use crate::applications::traffic::{BeaconConfig, Traffic, TrafficConfig};
+use crate::applications::traffic::{PeriodicConfig, Traffic, TrafficConfig};
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
 use crate::link::ieee802154::{Mac, network::pan};
 use crate::observer::{Observer, Progress};
@@ -53,7 +53,7 @@ impl Default for DiscoveryConfig {
 }
 
 /// Neighbour discovery.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Discovery {
     packets: u32,
     traffic: Traffic,
@@ -71,9 +71,9 @@ impl TryFrom<DiscoveryConfig> for Discovery {
         if let Some(range_m) = range_m {
             SettingError::positive("range_m", range_m)?;
         }
-        let beacon = BeaconConfig { mpdu_octets, interval_s, jitter: 0.5 };
-        let traffic = Traffic::try_from(TrafficConfig::Beacon(beacon))
-            .map_err(|error| SettingError { key: error.key.trim_start_matches("beacon.").to_owned(), ..error })?;
+        let periodic = PeriodicConfig { mpdu_octets, interval_s, jitter: 0.5, acknowledged: false, to: None };
+        let traffic = Traffic::try_from(TrafficConfig::Periodic(periodic))
+            .map_err(|error| SettingError { key: error.key.trim_start_matches("periodic.").to_owned(), ..error })?;
         Ok(Self { packets, traffic, range_m })
     }
 }
@@ -162,9 +162,11 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
             (1, sends)
         }
     };
+    network.members = None;
     network.mac = Mac::CsmaUnslotted(network.mac.csma().with_receiver_on());
     let seed = Seed(setup.seed.bits(purpose::DISCOVERY, [number, 0, 0]));
-    let source = Source::new(NETWORK, discovery.traffic, Destination::All).with_limit(discovery.packets.into());
+    let source =
+        Source::new(NETWORK, discovery.traffic.clone().into(), Destination::All).with_limit(discovery.packets.into());
     let applications = sends.into_iter().map(|sends| Hello::new(sends.then(|| source.clone()))).collect();
     let extras = Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
     let setup = EngineSetup {

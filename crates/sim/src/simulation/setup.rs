@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use sextant_kernel::Seed;
+use sextant_kernel::{NodeId, Seed};
 
 use crate::applications::survey::Robot;
-use crate::applications::traffic::Traffic;
+use crate::applications::traffic::TrafficPlan;
 use crate::engine::NetworkSetup;
 use crate::station::Sink;
 use crate::world::World;
@@ -13,10 +13,22 @@ use crate::world::World;
 /// A network and the traffic in it.
 #[derive(Clone)]
 pub struct BusyNetwork {
+    /// Its name, if the scenario has several.
+    pub name: Option<String>,
     /// The network.
     pub link: NetworkSetup,
     /// Traffic of the nodes.
-    pub traffic: Traffic,
+    pub traffic: TrafficPlan,
+    /// Whether each node is in the network; `None` if all nodes are.
+    pub nodes: Option<Vec<bool>>,
+}
+
+impl BusyNetwork {
+    /// Whether a node is in the network.
+    #[must_use]
+    pub fn has(&self, node: NodeId) -> bool {
+        self.nodes.as_ref().is_none_or(|nodes| nodes[node.index()])
+    }
 }
 
 /// Everything that a simulation needs.
@@ -37,7 +49,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The first network: robots survey its nodes.
+    /// The first network: the only one, unless the scenario names several.
     ///
     /// # Panics
     /// If there is no network.

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
+use crate::service::network_id::NetworkId;
+
 /// A robot, as written in a scenario; `C` is the configuration of its controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -24,6 +26,9 @@ pub struct RobotConfig<C> {
     /// How long it listens at each stop (s).
     #[serde(default = "default_listen_s")]
     pub listen_s: f64,
+    /// Name of the network whose nodes it surveys; the first one if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<String>,
     /// What drives it.
     pub controller: C,
 }
@@ -53,6 +58,8 @@ pub struct RobotBody {
     pub radius_m: f64,
     /// How long it listens at each stop.
     pub listen: Duration,
+    /// The network whose nodes it surveys.
+    pub network: NetworkId,
 }
 
 impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
@@ -67,6 +74,7 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
             speed_m_per_s: SettingError::in_range("speed_m_per_s", config.speed_m_per_s, 1e-3, 1e3)?,
             radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
             listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),
+            network: NetworkId::default(),
         })
     }
 }

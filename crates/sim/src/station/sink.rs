@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
 
+use crate::service::network_id::NetworkId;
+
 /// A fixed sink, as written in a scenario: a station with power from the mains, so that its receiver is always on. It
 /// collects what the nodes send.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -14,6 +16,9 @@ pub struct SinkConfig {
     pub name: String,
     /// Where it stands (m).
     pub position_m: Position,
+    /// Names of the networks in which it takes part; all if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub networks: Option<Vec<String>>,
 }
 
 /// A fixed sink.
@@ -23,6 +28,16 @@ pub struct Sink {
     pub name: String,
     /// Where it stands (m).
     pub position: Position,
+    /// The networks in which it takes part; `None` if all.
+    pub networks: Option<Vec<NetworkId>>,
+}
+
+impl Sink {
+    /// Whether it takes part in a network.
+    #[must_use]
+    pub fn is_in(&self, network: NetworkId) -> bool {
+        self.networks.as_ref().is_none_or(|networks| networks.contains(&network))
+    }
 }
 
 impl SinkConfig {
@@ -41,6 +56,6 @@ impl SinkConfig {
             let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
             return Err(SettingError::new("position_m", found, "a place outside all obstacles"));
         }
-        Ok(Sink { name: self.name.clone(), position: self.position_m })
+        Ok(Sink { name: self.name.clone(), position: self.position_m, networks: None })
     }
 }

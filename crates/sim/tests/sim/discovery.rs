@@ -6,14 +6,14 @@ use sextant_channel::{BoxConfig, ChannelConfig, CorrelationConfig, NeighbourLog,
 use sextant_channel::{ObstacleField, Position, ShadowingConfig, ShapeConfig};
 use sextant_kernel::{NodeId, Unwatched};
 use sextant_sim::{
-    Discovered, Discovery, DiscoveryConfig, QueryConfig, ReceptionConfig, ReceptionModel, Round, Setup,
-    TrafficConfig, World, discover,
+    Discovered, Discovery, DiscoveryConfig, OnceConfig, ReceptionConfig, ReceptionModel, Round, Setup, TrafficConfig,
+    World, discover,
 };
 
 use crate::network;
 
 fn setup(places: &[Position], sigma_db: f64, obstacles: Vec<Obstacle>, seed: u64) -> Setup {
-    let query = QueryConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: false };
+    let query = OnceConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: false, to: None };
     let channel = ChannelConfig {
         shadowing: Some(ShadowingConfig { sigma_db: Some(sigma_db), correlation: CorrelationConfig::PerPacket }),
         max_range_m: Some(10.0),

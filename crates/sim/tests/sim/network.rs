@@ -8,8 +8,8 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, CommandOutcome, Controller, Ending, Mac, NetworkSetup, Packets, Radio, RadioConfig, ReceptionModel,
-    Robot, RobotBody, RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
+    BusyNetwork, CommandOutcome, Controller, Ending, Mac, NetworkId, NetworkSetup, Packets, Radio, RadioConfig,
+    ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Situation, Traffic, TrafficConfig, TrafficPlan, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -37,7 +37,14 @@ impl Controller for Tour {
 
 /// A robot that starts at the origin and listens at each of `places`.
 pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
-    let body = RobotBody { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m, listen };
+    let body = RobotBody {
+        name: "surveyor".into(),
+        start: Position::ORIGIN,
+        speed_m_per_s: 1.0,
+        radius_m,
+        listen,
+        network: NetworkId::default(),
+    };
     Robot { body, controller: Box::new(Tour { places, next: 0 }) }
 }
 
@@ -79,15 +86,21 @@ pub(crate) fn setup(
         reception: ReceptionModel::Overlap,
         mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         radio_states: RadioStates::cc2420(),
+        members: None,
     };
     Setup {
         world: World { nodes: nodes(places), ..World::default() },
-        networks: vec![BusyNetwork { link, traffic: Traffic::try_from(traffic).expect("good settings") }],
+        networks: vec![BusyNetwork { name: None, link, traffic: plan(traffic, places.len()), nodes: None }],
         robots: Vec::new(),
         sinks: Vec::new(),
         duration: None,
         seed: Seed(seed),
     }
+}
+
+/// The same traffic for all of `nodes` nodes.
+pub(crate) fn plan(traffic: TrafficConfig, nodes: usize) -> TrafficPlan {
+    TrafficPlan::all(Traffic::try_from(traffic).expect("good settings"), nodes)
 }
 
 /// The same with changes to its network.

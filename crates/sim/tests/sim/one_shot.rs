@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use sextant_channel::{ChannelConfig, Position};
 use sextant_kernel::SimTime;
-use sextant_sim::{FrameOnAir, FrameOutcome, Observer, QueryConfig, Setup, Simulation, TrafficConfig};
+use sextant_sim::{FrameOnAir, FrameOutcome, Observer, OnceConfig, Setup, Simulation, TrafficConfig};
 
 use crate::network;
 
@@ -31,7 +31,7 @@ impl Observer for Ends {
 }
 
 fn setup(nodes: usize, mpdu_octets: u8, acknowledged: bool, seed: u64) -> Setup {
-    let query = QueryConfig { mpdu_octets, at_s: 0.0, acknowledged };
+    let query = OnceConfig { mpdu_octets, at_s: 0.0, acknowledged, to: None };
     let robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(400));
     Setup {
         robots: vec![robot],

@@ -9,7 +9,7 @@ use sextant_mac::frame::{Frame as MacFrame, FrameBody};
 use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig, GtsConfig};
 use sextant_mac::{CustomRadioConfig, EnergyConfig, RadioStates};
 use sextant_sim::{
-    BeaconConfig, FrameOnAir, FrameOutcome, Mac, Observer, QueryConfig, ReceptionModel, Robot, Setup, Simulation,
+    FrameOnAir, FrameOutcome, Mac, Observer, OnceConfig, PeriodicConfig, ReceptionModel, Robot, Setup, Simulation,
     Survey, TrafficConfig,
 };
 
@@ -49,11 +49,11 @@ impl Observer for Log {
 }
 
 fn query(mpdu_octets: u8, acknowledged: bool) -> TrafficConfig {
-    TrafficConfig::Query(QueryConfig { mpdu_octets, at_s: 0.0, acknowledged })
+    TrafficConfig::Query(OnceConfig { mpdu_octets, at_s: 0.0, acknowledged, to: None })
 }
 
 fn periodic(interval_s: f64) -> TrafficConfig {
-    TrafficConfig::Beacon(BeaconConfig { mpdu_octets: 20, interval_s, jitter: 0.1 })
+    TrafficConfig::Beacon(PeriodicConfig { mpdu_octets: 20, interval_s, jitter: 0.1, acknowledged: false, to: None })
 }
 
 /// Nodes near the origin that all hear each other and a robot that listens once there.
@@ -251,7 +251,7 @@ fn a_synchronised_node_uses_the_energy_of_its_duty_cycle() {
     let mut setup = setup(
         1,
         orders(4, 1),
-        TrafficConfig::Query(QueryConfig { mpdu_octets: 20, at_s: 999.0, acknowledged: false }),
+        TrafficConfig::Query(OnceConfig { mpdu_octets: 20, at_s: 999.0, acknowledged: false, to: None }),
         1,
     );
     setup.robots = vec![robot(vec![Position::ORIGIN], Duration::from_micros(3 * 245_760 + 10_000))];

@@ -7,8 +7,8 @@ use sextant_channel::{
 };
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    BeaconConfig, Ending, FrameOnAir, Observer, Progress, QueryConfig, Radio, ReceptionModel, Robot, Setup,
-    Simulation, Survey, Traffic, TrafficConfig, Unobserved,
+    Ending, FrameOnAir, Observer, OnceConfig, PeriodicConfig, Progress, Radio, ReceptionModel, Robot, Setup,
+    Simulation, Survey, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -24,7 +24,13 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
         max_range_m: Some(10.0),
         ..ChannelConfig::default()
     };
-    let traffic = TrafficConfig::Beacon(BeaconConfig { mpdu_octets: 20, interval_s: 0.5, jitter: 0.1 });
+    let traffic = TrafficConfig::Beacon(PeriodicConfig {
+        mpdu_octets: 20,
+        interval_s: 0.5,
+        jitter: 0.1,
+        acknowledged: false,
+        to: None,
+    });
     let setup = network::setup(places, -50.0, channel, traffic, seed);
     let setup = network::with(setup, |network| network.link.reception = ReceptionModel::SinrThreshold { least: 2.0 });
     Setup { robots: vec![robot], ..setup }
@@ -74,7 +80,7 @@ fn hidden_nodes_collide_at_the_rate_that_their_backoffs_imply() {
         for seed in 0..ROUNDS {
             let places = [Position::new(-8.0, 0.0, 0.0), Position::new(8.0, 0.0, 0.0)];
             let robot = tour(vec![Position::ORIGIN], Duration::from_millis(100));
-            let query = QueryConfig { mpdu_octets, at_s: 0.0, acknowledged: false };
+            let query = OnceConfig { mpdu_octets, at_s: 0.0, acknowledged: false, to: None };
             let channel = ChannelConfig { max_range_m: Some(10.0), ..ChannelConfig::default() };
             let traffic = TrafficConfig::Query(query);
             let survey = Simulation::new(Setup {
@@ -222,8 +228,8 @@ fn several_robots_are_rejected_if_nodes_send_to_one() {
     let [first, second] = two_tours(Duration::ZERO, Duration::from_secs(1));
     let mut setup = setup(&field_of(2), first, 1);
     setup.robots.push(second);
-    let query = QueryConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: true };
-    setup.networks[0].traffic = Traffic::try_from(TrafficConfig::Query(query)).unwrap();
+    let query = OnceConfig { mpdu_octets: 20, at_s: 0.0, acknowledged: true, to: None };
+    setup.networks[0].traffic = network::plan(TrafficConfig::Query(query), 4);
     assert_eq!(Simulation::new(setup).err().expect("refused").key, "robots");
 }
 

@@ -177,7 +177,7 @@ fn figures(runs: &Runs) -> Vec<Figure> {
             let at = |p0_percent| Trapezoid { p0_percent, range_tenths };
             let point = |p0_percent| Some((at(p0_percent).p0(), 100.0 * mean(at(p0_percent))?.mean));
             let points = P0_PERCENT.into_iter().filter_map(point).collect();
-            Series { name: format!("R/R_c {}", at(100).range()), points }
+            Series { name: format!("R/R_c {}", at(100).range()), points, half_widths: Vec::new() }
         };
         let count = mean(environment.best).map_or(0, |mean| mean.runs);
         Curves {

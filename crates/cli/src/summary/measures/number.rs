@@ -13,6 +13,8 @@ pub enum Unit {
     Second,
     /// Joules.
     Joule,
+    /// Bits per second.
+    BitPerSecond,
 }
 
 impl Unit {
@@ -25,6 +27,7 @@ impl Unit {
             Self::Metre => (1.0, "m"),
             Self::Second => (1.0, "s"),
             Self::Joule => (1000.0, "mJ"),
+            Self::BitPerSecond => (1e-3, "kbit/s"),
         }
     }
 }

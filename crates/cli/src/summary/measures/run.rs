@@ -1,7 +1,9 @@
 //! The numbers of a run as a whole.
 
 use super::number::{Number, Unit, count, numbers};
-use crate::summary::{EnergySummary, GatheringSummary, RoundSummary, SimulationSummary, Summary};
+use crate::summary::{
+    DelaySummary, EnergySummary, GatheringSummary, RoundSummary, SimulationSummary, Summary, TrafficSummary,
+};
 
 fn simulation(run: &Summary, read: fn(&SimulationSummary) -> u64) -> Option<f64> {
     run.simulation.as_ref().map(|simulation| count(read(simulation)))
@@ -27,6 +29,18 @@ fn anchors(run: &Summary) -> Option<&RoundSummary> {
     run.discovery.as_ref()?.anchors.as_ref()
 }
 
+fn mac(run: &Summary, read: fn(&TrafficSummary) -> f64) -> Option<f64> {
+    run.mac.as_ref().map(|mac| read(&mac.all))
+}
+
+fn mac_share(run: &Summary, read: fn(&TrafficSummary) -> Option<f64>) -> Option<f64> {
+    read(&run.mac.as_ref()?.all)
+}
+
+fn delay(run: &Summary, read: fn(&DelaySummary) -> f64) -> Option<f64> {
+    run.mac.as_ref()?.all.delay_s.as_ref().map(read)
+}
+
 numbers! { Summary {
     NODES "nodes" Count |run| simulation(run, |simulation| simulation.nodes as u64);
     OBSTACLES "obstacles" Count |run| simulation(run, |simulation| simulation.obstacles as u64);
@@ -46,5 +60,29 @@ numbers! { Summary {
     NEIGHBOURS_TX_J "discovery.neighbours.energy_j.tx" Joule |run| neighbours(run).map(|round| round.energy_j.tx);
     NEIGHBOURS_RX_J "discovery.neighbours.energy_j.rx" Joule |run| neighbours(run).map(|round| round.energy_j.rx);
     ANCHORS_TX_J "discovery.anchors.energy_j.tx" Joule |run| anchors(run).map(|round| round.energy_j.tx);
+    MAC_OFFERED "mac.offered" Count |run| mac(run, |mac| count(mac.offered));
+    MAC_SENT "mac.sent" Count |run| mac(run, |mac| count(mac.sent));
+    MAC_DELIVERED "mac.delivered" Count |run| mac(run, |mac| count(mac.delivered));
+    MAC_PRR "mac.prr" Share |run| mac_share(run, |mac| mac.prr);
+    MAC_DELIVERED_OF_SENT "mac.delivered_of_sent" Share |run| mac_share(run, |mac| mac.delivered_of_sent);
+    MAC_THROUGHPUT "mac.throughput_bit_per_s" BitPerSecond |run| mac(run, |mac| mac.throughput_bit_per_s);
+    MAC_DELAY_MEAN_S "mac.delay_s.mean" Second |run| delay(run, |delay| delay.mean);
+    MAC_DELAY_P50_S "mac.delay_s.p50" Second |run| delay(run, |delay| delay.p50);
+    MAC_DELAY_P90_S "mac.delay_s.p90" Second |run| delay(run, |delay| delay.p90);
+    MAC_DELAY_P99_S "mac.delay_s.p99" Second |run| delay(run, |delay| delay.p99);
+    MAC_TRANSMISSIONS "mac.transmissions" Count |run| mac(run, |mac| count(mac.transmissions));
+    MAC_RETRIES "mac.retries" Count |run| mac(run, |mac| count(mac.retries));
+    MAC_BACKOFFS "mac.backoffs" Count |run| mac(run, |mac| count(mac.backoffs));
+    MAC_NO_ACKNOWLEDGEMENT "mac.no_acknowledgement" Count |run| mac(run, |mac| count(mac.no_acknowledgement));
+    MAC_CHANNEL_ACCESS_FAILURES "mac.channel_access_failures" Count
+        |run| mac(run, |mac| count(mac.channel_access_failures));
+    MAC_LOST_COLLISION "mac.lost_collision" Count |run| mac(run, |mac| count(mac.lost_collision));
+    MAC_LOST_CHANNEL_ACCESS "mac.lost_channel_access" Count |run| mac(run, |mac| count(mac.lost_channel_access));
+    MAC_LOST_QUEUE "mac.lost_queue" Count |run| mac(run, |mac| count(mac.lost_queue));
+    MAC_LOST_SIGNAL "mac.lost_signal" Count |run| mac(run, |mac| count(mac.lost_signal));
+    MAC_PENDING "mac.pending" Count |run| mac(run, |mac| count(mac.pending));
+    MAC_ENERGY_TX_J "mac.energy_j.tx" Joule |run| mac(run, |mac| mac.energy_j.tx);
+    MAC_ENERGY_RX_J "mac.energy_j.rx" Joule |run| mac(run, |mac| mac.energy_j.rx);
+    MAC_ENERGY_IDLE_J "mac.energy_j.idle" Joule |run| mac(run, |mac| mac.energy_j.idle);
     ANCHORS_RX_J "discovery.anchors.energy_j.rx" Joule |run| anchors(run).map(|round| round.energy_j.rx);
 }}

@@ -14,7 +14,7 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
-use sextant_mac::{Phy, RadioState, RadioStates, csma};
+use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
 
 use super::frame_queue::Payloads;
 use super::mac::{Mac, NodeMac};
@@ -50,6 +50,8 @@ pub(crate) struct Settings<'a> {
     pub(crate) coordinator: Option<(StationId, Coordinator)>,
     /// Whether the time from offer to reception of each frame is kept.
     pub(crate) keeps_delays: bool,
+    /// Whether each station is in the network; `None` if all are.
+    pub(crate) members: Option<Vec<bool>>,
 }
 
 /// A network of IEEE 802.15.4: the links of all its stations.
@@ -68,6 +70,9 @@ pub(crate) struct Network {
     payloads: Payloads,
     packets: Vec<Packets>,
     delays: Option<Vec<(StationId, Duration)>>,
+    /// Number of frames that were delivered to each station.
+    deliveries: Vec<u64>,
+    members: Option<Vec<bool>>,
     radio_states: RadioStates,
     arrivals: Vec<Arrival>,
     told: Vec<HeardFrame>,
@@ -120,6 +125,8 @@ impl Network {
             payloads: Payloads::default(),
             packets: vec![Packets::default(); scene.roll.len()],
             delays: settings.keeps_delays.then(Vec::new),
+            deliveries: vec![0; scene.roll.len()],
+            members: settings.members,
             radio_states,
             arrivals: Vec::new(),
             told: Vec::new(),
@@ -130,6 +137,9 @@ impl Network {
 
     /// The network starts to work at a station.
     pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        if !self.has(station) {
+            return;
+        }
         let stack = &mut self.stacks[station.index()];
         stack.listening = match scene.roll.kind(station) {
             // What a node with superframes hears are beacons.
@@ -211,10 +221,22 @@ impl Network {
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let state = stack.state();
             stack.meter.enter(state, now);
-            energy.push(stack.meter.spent(&self.radio_states, self.radios.emission.power));
+            let is_member = self.members.as_ref().is_none_or(|members| members[i]);
+            let spent = stack.meter.spent(&self.radio_states, self.radios.emission.power);
+            energy.push(if is_member { spent } else { EnergySpent::default() });
             self.packets[i].pending = u64::from(self.macs[i].is_busy()) + stack.waiting.len() as u64;
         }
-        NetworkRecord { packets: self.packets, energy, delays: self.delays.unwrap_or_default() }
+        NetworkRecord {
+            packets: self.packets,
+            energy,
+            deliveries: self.deliveries,
+            delays: self.delays.unwrap_or_default(),
+        }
+    }
+
+    /// Whether a station is in the network.
+    pub(super) fn has(&self, station: StationId) -> bool {
+        self.members.as_ref().is_none_or(|members| members[station.index()])
     }
 
     fn transceiver<'a>(&'a mut self, station: StationId, scene: &'a mut Scene) -> Transceiver<'a> {

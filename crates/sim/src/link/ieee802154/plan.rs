@@ -24,10 +24,10 @@ pub(crate) struct Post {
 }
 
 /// Frames that the nodes send.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Demand {
     /// Key of the table that says so.
-    pub(crate) key: &'static str,
+    pub(crate) key: String,
     pub(crate) mpdu_octets: u8,
     pub(crate) acknowledged: bool,
 }
@@ -60,7 +60,7 @@ pub(crate) fn coordinator<'a>(
     let coordinator =
         Coordinator::new(settings, phy, source, &devices, sequence).map_err(|error| error.within(KEY))?;
     for demand in demands {
-        let Demand { mpdu_octets: octets, acknowledged, .. } = *demand;
+        let &Demand { mpdu_octets: octets, acknowledged, .. } = demand;
         for (i, gts) in settings.gts().iter().enumerate() {
             if !coordinator.slot_carries(i, octets, acknowledged) {
                 let allowed = format!("enough slots for a frame of {octets} octets and what must follow it");

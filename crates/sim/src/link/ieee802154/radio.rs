@@ -20,7 +20,7 @@ pub struct RadioConfig {
     /// Networks on one channel disturb each other, those on different channels do not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<u8>,
-    /// Transmit power, as received at the reference distance of the path loss without shadowing (dBm).
+    /// Transmit power (dBm). With a path loss of 0 dB at the reference distance it is the power there.
     pub tx_power_dbm: f64,
     /// Minimum power of a frame that can be received (dBm).
     pub sensitivity_dbm: f64,

@@ -98,6 +98,7 @@ impl Network {
             if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
                 let end = mpdu.len() - 2;
                 self.payload = end - octets..end;
+                self.deliveries[station.index()] += 1;
                 let (sequence, power) = (frame.sequence, arrival.power);
                 scene.upcalls.push(Upcall::Delivered { station, from, sequence, power });
             }

@@ -22,11 +22,11 @@ impl Network {
         payload: Payload<'_>,
         scene: &mut Scene,
     ) -> Result<FrameId, SendError> {
-        if !self.macs[station.index()].is_transmitter() {
+        if !self.has(station) || !self.macs[station.index()].is_transmitter() {
             return Err(SendError::ReceivesOnly);
         }
         if let Destination::Station(to) = to
-            && (to == station || to.index() >= self.stacks.len())
+            && (to == station || to.index() >= self.stacks.len() || !self.has(to))
         {
             return Err(SendError::NoSuchStation(to));
         }

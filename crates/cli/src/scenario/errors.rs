@@ -1,0 +1,23 @@
+//! The errors of a scenario, collected while it is checked.
+
+use sextant_kernel::SettingError;
+
+use super::document::Document;
+use super::error::ScenarioError;
+
+/// Collects errors.
+pub(super) struct Errors<'a> {
+    pub(super) document: &'a Document,
+    pub(super) found: Vec<ScenarioError>,
+}
+
+impl Errors<'_> {
+    pub(super) fn refuse(&mut self, error: &SettingError) {
+        self.found.push(self.document.outside(error));
+    }
+
+    /// The value; an error is collected as one within `table`.
+    pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
+        result.map_err(|error| self.refuse(&error.within(table))).ok()
+    }
+}

@@ -1,0 +1,34 @@
+//! One of several networks, as written in a scenario.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::ChannelConfig;
+use sextant_mac::EnergyConfig;
+use sextant_sim::{MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig};
+
+/// One of several networks, as written in a scenario. A table that is absent is that of the scenario.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct NetworkConfig {
+    /// Which nodes are in it; all if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<NodesOfGroup>,
+    /// The radios.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub radio: Option<RadioConfig>,
+    /// What happens to radio power on its way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channel: Option<ChannelConfig>,
+    /// How nodes share the channel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mac: Option<MacConfig>,
+    /// What the nodes send, and when.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub traffic: Option<TrafficConfig>,
+    /// When a frame that arrives is received.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reception: Option<ReceptionConfig>,
+    /// The radio chip whose energy is counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyConfig>,
+}

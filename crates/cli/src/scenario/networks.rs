@@ -1,0 +1,189 @@
+//! The networks of a scenario: one, as the tables of the scenario say, or several by name.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_channel::{ChannelConfig, ChannelLaw};
+use sextant_kernel::SettingError;
+use sextant_mac::{EnergyConfig, RadioStates};
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{
+    BusyNetwork, Mac, MacConfig, NetworkId, NetworkSetup, NodesOfGroup, Radio, RadioConfig, ReceptionConfig,
+    ReceptionModel, TrafficConfig, TrafficPlan,
+};
+
+use super::config::ScenarioConfig;
+use super::errors::Errors;
+use super::network_config::NetworkConfig;
+
+/// The tables of one network, and the key of each.
+pub(super) struct NetworkTables<'a> {
+    pub(super) name: Option<&'a str>,
+    nodes: Option<&'a NodesOfGroup>,
+    pub(super) radio: Keyed<Option<&'a RadioConfig>>,
+    pub(super) channel: Keyed<&'a ChannelConfig>,
+    pub(super) mac: Keyed<&'a MacConfig>,
+    pub(super) traffic: Keyed<Option<&'a TrafficConfig>>,
+    reception: Keyed<&'a ReceptionConfig>,
+    energy: Keyed<&'a EnergyConfig>,
+}
+
+/// A value and the key of its table.
+pub(super) struct Keyed<T> {
+    key: String,
+    pub(super) value: T,
+}
+
+impl<'a> NetworkTables<'a> {
+    /// The tables of each network of a scenario, in the order of their names.
+    pub(super) fn all(config: &'a ScenarioConfig) -> Vec<Self> {
+        if config.networks.is_empty() {
+            return vec![Self::of(config, None)];
+        }
+        config.networks.iter().map(|(name, network)| Self::of(config, Some((name, network)))).collect()
+    }
+
+    fn of(config: &'a ScenarioConfig, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
+        let keyed = |table: &str, is_own: bool| match network {
+            Some((name, _)) if is_own => format!("networks.{name}.{table}"),
+            _ => table.to_owned(),
+        };
+        macro_rules! pick {
+            ($table:ident, $whole:expr) => {{
+                let own = network.and_then(|(_, network)| network.$table.as_ref());
+                Keyed { key: keyed(stringify!($table), own.is_some()), value: own.or($whole) }
+            }};
+        }
+        macro_rules! pick_or_default {
+            ($table:ident) => {{
+                let picked = pick!($table, Some(&config.$table));
+                Keyed { key: picked.key, value: picked.value.unwrap_or(&config.$table) }
+            }};
+        }
+        Self {
+            name: network.map(|(name, _)| name.as_str()),
+            nodes: network.and_then(|(_, network)| network.nodes.as_ref()),
+            radio: pick!(radio, config.radio.as_ref()),
+            channel: pick_or_default!(channel),
+            mac: pick_or_default!(mac),
+            traffic: pick!(traffic, config.traffic.as_ref()),
+            reception: pick_or_default!(reception),
+            energy: pick_or_default!(energy),
+        }
+    }
+
+    /// The law of its channel.
+    pub(super) fn law(&self, errors: &mut Errors<'_>) -> Option<ChannelLaw> {
+        errors.take(&self.channel.key, ChannelLaw::try_from(*self.channel.value))
+    }
+
+    /// The network, checked; `nodes` are those of the world, if it has no error.
+    pub(super) fn check(
+        &self,
+        config: &ScenarioConfig,
+        nodes: Option<&[PlacedNode]>,
+        folder: &Path,
+        errors: &mut Errors<'_>,
+    ) -> Option<BusyNetwork> {
+        let missing = |table: &str| {
+            let place = self.name.map_or(String::new(), |name| format!("networks.{name}."));
+            SettingError::new(format!("{place}{table}"), "no such table", format!("a table `[{place}{table}]`"))
+        };
+        let radio = match self.radio.value {
+            Some(radio) => errors.take(&self.radio.key, Radio::try_from(*radio)),
+            None => errors.take("", Err(missing("radio"))),
+        };
+        let channel = self.law(errors);
+        let mac = errors.take(&self.mac.key, Mac::try_from(self.mac.value.clone()));
+        let reception = errors.take(&self.reception.key, ReceptionModel::try_from(*self.reception.value));
+        let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
+        let traffic = match (self.traffic.value, nodes) {
+            (Some(traffic), nodes) => {
+                let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), folder);
+                // Names of nodes are not known without a world.
+                nodes.and_then(|_| errors.take(&self.traffic.key, plan))
+            }
+            (None, _) => errors.take("", Err(missing("traffic"))),
+        };
+        let members = match (self.nodes, nodes) {
+            (Some(chosen), Some(nodes)) => {
+                let members = members(chosen, nodes, self.name, &config.networks);
+                Some(errors.take(&format!("networks.{}.nodes", self.name.unwrap_or_default()), members)?)
+            }
+            _ => None,
+        };
+        let link = NetworkSetup {
+            channel: channel?,
+            radio: radio?,
+            reception: reception?,
+            mac: mac?,
+            radio_states: radio_states?,
+            members: None,
+        };
+        Some(BusyNetwork { name: self.name.map(str::to_owned), link, traffic: traffic?, nodes: members })
+    }
+}
+
+/// Whether each of `nodes` is in the network `own`, whose nodes are `chosen`.
+fn members(
+    chosen: &NodesOfGroup,
+    nodes: &[PlacedNode],
+    own: Option<&str>,
+    networks: &BTreeMap<String, NetworkConfig>,
+) -> Result<Vec<bool>, SettingError> {
+    match chosen {
+        NodesOfGroup::Count(count) if *count > nodes.len() => {
+            Err(SettingError::new("count", count, format!("at most {}, the number of nodes", nodes.len())))
+        }
+        NodesOfGroup::Count(count) => Ok((0..nodes.len()).map(|node| node < *count).collect()),
+        NodesOfGroup::Names(names) => {
+            let mut members = vec![false; nodes.len()];
+            for (i, name) in names.iter().enumerate() {
+                let node = nodes.iter().position(|node| node.name == *name);
+                let refuse = || SettingError::new(format!("names[{i}]"), format!("`{name}`"), "the name of a node");
+                members[node.ok_or_else(refuse)?] = true;
+            }
+            Ok(members)
+        }
+        NodesOfGroup::Others {} => {
+            let mut members = vec![true; nodes.len()];
+            for (_, network) in networks.iter().filter(|(name, _)| Some(name.as_str()) != own) {
+                match &network.nodes {
+                    Some(NodesOfGroup::Others {}) | None => {}
+                    Some(chosen) => {
+                        // An error in the other network is told there.
+                        let taken = self::members(chosen, nodes, None, networks).unwrap_or_default();
+                        members.iter_mut().zip(taken).for_each(|(member, taken)| *member &= !taken);
+                    }
+                }
+            }
+            Ok(members)
+        }
+    }
+}
+
+/// The number of the network `name`, or of the only one.
+///
+/// # Errors
+/// If there is no network of this name, or several and no name.
+pub(super) fn number(
+    key: &str,
+    name: Option<&str>,
+    networks: &BTreeMap<String, NetworkConfig>,
+) -> Result<NetworkId, SettingError> {
+    let known = || networks.keys().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let position = match name {
+        None if networks.len() <= 1 => Some(0),
+        None => {
+            let allowed = format!("one of {}, because there are several networks", known());
+            return Err(SettingError::new(key, "nothing", allowed));
+        }
+        Some(name) => networks.keys().position(|other| other == name),
+    };
+    let position = position.and_then(|position| u8::try_from(position).ok());
+    position.map(NetworkId).ok_or_else(|| {
+        let name = name.unwrap_or_default();
+        let allowed = if networks.is_empty() { "no name: there is one network".to_owned() } else { known() };
+        SettingError::new(key, format!("`{name}`"), allowed)
+    })
+}
