@@ -47,7 +47,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             "`--column` chooses measures of a table of `sweep`, whose name ends with .csv",
         ));
     }
-    let run = recording::read_log(path)?;
+    let run = recording::read_run(path)?;
     let drawn = recording::read_drawn(path)?;
     if drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(

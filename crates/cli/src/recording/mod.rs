@@ -47,7 +47,7 @@ pub use foxglove::messages::log::Level;
 pub use inspect::{AttachmentInfo, Inspection, Topic, inspect};
 pub use known::{Known, read_known};
 pub use names::{ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
-pub use reader::{Attachment, RecordedRun, read_log, read_truth};
+pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
 pub use recorder::{FileRecorder, Origin, Recorder};
 pub use recover::{Recovery, recover};
 pub use scan::Damage;
