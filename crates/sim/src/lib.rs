@@ -89,6 +89,7 @@ mod observer;
 mod outcome;
 mod purpose;
 mod scene;
+mod sensing;
 mod service;
 mod simulation;
 mod station;
@@ -111,9 +112,16 @@ pub use service::delivery::{Delivery, DriveEnd};
 pub use service::network_id::NetworkId;
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+pub use service::sensed::{FieldId, Sensed, TargetId};
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::setup::{BusyNetwork, Setup};
 pub use station::{Kind, Pose, RobotBody, RobotConfig, Sink, SinkConfig};
 pub use world::anchors::AnchorsConfig;
+pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
+pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};
+pub use world::target::{
+    AtEnd, Course, Leg, RandomWalkConfig, StraightConfig, Target, TargetConfig, TargetMotionConfig, TurnConfig,
+    WaypointsConfig,
+};
 pub use world::{World, WorldConfig, layout};

@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::{NodeId, SimTime, StationId};
 
 use crate::air::FrameOutcome;
 use crate::service::network_id::NetworkId;
+use crate::service::sensed::{FieldId, Sensed, TargetId};
 
 /// A frame that was on air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +52,15 @@ pub trait Observer {
 
     /// A robot has listened at stop `index` of the log, from `stop.time` until `end`, and heard `receptions`.
     fn stopped(&mut self, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
+
+    /// A target is at `position` at `time`: the start or the end of a leg, or the end of the simulation.
+    fn target_moved(&mut self, _target: TargetId, _time: SimTime, _position: Position) {}
+
+    /// A sensor of a node says something.
+    fn sensed(&mut self, _node: NodeId, _time: SimTime, _sensed: &Sensed) {}
+
+    /// A station removed the source number `source` of a field.
+    fn source_removed(&mut self, _field: FieldId, _source: usize, _time: SimTime) {}
 
     /// A frame was on air; called at its end, and only if [`Observer::wants_frames`].
     fn framed(&mut self, _frame: FrameOnAir<'_>) {}

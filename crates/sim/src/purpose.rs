@@ -21,5 +21,9 @@ pub(crate) const DISCOVERY: Purpose = Purpose::new(10);
 pub(crate) const APPLICATION: Purpose = Purpose::new(12);
 /// Channels of the bands after the first one.
 pub(crate) const BAND: Purpose = Purpose::new(11);
+/// Ways of targets.
+pub(crate) const TARGETS: Purpose = Purpose::new(13);
+/// Offsets, noise and phases of sensors.
+pub(crate) const SENSING: Purpose = Purpose::new(14);
 /// Traffic in the networks after the first one.
 pub(crate) const NETWORK: Purpose = Purpose::new(15);

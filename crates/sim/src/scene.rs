@@ -31,6 +31,11 @@ impl Scene {
         self.queue.push(self.now + span, event.rank(), event)
     }
 
+    /// Schedules an event at `time`.
+    pub(crate) fn at(&mut self, time: SimTime, event: Event) -> EventKey {
+        self.queue.push(time, event.rank(), event)
+    }
+
     /// Where a station is now.
     #[inline]
     pub(crate) fn place(&self, station: StationId) -> Position {

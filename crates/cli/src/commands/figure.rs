@@ -4,13 +4,12 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use sextant_channel::ReceptionLog;
 
 use crate::diagnostic::Failure;
 use crate::figure::{self, Figure, FileFormat, Source};
 use crate::interrupt::Interrupt;
 use crate::output::write_file;
-use crate::recording::{self, ORIGIN_METADATA, RecordingError};
+use crate::recording::{self, ORIGIN_METADATA};
 use crate::sweep;
 
 /// Arguments of `sextant figure`.
@@ -48,23 +47,18 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
             "`--column` chooses measures of a table of `sweep`, whose name ends with .csv",
         ));
     }
+    let run = recording::read_run(path)?;
     let drawn = recording::read_drawn(path)?;
-    let run = match recording::read_log(path) {
-        Err(RecordingError::NoLog { .. }) if !drawn.sinks.is_empty() => None,
-        run => Some(run?),
-    };
-    let without_stops = ReceptionLog::default();
-    let log = run.as_ref().map_or(&without_stops, |run| &run.log);
-    if drawn.maps.is_empty() && drawn.sinks.is_empty() && log.stops().is_empty() {
+    let is_empty = drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty();
+    if is_empty && drawn.sinks.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(
-            format!("`{}` has neither maps nor stops nor sinks, so there is nothing to draw", path.display()),
+            format!("`{}` has no maps, stops, sinks, targets or fields, so there is nothing to draw", path.display()),
             "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",
         ));
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let origin = run.as_ref().and_then(|run| run.metadata.get(ORIGIN_METADATA));
-    let scenario = origin.and_then(|origin| origin.get("scenario"));
-    let source = Source { title: scenario.map_or(&*stem, String::as_str), log, drawn: &drawn };
+    let scenario = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("scenario"));
+    let source = Source { title: scenario.map_or(&*stem, String::as_str), log: &run.log, drawn: &drawn };
     write(&figure::all(&source), arguments, interrupt)
 }
 

@@ -5,13 +5,19 @@ use std::collections::BTreeSet;
 use super::distribution::{self, NodeError};
 use super::file::Figure;
 use super::source::Source;
-use super::{likelihood, map, network};
+use super::{field, likelihood, map, network, targets};
 
-/// All figures of a recording: `network`, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
+/// All figures of a recording: `network`, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
+/// field, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
 /// positions are known, and `likelihood-NAME-NODE` for each likelihood surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
     let mut figures = vec![("network".to_owned(), network::draw(source))];
+    figures.extend(targets::draw(source).map(|picture| ("targets".to_owned(), picture)));
+    for instant in &source.drawn.fields {
+        let name = format!("field-{}-{}s", instant.name, instant.time.as_secs_f64());
+        figures.push((name, field::draw(source, instant)));
+    }
     for (name, places) in &source.drawn.maps {
         figures.push((format!("map-{name}"), map::draw(source, name, places)));
     }

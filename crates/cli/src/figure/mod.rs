@@ -1,7 +1,7 @@
 //! Figures of a recording as SVG or PNG files, for papers and web pages.
 //!
-//! There is one [`Figure`] of the network with the survey, one of each map, one of the distribution of each kind of error,
-//! and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
+//! There is one [`Figure`] of the network with the survey, one of the targets, one of each recorded instant of a field, one
+//! of each map, one of the distribution of each kind of error, and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
 //! ```no_run
@@ -18,8 +18,10 @@
 //! ```
 
 mod axes;
+mod cells;
 mod curves;
 mod distribution;
+mod field;
 mod file;
 mod gallery;
 mod likelihood;
@@ -31,6 +33,7 @@ mod picture;
 mod sheet;
 mod silhouette;
 mod source;
+mod targets;
 mod ticks;
 mod view;
 

@@ -41,6 +41,7 @@ pub(super) enum Symbol {
     Cross { stroke: Stroke },
     Plus { stroke: Stroke, casing: Stroke },
     Ring { stroke: Stroke, casing: Stroke },
+    Circle { radius: f64, stroke: Stroke },
 }
 
 /// A colour bar: the numbers of a ramp of colours.
@@ -149,6 +150,7 @@ impl Symbol {
                 picture.plus(at, 7.0 + (casing.width - stroke.width) / 2.0, casing);
                 picture.plus(at, 7.0, stroke);
             }
+            Self::Circle { radius, stroke } => picture.ring(at, radius - stroke.width / 2.0, stroke),
             Self::Ring { stroke, casing } => {
                 picture.ring(at, 6.5, casing);
                 picture.ring(at, 6.5, stroke);

@@ -141,6 +141,11 @@ impl Views {
 }
 
 impl Panel {
+    /// Pixels per metre.
+    pub(super) fn px_per_m(&self) -> f64 {
+        self.axes.area.width / (self.axes.across.high - self.axes.across.low)
+    }
+
     /// The point of the picture for a position in the world.
     pub(super) fn at(&self, place: Position) -> Point {
         let (x, y) = self.view.project(place);

@@ -50,10 +50,10 @@ impl Kind {
     }
 }
 
-/// The serialised `FileDescriptorSet` of one file `sextant.proto` (proto3, package `sextant`) with all `declarations`.
-pub(super) fn file_set(declarations: &[Declaration]) -> Vec<u8> {
+/// The serialised `FileDescriptorSet` of one `file` (proto3, package `sextant`) with all `declarations`.
+pub(super) fn file_set(file: &str, declarations: &[Declaration]) -> Vec<u8> {
     let file = FileDescriptorProto {
-        name: Some("sextant.proto".to_owned()),
+        name: Some(file.to_owned()),
         package: Some("sextant".to_owned()),
         message_type: declarations.iter().map(message).collect(),
         syntax: Some("proto3".to_owned()),
@@ -91,12 +91,17 @@ fn message(declaration: &Declaration) -> DescriptorProto {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::super::messages::DECLARATIONS;
+    use super::super::messages;
+    use super::Declaration;
+
+    fn declarations() -> impl Iterator<Item = &'static Declaration> {
+        messages::DECLARATIONS.iter().chain(messages::sensing::DECLARATIONS)
+    }
 
     #[test]
     fn the_documentation_lists_every_field_with_its_number() {
         let page = include_str!("../../../../docs/recording.md");
-        for declaration in DECLARATIONS {
+        for declaration in declarations() {
             let (_, section) = page
                 .split_once(&format!("message {} {{", declaration.name))
                 .unwrap_or_else(|| panic!("docs/recording.md has no message {}", declaration.name));
@@ -116,7 +121,7 @@ mod tests {
 
     #[test]
     fn field_numbers_are_unique_within_a_message() {
-        for declaration in DECLARATIONS {
+        for declaration in declarations() {
             let numbers: BTreeSet<i32> = declaration.fields.iter().map(|field| field.number).collect();
             assert_eq!(numbers.len(), declaration.fields.len(), "{}", declaration.name);
         }

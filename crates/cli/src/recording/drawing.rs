@@ -48,17 +48,17 @@ pub struct PlacedNode {
     pub error_m: Option<f64>,
 }
 
-/// The likelihood of one node on a plane of the grid.
+/// Values on a plane of a grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LikelihoodPlane {
+pub struct GridPlane {
     /// The first vertex, with the lowest x and y (m).
     pub first: Position,
     /// Distance between neighbouring vertices (m).
     pub step_m: f64,
     /// Vertices along x.
     pub columns: u32,
-    /// Natural logarithm of the likelihood at each vertex; x varies fastest.
-    pub log_likelihood: Vec<f64>,
+    /// The value at each vertex; x varies fastest.
+    pub values: Vec<f64>,
 }
 
 /// Simulated time as a timestamp for viewers, at most 136 years.
@@ -84,12 +84,12 @@ fn pose(position: Position) -> Pose {
     Pose { position: Some(vector(position)), orientation: Some(yaw(0.0)) }
 }
 
-/// The frame of a robot in the world.
-pub(super) fn transform(time: SimTime, robot: &str, position: Position, heading_rad: f64) -> FrameTransform {
+/// The frame of a robot or target in the world.
+pub(super) fn transform(time: SimTime, name: &str, position: Position, heading_rad: f64) -> FrameTransform {
     FrameTransform {
         timestamp: Some(timestamp(time)),
         parent_frame_id: WORLD.to_owned(),
-        child_frame_id: robot.to_owned(),
+        child_frame_id: name.to_owned(),
         translation: Some(vector(position)),
         rotation: Some(yaw(heading_rad)),
     }
@@ -117,6 +117,13 @@ pub(super) fn path_of(data: &[u8]) -> Result<Vec<Position>, String> {
         .map(|pose| pose.position.as_ref().ok_or_else(|| "a pose without a position".to_owned()))
         .map(|position| position.and_then(|p| place(p.x, p.y, p.z)))
         .collect()
+}
+
+/// The place of a robot or target that [`transform`] wrote, or an error message.
+pub(super) fn place_of(data: &[u8]) -> Result<Position, String> {
+    let translation = FrameTransform::decode(data).map_err(|why| why.to_string())?.translation;
+    let p = translation.ok_or_else(|| "a transform without a translation".to_owned())?;
+    place(p.x, p.y, p.z)
 }
 
 /// A valid position, or an error message.
@@ -192,12 +199,12 @@ pub(super) fn nodes_of(cloud: &PointCloud) -> Result<Vec<(NodeId, Position)>, St
         .collect())
 }
 
-/// A plane of the likelihood surface, with one cell per vertex and the vertex in the middle of its cell.
-pub(super) fn grid(time: SimTime, plane: &LikelihoodPlane) -> Grid {
+/// A plane of values called `name`, with one cell per vertex and the vertex in the middle of its cell.
+pub(super) fn grid(time: SimTime, plane: &GridPlane, name: &str) -> Grid {
     const OCTETS: u32 = 4;
     let half = plane.step_m / 2.0;
     #[expect(clippy::cast_possible_truncation, reason = "seven digits are enough for a picture")]
-    let data: Vec<u8> = plane.log_likelihood.iter().flat_map(|&value| (value as f32).to_le_bytes()).collect();
+    let data: Vec<u8> = plane.values.iter().flat_map(|&value| (value as f32).to_le_bytes()).collect();
     Grid {
         timestamp: Some(timestamp(time)),
         frame_id: WORLD.to_owned(),
@@ -206,7 +213,7 @@ pub(super) fn grid(time: SimTime, plane: &LikelihoodPlane) -> Grid {
         cell_size: Some(Vector2 { x: plane.step_m, y: plane.step_m }),
         row_stride: plane.columns * OCTETS,
         cell_stride: OCTETS,
-        fields: vec![field("log_likelihood", 0, NumericType::Float32)],
+        fields: vec![field(name, 0, NumericType::Float32)],
         data: Bytes::from(data),
     }
 }
@@ -248,13 +255,8 @@ mod tests {
 
     #[test]
     fn a_grid_cell_has_its_vertex_in_the_middle() {
-        let plane = LikelihoodPlane {
-            first: Position::new(1.0, 2.0, 0.0),
-            step_m: 0.5,
-            columns: 2,
-            log_likelihood: vec![0.0; 6],
-        };
-        let grid = grid(SimTime::ZERO, &plane);
+        let plane = GridPlane { first: Position::new(1.0, 2.0, 0.0), step_m: 0.5, columns: 2, values: vec![0.0; 6] };
+        let grid = grid(SimTime::ZERO, &plane, "value");
         let corner = grid.pose.unwrap().position.unwrap();
         assert!((corner.x - 0.75).abs() < 1e-15 && (corner.y - 1.75).abs() < 1e-15);
         assert_eq!(grid.data.len(), 3 * grid.row_stride as usize);

@@ -1,18 +1,23 @@
 //! Reads from a recording what figures show: positions, shapes and likelihood surfaces.
 
+pub(super) mod sensing;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use foxglove::messages::{Grid, PointCloud, SceneUpdate};
 use prost::Message as _;
 use sextant_channel::Position;
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, SimTime};
 
-use super::drawing::{self, LikelihoodPlane, Solid, place};
+use super::drawing::{self, GridPlane, Solid, place};
 use super::error::RecordingError;
-use super::names::{ANCHORS_TOPIC, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC};
+use super::names::{
+    ANCHORS_TOPIC, FIELDS_TOPICS, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+};
 use super::reader::sound;
 use super::scan::Piece;
+use sensing::{Detection, DrawnField, DrawnTarget, Sample};
 
 /// Positions by node (m).
 pub type Places = BTreeMap<NodeId, Position>;
@@ -34,6 +39,16 @@ pub struct Drawn {
     pub maps: Vec<(String, Places)>,
     /// Likelihood surfaces in the order of the file.
     pub likelihoods: Vec<DrawnLikelihood>,
+    /// The targets, in the order of the file.
+    pub targets: Vec<DrawnTarget>,
+    /// Radius within which nodes detect targets (m), if they do.
+    pub detection_radius_m: Option<f64>,
+    /// When nodes detected targets, in the order of the file.
+    pub detections: Vec<Detection>,
+    /// Fields at an instant, in the order of the file.
+    pub fields: Vec<DrawnField>,
+    /// What nodes read of the fields, in the order of the file.
+    pub samples: Vec<Sample>,
 }
 
 /// The likelihood of one node in one map.
@@ -44,7 +59,7 @@ pub struct DrawnLikelihood {
     /// Name of the node.
     pub node: String,
     /// The surface.
-    pub plane: LikelihoodPlane,
+    pub plane: GridPlane,
 }
 
 /// Reads everything with a position from the recording `path`.
@@ -54,12 +69,12 @@ pub struct DrawnLikelihood {
 pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
     let mut drawn = Drawn::default();
     sound(path, &mut |piece| {
-        let Piece::Message { channel, data, .. } = piece else {
+        let Piece::Message { channel, header, data } = piece else {
             return Ok(());
         };
         let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
         drawn
-            .add(&channel.topic, schema, data)
+            .add(&channel.topic, schema, SimTime::from_nanos(header.log_time), data)
             .map_err(|problem| RecordingError::message(path, &channel.topic, problem))
     })?;
     Ok(drawn)
@@ -67,7 +82,7 @@ pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
 
 impl Drawn {
     /// Adds a message, if it is a drawing. Returns an error message if it is invalid.
-    fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
+    fn add(&mut self, topic: &str, schema: &str, time: SimTime, data: &[u8]) -> Result<(), String> {
         match schema {
             "foxglove.PointCloud" if topic == WORLD_NODES_TOPIC => self.nodes = places(data)?,
             "foxglove.PointCloud" if topic == WORLD_SINKS_TOPIC => self.sinks = places(data)?,
@@ -92,8 +107,17 @@ impl Drawn {
                         DrawnLikelihood { map: map.to_owned(), node: node.to_owned(), plane: plane(data)? };
                     self.likelihoods.retain(|other| other.map != map || other.node != node);
                     self.likelihoods.push(likelihood);
+                } else if let Some(name) = topic.strip_prefix(FIELDS_TOPICS) {
+                    self.fields.push(DrawnField { name: name.to_owned(), time, plane: plane(data)? });
                 }
             }
+            "foxglove.FrameTransform" => {
+                if let Some(name) = topic.strip_prefix(TARGETS_TOPICS) {
+                    self.add_target(name, time, drawing::place_of(data)?);
+                }
+            }
+            _ if topic == SENSORS_TOPIC => self.detection_radius_m = sensing::radius_m(data)?,
+            _ if topic == SENSED_TOPIC => self.add_sensed(time, data)?,
             _ => {}
         }
         Ok(())
@@ -134,7 +158,7 @@ fn solids(data: &[u8]) -> Result<Vec<Solid>, String> {
     Ok(solids)
 }
 
-fn plane(data: &[u8]) -> Result<LikelihoodPlane, String> {
+fn plane(data: &[u8]) -> Result<GridPlane, String> {
     let grid = Grid::decode(data).map_err(|why| why.to_string())?;
     let (Some(corner), Some(cell)) = (grid.pose.and_then(|pose| pose.position), grid.cell_size) else {
         return Err("a grid without a pose or a cell size".to_owned());
@@ -151,33 +175,31 @@ fn plane(data: &[u8]) -> Result<LikelihoodPlane, String> {
             "{octets} octets in {columns} columns; allowed: complete rows with four octets per cell"
         ));
     }
-    let log_likelihood: Vec<f64> = values.iter().map(|&octets| f64::from(f32::from_le_bytes(octets))).collect();
+    let values: Vec<f64> = values.iter().map(|&octets| f64::from(f32::from_le_bytes(octets))).collect();
     let first = place(corner.x + step_m / 2.0, corner.y + step_m / 2.0, corner.z)?;
-    Ok(LikelihoodPlane { first, step_m, columns: grid.column_count, log_likelihood })
+    Ok(GridPlane { first, step_m, columns: grid.column_count, values })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_kernel::SimTime;
 
     #[test]
     fn a_likelihood_plane_is_read_back_equal() {
-        let plane = LikelihoodPlane {
+        let plane = GridPlane {
             first: Position::new(1.0, 2.0, 0.5),
             step_m: 0.25,
             columns: 2,
-            log_likelihood: vec![-1.5, f64::NEG_INFINITY, 0.0, -3.25],
+            values: vec![-1.5, f64::NEG_INFINITY, 0.0, -3.25],
         };
-        let data = drawing::grid(SimTime::ZERO, &plane).encode_to_vec();
+        let data = drawing::grid(SimTime::ZERO, &plane, "value").encode_to_vec();
         assert_eq!(super::plane(&data), Ok(plane));
     }
 
     #[test]
     fn a_grid_with_an_incomplete_row_is_rejected() {
-        let plane =
-            LikelihoodPlane { first: Position::ORIGIN, step_m: 0.25, columns: 2, log_likelihood: vec![0.0; 3] };
-        assert!(super::plane(&drawing::grid(SimTime::ZERO, &plane).encode_to_vec()).is_err());
+        let plane = GridPlane { first: Position::ORIGIN, step_m: 0.25, columns: 2, values: vec![0.0; 3] };
+        assert!(super::plane(&drawing::grid(SimTime::ZERO, &plane, "value").encode_to_vec()).is_err());
     }
 
     #[test]

@@ -6,6 +6,47 @@ use prost::bytes::BufMut;
 
 use super::descriptor::{self, Declaration};
 
+/// Gives message types their stable names and their descriptors. The descriptors of one `file` are in each recording that
+/// has a message of it, so a new message in an old file would change the bytes of recordings without that message.
+macro_rules! recorded {
+    ($file:literal; $($message:ident = $name:literal: [$($field:literal = $number:literal $kind:ident),+ $(,)?];)+) => {
+        /// The declarations of the message types in the recording. The numbers are those of the structs above; tests
+        /// compare them, and decode them with an independent reader.
+        pub(in crate::recording) const DECLARATIONS: &[Declaration] = &[$(Declaration {
+            name: $name,
+            fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::Kind::$kind }),+],
+        }),+];
+
+        $(impl Encode for $message {
+            type Error = prost::EncodeError;
+
+            fn get_schema() -> Option<Schema> {
+                Some(Schema::new(
+                    concat!("sextant.", $name),
+                    "protobuf",
+                    descriptor::file_set($file, DECLARATIONS),
+                ))
+            }
+
+            fn get_message_encoding() -> String {
+                "protobuf".to_owned()
+            }
+
+            fn encode(&self, buffer: &mut impl BufMut) -> Result<(), prost::EncodeError> {
+                prost::Message::encode(self, buffer)
+            }
+
+            fn encoded_len(&self) -> Option<usize> {
+                Some(prost::Message::encoded_len(self))
+            }
+        })+
+    };
+}
+
+pub(super) mod sensing;
+
+pub use sensing::{SensedMessage, SensorsMessage};
+
 /// Names of the nodes that the robot knows, heard or not, without positions.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct NodesMessage {
@@ -158,43 +199,8 @@ pub struct MetricMessage {
     pub value: f64,
 }
 
-/// Gives a message type its stable name and its descriptor.
-macro_rules! recorded {
-    ($($message:ident = $name:literal: [$($field:literal = $number:literal $kind:ident),+ $(,)?];)+) => {
-        /// The declarations of the message types in the recording. The numbers are those of the structs above; tests
-        /// compare them, and decode them with an independent reader.
-        pub(super) const DECLARATIONS: &[Declaration] = &[$(Declaration {
-            name: $name,
-            fields: &[$(descriptor::Field { name: $field, number: $number, kind: descriptor::Kind::$kind }),+],
-        }),+];
-
-        $(impl Encode for $message {
-            type Error = prost::EncodeError;
-
-            fn get_schema() -> Option<Schema> {
-                Some(Schema::new(
-                    concat!("sextant.", $name),
-                    "protobuf",
-                    descriptor::file_set(DECLARATIONS),
-                ))
-            }
-
-            fn get_message_encoding() -> String {
-                "protobuf".to_owned()
-            }
-
-            fn encode(&self, buffer: &mut impl BufMut) -> Result<(), prost::EncodeError> {
-                prost::Message::encode(self, buffer)
-            }
-
-            fn encoded_len(&self) -> Option<usize> {
-                Some(prost::Message::encoded_len(self))
-            }
-        })+
-    };
-}
-
 recorded! {
+    "sextant.proto";
     NodesMessage = "Nodes": ["first" = 1 Uint32, "names" = 2 Strings];
     StopMessage = "Stop": [
         "stop" = 1 Uint32, "time_ns" = 2 Uint64, "x_m" = 3 Double, "y_m" = 4 Double, "z_m" = 5 Double,

@@ -12,6 +12,14 @@ pub(super) const NEIGHBOURS_TOPIC: &str = "/neighbours";
 pub(super) const BEACONS_TOPIC: &str = "/beacons";
 /// Topic of the nodes that know their position.
 pub(super) const ANCHORS_TOPIC: &str = "/anchors";
+/// Topic of the sensors that the nodes have.
+pub(super) const SENSORS_TOPIC: &str = "/sensors";
+/// Topic of what sensors said.
+pub(super) const SENSED_TOPIC: &str = "/sensed";
+/// Start of the topics of targets; their names follow.
+pub(super) const TARGETS_TOPICS: &str = "/world/targets/";
+/// Start of the topics of fields; their names follow.
+pub(super) const FIELDS_TOPICS: &str = "/world/fields/";
 /// Topic of the true positions of the nodes.
 pub(super) const WORLD_NODES_TOPIC: &str = "/world/nodes";
 /// Topic of the positions of the sinks.

@@ -56,6 +56,24 @@ pub struct Attachment {
 /// # Errors
 /// If the file cannot be read, is damaged, or holds no reception log.
 pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
+    let (run, topics) = read(path)?;
+    if run.log.stops().is_empty() {
+        let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
+        return Err(RecordingError::NoLog { path: path.to_owned(), topics });
+    }
+    Ok(run)
+}
+
+/// Reads the recording `path` of a run, of which no robot may have stopped anywhere.
+///
+/// # Errors
+/// If the file cannot be read or is damaged.
+pub fn read_run(path: &Path) -> Result<RecordedRun, RecordingError> {
+    read(path).map(|(run, _)| run)
+}
+
+/// Reads a recording, and the topics in it.
+fn read(path: &Path) -> Result<(RecordedRun, Vec<String>), RecordingError> {
     let mut draft = LogDraft::default();
     let mut topics = Vec::new();
     let mut metadata = BTreeMap::new();
@@ -84,16 +102,12 @@ pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
         Ok(())
     })?;
     let cut_stops = draft.cut_last_stop();
-    if draft.stops.is_empty() {
-        let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
-        return Err(RecordingError::NoLog { path: path.to_owned(), topics });
-    }
     let log = draft
         .receptions
         .build(draft.names, draft.stops, draft.contacts)
         .and_then(|log| log.with_robots(draft.robots.into_vec()))
         .map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
-    Ok(RecordedRun { log, paths: draft.paths, cut_stops, metadata, attachments })
+    Ok((RecordedRun { log, paths: draft.paths, cut_stops, metadata, attachments }, topics))
 }
 
 /// Reads the true positions of the nodes of the recording `path`, by name (m); `None` if it does not have them.

@@ -1,5 +1,7 @@
 //! The writer of recordings.
 
+mod sensing;
+
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -12,7 +14,7 @@ use mcap::records::{MessageHeader, Metadata};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::SimTime;
 
-use super::drawing::{self, LikelihoodPlane, PlacedNode, Solid};
+use super::drawing::{self, GridPlane, PlacedNode, Solid};
 use super::error::RecordingError;
 use super::messages;
 use super::names::{
@@ -328,9 +330,9 @@ impl<W: Write> Recorder<W> {
         time: SimTime,
         algorithm: &str,
         node: &str,
-        plane: &LikelihoodPlane,
+        plane: &GridPlane,
     ) -> Result<(), RecordingError> {
-        self.write(time, &format!("/likelihood/{algorithm}/{node}"), &drawing::grid(time, plane))
+        self.write(time, &format!("/likelihood/{algorithm}/{node}"), &drawing::grid(time, plane, "log_likelihood"))
     }
 
     /// Writes a frame, at the time of its end.

@@ -1,11 +1,13 @@
 //! Recording of a simulation while it runs.
 
 use sextant_channel::{Contact, Position, Reception, Stop};
-use sextant_kernel::SimTime;
-use sextant_sim::{FrameOnAir, Observer, Progress, Radio};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_sim::{Field, FieldId, FrameOnAir, Observer, Progress, Radio, Sensed, TargetId, World};
 
 use crate::interrupt::Interrupt;
-use crate::recording::{CapturedFrame, FileCapture, FileRecorder, RecordingError, Signal, messages};
+use crate::recording::{
+    CapturedFrame, FileCapture, FileRecorder, Level, RecordingError, Sensation, Signal, messages,
+};
 use crate::terminal;
 
 /// Records a simulation while it runs, shows its progress, and stops it if the user interrupts or a write fails.
@@ -16,6 +18,9 @@ pub(super) struct Gathering<'a> {
     interrupt: &'a Interrupt,
     progress: terminal::Progress,
     robots: Vec<Track>,
+    world: &'a World,
+    /// The fields, with the sources that were removed so far.
+    fields: Vec<Field>,
     failure: Option<RecordingError>,
 }
 
@@ -57,7 +62,7 @@ pub(super) struct Track {
 }
 
 impl<'a> Gathering<'a> {
-    /// A gathering by the robots `names`. If `frames` is set, every frame is recorded.
+    /// A gathering by the robots `names` in `world`. If `frames` is set, every frame is recorded.
     pub(super) fn new(
         recorder: &'a mut FileRecorder,
         frames: bool,
@@ -65,15 +70,17 @@ impl<'a> Gathering<'a> {
         interrupt: &'a Interrupt,
         progress: terminal::Progress,
         names: impl Iterator<Item = String>,
+        world: &'a World,
     ) -> Self {
         let robots = names.map(|name| Track { name, places: Vec::new(), heading_rad: 0.0 }).collect();
-        Self { recorder, frames, sniffer, interrupt, progress, robots, failure: None }
+        let fields = world.fields.clone();
+        Self { recorder, frames, sniffer, interrupt, progress, robots, world, fields, failure: None }
     }
 
-    /// The paths of the robots, or the first failure to record.
-    pub(super) fn finish(self) -> Result<Vec<Track>, RecordingError> {
+    /// The paths of the robots and the fields as they were, or the first failure to record.
+    pub(super) fn finish(self) -> Result<(Vec<Track>, Vec<Field>), RecordingError> {
         self.progress.clear();
-        self.failure.map_or(Ok(self.robots), Err)
+        self.failure.map_or(Ok((self.robots, self.fields)), Err)
     }
 
     fn record(&mut self, write: impl FnOnce(&mut FileRecorder, &[Track]) -> Result<(), RecordingError>) {
@@ -105,6 +112,22 @@ impl Observer for Gathering<'_> {
 
     fn stopped(&mut self, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
         self.record(|recorder, robots| recorder.stop(&robots[stop.robot.index()].name, index, stop, receptions));
+    }
+
+    fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
+        let world = self.world;
+        self.record(|recorder, _| recorder.target(time, world.targets[target.index()].name(), position));
+    }
+
+    fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
+        let (sensation, name) = Sensation::of(*sensed, self.world);
+        self.record(|recorder, _| recorder.sensed(time, node, name, sensation));
+    }
+
+    fn source_removed(&mut self, field: FieldId, source: usize, time: SimTime) {
+        self.fields[field.index()].remove(source, time);
+        let name = self.world.fields[field.index()].name();
+        self.record(|recorder, _| recorder.note(time, Level::Info, name, &format!("source {source} was removed")));
     }
 
     fn framed(&mut self, frame: FrameOnAir<'_>) {

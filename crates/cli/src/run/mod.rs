@@ -3,6 +3,7 @@
 mod bound;
 mod discovery;
 mod evaluation;
+mod fields;
 mod gather;
 mod mac;
 mod message_energy;

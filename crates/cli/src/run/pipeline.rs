@@ -5,16 +5,17 @@ use std::borrow::Cow;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime, Watch};
 use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
-use sextant_sim::{Simulation, Survey};
+use sextant_sim::{Field, SensorsConfig, Simulation, Survey};
 
 use super::discovery::Discoveries;
 use super::evaluation::{self, Evaluation};
+use super::fields;
 use super::gather::{Gathering, Sniffer, Track};
 use super::outcome::sum_up;
 use super::request::Request;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::recording::{FileCapture, FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Solid};
+use crate::recording::{FileCapture, FileRecorder, GridPlane, Level, Origin, PlacedNode, Solid};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 use crate::terminal::{self, Watcher};
@@ -36,7 +37,7 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     open(&mut recorder, scenario)?;
     discoveries.record(scenario, &mut recorder)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
-    let (survey, tracks) = gather(simulation, outputs, scenario, interrupt, request.quiet)?;
+    let (survey, tracks, fields) = gather(simulation, outputs, scenario, interrupt, request.quiet)?;
     if let Some(capture) = capture {
         capture.finish()?;
     }
@@ -44,6 +45,7 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     for track in &tracks {
         recorder.path(survey.end, &track.name, &track.places)?;
     }
+    fields::record(scenario, &fields, survey.end, &mut recorder)?;
     let map_start = Stopwatch::start();
     let mut maps = Vec::new();
     let interrupted = match map(scenario, &survey, &discoveries, (&mut recorder, &mut maps), &watcher) {
@@ -90,6 +92,10 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     if !sinks.is_empty() {
         recorder.world_sinks(SimTime::ZERO, &sinks)?;
     }
+    let sensors = &scenario.config().sensors;
+    if *sensors != SensorsConfig::default() {
+        recorder.sensors(sensors)?;
+    }
     Ok(())
 }
 
@@ -105,7 +111,7 @@ fn gather(
     scenario: &Scenario,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<(Survey, Vec<Track>), Failure> {
+) -> Result<(Survey, Vec<Track>, Vec<Field>), Failure> {
     let progress = terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet);
     let names = scenario.config().robots.iter().map(|robot| robot.name.clone());
     let sniffer = outputs.capture.map(|capture| Sniffer {
@@ -115,10 +121,11 @@ fn gather(
         channel: scenario.recording().pcap.channel,
     });
     let frames = scenario.recording().frames;
-    let mut gathering = Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names);
+    let mut gathering =
+        Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names, scenario.world());
     let survey = simulation.run(&mut gathering);
-    let tracks = gathering.finish()?;
-    Ok((survey, tracks))
+    let (tracks, fields) = gathering.finish()?;
+    Ok((survey, tracks, fields))
 }
 
 /// Computes, records and measures the maps of the scenario in order, until the user interrupts.
@@ -192,17 +199,17 @@ fn record_likelihoods(
 }
 
 /// The plane through the maximum of a surface.
-fn plane(surface: &Surface) -> LikelihoodPlane {
+fn plane(surface: &Surface) -> GridPlane {
     let lattice = &surface.lattice;
     let [columns, rows, _] = lattice.counts();
     let (maximum, _) = surface.maximum();
     let height = |layer: usize| (lattice.position([0, 0, layer]).z_m - maximum.z_m).abs();
     let layer = (0..lattice.counts()[2]).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
     let size = columns * rows;
-    LikelihoodPlane {
+    GridPlane {
         first: lattice.position([0, 0, layer]),
         step_m: lattice.step_m(),
         columns: u32::try_from(columns).expect("fewer than 2^32 columns"),
-        log_likelihood: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
+        values: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
     }
 }

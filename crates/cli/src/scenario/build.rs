@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, Surroundings};
-use sextant_channel::{Anchor, ChannelLaw, ObstacleField};
+use sextant_channel::{Anchor, Bounds, ChannelLaw, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mapper::{MapConfig, Mapper};
-use sextant_sim::{BusyNetwork, Discovery, Robot, RobotBody, RobotConfig, Setup, Simulation, Sink, World};
+use sextant_sim::{BusyNetwork, Discovery, Robot, RobotBody, RobotConfig, Sensors, Setup, Simulation, Sink, World};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
@@ -219,6 +219,8 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
+    let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
+    let world = world.zip(sensors).map(|(world, sensors)| World { sensors, ..world });
     let tables = NetworkTables::all(config);
     let nodes = world.as_ref().map(|world| world.nodes.as_slice());
     let networks: Vec<_> = tables.iter().map(|network| network.check(config, nodes, folder, errors)).collect();
@@ -235,7 +237,12 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
     let law = networks.first().and_then(|network| network.as_ref()).map(|network| network.link.channel);
     let known = law.and_then(|law| known_channel(config, law));
     let maps = check_maps(&config.maps, known, errors);
+    check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());
+    if let Some(snapshots) = &config.recording.fields {
+        let places = world.iter().flat_map(|world| &world.nodes).map(|node| node.position);
+        errors.take("recording.fields", snapshots.check(Bounds::of(places)));
+    }
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
@@ -258,6 +265,16 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         }
     }
     (Some(Parts { setup, anchors, discovery }), maps)
+}
+
+/// Refuses targets with the name of a robot: in a recording, both would be the same frame.
+fn check_target_names(robots: &[RobotConfig<ControllerConfig>], world: Option<&World>, errors: &mut Errors<'_>) {
+    for (i, target) in world.iter().flat_map(|world| &world.targets).enumerate() {
+        if robots.iter().any(|robot| robot.name == target.name()) {
+            let found = format!("`{}`, the name of a robot", target.name());
+            errors.refuse(&SettingError::new(format!("world.targets[{i}].name"), found, "a unique name"));
+        }
+    }
 }
 
 /// The nodes that know their position; checks that there are enough for each of `maps`.

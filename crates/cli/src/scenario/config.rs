@@ -11,12 +11,13 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::MapConfig;
 use sextant_sim::{
-    AnchorsConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SinkConfig, TrafficConfig,
-    WorldConfig,
+    AnchorsConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig,
+    TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
 use super::network_config::NetworkConfig;
+use super::snapshots::SnapshotsConfig;
 
 /// A scenario: the world, the radios, the robots, and the maps to compute. Lengths are in metres, times in seconds and
 /// powers in dBm; a key with a unit ends in it.
@@ -28,8 +29,11 @@ pub struct ScenarioConfig {
     /// Random seed: the same seed gives the same results.
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// The nodes and the obstacles.
+    /// The nodes, the obstacles, and what nodes can sense.
     pub world: WorldConfig,
+    /// The sensors of the nodes; they sense nothing if absent.
+    #[serde(default)]
+    pub sensors: SensorsConfig,
     /// The radios of all stations; required unless each of `networks` has its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radio: Option<RadioConfig>,
@@ -110,13 +114,16 @@ impl MetricsConfig {
 }
 
 /// What is recorded in addition to what a mapper needs, as written in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RecordingConfig {
     /// Whether every frame is recorded.
     pub frames: bool,
     /// Names of the nodes whose likelihood is recorded, for each map that has one.
     pub likelihood: Vec<String>,
+    /// Snapshots of the fields.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fields: Option<SnapshotsConfig>,
     /// What `--pcap` writes.
     pub pcap: PcapConfig,
 }

@@ -16,6 +16,7 @@ mod map_settings;
 mod network_config;
 mod networks;
 mod refusal;
+mod snapshots;
 mod source;
 mod survey_identity;
 mod sweep;
@@ -26,6 +27,7 @@ pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
 pub use map_settings::{AlgorithmName, MapSettings};
 pub use network_config::NetworkConfig;
+pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;
 pub use sweep::{Setting, Sweep, SweepConfig};
 

@@ -6,7 +6,9 @@ use serde::Serialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
-use sextant_sim::{MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SinkConfig, TrafficConfig, WorldConfig};
+use sextant_sim::{
+    MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+};
 use sha2::{Digest, Sha256};
 
 use super::config::ScenarioConfig;
@@ -21,6 +23,7 @@ pub struct SurveyIdentity([u8; 32]);
 #[derive(Serialize)]
 struct SurveySettings<'a> {
     world: &'a WorldConfig,
+    sensors: &'a SensorsConfig,
     radio: &'a Option<RadioConfig>,
     channel: &'a ChannelConfig,
     mac: &'a MacConfig,
@@ -43,6 +46,7 @@ impl SurveyIdentity {
         // Without `..`, so that a new table of settings must be listed here.
         let ScenarioConfig {
             world,
+            sensors,
             radio,
             channel,
             mac,
@@ -64,6 +68,7 @@ impl SurveyIdentity {
         } = config;
         let settings = SurveySettings {
             world,
+            sensors,
             radio,
             channel,
             mac,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sextant::recording::{FileRecorder, LikelihoodPlane, Origin, PlacedNode, Solid};
+use sextant::recording::{FileRecorder, GridPlane, Origin, PlacedNode, Solid};
 use sextant_channel::{Contact, Obstacle, ObstacleConfig, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 use tempfile::TempDir;
@@ -101,7 +101,7 @@ fn record(path: &Path, world: World, maps: Maps) {
             if x * x + y * y > 150.0 { f64::NEG_INFINITY } else { -0.2 * (x * x + y * y) }
         });
         let first = Position::new(0.0, 0.0, 0.0);
-        let plane = LikelihoodPlane { first, step_m: 0.25, columns: 20, log_likelihood: log_likelihood.collect() };
+        let plane = GridPlane { first, step_m: 0.25, columns: 20, values: log_likelihood.collect() };
         recorder.likelihood(end, "ml-tm", "n10", &plane).expect("room");
     }
     recorder.finish().expect("room");

@@ -15,5 +15,6 @@ mod recording;
 mod reproduce;
 mod run;
 mod scenario_errors;
+mod sensing;
 mod sweep;
 mod traffic;

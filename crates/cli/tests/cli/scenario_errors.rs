@@ -99,7 +99,7 @@ fn refused_flag(flag: &str) -> String {
 fn the_unchanged_scenario_is_valid() {
     let (code, stdout, stderr) = Folder::new(&[("a.toml", GOOD)]).sextant(&["check", "a.toml"]);
     assert_eq!((code, stderr.as_str()), (0, ""));
-    assert_eq!(stdout, "ok good: 2 nodes, 1 obstacle, 1 robot, 1 map\n");
+    assert_eq!(stdout, "ok good: 2 nodes, 1 obstacle, 1 robot, 0 sinks, 1 map\n");
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn file_paths_are_relative_to_the_layer_that_names_them() {
     ]);
     for file in ["base/base.toml", "top/a.toml"] {
         let (_, stdout, stderr) = folder.sextant(&["check", file]);
-        assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n", "{stderr}");
+        assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 0 sinks, 1 map\n", "{stderr}");
     }
     let mesh = base.replace("shape.box]", "shape.mesh]").replace("center_m = [5.0, 5.0, 0.0]", "file = \"hut.obj\"");
     std::fs::write(folder.path().join("base/base.toml"), mesh.replace("size_m = [2.0, 1.0, 3.0]", "")).unwrap();
@@ -257,7 +257,7 @@ fn file_paths_are_relative_to_the_layer_that_names_them() {
     std::fs::write(folder.path().join("base/hut.obj"), hut).unwrap();
     for file in ["base/base.toml", "top/a.toml"] {
         let (_, stdout, stderr) = folder.sextant(&["check", file]);
-        assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 1 map\n", "{stderr}");
+        assert_eq!(stdout, "ok good: 3 nodes, 1 obstacle, 1 robot, 0 sinks, 1 map\n", "{stderr}");
     }
     std::fs::write(folder.path().join("base/nodes.csv"), "node,x_m,y_m\na,0,zero\n").unwrap();
     let text = folder.refusal(&["base/base.toml"]);

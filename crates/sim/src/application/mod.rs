@@ -9,6 +9,7 @@ use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
+use crate::service::sensed::Sensed;
 
 /// What runs on a station. It is told of what happens, and acts through its [`Port`]. By default an application does
 /// nothing.
@@ -16,6 +17,12 @@ pub trait Application {
     /// Whether it looks at what is delivered to it. Receptions of a station whose application does not are not worked
     /// out, which costs nothing. Asked once, before the start.
     fn hears(&self) -> bool {
+        false
+    }
+
+    /// Whether it looks at what the sensors of its node say. Sensors of other nodes cost nothing. Asked once, before the
+    /// start.
+    fn senses(&self) -> bool {
         false
     }
 
@@ -35,6 +42,9 @@ pub trait Application {
 
     /// A frame that the application gave to [`Port::send`] has ended.
     fn sent(&mut self, _network: NetworkId, _report: &SendReport, _port: &mut Port<'_>) {}
+
+    /// A sensor of the node says something.
+    fn sensed(&mut self, _sensed: &Sensed, _port: &mut Port<'_>) {}
 
     /// A drive is over that [`Port::drive`] began.
     fn drive_ended(&mut self, _end: DriveEnd, _port: &mut Port<'_>) {}

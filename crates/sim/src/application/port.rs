@@ -11,6 +11,7 @@ use crate::purpose;
 use crate::service::delivery::DriveEnd;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::sensed::{FieldId, TargetId};
 use crate::station::{Kind, Motion, Pose, Trip};
 
 /// Gap between the hull of a blocked robot and the obstacle (m).
@@ -174,6 +175,31 @@ impl Port<'_> {
     pub fn log_stop(&mut self, since: SimTime, position: Position, receptions: Vec<Reception>) {
         let robot = self.model.robot(self.station);
         self.model.notes.push(Note::Stopped(Stop { robot, time: since, position }, receptions));
+    }
+
+    /// The targets that are within `reach_m` of the station now, by number: what it can touch.
+    #[must_use]
+    pub fn targets_within(&self, reach_m: f64) -> Vec<TargetId> {
+        let place = self.pose().position;
+        let places = self.model.sensing.places(self.now());
+        places.filter(|(_, target)| target.distance_m(place) <= reach_m).map(|(target, _)| target).collect()
+    }
+
+    /// Removes the sources of fields whose centres are within `reach_m` of the station. Returns their number.
+    pub fn remove_sources(&mut self, reach_m: f64) -> usize {
+        let (place, now) = (self.pose().position, self.now());
+        let mut removed = 0;
+        for (i, field) in self.model.world.fields.iter_mut().enumerate() {
+            for source in 0..field.gaussians().len() {
+                let gaussian = field.gaussians()[source];
+                if gaussian.is_active(now) && gaussian.center().distance_m(place) <= reach_m {
+                    field.remove(source, now);
+                    self.model.notes.push(Note::SourceRemoved(FieldId::from_index(i), source));
+                    removed += 1;
+                }
+            }
+        }
+        removed
     }
 
     /// The task of the application is done. The simulation ends when the tasks of all are. A second call changes

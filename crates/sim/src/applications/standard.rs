@@ -25,6 +25,11 @@ impl Application for Standard {
         !matches!(self, Self::Source(_) | Self::Sources(_))
     }
 
+    /// Nodes sense, so that what their sensors say can be observed.
+    fn senses(&self) -> bool {
+        matches!(self, Self::Source(_) | Self::Sources(_))
+    }
+
     fn has_task(&self) -> bool {
         matches!(self, Self::Survey(_))
     }

@@ -2,6 +2,7 @@
 
 mod bands;
 mod ended;
+mod sensing;
 mod setup;
 
 use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
@@ -16,8 +17,10 @@ use crate::model::log::Log;
 use crate::model::{Model, Vehicle};
 use crate::observer::{Observer, Progress};
 use crate::scene::Scene;
+use crate::sensing::Sensing;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
+use crate::service::sensed::Sensed;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
@@ -116,11 +119,22 @@ impl<A: Application> Engine<A> {
             };
             links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
         }
+        let senses: Vec<bool> = applications[..roll.nodes].iter().map(Application::senses).collect();
+        let sensing = Sensing::new(&world, &senses, &scene);
         let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
         let has_task: Vec<bool> = applications.iter().map(Application::has_task).collect();
         let unfinished = has_task.iter().filter(|&&has_task| has_task).count();
         Ok(Self {
-            model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), has_task, unfinished },
+            model: Model {
+                scene,
+                networks: links,
+                world,
+                vehicles,
+                sensing,
+                notes: Vec::new(),
+                has_task,
+                unfinished,
+            },
             applications,
             log: Log::new(roll.nodes),
             end: duration.map(|duration| SimTime::ZERO + duration),
@@ -152,6 +166,7 @@ impl<A: Application> Engine<A> {
         {
             self.model.scene.now = end;
         }
+        self.tell_targets(observer);
         self.finish(interrupted)
     }
 
@@ -176,6 +191,7 @@ impl<A: Application> Engine<A> {
         for network in &mut self.model.networks {
             network.begin_schedule(&mut self.model.scene);
         }
+        self.model.sensing.begin(&mut self.model.scene);
         self.model.tell(&mut self.log, observer);
     }
 
@@ -198,6 +214,10 @@ impl<A: Application> Engine<A> {
                 let mut port = Port { model: &mut self.model, station };
                 self.applications[station.index()].drive_ended(end, &mut port);
             }
+            Event::TargetTurned(target) => self.turn(target, observer),
+            Event::TargetEntered(station, target) => self.tell_sensed(station, &Sensed::Entered(target), observer),
+            Event::TargetLeft(station, target) => self.tell_sensed(station, &Sensed::Left(target), observer),
+            Event::SampleDue(station) => self.sample(station, observer),
         }
         if self.model.notes.is_empty() {
             return true;

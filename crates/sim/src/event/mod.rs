@@ -7,6 +7,7 @@ use sextant_kernel::{Rank, StationId};
 use sextant_mac::Class;
 
 use crate::service::network_id::NetworkId;
+use crate::service::sensed::TargetId;
 use link::LinkEvent;
 
 /// Number of a timer of an application: its own choice.
@@ -22,13 +23,26 @@ pub(crate) enum Event {
     Link(StationId, NetworkId, LinkEvent),
     /// A robot's drive is over.
     DriveEnded(StationId),
+    /// A target begins its next leg.
+    TargetTurned(TargetId),
+    /// A target enters the radius of detection of a node.
+    TargetEntered(StationId, TargetId),
+    /// A target leaves the radius of detection of a node.
+    TargetLeft(StationId, TargetId),
+    /// A node samples the fields.
+    SampleDue(StationId),
 }
 
 impl Event {
     /// Rank of the event among those of the same instant.
     pub(crate) fn rank(self) -> Rank {
         match self {
-            Self::Timer(station, _) | Self::DriveEnded(station) => Class::Application.rank(station),
+            Self::Timer(station, _)
+            | Self::DriveEnded(station)
+            | Self::TargetEntered(station, _)
+            | Self::TargetLeft(station, _)
+            | Self::SampleDue(station) => Class::Application.rank(station),
+            Self::TargetTurned(TargetId(target)) => Class::Application.rank(StationId(target.into())),
             Self::Link(station, _, event) => event.class().rank(station),
         }
     }

@@ -9,6 +9,8 @@ use crate::event::Event;
 use crate::link::network::Network;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::sensing::Sensing;
+use crate::service::sensed::FieldId;
 use crate::station::{Kind, Motion, RobotBody, Trip};
 use crate::world::World;
 
@@ -18,6 +20,7 @@ pub(crate) struct Model {
     pub(crate) networks: Vec<Network>,
     pub(crate) world: World,
     pub(crate) vehicles: Vec<Vehicle>,
+    pub(crate) sensing: Sensing,
     /// What is to be told to the observer.
     pub(crate) notes: Vec<Note>,
     /// Which stations have a task that they have not finished.
@@ -43,6 +46,8 @@ pub(crate) enum Note {
     Met(Contact),
     /// A robot has listened.
     Stopped(Stop, Vec<Reception>),
+    /// A source of a field was removed.
+    SourceRemoved(FieldId, usize),
 }
 
 impl Model {
@@ -101,6 +106,7 @@ impl Model {
                     observer.met(contact);
                     log.contacts.push(contact);
                 }
+                Note::SourceRemoved(field, source) => observer.source_removed(field, source, now),
                 Note::Stopped(stop, receptions) => {
                     stopped = true;
                     log.stop(stop, receptions, |index, stop, receptions| {

@@ -4,4 +4,5 @@ pub(crate) mod delivery;
 pub(crate) mod network_id;
 pub(crate) mod packets;
 pub(crate) mod report;
+pub(crate) mod sensed;
 pub(crate) mod upcall;

@@ -20,6 +20,7 @@ use crate::purpose;
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
 use crate::service::report::Destination;
+use crate::world::World;
 
 /// The network whose radios discover each other.
 const NETWORK: NetworkId = NetworkId(0);
@@ -169,7 +170,8 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
     let applications = sends.into_iter().map(|sends| Hello::new(sends.then(|| source.clone()))).collect();
     let extras = Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
     let setup = EngineSetup {
-        world: setup.world.clone(),
+        // Targets and fields are there from the start of the survey.
+        world: World { targets: Vec::new(), fields: Vec::new(), ..setup.world.clone() },
         robots: Vec::new(),
         sinks: Vec::new(),
         networks: vec![network],

@@ -8,6 +8,7 @@ use sextant_kernel::StationId;
 
 pub use motion::Pose;
 pub(crate) use motion::{Motion, Trip};
+pub(crate) use robot::check_name;
 pub use robot::{RobotBody, RobotConfig};
 pub use sink::{Sink, SinkConfig};
 

@@ -80,7 +80,7 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
 }
 
 /// Refuses names that cannot stand in a topic of a recording.
-pub(super) fn check_name(name: &str) -> Result<(), SettingError> {
+pub(crate) fn check_name(name: &str) -> Result<(), SettingError> {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     if name.is_empty() || !name.chars().all(is_plain) {
         let allowed = "letters, digits, `-`, `_` and `.`, at least one";

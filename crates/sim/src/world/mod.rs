@@ -1,7 +1,10 @@
 //! The true world, which robots and mappers do not know.
 
 pub(crate) mod anchors;
+pub(crate) mod field;
 pub mod layout;
+pub(crate) mod sensors;
+pub(crate) mod target;
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +13,13 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 
+use field::{Field, FieldConfig};
 use layout::{NodesConfig, PlacedNode};
+use sensors::Sensors;
+use target::{Target, TargetConfig};
+
+/// Largest number of targets, and of fields.
+const MOST: usize = 1 << 16;
 
 /// The world, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,15 +30,27 @@ pub struct WorldConfig {
     /// The obstacles to radio and robots.
     #[serde(default)]
     pub obstacles: Vec<ObstacleConfig>,
+    /// The bodies that move without a radio, and that sensors of nodes detect.
+    #[serde(default)]
+    pub targets: Vec<TargetConfig>,
+    /// The scalar fields that sensors of nodes sample.
+    #[serde(default)]
+    pub fields: Vec<FieldConfig>,
 }
 
 /// The true world.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct World {
     /// The nodes; the index is the [`NodeId`](sextant_kernel::NodeId).
     pub nodes: Vec<PlacedNode>,
     /// The obstacles.
     pub obstacles: ObstacleField,
+    /// The targets.
+    pub targets: Vec<Target>,
+    /// The scalar fields.
+    pub fields: Vec<Field>,
+    /// The sensors of the nodes.
+    pub sensors: Sensors,
 }
 
 impl WorldConfig {
@@ -42,14 +63,20 @@ impl WorldConfig {
         of_nodes.into_iter().chain(of_obstacles)
     }
 
-    /// Sets up the world: the obstacles first, the nodes between them. Paths are relative to `folder`.
+    /// Sets up the world: the obstacles first, the nodes and targets between them. The nodes sense nothing. Paths are
+    /// relative to `folder`.
     ///
     /// # Errors
-    /// If an obstacle has no volume, a node is in an obstacle, or the nodes do not fit.
+    /// If an obstacle has no volume, a node or target is in an obstacle, the nodes do not fit, or a field is invalid.
     pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
         let obstacles = Self::set_up_obstacles(&self.obstacles, folder)?;
         let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;
-        Ok(World { nodes, obstacles })
+        let target = |(i, config): (usize, &TargetConfig)| config.build(i as u64, &obstacles);
+        let targets = all("targets", &self.targets, target)?;
+        unique("targets", targets.iter().map(Target::name))?;
+        let fields = all("fields", &self.fields, |(_, config)| Field::try_from(config))?;
+        unique("fields", fields.iter().map(Field::name))?;
+        Ok(World { nodes, obstacles, targets, fields, sensors: Sensors::default() })
     }
 
     /// The obstacles alone. Paths are relative to `folder`.
@@ -61,5 +88,30 @@ impl WorldConfig {
             Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]")))
         };
         configs.iter().enumerate().map(obstacle).collect::<Result<Vec<_>, _>>().map(ObstacleField::new)
+    }
+}
+
+/// Builds each item of the list under `key`.
+fn all<C, T>(
+    key: &str,
+    configs: &[C],
+    build: impl Fn((usize, &C)) -> Result<T, SettingError>,
+) -> Result<Vec<T>, SettingError> {
+    if configs.len() > MOST {
+        return Err(SettingError::new(key, format!("a list of {}", configs.len()), format!("at most {MOST}")));
+    }
+    let item = |(i, config)| build((i, config)).map_err(|error| error.within(format!("{key}[{i}]")));
+    configs.iter().enumerate().map(item).collect()
+}
+
+/// Refuses a name that an earlier item of the list under `key` has.
+fn unique<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), SettingError> {
+    let names: Vec<&str> = names.collect();
+    match layout::twin(names.iter().copied()) {
+        Some((before, i)) => {
+            let found = format!("`{}`, as {key}[{before}]", names[i]);
+            Err(SettingError::new(format!("{key}[{i}].name"), found, "a unique name"))
+        }
+        None => Ok(()),
     }
 }

@@ -16,6 +16,7 @@ mod phy;
 mod queue;
 mod scripted;
 mod seeker;
+mod sensing;
 mod superframe;
 mod survey;
 mod tasks;

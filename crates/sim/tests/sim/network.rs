@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ChannelConfig, LogDistanceConfig, ObstacleField, PathLossConfig, Position};
+use sextant_channel::{ChannelConfig, LogDistanceConfig, PathLossConfig, Position};
 use sextant_kernel::Seed;
 use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
@@ -90,7 +90,7 @@ pub(crate) fn setup(
         members: None,
     };
     Setup {
-        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
+        world: World { nodes: nodes(places), ..World::default() },
         networks: vec![BusyNetwork { name: None, link, traffic: plan(traffic, places.len()), nodes: None }],
         robots: Vec::new(),
         sinks: Vec::new(),
@@ -146,7 +146,7 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> NetworkSetup {
 /// Nodes at `places`, without obstacles, robots and sinks, in one network, until nothing is left to happen.
 pub(crate) fn engine(places: &[Position], link: NetworkSetup, seed: u64) -> EngineSetup {
     EngineSetup {
-        world: World { nodes: nodes(places), obstacles: ObstacleField::default() },
+        world: World { nodes: nodes(places), ..World::default() },
         robots: Vec::new(),
         sinks: Vec::new(),
         networks: vec![link],

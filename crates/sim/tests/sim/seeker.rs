@@ -179,7 +179,7 @@ impl Application for Station {
 fn seek(places: &[Position], obstacles: Vec<Obstacle>) -> (Ended<Station>, Seeker) {
     let link = network::link(50.0, network::prompt());
     let setup = EngineSetup {
-        world: World { nodes: network::nodes(places), obstacles: ObstacleField::new(obstacles) },
+        world: World { nodes: network::nodes(places), obstacles: ObstacleField::new(obstacles), ..World::default() },
         robots: vec![network::body("seeker", Position::ORIGIN)],
         ..network::engine(&[], link, 4)
     };

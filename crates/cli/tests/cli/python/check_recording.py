@@ -48,6 +48,11 @@ def plain(schema, m):
         return [m.node, m.x_m, m.y_m, m.z_m]
     if schema == "sextant.Frame":
         return [m.start_ns, m.airtime_ns, m.source, m.mpdu.hex(), m.outcome, m.power_dbm]
+    if schema == "sextant.Sensors":
+        names = ["target_radius_m", "field_interval_s", "field_offset_snr_db", "field_noise_snr_db"]
+        return [getattr(m, name) if m.HasField(name) else None for name in names]
+    if schema == "sextant.Sensed":
+        return [m.time_ns, m.node, m.what, m.name, m.value if m.HasField("value") else None]
     if schema == "sextant.Metric":
         return [m.time_ns, m.name, m.value]
     if schema == "foxglove.PointCloud":

@@ -68,6 +68,11 @@ fn independent_readers_decode_every_message() {
     let corners = json!([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     let half_turn = [std::f64::consts::FRAC_PI_2.sin(), std::f64::consts::FRAC_PI_2.cos()];
     let likelihood = json!([2, 8, [-1.25, -2.25], 0.5, ["-1.0", "-2.0", "-inf", "-4.0"]]);
+    let sensed = json!([
+        [13, 1, "entered", "intruder", null],
+        [14, 1, "sampled", "intruder", -0.5],
+        [15, 1, "left", "intruder", null],
+    ]);
     // The script does the comparison, because its JSON reader is exact to the last bit of a number.
     let expectation = json!({
         "library": concat!("sextant ", env!("CARGO_PKG_VERSION")),
@@ -93,6 +98,11 @@ fn independent_readers_decode_every_message() {
             "/metrics": topic("sextant.Metric", json!([[7, "path_length_m", 12.5]])),
             "/log": topic("foxglove.Log", json!([[8, 3, "survey", "nobody heard"]])),
             "/likelihood/ml-tm/n12": topic("foxglove.Grid", json!([likelihood])),
+            "/sensors": topic("sextant.Sensors", json!([[2.5, null, null, null]])),
+            "/sensed": topic("sextant.Sensed", sensed),
+            "/world/targets/intruder":
+                topic("foxglove.FrameTransform", json!([[12, "world", "intruder", [1.5, 2.5, 0.0], [0.0, 1.0]]])),
+            "/world/fields/gas": topic("foxglove.Grid", json!([likelihood])),
         },
     });
     let expected = folder.path().join("expected.json");

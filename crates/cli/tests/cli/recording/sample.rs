@@ -3,9 +3,12 @@
 use std::path::Path;
 
 use sextant::recording::messages::FrameMessage;
-use sextant::recording::{FileRecorder, Level, LikelihoodPlane, Origin, PlacedNode, Recorder, RecordingError, Solid};
+use sextant::recording::{
+    FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Sensation, Solid,
+};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_sim::{SensorsConfig, TargetSensorConfig};
 
 /// Pseudo-random numbers, the same on every machine (splitmix64).
 pub(crate) struct Numbers(pub(crate) u64);
@@ -127,13 +130,19 @@ pub(crate) fn record_all<W: std::io::Write>(
     })?;
     let placed = PlacedNode { node: NodeId(1), position: Position::new(4.0, 5.0, 6.0), error_m: Some(0.25) };
     recorder.map(at(10), "ml-tm", &[placed])?;
-    let plane = LikelihoodPlane {
+    let plane = GridPlane {
         first: Position::new(-1.0, -2.0, 0.0),
         step_m: 0.5,
         columns: 2,
-        log_likelihood: vec![-1.0, -2.0, f64::NEG_INFINITY, -4.0],
+        values: vec![-1.0, -2.0, f64::NEG_INFINITY, -4.0],
     };
     recorder.likelihood(at(11), "ml-tm", "n12", &plane)?;
+    recorder.sensors(&SensorsConfig { targets: Some(TargetSensorConfig { radius_m: 2.5 }), fields: None })?;
+    recorder.target(at(12), "intruder", Position::new(1.5, 2.5, 0.0))?;
+    for (nanos, sensation) in [(13, Sensation::Entered), (14, Sensation::Sampled(-0.5)), (15, Sensation::Left)] {
+        recorder.sensed(at(nanos), NodeId(1), "intruder", sensation)?;
+    }
+    recorder.field(at(16), "gas", &plane)?;
     recorder.summary("{\"maps\": []}")
 }
 

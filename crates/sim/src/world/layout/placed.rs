@@ -13,8 +13,8 @@ pub struct PlacedNode {
     pub position: Position,
 }
 
-/// What is wrong with a node at `position`, if anything: the value found, and the values allowed.
-pub(super) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
+/// What is wrong with a node or a target at `position`, if anything: the value found, and the values allowed.
+pub(in crate::world) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
     let [x, y, z] = position.into();
     if !position.is_finite() {
         return Some((format!("[{x}, {y}, {z}]"), "finite coordinates in metres"));
@@ -28,7 +28,7 @@ pub(super) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(St
 }
 
 /// The two indices of the first name that appears twice.
-pub(super) fn twin<'a>(names: impl Iterator<Item = &'a str>) -> Option<(usize, usize)> {
+pub(in crate::world) fn twin<'a>(names: impl Iterator<Item = &'a str>) -> Option<(usize, usize)> {
     let mut first = BTreeMap::new();
     names.enumerate().find_map(|(i, name)| first.insert(name, i).map(|before| (before, i)))
 }

@@ -1,5 +1,7 @@
 //! The region of the nodes.
 
+mod border;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Bounds, Position};

@@ -1,0 +1,40 @@
+//! Events of targets and sensors.
+
+use sextant_kernel::{NodeId, StationId};
+
+use super::Engine;
+use crate::application::{Application, Port};
+use crate::observer::Observer;
+use crate::service::sensed::{Sensed, TargetId};
+
+impl<A: Application> Engine<A> {
+    /// A target begins its next leg.
+    pub(super) fn turn(&mut self, target: TargetId, observer: &mut impl Observer) {
+        let model = &mut self.model;
+        let place = model.sensing.turn(target, &mut model.scene, &model.world.obstacles);
+        observer.target_moved(target, model.scene.now, place);
+    }
+
+    /// A node samples the fields.
+    pub(super) fn sample(&mut self, station: StationId, observer: &mut impl Observer) {
+        for number in 0..self.model.world.fields.len() {
+            let model = &self.model;
+            let sampled = model.sensing.read(station, (number, &model.world.fields[number]), &model.scene);
+            self.tell_sensed(station, &sampled, observer);
+        }
+        self.model.sensing.sample_later(station, &mut self.model.scene);
+    }
+
+    /// A sensor says something to its node.
+    pub(super) fn tell_sensed(&mut self, station: StationId, sensed: &Sensed, observer: &mut impl Observer) {
+        observer.sensed(NodeId(station.0), self.model.scene.now, sensed);
+        let mut port = Port { model: &mut self.model, station };
+        self.applications[station.index()].sensed(sensed, &mut port);
+    }
+
+    /// Says where the targets are at the end.
+    pub(super) fn tell_targets(&self, observer: &mut impl Observer) {
+        let now = self.model.scene.now;
+        self.model.sensing.places(now).for_each(|(target, place)| observer.target_moved(target, now, place));
+    }
+}

@@ -1,0 +1,133 @@
+//! What the sensors of the nodes sense, and when: targets that enter and leave their radius, samples of fields.
+//!
+//! A target moves on straight legs, so the instants at which it crosses the rim of a disc are known when a leg begins.
+//! They become events then; nothing is polled. Only nodes near a leg are looked at.
+
+mod crossing;
+mod index;
+mod readings;
+
+use sextant_channel::{ObstacleField, Position};
+use sextant_kernel::{NodeId, SimTime, StationId};
+
+use crate::event::Event;
+use crate::scene::Scene;
+use crate::service::sensed::{FieldId, Sensed, TargetId};
+use crate::world::World;
+use crate::world::field::Field;
+use crate::world::target::{Course, Leg};
+use crossing::Passage;
+use index::NodeIndex;
+use readings::Readings;
+
+/// The targets on their ways, and the sensors of the nodes.
+pub(crate) struct Sensing {
+    targets: Vec<Tracked>,
+    /// The nodes that detect targets, if any does.
+    detectors: Option<NodeIndex>,
+    /// How nodes sample fields, if any does.
+    readings: Option<Readings>,
+    near: Vec<NodeId>,
+}
+
+/// A target on its way.
+struct Tracked {
+    course: Course,
+    leg: Leg,
+    /// The nodes that detect it at the end of the leg, by number.
+    detected_by: Vec<NodeId>,
+}
+
+impl Sensing {
+    /// The sensors of the nodes in `world`; `senses` tells whose application looks at what its sensors say.
+    pub(crate) fn new(world: &World, senses: &[bool], scene: &Scene) -> Self {
+        let nodes = || (0..world.nodes.len()).filter(|&node| senses[node]).map(NodeId::from_index);
+        let place = |node: NodeId| world.nodes[node.index()].position;
+        let detectors = world.sensors.targets.filter(|_| !world.targets.is_empty() && nodes().next().is_some());
+        let samplers = world.sensors.fields.filter(|_| !world.fields.is_empty());
+        let tracked = |target: &crate::world::target::Target| Tracked {
+            course: target.course(scene.seed),
+            leg: Leg::standing(target.start(), SimTime::ZERO),
+            detected_by: Vec::new(),
+        };
+        Self {
+            targets: world.targets.iter().map(tracked).collect(),
+            detectors: detectors
+                .map(|sensor| NodeIndex::new(nodes().map(|node| (node, place(node))), sensor.radius_m())),
+            readings: samplers.map(|sensor| Readings::new(sensor, world, nodes().collect(), scene.seed)),
+            near: Vec::new(),
+        }
+    }
+
+    /// Schedules the first events.
+    pub(crate) fn begin(&self, scene: &mut Scene) {
+        for target in self.target_ids() {
+            scene.at(SimTime::ZERO, Event::TargetTurned(target));
+        }
+        if let Some(readings) = &self.readings {
+            for node in readings.nodes() {
+                scene.at(readings.first(node), Event::SampleDue(StationId(node.0)));
+            }
+        }
+    }
+
+    /// A target is at the end of its leg: it begins the next one. Returns where it is.
+    pub(crate) fn turn(&mut self, target: TargetId, scene: &mut Scene, obstacles: &ObstacleField) -> Position {
+        let tracked = &mut self.targets[target.index()];
+        let here = tracked.leg.to;
+        match tracked.course.next_leg(obstacles) {
+            Some(leg) => {
+                tracked.leg = leg;
+                scene.at(leg.end, Event::TargetTurned(target));
+            }
+            None => tracked.leg = Leg::standing(here, scene.now),
+        }
+        if let Some(detectors) = &self.detectors {
+            let before = std::mem::take(&mut tracked.detected_by);
+            self.near.clear();
+            self.near.extend(&before);
+            detectors.add_near(&tracked.leg, &mut self.near);
+            for &node in &self.near {
+                let was_inside = before.binary_search(&node).is_ok();
+                let passage = Passage::of(&tracked.leg, detectors.place(node), detectors.radius_m(), was_inside);
+                if let Some(entered) = passage.entered {
+                    scene.at(entered, Event::TargetEntered(StationId(node.0), target));
+                }
+                if let Some(left) = passage.left {
+                    scene.at(left, Event::TargetLeft(StationId(node.0), target));
+                }
+                if passage.ends_inside {
+                    tracked.detected_by.push(node);
+                }
+            }
+        }
+        here
+    }
+
+    /// What a node reads now of the field number `field`.
+    ///
+    /// # Panics
+    /// If the node samples no fields.
+    pub(crate) fn read(&self, station: StationId, (number, field): (usize, &Field), scene: &Scene) -> Sensed {
+        let readings = self.readings.as_ref().expect("samples are scheduled for nodes with a sensor");
+        let truth = field.value(scene.place(station), scene.now);
+        let value = readings.read(NodeId(station.0), number, truth, scene.now);
+        Sensed::Sampled { field: FieldId::from_index(number), value }
+    }
+
+    /// Schedules the next samples of a node.
+    pub(crate) fn sample_later(&self, station: StationId, scene: &mut Scene) {
+        if let Some(readings) = &self.readings {
+            scene.after(readings.interval(), Event::SampleDue(station));
+        }
+    }
+
+    /// The place of each target now.
+    pub(crate) fn places(&self, now: SimTime) -> impl Iterator<Item = (TargetId, Position)> {
+        self.target_ids().zip(self.targets.iter().map(move |tracked| tracked.leg.at(now)))
+    }
+
+    fn target_ids(&self) -> impl Iterator<Item = TargetId> + use<> {
+        (0..self.targets.len()).map(TargetId::from_index)
+    }
+}

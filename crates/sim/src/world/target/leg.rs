@@ -1,0 +1,41 @@
+//! A straight piece of the way of a target.
+
+use std::time::Duration;
+
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+
+/// A straight piece of the way of a target, at constant speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Where it begins (m).
+    pub from: Position,
+    /// Where it ends (m).
+    pub to: Position,
+    /// When it begins.
+    pub start: SimTime,
+    /// When it ends: later than it begins, except where a target stands.
+    pub end: SimTime,
+}
+
+impl Leg {
+    pub(super) fn new(from: Position, to: Position, start: SimTime, speed_m_per_s: f64) -> Self {
+        let end = start + Duration::from_secs_f64(from.distance_m(to) / speed_m_per_s);
+        Self { from, to, start, end }
+    }
+
+    /// A target that stands at `place` from `start` on.
+    pub(crate) fn standing(place: Position, start: SimTime) -> Self {
+        Self { from: place, to: place, start, end: start }
+    }
+
+    /// The place at `time`: that of the start before it, that of the end after it.
+    #[must_use]
+    pub fn at(&self, time: SimTime) -> Position {
+        if time >= self.end {
+            return self.to;
+        }
+        let share = time.saturating_since(self.start).as_secs_f64() / (self.end - self.start).as_secs_f64();
+        self.from + (self.to - self.from) * share
+    }
+}

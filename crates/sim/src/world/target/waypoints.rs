@@ -1,0 +1,116 @@
+//! Ways over listed places.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{ObstacleField, Position};
+use sextant_kernel::{SettingError, SimTime};
+
+use super::super::layout::fault;
+use super::leg::Leg;
+use super::speed;
+
+/// A way over listed places, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WaypointsConfig {
+    /// The places in order, each `[x, y]` or `[x, y, z]`; the first one is the start (m).
+    pub places_m: Vec<Position>,
+    /// Speed (m/s).
+    pub speed_m_per_s: f64,
+    /// What the target does at the last place.
+    #[serde(default)]
+    pub at_end: AtEnd,
+}
+
+/// What a target does at its last place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AtEnd {
+    /// It stays there.
+    #[default]
+    Stay,
+    /// It goes to the first place, and over all places again.
+    Loop,
+}
+
+/// A way over listed places.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Waypoints {
+    places: Vec<Position>,
+    speed_m_per_s: f64,
+    at_end: AtEnd,
+}
+
+impl WaypointsConfig {
+    /// The way among `obstacles`.
+    pub(super) fn build(&self, obstacles: &ObstacleField) -> Result<Waypoints, SettingError> {
+        if self.places_m.is_empty() {
+            return Err(SettingError::new("places_m", "an empty list", "at least one place"));
+        }
+        for (i, &place) in self.places_m.iter().enumerate() {
+            if let Some((found, allowed)) = fault(place, obstacles) {
+                return Err(SettingError::new(format!("places_m[{i}]"), found, allowed));
+            }
+        }
+        let way = Waypoints {
+            places: self.places_m.clone(),
+            speed_m_per_s: speed("speed_m_per_s", self.speed_m_per_s)?,
+            at_end: self.at_end,
+        };
+        let mut crossings = Vec::new();
+        for i in 0..way.leg_count() {
+            let (from, to) = way.ends(i);
+            let key = format!("places_m[{}]", (i + 1) % way.places.len());
+            let [x, y, z] = to.into();
+            if from.distance_m(to) <= 0.0 {
+                let found = format!("[{x}, {y}, {z}], the place before it");
+                return Err(SettingError::new(key, found, "a place that differs from the place before it"));
+            }
+            obstacles.crossings(from, to, &mut crossings);
+            if let Some(crossing) = crossings.first() {
+                let obstacle = obstacles.obstacles()[crossing.obstacle].name();
+                let obstacle = obstacle.map_or_else(|| crossing.obstacle.to_string(), |name| format!("`{name}`"));
+                let found = format!("[{x}, {y}, {z}], behind obstacle {obstacle} as seen from the place before it");
+                return Err(SettingError::new(
+                    key,
+                    found,
+                    "a place that a straight way outside all obstacles reaches",
+                ));
+            }
+        }
+        Ok(way)
+    }
+}
+
+impl Waypoints {
+    pub(super) fn start(&self) -> Position {
+        self.places[0]
+    }
+
+    /// Number of legs before the target stays or repeats its way.
+    fn leg_count(&self) -> usize {
+        match (self.at_end, self.places.len()) {
+            (_, 1) => 0,
+            (AtEnd::Stay, places) => places - 1,
+            (AtEnd::Loop, places) => places,
+        }
+    }
+
+    /// The ends of leg number `i`.
+    fn ends(&self, i: usize) -> (Position, Position) {
+        let place = |i: usize| self.places[i % self.places.len()];
+        (place(i), place(i + 1))
+    }
+
+    /// Leg number `i`, which begins at `start`; `None` if the target stays where it is.
+    pub(super) fn leg(&self, i: usize, start: SimTime) -> Option<Leg> {
+        let count = self.leg_count();
+        let i = match self.at_end {
+            AtEnd::Stay => i,
+            AtEnd::Loop if count == 0 => return None,
+            AtEnd::Loop => i % count,
+        };
+        let (from, to) = (i < count).then(|| self.ends(i))?;
+        Some(Leg::new(from, to, start, self.speed_m_per_s))
+    }
+}

@@ -1,0 +1,121 @@
+//! Targets on their ways, and what the sensors of nodes say.
+
+mod crossings;
+mod fields;
+mod walks;
+
+use std::time::Duration;
+
+use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
+use sextant_kernel::{NodeId, Seed, SimTime};
+use sextant_sim::{
+    Application, AtEnd, Ended, Engine, EngineSetup, Observer, Port, Sensed, Sensors, SensorsConfig, Target,
+    TargetConfig, TargetId, TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
+};
+
+use crate::network;
+
+/// A node that writes down what its sensors say.
+#[derive(Clone, Debug, Default)]
+struct Watcher {
+    is_blind: bool,
+    sensed: Vec<(SimTime, Sensed)>,
+}
+
+impl Application for Watcher {
+    fn senses(&self) -> bool {
+        !self.is_blind
+    }
+
+    fn sensed(&mut self, sensed: &Sensed, port: &mut Port<'_>) {
+        self.sensed.push((port.now(), *sensed));
+    }
+}
+
+/// Writes down where targets are and what sensors say.
+#[derive(Debug, Default, PartialEq)]
+struct Notebook {
+    moved: Vec<(TargetId, SimTime, Position)>,
+    sensed: Vec<(NodeId, SimTime, Sensed)>,
+}
+
+impl Observer for Notebook {
+    fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
+        self.moved.push((target, time, position));
+    }
+
+    fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
+        self.sensed.push((node, time, *sensed));
+    }
+}
+
+fn seconds(seconds: f64) -> SimTime {
+    SimTime::ZERO + Duration::from_secs_f64(seconds)
+}
+
+/// A target over `places` at `speed_m_per_s`.
+fn way(places: &[[f64; 3]], speed_m_per_s: f64, at_end: AtEnd) -> TargetMotionConfig {
+    let places_m = places.iter().copied().map(Position::from).collect();
+    TargetMotionConfig::Waypoints(WaypointsConfig { places_m, speed_m_per_s, at_end })
+}
+
+/// Targets called `t0`, `t1`, ... among `obstacles`.
+fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField) -> Vec<Target> {
+    let target = |(i, motion): (usize, &TargetMotionConfig)| {
+        TargetConfig { name: format!("t{i}"), motion: motion.clone() }
+            .build(i as u64, obstacles)
+            .expect("good settings")
+    };
+    motions.iter().enumerate().map(target).collect()
+}
+
+/// Sensors that detect targets within `radius_m`.
+fn discs(radius_m: f64) -> Sensors {
+    let targets = Some(TargetSensorConfig { radius_m });
+    Sensors::try_from(SensorsConfig { targets, fields: None }).expect("good settings")
+}
+
+/// Nodes at `places` that sense `targets` within `radius_m`.
+fn world(places: &[[f64; 3]], motions: &[TargetMotionConfig], radius_m: f64) -> World {
+    let places: Vec<Position> = places.iter().copied().map(Position::from).collect();
+    let targets = targets(motions, &ObstacleField::default());
+    World { nodes: network::nodes(&places), targets, sensors: discs(radius_m), ..World::default() }
+}
+
+/// Runs `applications` in `world`, without radios, for `duration_s`.
+fn run<A: Application>(
+    world: World,
+    applications: Vec<A>,
+    duration_s: f64,
+    seed: u64,
+    observer: &mut impl Observer,
+) -> Ended<A> {
+    let setup = EngineSetup {
+        world,
+        robots: Vec::new(),
+        sinks: Vec::new(),
+        networks: Vec::new(),
+        duration: Some(Duration::from_secs_f64(duration_s)),
+        seed: Seed(seed),
+    };
+    Engine::new(setup, applications).expect("good settings").run(observer)
+}
+
+/// What all nodes of `world` sense in `duration_s`.
+fn watched(world: World, duration_s: f64, seed: u64) -> (Ended<Watcher>, Notebook) {
+    let mut notebook = Notebook::default();
+    let watchers = vec![Watcher::default(); world.nodes.len()];
+    let ended = run(world, watchers, duration_s, seed, &mut notebook);
+    (ended, notebook)
+}
+
+/// A box of concrete.
+fn block(center: [f64; 3], size_m: [f64; 3]) -> Obstacle {
+    let config = ObstacleConfig {
+        name: Some("block".into()),
+        shape: ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 20.0 }),
+        material: Some("concrete".into()),
+        absorption_per_m: None,
+    };
+    Obstacle::read(config, std::path::Path::new("")).expect("a good block")
+}
