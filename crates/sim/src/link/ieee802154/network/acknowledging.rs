@@ -37,6 +37,7 @@ impl Network {
         if observer.wants_frames() {
             Frame::acknowledgement(sequence).write(&mut self.mpdu).expect("an acknowledgement has five octets");
             let answered = self.stacks[station.index()].answered;
+            // Nodes that wait for a robot's answer all look at it, because it has no address: the best outcome counts.
             let is_to_node = answered.is_some_and(|to| scene.roll.is_node(to));
             let fate = if is_to_node && !scene.roll.is_node(station) {
                 self.fate_at_nodes(scene)
