@@ -31,7 +31,7 @@ mod station;
 mod world;
 
 pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, SinrThresholdConfig};
-pub use application::{Application, Driving, Port};
+pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use applications::survey::Robot;
 pub use applications::traffic::{BeaconConfig, QueryConfig, Traffic, TrafficConfig};
@@ -47,6 +47,6 @@ pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome,
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::setup::{BusyNetwork, Setup};
-pub use station::{Kind, Pose, RobotBody, RobotConfig, Sink, SinkConfig};
+pub use station::{Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, Sink, SinkConfig};
 pub use world::anchors::AnchorsConfig;
 pub use world::{World, WorldConfig, layout};

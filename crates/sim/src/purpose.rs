@@ -19,3 +19,5 @@ pub(crate) const ANCHORS: Purpose = Purpose::new(9);
 pub(crate) const DISCOVERY: Purpose = Purpose::new(10);
 /// Channels of the bands after the first one.
 pub(crate) const BAND: Purpose = Purpose::new(11);
+/// Noise of the odometry of robots.
+pub(crate) const ODOMETRY: Purpose = Purpose::new(12);

@@ -3,7 +3,7 @@
 
 mod port;
 
-pub use port::{Driving, Port};
+pub use port::{DriveAhead, Driving, Port};
 
 use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
@@ -36,7 +36,7 @@ pub trait Application {
     /// A frame that the application gave to [`Port::send`] has ended.
     fn sent(&mut self, _network: NetworkId, _report: &SendReport, _port: &mut Port<'_>) {}
 
-    /// A drive is over that [`Port::drive`] began.
+    /// A drive is over that [`Port::drive`], [`Port::drive_arc`] or [`Port::steer`] began.
     fn drive_ended(&mut self, _end: DriveEnd, _port: &mut Port<'_>) {}
 
     /// The time to listen is over that [`Port::listen`] began.

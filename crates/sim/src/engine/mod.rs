@@ -109,7 +109,7 @@ impl<A: Application> Engine<A> {
             };
             links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
         }
-        let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
+        let vehicles = robots.into_iter().map(Vehicle::new).collect();
         let unfinished = applications.iter().filter(|application| application.has_task()).count();
         Ok(Self {
             model: Model { scene, networks: links, world, vehicles, notes: Vec::new(), unfinished },
@@ -185,6 +185,7 @@ impl<A: Application> Engine<A> {
                 let mut port = Port { model: &mut self.model, station };
                 self.applications[station.index()].timed(timer, &mut port);
             }
+            Event::ArcPartDriven(station) => self.model.pass(station),
             Event::DriveEnded(station) => {
                 let end = self.model.arrive(station).map_or(DriveEnd::Arrived, DriveEnd::Blocked);
                 let mut port = Port { model: &mut self.model, station };

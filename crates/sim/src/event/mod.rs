@@ -22,13 +22,17 @@ pub(crate) enum Event {
     Link(StationId, NetworkId, LinkEvent),
     /// A robot's drive is over.
     DriveEnded(StationId),
+    /// A robot has driven the next part of an arc.
+    ArcPartDriven(StationId),
 }
 
 impl Event {
     /// Rank of the event among those of the same instant.
     pub(crate) fn rank(self) -> Rank {
         match self {
-            Self::Timer(station, _) | Self::DriveEnded(station) => Class::Application.rank(station),
+            Self::Timer(station, _) | Self::DriveEnded(station) | Self::ArcPartDriven(station) => {
+                Class::Application.rank(station)
+            }
             Self::Link(station, _, event) => event.class().rank(station),
         }
     }

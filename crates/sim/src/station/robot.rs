@@ -1,4 +1,4 @@
-//! The bodies of robots: how fast they drive, how long they listen.
+//! The bodies of robots: how fast they drive, how long they listen, where they believe to be.
 
 use std::time::Duration;
 
@@ -6,6 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
+
+use super::odometry::{Odometry, OdometryConfig};
 
 /// A robot, as written in a scenario; `C` is the configuration of its controller.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -24,6 +26,13 @@ pub struct RobotConfig<C> {
     /// How long it listens at each stop (s).
     #[serde(default = "default_listen_s")]
     pub listen_s: f64,
+    /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
+    /// each is a stop of the log, at the time of its start and the place in its middle.
+    #[serde(default)]
+    pub listen_while_driving: bool,
+    /// Errors of its odometry; exact if absent.
+    #[serde(default)]
+    pub odometry: OdometryConfig,
     /// What drives it.
     pub controller: C,
 }
@@ -53,6 +62,19 @@ pub struct RobotBody {
     pub radius_m: f64,
     /// How long it listens at each stop.
     pub listen: Duration,
+    /// When it listens.
+    pub listening: Listening,
+    /// Where it believes to be.
+    pub odometry: Odometry,
+}
+
+/// When a robot on a survey listens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listening {
+    /// Where its controller says.
+    AtStops,
+    /// There, and while it drives.
+    AlsoWhileDriving,
 }
 
 impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
@@ -67,6 +89,8 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
             speed_m_per_s: SettingError::in_range("speed_m_per_s", config.speed_m_per_s, 1e-3, 1e3)?,
             radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
             listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),
+            listening: if config.listen_while_driving { Listening::AlsoWhileDriving } else { Listening::AtStops },
+            odometry: Odometry::try_from(config.odometry).map_err(|error| error.within("odometry"))?,
         })
     }
 }

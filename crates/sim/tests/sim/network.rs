@@ -8,8 +8,8 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, CommandOutcome, Controller, Ending, Mac, NetworkSetup, Packets, Radio, RadioConfig, ReceptionModel,
-    Robot, RobotBody, RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
+    BusyNetwork, CommandOutcome, Controller, Ending, Listening, Mac, NetworkSetup, Odometry, Packets, Radio,
+    RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Situation, Traffic, TrafficConfig, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -37,8 +37,21 @@ impl Controller for Tour {
 
 /// A robot that starts at the origin and listens at each of `places`.
 pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
-    let body = RobotBody { name: "surveyor".into(), start: Position::ORIGIN, speed_m_per_s: 1.0, radius_m, listen };
+    let body = RobotBody { radius_m, listen, ..body() };
     Robot { body, controller: Box::new(Tour { places, next: 0 }) }
+}
+
+/// A robot at the origin that drives at 1 m/s.
+pub(crate) fn body() -> RobotBody {
+    RobotBody {
+        name: "surveyor".into(),
+        start: Position::ORIGIN,
+        speed_m_per_s: 1.0,
+        radius_m: 0.25,
+        listen: Duration::from_secs(1),
+        listening: Listening::AtStops,
+        odometry: Odometry::default(),
+    }
 }
 
 /// Nodes called `n0`, `n1`, ... at `places`.
