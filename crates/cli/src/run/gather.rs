@@ -2,7 +2,7 @@
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::SimTime;
-use sextant_sim::{FrameOnAir, Observer, Progress};
+use sextant_sim::{FrameOnAir, Observer, Pose, Progress};
 
 use crate::interrupt::Interrupt;
 use crate::recording::{CapturedFrame, FileCapture, FileRecorder, RecordingError, Signal, messages};
@@ -71,6 +71,17 @@ impl<'a> Gathering<'a> {
         self.failure.map_or(Ok(self.robots), Err)
     }
 
+    /// Records that a robot is at a place, with its heading.
+    fn record_place(&mut self, robot: usize, time: SimTime, position: Position) {
+        let track = &mut self.robots[robot];
+        if track.places.last() != Some(&position) {
+            track.places.push(position);
+        }
+        self.record(|recorder, robots| {
+            recorder.robot(time, &robots[robot].name, position, robots[robot].heading_rad)
+        });
+    }
+
     fn record(&mut self, write: impl FnOnce(&mut FileRecorder, &[Track]) -> Result<(), RecordingError>) {
         if self.failure.is_none() {
             self.failure = write(self.recorder, &self.robots).err();
@@ -86,12 +97,16 @@ impl Observer for Gathering<'_> {
         {
             track.heading_rad = (position.y_m - last.y_m).atan2(position.x_m - last.x_m);
         }
-        if track.places.last() != Some(&position) {
-            track.places.push(position);
-        }
-        self.record(|recorder, robots| {
-            recorder.robot(time, &robots[robot].name, position, robots[robot].heading_rad)
-        });
+        self.record_place(robot, time, position);
+    }
+
+    fn curved(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.robots[robot].heading_rad = pose.heading_rad;
+        self.record_place(robot, time, pose.position);
+    }
+
+    fn believed(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.record(|recorder, robots| recorder.odometry(time, &robots[robot].name, pose.position, pose.heading_rad));
     }
 
     fn met(&mut self, contact: Contact) {
