@@ -3,7 +3,8 @@
 //! A **station** is a node, a robot or a sink. It has a place or a motion, a link to each network that it is in, and
 //! one [`Application`]. The **air** of a band carries signals to the receivers in reach. A **link** is the protocol
 //! stack of a station: it sends the frames that applications give to it, and delivers what was received. The
-//! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it.
+//! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it. Robots act on
+//! what they believe by their [`Odometry`]; the air, the obstacles and the range sensors know the truth.
 //!
 //! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
 //! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]

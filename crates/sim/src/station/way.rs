@@ -28,8 +28,8 @@ impl Way {
     ///
     /// A straight line is checked exactly. An arc is checked by chords: the hull is larger by the largest distance
     /// between arc and chord, 0.5 mm. So the robot never touches an obstacle, and stops at most 1.5 mm before that
-    /// if it meets the obstacle head-on. Seven chords are needed for a quarter of a circle of 1 m, and their number
-    /// grows with the square root of the radius.
+    /// if it meets the obstacle head-on. A quarter of a circle with a radius of 1 m has 25 chords; their number grows
+    /// with the square root of the radius.
     pub(crate) fn of(trip: Trip, obstacles: &ObstacleField, radius_m: f64) -> Self {
         if trip.length_m <= 0.0 || obstacles.is_empty() {
             return Self { trip, contact: None };
@@ -87,4 +87,65 @@ fn nearest(place: Position, obstacles: &ObstacleField) -> Position {
     );
     let length = away.length_m();
     if length > 0.0 { place - away * (obstacles.distance_m(place) / length) } else { place }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use proptest::prelude::*;
+    use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ShapeConfig};
+    use sextant_kernel::SimTime;
+
+    use super::*;
+    use crate::station::motion::{Curve, Pose};
+
+    fn block() -> ObstacleField {
+        let shape = ShapeConfig::Box(BoxConfig {
+            center_m: Position::new(3.0, 1.0, 0.0),
+            size_m: [2.0, 3.0, 2.0],
+            yaw_deg: 20.0,
+        });
+        let config = ObstacleConfig { name: None, shape, material: None, absorption_per_m: Some(1.0) };
+        ObstacleField::new(vec![Obstacle::read(config, Path::new("")).expect("a good block")])
+    }
+
+    fn arc(from: Position, heading_rad: f64, curve: Curve) -> Trip {
+        Trip::along(curve, Pose { position: from, heading_rad }, SimTime::ZERO, 1.0)
+    }
+
+    /// Smallest distance from the obstacles on a trip.
+    fn least_distance_m(trip: &Trip, obstacles: &ObstacleField) -> f64 {
+        let distance_m = |i: u32| obstacles.distance_m(trip.after(f64::from(i) / 2000.0).position);
+        (0..=2000).map(distance_m).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_quarter_of_a_circle_has_25_chords() {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let curve = Curve { length_m: quarter, climb_m: 0.0, turn_rad: -quarter };
+        assert_eq!(chords(&arc(Position::ORIGIN, 0.0, curve)), 25);
+    }
+
+    proptest! {
+        #[test]
+        fn a_robot_on_an_arc_never_touches_an_obstacle_and_stops_only_at_one(
+            heading_rad in -3.0..3.0_f64, length_m in 0.1..20.0_f64, turn_rad in -7.0..7.0_f64, climb in -0.2..0.2_f64,
+        ) {
+            let (obstacles, radius_m) = (block(), 0.2);
+            let curve = Curve { length_m, climb_m: climb * length_m, turn_rad };
+            let whole = arc(Position::ORIGIN, heading_rad, curve);
+            let Way { trip, contact } = Way::of(whole, &obstacles, radius_m);
+            prop_assert!(least_distance_m(&trip, &obstacles) > radius_m);
+            match contact {
+                None => prop_assert_eq!(trip, whole),
+                Some(contact) => {
+                    prop_assert!(trip.length_m < whole.length_m);
+                    prop_assert!(obstacles.distance_m(contact) < 1e-6, "{} m", obstacles.distance_m(contact));
+                    let gap_m = obstacles.distance_m(trip.to.position) - radius_m;
+                    prop_assert!(gap_m < HALT_M + 2.0 * SAGITTA_M, "{} m before the obstacle", gap_m);
+                }
+            }
+        }
+    }
 }
