@@ -82,6 +82,32 @@ fn a_recording_has_the_believed_and_the_true_poses() {
 }
 
 #[test]
+fn an_arc_is_recorded_with_poses_on_the_way() {
+    // Each step of 1 m turns the robot by 11.5 degrees: three parts, and so four poses. Their headings are 0.2 / 3 rad
+    // apart, and a chord points halfway between the headings at its ends.
+    let run = run("ml-tm/odometry-drift.toml", &["robots.0.odometry.heading_drift_rad_per_m=0.2"]);
+    let poses: Vec<(u64, FrameTransform)> = messages(&run.recording, "/tf");
+    assert_eq!(poses.len(), 1 + 4 * 120);
+    let heading_rad = |pose: &FrameTransform| {
+        let rotation = pose.rotation.as_ref().expect("a rotation");
+        2.0 * rotation.z.atan2(rotation.w)
+    };
+    for drive in poses[1..].chunks(4) {
+        for pair in drive.windows(2) {
+            let [from, to] = [&pair[0].1, &pair[1].1];
+            let chord = position(to.translation) - position(from.translation);
+            let turn_rad = heading_rad(to) - heading_rad(from);
+            assert!((turn_rad.rem_euclid(std::f64::consts::TAU) - 0.2 / 3.0).abs() < 1e-6, "{turn_rad}");
+            let middle_rad = heading_rad(from) + 0.1 / 3.0;
+            let aside_m = chord.y_m * middle_rad.cos() - chord.x_m * middle_rad.sin();
+            assert!(aside_m.abs() < 1e-6 && (chord.length_m() - 1.0 / 3.0).abs() < 1e-4, "{chord}");
+        }
+    }
+    let drawn = read_drawn(&run.recording).expect("a recording");
+    assert_eq!(drawn.paths[0].1.len(), 1 + 3 * 120);
+}
+
+#[test]
 fn a_map_is_worse_the_more_the_odometry_drifts_and_has_no_bound() {
     let drifting = |drift: &str| {
         run("ml-tm/odometry-drift.toml", &[&format!("robots.0.odometry.heading_drift_rad_per_m={drift}")])
