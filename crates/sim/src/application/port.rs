@@ -200,7 +200,8 @@ impl Port<'_> {
         self.model.note_start(self.station);
     }
 
-    /// Writes an obstacle into the log of this robot: it meets the obstacle at `time` at the point `position`.
+    /// Writes an obstacle into the log of this robot: it meets the obstacle at `time` at the point `position`. Nothing
+    /// else writes contacts.
     pub fn log_contact(&mut self, time: SimTime, position: Position) {
         let robot = self.model.robot(self.station);
         self.model.notes.push(Note::Met(Contact { robot, time, position }));

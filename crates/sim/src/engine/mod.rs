@@ -144,6 +144,11 @@ impl<A: Application> Engine<A> {
         {
             self.model.scene.now = end;
         }
+        // What a robot has driven so far counts.
+        for robot in 0..self.model.vehicles.len() {
+            self.model.halt(self.model.scene.roll.robot(robot));
+        }
+        self.model.tell(&mut self.log, observer);
         self.finish(interrupted)
     }
 

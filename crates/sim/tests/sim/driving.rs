@@ -9,9 +9,10 @@ use sextant_channel::{
     ShapeConfig,
 };
 use sextant_kernel::SimTime;
+use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, BeaconConfig, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ended, Ending,
-    Engine, EngineSetup, FrameOnAir, FrameOutcome, Listening, NetworkId, Observer, Payload, Port, Pose, Robot,
+    Engine, EngineSetup, FrameOnAir, FrameOutcome, Listening, Mac, NetworkId, Observer, Payload, Port, Pose, Robot,
     RobotBody, RobotCommand, Setup, Simulation, Situation, Timer, TrafficConfig, Unobserved,
 };
 
@@ -182,7 +183,7 @@ impl Scene {
     fn of(commands: &[Command]) -> Self {
         let driver = Driver { commands: commands.to_vec(), ..Driver::default() };
         let end = Duration::from_secs(100);
-        Self { nodes: Vec::new(), robot: network::body(), driver, obstacles: ObstacleField::default(), end }
+        Self { nodes: Vec::new(), robot: network::surveyor_body(), driver, obstacles: ObstacleField::default(), end }
     }
 
     fn run(self, observer: &mut impl Observer) -> (Driver, Ended<Station>) {
@@ -191,11 +192,14 @@ impl Scene {
         let mut setup = network::setup(&places, 0.0, hard_range(), traffic, 3);
         setup.world.obstacles = self.obstacles;
         applications.push(Station::Robot(self.driver));
+        let mut link = setup.networks.remove(0).link;
+        let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
+        link.mac = Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
         let setup = EngineSetup {
             world: setup.world,
             robots: vec![self.robot],
             sinks: Vec::new(),
-            networks: vec![setup.networks.remove(0).link],
+            networks: vec![link],
             duration: Some(self.end),
             seed: setup.seed,
         };
@@ -329,6 +333,17 @@ fn a_robot_that_halts_is_where_it_was_at_that_time() {
     let (driver, ended) = scene.run(&mut Unobserved);
     assert_eq!((driver.ends.len(), ended.log.contacts().len()), (0, 0));
     assert_near(driver.poses[1].position, [1.0, 0.0, 0.0], 1e-9);
+}
+
+#[test]
+fn what_a_robot_has_driven_at_the_end_of_the_simulation_counts() {
+    let arc = Command::Arc { length_m: 10.0, turn_rad: 4.0 };
+    let mut trace = Trace::default();
+    let (driver, ended) = Scene { end: Duration::from_millis(2500), ..Scene::of(&[arc]) }.run(&mut trace);
+    assert!((ended.path_lengths_m[0] - 2.5).abs() < 1e-9 && driver.ends.is_empty());
+    let (time, pose) = trace.curved[trace.curved.len() - 1];
+    assert_eq!(time, at(2.5));
+    assert_near(pose.position, [2.5 * 1_f64.sin(), 2.5 * (1.0 - 1_f64.cos()), 0.0], 1e-9);
 }
 
 /// The frames of nodes on air: first symbol, sequence number, power at the robot if it received the frame.
@@ -465,8 +480,11 @@ impl Controller for Bend {
 
 #[test]
 fn a_survey_listens_in_equal_slots_while_it_drives() {
-    let body =
-        RobotBody { listen: Duration::from_secs(2), listening: Listening::AlsoWhileDriving, ..network::body() };
+    let body = RobotBody {
+        listen: Duration::from_secs(2),
+        listening: Listening::AlsoWhileDriving,
+        ..network::surveyor_body()
+    };
     let traffic = TrafficConfig::Beacon(BeaconConfig { mpdu_octets: 20, interval_s: 0.1, jitter: 0.0 });
     let mut setup: Setup = network::setup(&[Position::new(0.0, 2.0, 0.0)], 0.0, hard_range(), traffic, 5);
     setup.world.obstacles = field(vec![wall()]);

@@ -37,12 +37,12 @@ impl Controller for Tour {
 
 /// A robot that starts at the origin and listens at each of `places`.
 pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
-    let body = RobotBody { radius_m, listen, ..body() };
+    let body = RobotBody { radius_m, listen, ..surveyor_body() };
     Robot { body, controller: Box::new(Tour { places, next: 0 }) }
 }
 
 /// A robot at the origin that drives at 1 m/s.
-pub(crate) fn body() -> RobotBody {
+pub(crate) fn surveyor_body() -> RobotBody {
     RobotBody {
         name: "surveyor".into(),
         start: Position::ORIGIN,
