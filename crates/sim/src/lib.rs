@@ -3,7 +3,8 @@
 //! A **station** is a node, a robot or a sink. It has a place or a motion, a link to each network that it is in, and
 //! one [`Application`]. The **air** of a band carries signals to the receivers in reach. A **link** is the protocol
 //! stack of a station: it sends the frames that applications give to it, and delivers what was received. The
-//! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it.
+//! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it. Robots act on
+//! what they believe by their [`Odometry`]; the air, the obstacles and the range sensors know the truth.
 //!
 //! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
 //! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]
@@ -96,7 +97,7 @@ mod station;
 mod world;
 
 pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, SinrThresholdConfig};
-pub use application::{Application, Driving, Port};
+pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use applications::survey::Robot;
 pub use applications::traffic::{
@@ -116,7 +117,7 @@ pub use service::sensed::{FieldId, Sensed, TargetId};
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::setup::{BusyNetwork, Setup};
-pub use station::{Kind, Pose, RobotBody, RobotConfig, Sink, SinkConfig};
+pub use station::{Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, Sink, SinkConfig};
 pub use world::anchors::AnchorsConfig;
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};

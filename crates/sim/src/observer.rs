@@ -8,6 +8,7 @@ use sextant_kernel::{NodeId, SimTime, StationId};
 use crate::air::FrameOutcome;
 use crate::service::network_id::NetworkId;
 use crate::service::sensed::{FieldId, Sensed, TargetId};
+use crate::station::Pose;
 
 /// A frame that was on air.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +45,18 @@ pub struct HeardFrame {
 /// Watches a simulation while it runs, for example as a recording or a progress bar. By default, an observer
 /// ignores everything and the simulation continues.
 pub trait Observer {
-    /// A robot is at `position` at `time`: the start or the end of a drive.
+    /// A robot is at `position` at `time`: where the simulation begins, and at the start and the end of a straight drive.
     fn moved(&mut self, _robot: usize, _time: SimTime, _position: Position) {}
+
+    /// A robot on an arc has this `pose` at `time`: at the start and the end of the arc, and between them at equal
+    /// distances with at most 5 degrees of turn from one to the next.
+    fn curved(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.moved(robot, time, pose.position);
+    }
+
+    /// A robot believes to have this `pose` at `time`: told after each [`Observer::moved`] and [`Observer::curved`] of
+    /// a robot whose odometry has errors. Other robots believe what is true.
+    fn believed(&mut self, _robot: usize, _time: SimTime, _pose: Pose) {}
 
     /// A robot met an obstacle.
     fn met(&mut self, _contact: Contact) {}

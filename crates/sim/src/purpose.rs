@@ -27,3 +27,5 @@ pub(crate) const TARGETS: Purpose = Purpose::new(13);
 pub(crate) const SENSING: Purpose = Purpose::new(14);
 /// Traffic in the networks after the first one.
 pub(crate) const NETWORK: Purpose = Purpose::new(15);
+/// Noise of the odometry of robots.
+pub(crate) const ODOMETRY: Purpose = Purpose::new(16);

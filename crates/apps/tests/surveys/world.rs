@@ -107,6 +107,7 @@ impl World {
                     (position, contact) = self.drive(position, to);
                     trace.path.push(position);
                 }
+                RobotCommand::DriveArc { .. } => panic!("these controllers drive straight"),
                 RobotCommand::Listen => {
                     listened = true;
                     heard = self.listen(position, trace.stops.len() as u64, Seed(seed));

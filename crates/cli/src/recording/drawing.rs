@@ -2,8 +2,8 @@
 
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{
-    Color, FrameTransform, Grid, PackedElementField, Point3, PointCloud, Pose, PosesInFrame, Quaternion, SceneEntity,
-    SceneUpdate, Timestamp, TriangleListPrimitive, Vector2, Vector3,
+    Color, FrameTransform, Grid, PackedElementField, Point3, PointCloud, Pose, PoseInFrame, PosesInFrame, Quaternion,
+    SceneEntity, SceneUpdate, Timestamp, TriangleListPrimitive, Vector2, Vector3,
 };
 use prost::Message as _;
 use prost::bytes::Bytes;
@@ -92,6 +92,15 @@ pub(super) fn transform(time: SimTime, name: &str, position: Position, heading_r
         child_frame_id: name.to_owned(),
         translation: Some(vector(position)),
         rotation: Some(yaw(heading_rad)),
+    }
+}
+
+/// A pose in the world.
+pub(super) fn pose_in_world(time: SimTime, position: Position, heading_rad: f64) -> PoseInFrame {
+    PoseInFrame {
+        timestamp: Some(timestamp(time)),
+        frame_id: WORLD.to_owned(),
+        pose: Some(Pose { position: Some(vector(position)), orientation: Some(yaw(heading_rad)) }),
     }
 }
 

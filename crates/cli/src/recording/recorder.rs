@@ -281,6 +281,21 @@ impl<W: Write> Recorder<W> {
         self.write(time, "/tf", &drawing::transform(time, robot, position, heading_rad))
     }
 
+    /// Writes where `robot` believes to be by its odometry, and its believed heading (rad, counterclockwise from x).
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn odometry(
+        &mut self,
+        time: SimTime,
+        robot: &str,
+        position: Position,
+        heading_rad: f64,
+    ) -> Result<(), RecordingError> {
+        let topic = format!("/robot/{robot}/odometry");
+        self.write(time, &topic, &drawing::pose_in_world(time, position, heading_rad))
+    }
+
     /// Writes the path of `robot` from its start to now (m).
     ///
     /// # Errors

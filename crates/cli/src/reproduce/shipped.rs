@@ -20,6 +20,7 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "ml-tm/comparison-sparse.toml",
     "ml-tm/concave.toml",
     "ml-tm/cylinder.toml",
+    "ml-tm/odometry-drift.toml",
     "ml-tm/sensitivity.toml",
     "ml-tm/sparse.toml",
     "ml-tm/sphere.toml",

@@ -3,13 +3,14 @@
 use sextant_channel::{Channel, Dbm, Position};
 use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{TrueModel, at_least_one};
-use sextant_sim::{Mac, Survey};
+use sextant_sim::{Mac, OdometryConfig, Survey};
 
 use crate::scenario::Scenario;
 
 /// The posterior bound (m), computed from which slots heard a node, with the true channel and obstacles. Losses by
 /// collision are taken to be independent of the distance. `None` if receptions at different stops are not independent,
-/// robots listen for different times, a node must hear a beacon before it sends, or nothing was heard.
+/// robots listen for different times or do not know where they are, a node must hear a beacon before it sends, or nothing
+/// was heard.
 pub(super) fn posterior_bound_m(
     scenario: &Scenario,
     survey: &Survey,
@@ -18,7 +19,8 @@ pub(super) fn posterior_bound_m(
 ) -> Result<Option<f64>, Interrupted> {
     let known = scenario.known_channel();
     let beacons_come_first = matches!(scenario.network().link.mac, Mac::BeaconEnabled(_));
-    if !(known.is_independent() && known.is_alike_at_all_stops) || beacons_come_first {
+    let places_are_known = scenario.config().robots.iter().all(|robot| robot.odometry == OdometryConfig::default());
+    if !(known.is_independent() && known.is_alike_at_all_stops && places_are_known) || beacons_come_first {
         return Ok(None);
     }
     let obstacles = scenario.world().obstacles.clone();

@@ -2,7 +2,7 @@
 
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{Field, FieldId, FrameOnAir, Observer, Progress, Radio, Sensed, TargetId, World};
+use sextant_sim::{Field, FieldId, FrameOnAir, Observer, Pose, Progress, Radio, Sensed, TargetId, World};
 
 use crate::interrupt::Interrupt;
 use crate::recording::{
@@ -83,6 +83,17 @@ impl<'a> Gathering<'a> {
         self.failure.map_or(Ok((self.robots, self.fields)), Err)
     }
 
+    /// Records that a robot is at a place, with its heading.
+    fn record_place(&mut self, robot: usize, time: SimTime, position: Position) {
+        let track = &mut self.robots[robot];
+        if track.places.last() != Some(&position) {
+            track.places.push(position);
+        }
+        self.record(|recorder, robots| {
+            recorder.robot(time, &robots[robot].name, position, robots[robot].heading_rad)
+        });
+    }
+
     fn record(&mut self, write: impl FnOnce(&mut FileRecorder, &[Track]) -> Result<(), RecordingError>) {
         if self.failure.is_none() {
             self.failure = write(self.recorder, &self.robots).err();
@@ -98,12 +109,16 @@ impl Observer for Gathering<'_> {
         {
             track.heading_rad = (position.y_m - last.y_m).atan2(position.x_m - last.x_m);
         }
-        if track.places.last() != Some(&position) {
-            track.places.push(position);
-        }
-        self.record(|recorder, robots| {
-            recorder.robot(time, &robots[robot].name, position, robots[robot].heading_rad)
-        });
+        self.record_place(robot, time, position);
+    }
+
+    fn curved(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.robots[robot].heading_rad = pose.heading_rad;
+        self.record_place(robot, time, pose.position);
+    }
+
+    fn believed(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.record(|recorder, robots| recorder.odometry(time, &robots[robot].name, pose.position, pose.heading_rad));
     }
 
     fn met(&mut self, contact: Contact) {

@@ -14,7 +14,7 @@ pub struct KnownChannel {
     pub channel: ChannelLaw,
     /// Mean number of packets that a node sends while a robot listens at a stop, over the robots; 1 if there are none.
     pub packets_per_stop: f64,
-    /// Whether this number is the same for all robots.
+    /// Whether this number is the same at all stops of all robots.
     pub is_alike_at_all_stops: bool,
 }
 
@@ -38,11 +38,13 @@ impl KnownChannel {
             | TrafficConfig::Groups(_)
             | TrafficConfig::Silent(_) => 1.0,
         };
+        // Slots on a drive are longer.
+        let stands = robots.iter().all(|robot| !robot.listen_while_driving);
         let least = robots.iter().map(packets).fold(f64::INFINITY, f64::min);
         let most = robots.iter().map(packets).fold(0.0, f64::max);
         let mean = robots.iter().map(packets).sum::<f64>() / robots.len() as f64;
         let packets_per_stop = if robots.is_empty() { 1.0 } else { mean };
-        Self { radio, channel, packets_per_stop, is_alike_at_all_stops: least >= most }
+        Self { radio, channel, packets_per_stop, is_alike_at_all_stops: stands && least >= most }
     }
 
     /// Fills in the absent channel settings of a map that knows the channel.

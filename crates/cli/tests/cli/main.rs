@@ -8,6 +8,7 @@ mod figure;
 #[cfg(unix)]
 mod interrupt;
 mod map;
+mod odometry;
 mod pcap;
 mod program;
 mod purposes;

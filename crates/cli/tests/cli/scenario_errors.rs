@@ -123,6 +123,22 @@ fn a_typo_in_a_key() {
 }
 
 #[test]
+fn odometry_with_negative_noise() {
+    let body = "name = \"surveyor\"\nodometry = { heading_noise_rad_per_sqrt_m = -0.01 }";
+    assert_snapshot!(refused("name = \"surveyor\"", body));
+}
+
+#[test]
+fn odometry_with_a_scale_that_is_no_number() {
+    assert_snapshot!(refused_flag("robots.0.odometry.scale_error=nan"));
+}
+
+#[test]
+fn a_typo_in_a_key_of_odometry() {
+    assert_snapshot!(refused_flag("robots.0.odometry.heading_drift_rad=0.1"));
+}
+
+#[test]
 fn a_typo_in_a_table() {
     assert_snapshot!(refused("[radio]", "[radios]"));
 }

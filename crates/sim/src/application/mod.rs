@@ -3,7 +3,7 @@
 
 mod port;
 
-pub use port::{Driving, Port};
+pub use port::{DriveAhead, Driving, Port};
 
 use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
@@ -46,7 +46,7 @@ pub trait Application {
     /// A sensor of the node says something.
     fn sensed(&mut self, _sensed: &Sensed, _port: &mut Port<'_>) {}
 
-    /// A drive is over that [`Port::drive`] began.
+    /// A drive is over that [`Port::drive`], [`Port::drive_arc`] or [`Port::steer`] began.
     fn drive_ended(&mut self, _end: DriveEnd, _port: &mut Port<'_>) {}
 
     /// The time to listen is over that [`Port::listen`] began.

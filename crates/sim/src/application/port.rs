@@ -2,20 +2,17 @@
 
 use std::time::Duration;
 
-use sextant_channel::{ObstacleField, Position, Reception, Stop};
+use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{EventKey, NodeId, Seed, SimTime, StationId};
 
 use crate::event::{Event, Timer};
-use crate::model::{Model, Note};
+use crate::model::{Course, Model, Note};
 use crate::purpose;
 use crate::service::delivery::DriveEnd;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sensed::{FieldId, TargetId};
-use crate::station::{Kind, Motion, Pose, Trip};
-
-/// Gap between the hull of a blocked robot and the obstacle (m).
-const HALT_M: f64 = 1e-3;
+use crate::station::{Curve, Kind, Pose, RangeSensors};
 
 /// What the application of one station can know and do.
 pub struct Port<'a> {
@@ -30,6 +27,15 @@ pub enum Driving {
     UnderWay,
     /// The robot is where it should be, or cannot move at all.
     Over(DriveEnd),
+}
+
+/// A drive under way, as the robot's range sensors foresee it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveAhead {
+    /// When it ends, if the robot is not halted.
+    pub end: SimTime,
+    /// The point of contact on the obstacle that ends it, if one does (m).
+    pub contact: Option<Position>,
 }
 
 impl Port<'_> {
@@ -124,50 +130,114 @@ impl Port<'_> {
     /// [`Application::listened`](super::Application::listened) is called at the end. If it listens already, the new
     /// time replaces what is left of the old one. An acknowledgement that is under way at the end is sent first.
     /// Nodes and sinks listen anyway, and go on afterwards.
+    /// The power of a frame is that where the robot is when the frame begins.
     pub fn listen(&mut self, network: NetworkId, span: Duration) {
         self.model.networks[network.index()].listen(self.station, span, &mut self.model.scene);
     }
 
-    /// Where the station is and where it looks.
+    /// Where the station is and where it looks; for a robot, by its odometry.
     #[must_use]
     pub fn pose(&self) -> Pose {
-        self.model.scene.motions[self.station.index()].pose_at(self.now())
+        self.pose_at(self.now())
     }
 
-    /// A robot drives straight to `place`, at its speed, or until an obstacle is in the way.
+    /// The pose at `time` of a station that moves on as it does now: the start of its drive before that, the end of its
+    /// drive after that.
+    #[must_use]
+    pub fn pose_at(&self, time: SimTime) -> Pose {
+        match self.kind() {
+            Kind::Robot(robot) => self.model.vehicles[robot].believed_at(time),
+            Kind::Node(_) | Kind::Sink(_) => self.model.scene.motions[self.station.index()].pose_at(time),
+        }
+    }
+
+    /// A robot turns towards `place`, which takes no time, and drives straight there, at its speed, or until an
+    /// obstacle is in the way. It may listen and send meanwhile.
     ///
     /// # Panics
     /// If the station is no robot, or drives already.
     pub fn drive(&mut self, place: Position) -> Driving {
-        let from = self.standing_pose();
-        let body = &self.model.vehicles[self.model.robot(self.station).index()].body;
-        let (radius_m, speed_m_per_s) = (body.radius_m, body.speed_m_per_s);
-        let (to, contact) = way(from.position, place, &self.model.world.obstacles, radius_m);
-        let trip = Trip::straight(from, to, self.now(), speed_m_per_s);
-        if trip.length_m > 0.0 {
-            self.model.depart(self.station, trip, contact);
-            return Driving::UnderWay;
+        self.set_out(Course::To(place))
+    }
+
+    /// A robot drives `length_m` along an arc at its speed, or until an obstacle is in the way. On the way its heading
+    /// turns by `turn_rad`, counterclockwise. An arc without length is a turn on the spot, which takes no time.
+    ///
+    /// # Panics
+    /// If the station is no robot, or drives already, or the length is negative, or a number is not finite.
+    pub fn drive_arc(&mut self, length_m: f64, turn_rad: f64) -> Driving {
+        assert!(
+            length_m >= 0.0 && length_m.is_finite() && turn_rad.is_finite(),
+            "an arc of {length_m} m, {turn_rad} rad"
+        );
+        self.set_out(Course::Along(Curve { length_m, climb_m: 0.0, turn_rad }))
+    }
+
+    /// A robot drives for `span` at its speed and turns meanwhile at `turn_rate_rad_per_s`, counterclockwise, unless an
+    /// obstacle is in the way.
+    ///
+    /// # Panics
+    /// If the station is no robot, or drives already, or the turn rate is not finite.
+    pub fn steer(&mut self, span: Duration, turn_rate_rad_per_s: f64) -> Driving {
+        let speed_m_per_s = self.model.vehicles[self.model.robot(self.station).index()].body.speed_m_per_s;
+        let span_s = span.as_secs_f64();
+        self.drive_arc(speed_m_per_s * span_s, turn_rate_rad_per_s * span_s)
+    }
+
+    fn set_out(&mut self, course: Course) -> Driving {
+        self.model.set_out(self.station, course).map_or(Driving::UnderWay, Driving::Over)
+    }
+
+    /// A robot stops where it is. [`Application::drive_ended`](super::Application::drive_ended) is not called for a
+    /// drive that was halted. Nothing happens if it stands.
+    ///
+    /// # Panics
+    /// If the station is no robot.
+    pub fn halt(&mut self) {
+        self.model.halt(self.station);
+    }
+
+    /// The drive under way of a robot; `None` if it stands.
+    ///
+    /// # Panics
+    /// If the station is no robot.
+    #[must_use]
+    pub fn drive_ahead(&self) -> Option<DriveAhead> {
+        let drive = self.model.vehicles[self.model.robot(self.station).index()].drive?;
+        Some(DriveAhead { end: drive.trip.end, contact: drive.contact })
+    }
+
+    /// How far a robot could drive straight in `direction` (of any length above zero) before its hull touches an
+    /// obstacle (m), at most `range_m`: the reading of its range sensors.
+    ///
+    /// # Panics
+    /// If the station is no robot.
+    #[must_use]
+    pub fn clearance_m(&self, direction: Position, range_m: f64) -> f64 {
+        self.range_sensors().clearance_m(direction, range_m)
+    }
+
+    /// The range sensors of a robot.
+    pub(crate) fn range_sensors(&self) -> RangeSensors<'_> {
+        let truth = self.model.scene.motions[self.station.index()].pose_at(self.now());
+        RangeSensors {
+            obstacles: &self.model.world.obstacles,
+            radius_m: self.model.vehicles[self.model.robot(self.station).index()].body.radius_m,
+            place: truth.position,
+            turn_rad: truth.heading_rad - self.pose().heading_rad,
         }
-        Driving::Over(contact.map_or(DriveEnd::Arrived, DriveEnd::Blocked))
     }
 
-    fn standing_pose(&self) -> Pose {
-        match self.model.scene.motions[self.station.index()] {
-            Motion::Standing(pose) => pose,
-            Motion::Driving(_) => panic!("{} drives already", self.station),
-        }
+    /// Tells the observer where the robot starts.
+    pub(crate) fn tell_start(&mut self) {
+        self.model.note_start(self.station);
     }
 
-    /// The obstacles, for the range sensors of a robot.
-    pub(crate) fn obstacles(&self) -> &ObstacleField {
-        &self.model.world.obstacles
-    }
-
-    /// Says where the robot is.
-    pub(crate) fn tell_place(&mut self) {
+    /// Writes an obstacle into the log of this robot: it meets the obstacle at `time` at the point `position`. Nothing
+    /// else writes contacts.
+    pub fn log_contact(&mut self, time: SimTime, position: Position) {
         let robot = self.model.robot(self.station);
-        let place = self.pose().position;
-        self.model.notes.push(Note::Moved(robot, place));
+        self.model.notes.push(Note::Met(Contact { robot, time, position }));
     }
 
     /// Writes a stop of this robot into the log: it has listened at `position` from `since` until now. The number of
@@ -208,19 +278,4 @@ impl Port<'_> {
         let had_task = std::mem::take(&mut self.model.has_task[self.station.index()]);
         self.model.unfinished -= usize::from(had_task);
     }
-}
-
-/// The place that a robot reaches on the way to `to`, and the point of contact on the obstacle there, if any.
-fn way(from: Position, to: Position, obstacles: &ObstacleField, radius_m: f64) -> (Position, Option<Position>) {
-    let length_m = from.distance_m(to);
-    if length_m <= 0.0 {
-        return (from, None);
-    }
-    let direction = (to - from) * (1.0 / length_m);
-    let clear_m = obstacles.clearance_m(from, direction, length_m, radius_m);
-    if clear_m >= length_m {
-        return (to, None);
-    }
-    let halt = from + direction * (clear_m - HALT_M).max(0.0);
-    (halt, Some(from + direction * (clear_m + radius_m)))
 }

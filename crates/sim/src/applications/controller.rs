@@ -3,6 +3,8 @@
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{NodeId, SimTime};
 
+use crate::station::RangeSensors;
+
 /// What a robot heard of one node during a listening slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
@@ -33,14 +35,13 @@ pub enum CommandOutcome<'a> {
 pub struct Situation<'a> {
     /// Current time.
     pub time: SimTime,
-    /// Position of the robot (m).
+    /// Position of the robot by its odometry (m).
     pub position: Position,
     /// How the last command ended.
     pub outcome: CommandOutcome<'a>,
     /// Number of nodes in the network: the only thing that the robot knows about it in advance (thesis, chapter 3).
     pub node_count: usize,
-    pub(crate) obstacles: &'a ObstacleField,
-    pub(crate) radius_m: f64,
+    pub(crate) sensors: RangeSensors<'a>,
 }
 
 impl<'a> Situation<'a> {
@@ -54,14 +55,15 @@ impl<'a> Situation<'a> {
         obstacles: &'a ObstacleField,
         radius_m: f64,
     ) -> Self {
-        Self { time, position, outcome, node_count, obstacles, radius_m }
+        let sensors = RangeSensors { obstacles, radius_m, place: position, turn_rad: 0.0 };
+        Self { time, position, outcome, node_count, sensors }
     }
 
     /// How far the robot could drive straight in `direction` (of any length above zero) before its hull touches
     /// an obstacle (m), at most `range_m`: the reading of its range sensors.
     #[must_use]
     pub fn clearance_m(&self, direction: Position, range_m: f64) -> f64 {
-        self.obstacles.clearance_m(self.position, direction, range_m, self.radius_m)
+        self.sensors.clearance_m(direction, range_m)
     }
 }
 
@@ -70,6 +72,13 @@ impl<'a> Situation<'a> {
 pub enum RobotCommand {
     /// Drive straight to this place (m); ends with [`CommandOutcome::Arrived`] or [`CommandOutcome::Blocked`].
     Drive(Position),
+    /// Drive along an arc; ends as `Drive` does.
+    DriveArc {
+        /// Length of the arc (m), not negative.
+        length_m: f64,
+        /// Angle by which the heading turns on the way, counterclockwise (rad).
+        turn_rad: f64,
+    },
     /// Listen for one slot: a stop of the reception log; ends with [`CommandOutcome::Listened`].
     Listen,
     /// The survey is over.

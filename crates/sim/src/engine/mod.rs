@@ -121,7 +121,7 @@ impl<A: Application> Engine<A> {
         }
         let senses: Vec<bool> = applications[..roll.nodes].iter().map(Application::senses).collect();
         let sensing = Sensing::new(&world, &senses, &scene);
-        let vehicles = robots.into_iter().map(|body| Vehicle { body, contact: None, path_length_m: 0.0 }).collect();
+        let vehicles = robots.into_iter().map(Vehicle::new).collect();
         let has_task: Vec<bool> = applications.iter().map(Application::has_task).collect();
         let unfinished = has_task.iter().filter(|&&has_task| has_task).count();
         Ok(Self {
@@ -166,6 +166,11 @@ impl<A: Application> Engine<A> {
         {
             self.model.scene.now = end;
         }
+        // What a robot has driven so far counts.
+        for robot in 0..self.model.vehicles.len() {
+            self.model.halt(self.model.scene.roll.robot(robot));
+        }
+        self.model.tell(&mut self.log, observer);
         self.tell_targets(observer);
         self.finish(interrupted)
     }
@@ -209,6 +214,7 @@ impl<A: Application> Engine<A> {
                 let mut port = Port { model: &mut self.model, station };
                 self.applications[station.index()].timed(timer, &mut port);
             }
+            Event::ArcPartDriven(station) => self.model.pass(station),
             Event::DriveEnded(station) => {
                 let end = self.model.arrive(station).map_or(DriveEnd::Arrived, DriveEnd::Blocked);
                 let mut port = Port { model: &mut self.model, station };

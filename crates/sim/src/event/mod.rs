@@ -31,6 +31,8 @@ pub(crate) enum Event {
     TargetLeft(StationId, TargetId),
     /// A node samples the fields.
     SampleDue(StationId),
+    /// A robot has driven the next part of an arc.
+    ArcPartDriven(StationId),
 }
 
 impl Event {
@@ -39,6 +41,7 @@ impl Event {
         match self {
             Self::Timer(station, _)
             | Self::DriveEnded(station)
+            | Self::ArcPartDriven(station)
             | Self::TargetEntered(station, _)
             | Self::TargetLeft(station, _)
             | Self::SampleDue(station) => Class::Application.rank(station),

@@ -1,16 +1,23 @@
 //! The stations: everything that has a radio. Nodes are the first stations, robots follow, sinks are the last.
 
 mod motion;
+mod odometry;
+mod range_sensors;
 mod robot;
 mod sink;
+mod way;
 
 use sextant_kernel::StationId;
 
 pub use motion::Pose;
-pub(crate) use motion::{Motion, Trip};
+pub(crate) use motion::{Curve, Motion, Trip, turned};
+pub(crate) use odometry::Luck;
+pub use odometry::{Odometry, OdometryConfig};
+pub(crate) use range_sensors::RangeSensors;
 pub(crate) use robot::check_name;
-pub use robot::{RobotBody, RobotConfig};
+pub use robot::{Listening, RobotBody, RobotConfig};
 pub use sink::{Sink, SinkConfig};
+pub(crate) use way::Way;
 
 /// Which stations are nodes, robots and sinks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,7 +14,7 @@ pub struct Pose {
     pub heading_rad: f64,
 }
 
-/// A drive: a straight line or an arc in the horizontal plane, at constant speed.
+/// A drive: a straight line, or an arc seen from above that may climb evenly, at constant speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Trip {
     pub(crate) from: Pose,
@@ -24,6 +24,17 @@ pub(crate) struct Trip {
     /// Angle that the heading turns by, counterclockwise (rad); zero on a straight line.
     pub(crate) turn_rad: f64,
     pub(crate) length_m: f64,
+    pub(crate) speed_m_per_s: f64,
+}
+
+/// A way relative to the pose at its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Curve {
+    pub(crate) length_m: f64,
+    /// How much higher its end is than its start (m), at most the length.
+    pub(crate) climb_m: f64,
+    /// Angle that the heading turns by, counterclockwise (rad).
+    pub(crate) turn_rad: f64,
 }
 
 /// How a station moves.
@@ -69,6 +80,15 @@ impl Pose {
     }
 }
 
+/// A displacement, turned counterclockwise about the vertical axis.
+pub(crate) fn turned(step: Position, turn_rad: f64) -> Position {
+    if turn_rad.abs() <= 0.0 {
+        return step;
+    }
+    let (sin, cos) = (libm::sin(turn_rad), libm::cos(turn_rad));
+    Position::new(cos * step.x_m - sin * step.y_m, sin * step.x_m + cos * step.y_m, step.z_m)
+}
+
 impl Trip {
     /// The straight line from `from` to `to` at `speed_m_per_s`.
     pub(crate) fn straight(from: Pose, to: Position, start: SimTime, speed_m_per_s: f64) -> Self {
@@ -78,13 +98,38 @@ impl Trip {
         let is_vertical = step.x_m.hypot(step.y_m) <= 0.0;
         let heading_rad = if is_vertical { from.heading_rad } else { libm::atan2(step.y_m, step.x_m) };
         let to = Pose { position: to, heading_rad };
-        Self { from: Pose { heading_rad, ..from }, to, start, end, turn_rad: 0.0, length_m }
+        Self { from: Pose { heading_rad, ..from }, to, start, end, turn_rad: 0.0, length_m, speed_m_per_s }
     }
 
-    /// The arc of `length_m` along which the heading turns by `turn_rad`.
-    pub(crate) fn arc(from: Pose, length_m: f64, turn_rad: f64, start: SimTime, speed_m_per_s: f64) -> Self {
+    /// The way along `curve` at `speed_m_per_s`.
+    pub(crate) fn along(curve: Curve, from: Pose, start: SimTime, speed_m_per_s: f64) -> Self {
+        let Curve { length_m, turn_rad, .. } = curve;
         let end = start + Duration::from_secs_f64(length_m / speed_m_per_s);
-        Self { from, to: from.after_arc(length_m, turn_rad), start, end, turn_rad, length_m }
+        Self { from, to: curve.end(from), start, end, turn_rad, length_m, speed_m_per_s }
+    }
+
+    /// The way relative to the pose at its start.
+    pub(crate) fn curve(&self) -> Curve {
+        let climb_m = self.to.position.z_m - self.from.position.z_m;
+        Curve { length_m: self.length_m, climb_m, turn_rad: self.turn_rad }
+    }
+
+    pub(crate) fn is_straight(&self) -> bool {
+        self.turn_rad.abs() <= 0.0
+    }
+
+    /// The first `length_m` of the way.
+    pub(crate) fn first(&self, length_m: f64) -> Self {
+        if self.is_straight() {
+            let direction = (self.to.position - self.from.position) * (1.0 / self.length_m);
+            return Self::straight(
+                self.from,
+                self.from.position + direction * length_m,
+                self.start,
+                self.speed_m_per_s,
+            );
+        }
+        Self::along(self.curve().part(length_m / self.length_m), self.from, self.start, self.speed_m_per_s)
     }
 
     /// Share of the way that is done at `now`.
@@ -94,13 +139,17 @@ impl Trip {
     }
 
     /// The pose at `now`: that of the start before it, that of the end after it.
-    fn at(&self, now: SimTime) -> Pose {
-        let share = self.share(now);
+    pub(crate) fn at(&self, now: SimTime) -> Pose {
+        self.after(self.share(now))
+    }
+
+    /// The pose after a share of the way.
+    pub(crate) fn after(&self, share: f64) -> Pose {
         if share >= 1.0 {
             return self.to;
         }
-        if self.turn_rad.abs() > 0.0 {
-            return self.from.after_arc(share * self.length_m, share * self.turn_rad);
+        if !self.is_straight() {
+            return self.curve().part(share).end(self.from);
         }
         let position = self.from.position + (self.to.position - self.from.position) * share;
         Pose { position, heading_rad: self.to.heading_rad }
@@ -119,6 +168,29 @@ impl Trip {
     }
 }
 
+impl Curve {
+    /// The first part, a share of the way.
+    fn part(self, share: f64) -> Self {
+        let Self { length_m, climb_m, turn_rad } = self;
+        Self { length_m: share * length_m, climb_m: share * climb_m, turn_rad: share * turn_rad }
+    }
+
+    /// Its length seen from above (m).
+    pub(crate) fn level_m(self) -> f64 {
+        if self.climb_m.abs() <= 0.0 {
+            return self.length_m;
+        }
+        (self.length_m * self.length_m - self.climb_m * self.climb_m).max(0.0).sqrt()
+    }
+
+    /// Where it ends if it begins at `from`.
+    fn end(self, from: Pose) -> Pose {
+        let mut end = from.after_arc(self.level_m(), self.turn_rad);
+        end.position.z_m += self.climb_m;
+        end
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -134,6 +206,10 @@ mod tests {
         assert!(found.distance_m(expected.into()) < 1e-9, "{found:?}, not {expected:?}");
     }
 
+    fn arc(length_m: f64, turn_rad: f64) -> Curve {
+        Curve { length_m, climb_m: 0.0, turn_rad }
+    }
+
     #[test]
     fn a_straight_drive_is_where_its_speed_says() {
         let trip = Trip::straight(HERE, Position::new(3.0, 4.0, 0.0), at(2.0), 0.5);
@@ -147,7 +223,7 @@ mod tests {
     #[test]
     fn a_quarter_circle_ends_beside_its_centre() {
         // Radius 2 m to the left: the centre is (0, 2).
-        let trip = Trip::arc(HERE, PI, FRAC_PI_2, at(0.0), 1.0);
+        let trip = Trip::along(arc(PI, FRAC_PI_2), HERE, at(0.0), 1.0);
         assert_near(trip.to.position, [2.0, 2.0, 0.0]);
         assert!((trip.to.heading_rad - FRAC_PI_2).abs() < 1e-12);
         for share in [0.1, 0.35, 0.8] {
@@ -158,5 +234,37 @@ mod tests {
         let root = 2_f64.sqrt();
         assert_near(half.to.position, [root, 2.0 - root, 0.0]);
         assert!((half.length_m - 0.5 * PI).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_turn_that_climbs_ends_above_its_arc() {
+        // A way of 5 m that climbs 3 m is 4 m long from above: half a circle of radius 4 m / pi to the right.
+        let helix = Curve { length_m: 5.0, climb_m: 3.0, turn_rad: -PI };
+        let trip = Trip::along(helix, HERE, at(0.0), 1.0);
+        assert_near(trip.to.position, [0.0, -8.0 / PI, 3.0]);
+        assert_near(trip.at(at(2.5)).position, [4.0 / PI, -4.0 / PI, 1.5]);
+    }
+
+    #[test]
+    fn the_first_part_of_a_way_is_on_the_way() {
+        for trip in [
+            Trip::straight(HERE, Position::new(3.0, 4.0, 1.0), at(2.0), 0.5),
+            Trip::along(arc(4.0, 2.5), HERE, at(2.0), 0.5),
+        ] {
+            let first = trip.first(1.0);
+            assert_eq!(first.end, at(4.0));
+            assert!((first.length_m - 1.0).abs() < 1e-12);
+            assert_near(trip.at(at(4.0)).position, first.to.position.into());
+            assert!((trip.at(at(4.0)).heading_rad - first.to.heading_rad).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_way_that_is_cut_ends_where_it_was_at_that_time() {
+        let trip = Trip::straight(HERE, Position::new(3.0, 4.0, 0.0), at(2.0), 0.5);
+        let cut = trip.cut_at(at(4.0));
+        assert_near(cut.to.position, [0.6, 0.8, 0.0]);
+        assert_eq!((cut.end, cut.at(at(3.0))), (at(4.0), trip.at(at(3.0))));
+        assert_eq!(trip.cut_at(at(99.0)), trip);
     }
 }

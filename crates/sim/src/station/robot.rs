@@ -1,4 +1,4 @@
-//! The bodies of robots: how fast they drive, how long they listen.
+//! The bodies of robots: how fast they drive, how long they listen, where they believe to be.
 
 use std::time::Duration;
 
@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
+use super::odometry::{Odometry, OdometryConfig};
 use crate::service::network_id::NetworkId;
 
 /// A robot, as written in a scenario; `C` is the configuration of its controller.
@@ -29,6 +30,13 @@ pub struct RobotConfig<C> {
     /// Name of the network whose nodes it surveys; the first one if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub network: Option<String>,
+    /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
+    /// each is a stop of the log, at the time of its start and the place in its middle.
+    #[serde(default)]
+    pub listen_while_driving: bool,
+    /// Errors of its odometry; exact if absent.
+    #[serde(default)]
+    pub odometry: OdometryConfig,
     /// What drives it.
     pub controller: C,
 }
@@ -60,6 +68,19 @@ pub struct RobotBody {
     pub listen: Duration,
     /// The network whose nodes it surveys.
     pub network: NetworkId,
+    /// When it listens.
+    pub listening: Listening,
+    /// Where it believes to be.
+    pub odometry: Odometry,
+}
+
+/// When a robot on a survey listens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listening {
+    /// Where its controller says.
+    AtStops,
+    /// There, and while it drives.
+    AlsoWhileDriving,
 }
 
 impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
@@ -75,6 +96,8 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
             radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
             listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),
             network: NetworkId::default(),
+            listening: if config.listen_while_driving { Listening::AlsoWhileDriving } else { Listening::AtStops },
+            odometry: Odometry::try_from(config.odometry).map_err(|error| error.within("odometry"))?,
         })
     }
 }

@@ -3,6 +3,7 @@
 mod acknowledgement;
 mod discovery;
 mod draws;
+mod driving;
 mod flooding;
 mod hopping;
 mod listening;
@@ -10,6 +11,7 @@ mod meeting;
 mod mesh;
 mod network;
 mod networks;
+mod odometry;
 mod on_air;
 mod one_shot;
 mod phy;

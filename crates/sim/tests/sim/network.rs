@@ -8,9 +8,9 @@ use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Mac, NetworkId,
-    NetworkSetup, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand, Setup, Situation,
-    Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
+    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Listening, Mac,
+    NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand,
+    Setup, Situation, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -38,15 +38,22 @@ impl Controller for Tour {
 
 /// A robot that starts at the origin and listens at each of `places`.
 pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
-    let body = RobotBody {
+    let body = RobotBody { radius_m, listen, ..surveyor_body() };
+    Robot { body, controller: Box::new(Tour { places, next: 0 }) }
+}
+
+/// A robot at the origin that drives at 1 m/s.
+pub(crate) fn surveyor_body() -> RobotBody {
+    RobotBody {
         name: "surveyor".into(),
         start: Position::ORIGIN,
         speed_m_per_s: 1.0,
-        radius_m,
-        listen,
+        radius_m: 0.25,
+        listen: Duration::from_secs(1),
+        listening: Listening::AtStops,
+        odometry: Odometry::default(),
         network: NetworkId::default(),
-    };
-    Robot { body, controller: Box::new(Tour { places, next: 0 }) }
+    }
 }
 
 /// Nodes called `n0`, `n1`, ... at `places`.
@@ -164,6 +171,8 @@ pub(crate) fn body(name: &str, start: Position) -> RobotBody {
         radius_m: 0.2,
         listen: Duration::from_secs(1),
         network: NetworkId::default(),
+        listening: Listening::AtStops,
+        odometry: Odometry::default(),
     }
 }
 
