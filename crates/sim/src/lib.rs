@@ -5,6 +5,8 @@
 //! stack of a station: it sends the frames that applications give to it, and delivers what was received. The
 //! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it. Robots act on
 //! what they believe by their [`Odometry`]; the air, the obstacles and the range sensors know the truth.
+//! In the world there may be targets, which move without a radio, and scalar fields: sensors of nodes detect and sample
+//! them, and tell their applications.
 //!
 //! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
 //! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]

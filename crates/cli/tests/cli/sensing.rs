@@ -29,10 +29,10 @@ fn run(name: &str, set: &[&str], out: &Path) {
 
 /// The shipped scenario with other settings, and what is drawn of its recording.
 fn recorded(set: &[&str]) -> (TempDir, Drawn) {
-    let folder = TempDir::new().unwrap();
+    let folder = TempDir::new().expect("a folder");
     let path = folder.path().join("run.mcap");
     run(SHIPPED, set, &path);
-    let drawn = read_drawn(&path).unwrap();
+    let drawn = read_drawn(&path).expect("a recording");
     (folder, drawn)
 }
 

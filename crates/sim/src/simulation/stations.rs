@@ -95,7 +95,8 @@ impl Stations<'_> {
         robots
             .chain(sinks)
             .enumerate()
-            .filter_map(move |(i, (name, is_member))| is_member.then(|| (name, StationId::from_index(nodes + i))))
+            .filter(|(_, (_, is_member))| *is_member)
+            .map(move |(i, (name, _))| (name, StationId::from_index(nodes + i)))
     }
 
     /// The links of network number `number`, with its members.

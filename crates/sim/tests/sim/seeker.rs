@@ -164,6 +164,9 @@ impl Application for Station {
 
     fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
         if let Self::Seeker(seeker) = self {
+            if let DriveEnd::Blocked(place) = end {
+                port.log_contact(port.now(), place);
+            }
             seeker.arrive(end, port);
         }
     }

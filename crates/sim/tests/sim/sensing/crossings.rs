@@ -103,7 +103,7 @@ proptest! {
         radius_m in 0.3..12.0_f64,
     ) {
         const DURATION_S: f64 = 40.0;
-        const STEP_NS: u64 = 20_000_000;
+        const STEP_NS: usize = 20_000_000;
         let motions: Vec<_> = ways.iter().map(|(places, speed, loops)| {
             way(places, *speed, if *loops { AtEnd::Loop } else { AtEnd::Stay })
         }).collect();
@@ -112,31 +112,32 @@ proptest! {
         let (_, notebook) = watched(world, DURATION_S, 1);
         for (number, target) in targets.iter().enumerate() {
             let target_id = TargetId(u16::try_from(number).unwrap());
+            let mut course = target.course(Seed(1));
+            let legs: Vec<_> = std::iter::from_fn(|| course.next_leg(&none))
+                .take_while(|leg| leg.start < seconds(DURATION_S))
+                .collect();
+            let place = |time| {
+                let leg = legs.get(legs.partition_point(|leg| leg.end < time)).or(legs.last());
+                leg.map_or(target.start(), |leg| leg.at(time))
+            };
             for (i, &node) in nodes.iter().enumerate() {
+                let distance_m = |time| place(time).distance_m(node.into());
                 let changes: Vec<_> = notebook.sensed.iter()
                     .filter(|(by, _, sensed)| *by == NodeId::from_index(i)
                         && matches!(sensed, Sensed::Entered(id) | Sensed::Left(id) if *id == target_id))
                     .collect();
-                prop_assert!(changes.iter().enumerate().all(|(i, change)| {
-                    matches!(change.2, Sensed::Entered(_)) == (i % 2 == 0)
-                }), "entered and left in turn: {changes:?}");
-                let mut course = target.course(Seed(1));
-                let mut leg = course.next_leg(&none);
-                let mut last = target.start();
-                let mut now = 0;
-                while now < SimTime::as_nanos(seconds(DURATION_S)) {
+                for (i, &&(_, time, sensed)) in changes.iter().enumerate() {
+                    prop_assert_eq!(matches!(sensed, Sensed::Entered(_)), i % 2 == 0, "in turn: {:?}", &changes);
+                    let is_start = time == SimTime::ZERO && distance_m(time) < radius_m;
+                    // A nanosecond at 9 m/s.
+                    prop_assert!(is_start || (distance_m(time) - radius_m).abs() < 2e-8, "{}", distance_m(time));
+                }
+                for now in (0..seconds(DURATION_S).as_nanos()).step_by(STEP_NS) {
                     let time = SimTime::from_nanos(now);
-                    while let Some(current) = leg && time > current.end {
-                        last = current.to;
-                        leg = course.next_leg(&none);
-                    }
-                    let distance_m = leg.map_or(last, |leg| leg.at(time)).distance_m(node.into());
                     let detected = changes.iter().filter(|(_, at, _)| *at <= time).count() % 2 == 1;
-                    // Within a nanosecond of the rim at 9 m/s, either is right.
-                    if (distance_m - radius_m).abs() > 2e-8 {
-                        prop_assert_eq!(detected, distance_m < radius_m, "{} m at {}", distance_m, time);
+                    if (distance_m(time) - radius_m).abs() > 2e-8 {
+                        prop_assert_eq!(detected, distance_m(time) < radius_m, "{} m at {}", distance_m(time), time);
                     }
-                    now += STEP_NS;
                 }
             }
         }

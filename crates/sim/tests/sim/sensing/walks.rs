@@ -120,9 +120,9 @@ fn the_same_seed_gives_the_same_way_and_other_targets_do_not_change_it() {
     let (here, there) = (motion([2.0, 2.0, 0.0]), motion([9.0, 2.0, 0.0]));
     let nodes = [[5.0, 5.0, 0.0], [12.0, 8.0, 0.0]];
     let run = |motions: &[TargetMotionConfig], seed| watched(world(&nodes, motions, 4.0), 300.0, seed).1;
-    let one = run(&[here.clone()], 3);
-    assert_eq!(one, run(&[here.clone()], 3));
-    assert_ne!(one, run(&[here.clone()], 4));
+    let one = run(std::slice::from_ref(&here), 3);
+    assert_eq!(one, run(std::slice::from_ref(&here), 3));
+    assert_ne!(one, run(std::slice::from_ref(&here), 4));
     let two = run(&[here, there], 3);
     let of_first: Vec<_> = two.moved.into_iter().filter(|(target, ..)| target.0 == 0).collect();
     assert_eq!(of_first, one.moved);
