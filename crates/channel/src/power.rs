@@ -31,6 +31,7 @@ impl Dbm {
 
     /// The power of this level.
     #[must_use]
+    #[inline]
     pub fn to_milliwatts(self) -> Milliwatts {
         Milliwatts(libm::exp(self.0 * (std::f64::consts::LN_10 / 10.0)))
     }
@@ -56,12 +57,14 @@ impl Milliwatts {
 
     /// The level of this power; [`Dbm::SILENCE`] for zero.
     #[must_use]
+    #[inline]
     pub fn to_dbm(self) -> Dbm {
         Dbm(10.0 * libm::log10(self.0))
     }
 
     /// The ratio to `other`, both as factors.
     #[must_use]
+    #[inline]
     pub fn ratio(self, other: Self) -> f64 {
         self.0 / other.0
     }
@@ -69,6 +72,7 @@ impl Milliwatts {
 
 impl Add<Db> for Dbm {
     type Output = Self;
+    #[inline]
     fn add(self, gain: Db) -> Self {
         Self(self.0 + gain.0)
     }
@@ -76,6 +80,7 @@ impl Add<Db> for Dbm {
 
 impl Sub<Db> for Dbm {
     type Output = Self;
+    #[inline]
     fn sub(self, loss: Db) -> Self {
         Self(self.0 - loss.0)
     }
@@ -83,6 +88,7 @@ impl Sub<Db> for Dbm {
 
 impl Sub for Dbm {
     type Output = Db;
+    #[inline]
     fn sub(self, other: Self) -> Db {
         Db(self.0 - other.0)
     }
@@ -90,6 +96,7 @@ impl Sub for Dbm {
 
 impl Add for Db {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self(self.0 + other.0)
     }
@@ -97,6 +104,7 @@ impl Add for Db {
 
 impl Sub for Db {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self(self.0 - other.0)
     }
@@ -111,6 +119,7 @@ impl Neg for Db {
 
 impl Add for Milliwatts {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self(self.0 + other.0)
     }

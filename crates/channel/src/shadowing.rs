@@ -137,6 +137,7 @@ impl Shadowing {
 
     /// Gain by shadowing between station `a` at `pa` and station `b` at `pb` for packet number `packet`.
     #[must_use]
+    #[inline]
     pub fn gain(&self, a: StationId, pa: Position, b: StationId, pb: Position, packet: u64) -> Db {
         if self.sigma_db <= 0.0 {
             return Db(0.0);

@@ -27,6 +27,7 @@ pub struct Rank {
 impl Rank {
     /// Events of the lower class leave first; within a class, events of the lower station.
     #[must_use]
+    #[inline]
     pub const fn new(class: u8, station: StationId) -> Self {
         Self { class, station }
     }
@@ -74,6 +75,7 @@ const CANCELLED_BORNE: usize = 64;
 impl<E> EventQueue<E> {
     /// An empty queue at the start of time.
     #[must_use]
+    #[inline]
     pub fn new() -> Self {
         Self {
             pending: RadixHeap::default(),

@@ -43,6 +43,7 @@ impl Seed {
     /// The address is absorbed word by word through the finaliser of SplitMix64
     /// (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
     #[must_use]
+    #[inline]
     pub fn bits(self, purpose: Purpose, place: [u64; 3]) -> u64 {
         let mut state = mix(self.0 ^ mix(purpose.0));
         for word in place {
@@ -53,12 +54,14 @@ impl Seed {
 
     /// A number uniform in (0, 1) at the address `place`.
     #[must_use]
+    #[inline]
     pub fn uniform(self, purpose: Purpose, place: [u64; 3]) -> f64 {
         open_unit(self.bits(purpose, place))
     }
 
     /// A standard normal number at the address `place` (Box and Muller 1958, the cosine branch).
     #[must_use]
+    #[inline]
     pub fn normal(self, purpose: Purpose, place: [u64; 3]) -> f64 {
         let first = self.bits(purpose, place);
         let radius = (-2.0 * libm::log(open_unit(first))).sqrt();
@@ -67,6 +70,7 @@ impl Seed {
 }
 
 /// The finaliser of SplitMix64 after its increment: a bijection on 64 bits.
+#[inline]
 fn mix(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -75,6 +79,7 @@ fn mix(state: u64) -> u64 {
 }
 
 /// The upper 52 bits as a number in (0, 1), never an end point.
+#[inline]
 fn open_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) * (1.0 / (1_u64 << 52) as f64)
 }

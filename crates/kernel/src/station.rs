@@ -12,6 +12,7 @@ pub struct StationId(pub u32);
 impl StationId {
     /// The identity as an index into per-station tables.
     #[must_use]
+    #[inline]
     pub const fn index(self) -> usize {
         self.0 as usize
     }
@@ -28,6 +29,7 @@ impl StationId {
 
 /// Nodes are the first stations.
 impl From<NodeId> for StationId {
+    #[inline]
     fn from(node: NodeId) -> Self {
         Self(node.0)
     }

@@ -18,12 +18,14 @@ impl SimTime {
 
     /// The instant `nanos` nanoseconds after the start.
     #[must_use]
+    #[inline]
     pub const fn from_nanos(nanos: u64) -> Self {
         Self(nanos)
     }
 
     /// Nanoseconds since the start.
     #[must_use]
+    #[inline]
     pub const fn as_nanos(self) -> u64 {
         self.0
     }
@@ -36,12 +38,14 @@ impl SimTime {
 
     /// The span from `earlier` to this instant; zero if `earlier` is later.
     #[must_use]
+    #[inline]
     pub const fn saturating_since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
     }
 
     /// The instant `span` before this one; the start if that would be before it.
     #[must_use]
+    #[inline]
     pub fn saturating_sub(self, span: Duration) -> Self {
         Self(self.0.saturating_sub(nanos(span)))
     }
@@ -51,19 +55,24 @@ impl SimTime {
 ///
 /// # Panics
 /// If the span is longer than 584 years.
+#[inline]
 fn nanos(span: Duration) -> u64 {
-    u64::try_from(span.as_nanos()).expect("a span of less than 584 years")
+    let whole = span.as_secs().checked_mul(1_000_000_000);
+    let nanos = whole.and_then(|whole| whole.checked_add(span.subsec_nanos().into()));
+    nanos.expect("a span of less than 584 years")
 }
 
 impl Add<Duration> for SimTime {
     type Output = Self;
 
+    #[inline]
     fn add(self, span: Duration) -> Self {
         Self(self.0.checked_add(nanos(span)).expect("an instant within 584 years"))
     }
 }
 
 impl AddAssign<Duration> for SimTime {
+    #[inline]
     fn add_assign(&mut self, span: Duration) {
         *self = *self + span;
     }
@@ -76,6 +85,7 @@ impl Sub for SimTime {
     ///
     /// # Panics
     /// If `earlier` is later than `self`.
+    #[inline]
     fn sub(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.checked_sub(earlier.0).expect("an earlier instant"))
     }

@@ -27,6 +27,7 @@ pub enum Class {
 impl Class {
     /// The rank of an event of this class at `station`, for the event queue.
     #[must_use]
+    #[inline]
     pub const fn rank(self, station: StationId) -> Rank {
         Rank::new(self as u8, station)
     }

@@ -196,6 +196,7 @@ impl EnergyMeter {
 
     /// The state that the radio is in.
     #[must_use]
+    #[inline]
     pub const fn state(&self) -> RadioState {
         self.state
     }
@@ -204,6 +205,7 @@ impl EnergyMeter {
     ///
     /// # Panics
     /// If `now` is before the last change.
+    #[inline]
     pub fn enter(&mut self, state: RadioState, now: SimTime) {
         self.spans[self.state as usize] += now - self.since;
         self.state = state;

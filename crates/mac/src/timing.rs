@@ -108,6 +108,7 @@ impl Phy {
         }
     }
 
+    #[inline]
     const fn numbers(self) -> Numbers {
         let (symbol_ns, shr_symbols, phr_tenths, octet_tenths) = match self {
             Self::Oqpsk2450 | Self::Oqpsk915 => (16_000, 8 + 2, 20, 20),
@@ -122,6 +123,7 @@ impl Phy {
 
     /// Span of `count` symbols.
     #[must_use]
+    #[inline]
     pub const fn symbols(self, count: u64) -> Duration {
         Duration::from_nanos(self.numbers().symbol_ns * count)
     }
@@ -134,6 +136,7 @@ impl Phy {
 
     /// Time of one octet on the air.
     #[must_use]
+    #[inline]
     pub const fn octet(self) -> Duration {
         let n = self.numbers();
         Duration::from_nanos(n.symbol_ns * n.octet_tenths / 10)
@@ -161,6 +164,7 @@ impl Phy {
     /// Time on the air of a frame with an MPDU of `mpdu_octets`, first bit of the preamble to last
     /// bit of the FCS.
     #[must_use]
+    #[inline]
     pub const fn airtime(self, mpdu_octets: u8) -> Duration {
         let n = self.numbers();
         let tenths = 10 * n.shr_symbols + n.phr_tenths + n.octet_tenths * mpdu_octets as u64;
@@ -176,18 +180,21 @@ impl Phy {
     /// Time from receiving to transmitting or back, and from the end of a frame to the start of its
     /// acknowledgement (aTurnaroundTime, 12 symbols).
     #[must_use]
+    #[inline]
     pub const fn turnaround(self) -> Duration {
         self.symbols(12)
     }
 
     /// Length of a clear channel assessment (8 symbols).
     #[must_use]
+    #[inline]
     pub const fn cca(self) -> Duration {
         self.symbols(8)
     }
 
     /// Unit of the backoff (aUnitBackoffPeriod, 20 symbols).
     #[must_use]
+    #[inline]
     pub const fn backoff_period(self) -> Duration {
         self.symbols(20)
     }
@@ -196,6 +203,7 @@ impl Phy {
     /// one backoff period, one turnaround, the synchronisation header and six octets, the octets
     /// rounded up to whole symbols).
     #[must_use]
+    #[inline]
     pub const fn ack_wait(self) -> Duration {
         let n = self.numbers();
         self.symbols(20 + 12 + n.shr_symbols + (6 * n.octet_tenths).div_ceil(10))
@@ -203,18 +211,21 @@ impl Phy {
 
     /// Short interframe spacing (macMinSIFSPeriod, 12 symbols).
     #[must_use]
+    #[inline]
     pub const fn short_spacing(self) -> Duration {
         self.symbols(12)
     }
 
     /// Long interframe spacing (macMinLIFSPeriod, 40 symbols).
     #[must_use]
+    #[inline]
     pub const fn long_spacing(self) -> Duration {
         self.symbols(40)
     }
 
     /// Interframe spacing that a sender must keep after a frame of `mpdu_octets`, or after its acknowledgement.
     #[must_use]
+    #[inline]
     pub const fn interframe_spacing(self, mpdu_octets: u8) -> Duration {
         if mpdu_octets <= MAX_SIFS_MPDU_OCTETS { self.short_spacing() } else { self.long_spacing() }
     }

@@ -45,6 +45,7 @@ pub enum Event {
 impl Event {
     /// Class of the event among those of the same instant.
     #[must_use]
+    #[inline]
     pub const fn class(self) -> Class {
         match self {
             Self::TransmissionEnded | Self::AckReceived { .. } | Self::ReceiveReady => Class::EndOfSignal,

@@ -1,9 +1,13 @@
 //! One radio that listens: the signals at its antenna, the signal that it follows, and the outcome.
 //!
-//! Rules of the `lock` receiver (the same as ns-3 `lr-wpan`): a signal above the sensitivity that starts while the
-//! radio is free is tracked. At the end of its preamble, if the radio is still free and the ratio of signal to
-//! interference and noise is above -5 dB, the radio locks on to the signal until its end. All other signals are
-//! interference. Interference is constant between changes, so the receiver updates its state only at changes.
+//! Rules of the receiver: a signal above the sensitivity that starts while the radio is free is tracked. At the end of
+//! its preamble, if the radio is still free and the ratio of signal to interference and noise is above -5 dB, the radio
+//! locks on to the signal until its end. All other signals are interference. Interference is constant between changes,
+//! so the receiver updates its state only at changes.
+//!
+//! `lr-wpan` of ns-3 3.44 locks at the first symbol instead, so a stronger frame that begins within the preamble of a
+//! weaker one is lost there and received here: 0.02 to 0.26 % more frames, by load and range (frames replayed in both at
+//! the same instants). Without such pairs both receive the same frames.
 
 use std::time::Duration;
 

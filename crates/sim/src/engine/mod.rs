@@ -234,6 +234,13 @@ impl<A: Application> Engine<A> {
 
     /// Tells the applications what the link of a network has to say.
     fn pass_on(&mut self, network: NetworkId) {
+        if let [Upcall::Sent { station, report }] = self.model.scene.upcalls[..] {
+            // The most frequent case, without a frame.
+            self.model.scene.upcalls.clear();
+            let mut port = Port { model: &mut self.model, station };
+            self.applications[station.index()].sent(network, &report, &mut port);
+            return;
+        }
         let mut upcalls = std::mem::take(&mut self.model.scene.upcalls);
         let (frame, payload) = self.model.networks[network.index()].take_payload();
         for upcall in upcalls.drain(..) {

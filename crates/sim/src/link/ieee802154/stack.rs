@@ -17,6 +17,8 @@ pub(super) struct Stack {
     pub(super) overridden_until: SimTime,
     /// Whether what the receiver hears at rest is looked at.
     pub(super) listening: bool,
+    /// Whether the air knows the receiver as one that listens.
+    pub(super) is_tuned: bool,
     /// Whether channel access waits for an acknowledgement.
     pub(super) awaits_ack: bool,
     /// Whether the station has listened long enough, and stops as soon as it may.
@@ -53,6 +55,7 @@ impl Stack {
             overriding: None,
             overridden_until: SimTime::ZERO,
             listening: false,
+            is_tuned: false,
             awaits_ack: false,
             leaving: false,
             listening_over: None,

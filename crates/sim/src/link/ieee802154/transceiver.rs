@@ -69,11 +69,16 @@ impl Transceiver<'_> {
     pub(super) fn tune(&mut self) {
         let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
         self.stack.meter.enter(self.stack.state(), now);
+        let is_receiving = self.stack.is_receiving();
+        if is_receiving == self.stack.is_tuned {
+            return;
+        }
+        self.stack.is_tuned = is_receiving;
         let motion = &self.scene.motions[self.station.index()];
         let air = &mut self.scene.airs[self.radios.air];
-        if self.stack.is_receiving() {
+        if is_receiving {
             air.listen(now, receiver, self.station, motion);
-        } else if air.is_listening(receiver) {
+        } else {
             air.deafen(receiver, self.station, motion.at(now));
         }
     }
