@@ -115,7 +115,7 @@ pub use service::delivery::{Delivery, DriveEnd};
 pub use service::network_id::NetworkId;
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
-pub use service::sensed::{FieldId, Sensed, TargetId};
+pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::setup::{BusyNetwork, Setup};

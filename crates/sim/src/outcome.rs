@@ -6,6 +6,7 @@ use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
 use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::sensed::Sensations;
 
 /// The result of a simulation: everything that robots heard, and the outcomes of the packets.
 #[derive(Clone, Debug)]
@@ -20,6 +21,8 @@ pub struct Survey {
     pub energy: EnergySpent,
     /// What became of the packets in each network, and of the energy, by station.
     pub networks: Vec<NetworkRecord>,
+    /// What the sensors of the nodes said.
+    pub sensed: Sensations,
     /// Time at which the last robot finished, or the time was over.
     pub end: SimTime,
     /// Number of events.

@@ -70,7 +70,8 @@ impl Simulation {
     /// Runs until the last robot has finished, or the time is over, or the observer ends the simulation.
     pub fn run(self, observer: &mut impl Observer) -> Survey {
         let Self { engine, nodes } = self;
-        let Ended { applications, log, path_lengths_m, networks, end, events, interrupted } = engine.run(observer);
+        let Ended { applications, log, path_lengths_m, networks, end, events, sensed, interrupted } =
+            engine.run(observer);
         let surveys = applications.into_iter().filter_map(|application| match application {
             Standard::Survey(survey) => Some(survey.into_record()),
             Standard::Source(_) | Standard::Sources(_) | Standard::Sink => None,
@@ -91,6 +92,6 @@ impl Simulation {
             network.energy[..nodes].iter().for_each(|&spent| energy += spent);
             packets += network.packets[..nodes].iter().copied().sum();
         }
-        Survey { log, robots, packets, energy, networks, end, events, interrupted }
+        Survey { log, robots, packets, energy, networks, sensed, end, events, interrupted }
     }
 }

@@ -124,8 +124,23 @@ impl Results<'_> {
         rows.filter(|row| row.outcome.is_err()).count()
     }
 
+    /// The measures of whole runs that are printed, with their names: those of which any cell has a value.
+    fn printed(&self) -> Vec<(&'static str, Measure<'static>)> {
+        let measures = [
+            ("path", &measures::run::PATH_LENGTH_M),
+            ("PRR", &measures::run::MAC_PRR),
+            ("throughput", &measures::run::MAC_THROUGHPUT),
+            ("mean delay", &measures::run::MAC_DELAY_MEAN_S),
+            ("detections", &measures::run::DETECTIONS),
+        ];
+        let has = |measure| (0..self.plan.cells().len()).any(|i| self.plan.mean(self.rows, i, measure).is_some());
+        measures.map(|(name, number)| (name, Measure::OfRun(number))).into_iter().filter(|(_, m)| has(*m)).collect()
+    }
+
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
-        let mut header = vec!["cell".to_owned(), "runs".to_owned(), "path".to_owned()];
+        let mut header = vec!["cell".to_owned(), "runs".to_owned()];
+        let of_run = self.printed();
+        header.extend(of_run.iter().map(|(name, _)| (*name).to_owned()));
         for map in self.plan.maps() {
             header.extend([format!("{map}: connectivity error"), "mean error".to_owned()]);
         }
@@ -134,8 +149,8 @@ impl Results<'_> {
         let mut rows = vec![header];
         for i in 0..self.plan.cells().len() {
             let count = self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
-            let path = self.written(i, Measure::OfRun(&measures::run::PATH_LENGTH_M));
-            let mut row = vec![i.to_string(), count.to_string(), path];
+            let mut row = vec![i.to_string(), count.to_string()];
+            row.extend(of_run.iter().map(|&(_, measure)| self.written(i, measure)));
             for map in self.plan.maps() {
                 for number in [&measures::map::CONNECTIVITY_ERROR, &measures::map::POSITION_ERROR_MEAN_M] {
                     row.push(self.written(i, Measure::OfMap(map, number)));

@@ -8,7 +8,8 @@ use super::discovery::Discoveries;
 use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
-    EnergySummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SimulationSummary, Summary,
+    EnergySummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SensingSummary, SimulationSummary,
+    Summary,
 };
 
 /// The summary of a survey, of the discovery before it and of its maps, without timing.
@@ -33,6 +34,7 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
         scenario: Some(identity(scenario)),
         mac: traffic.next(),
         other_networks: traffic.collect(),
+        sensing: sensing(scenario, survey),
         simulation: Some(SimulationSummary {
             sim_time_s: survey.end.as_secs_f64(),
             events: survey.events,
@@ -65,6 +67,18 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
         maps,
         ..Summary::default()
     }
+}
+
+/// What the sensors said, if there was anything to sense.
+fn sensing(scenario: &Scenario, survey: &Survey) -> Option<SensingSummary> {
+    let world = scenario.world();
+    let is_empty = world.targets.is_empty() && world.fields.is_empty();
+    (!is_empty).then_some(SensingSummary {
+        targets: world.targets.len(),
+        fields: world.fields.len(),
+        detections: survey.sensed.entered,
+        samples: survey.sensed.sampled,
+    })
 }
 
 /// The identity of the scenario.

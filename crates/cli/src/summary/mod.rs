@@ -19,6 +19,6 @@ pub use map::{
     HeightsSummary, MapSummary, NODE_ERRORS,
 };
 pub use measures::{Measure, Number, Unit};
-pub use results::{ScenarioSummary, SimulationSummary, Summary};
+pub use results::{ScenarioSummary, SensingSummary, SimulationSummary, Summary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

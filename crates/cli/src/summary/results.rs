@@ -29,6 +29,9 @@ pub struct Summary {
     /// The traffic in the networks after the first one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_networks: Vec<MacSummary>,
+    /// What the sensors of the nodes said, if there are targets or fields.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensing: Option<SensingSummary>,
     /// Discovery before the survey, if a map needed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discovery: Option<DiscoverySummary>,
@@ -41,6 +44,19 @@ pub struct Summary {
     /// Time and memory on this machine: the only part that differs from run to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
+}
+
+/// What the sensors of the nodes said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SensingSummary {
+    /// Targets in the world.
+    pub targets: usize,
+    /// Fields in the world.
+    pub fields: usize,
+    /// Times that a target entered the radius of detection of a node, or was there at the start.
+    pub detections: u64,
+    /// Samples of fields by nodes.
+    pub samples: u64,
 }
 
 /// The scenario of a run.

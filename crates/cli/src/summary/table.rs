@@ -29,6 +29,11 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     for mac in summary.mac.iter().chain(&summary.other_networks) {
         mac_table::write(mac, out)?;
     }
+    if let Some(sensing) = &summary.sensing {
+        let (targets, fields) = (counted(sensing.targets, "target"), counted(sensing.fields, "field"));
+        let (detections, samples) = (sensing.detections, sensing.samples);
+        writeln!(out, "sensors: {targets}, {fields}, {detections} detections, {samples} samples\n")?;
+    }
     if let Some(discovery) = &summary.discovery {
         discovery_lines(discovery, out)?;
     }

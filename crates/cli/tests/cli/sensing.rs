@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sextant::recording::{Drawn, Sensation, read_drawn, read_log};
+use sextant::recording::{Drawn, SUMMARY_ATTACHMENT, Sensation, read_drawn, read_log, read_run};
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use tempfile::TempDir;
@@ -34,6 +34,21 @@ fn recorded(set: &[&str]) -> (TempDir, Drawn) {
     run(SHIPPED, set, &path);
     let drawn = read_drawn(&path).expect("a recording");
     (folder, drawn)
+}
+
+#[test]
+fn the_summary_counts_the_recorded_detections() {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("run.mcap");
+    run(SHIPPED, &[], &path);
+    let recorded = read_run(&path).expect("a recording");
+    let summary = recorded.attachments.iter().find(|attachment| attachment.name == SUMMARY_ATTACHMENT);
+    let json: serde_json::Value = serde_json::from_slice(&summary.expect("a summary").data).expect("JSON");
+    let drawn = read_drawn(&path).expect("a recording");
+    let entered = drawn.detections.iter().filter(|detection| detection.sensation == Sensation::Entered).count();
+    assert_eq!(json["sensing"]["detections"].as_u64(), Some(entered as u64));
+    assert_eq!((json["sensing"]["targets"].as_u64(), json["sensing"]["fields"].as_u64()), (Some(2), Some(1)));
+    assert!(json["sensing"]["samples"].as_u64() > Some(1000), "{}", json["sensing"]);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::SimTime;
 
 use crate::service::packets::NetworkRecord;
+use crate::service::sensed::Sensations;
 
 /// What an engine leaves behind.
 #[derive(Debug)]
@@ -20,6 +21,8 @@ pub struct Ended<A> {
     pub end: SimTime,
     /// Number of events.
     pub events: u64,
+    /// What the sensors of the nodes said.
+    pub sensed: Sensations,
     /// Whether the observer ended it.
     pub interrupted: bool,
 }

@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use crate::sensing::Sensing;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
-use crate::service::sensed::Sensed;
+use crate::service::sensed::{Sensations, Sensed};
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
@@ -39,6 +39,7 @@ pub struct Engine<A> {
     /// Whether the end comes when all tasks are done.
     ends_with_tasks: bool,
     events: u64,
+    sensed: Sensations,
 }
 
 /// What only some runs need.
@@ -140,6 +141,7 @@ impl<A: Application> Engine<A> {
             end: duration.map(|duration| SimTime::ZERO + duration),
             ends_with_tasks: unfinished > 0,
             events: 0,
+            sensed: Sensations::default(),
         })
     }
 
@@ -275,6 +277,7 @@ impl<A: Application> Engine<A> {
             networks: self.model.networks.into_iter().map(|network| network.finish(now)).collect(),
             end: now,
             events: self.events,
+            sensed: self.sensed,
             interrupted,
         }
     }

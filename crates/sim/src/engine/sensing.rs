@@ -28,6 +28,7 @@ impl<A: Application> Engine<A> {
     /// A sensor says something to its node.
     pub(super) fn tell_sensed(&mut self, station: StationId, sensed: &Sensed, observer: &mut impl Observer) {
         observer.sensed(NodeId(station.0), self.model.scene.now, sensed);
+        self.sensed.add(sensed);
         let mut port = Port { model: &mut self.model, station };
         self.applications[station.index()].sensed(sensed, &mut port);
     }

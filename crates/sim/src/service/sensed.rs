@@ -24,6 +24,28 @@ pub enum Sensed {
     },
 }
 
+/// How often the sensors of all nodes said what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sensations {
+    /// A target entered the radius of detection of a node.
+    pub entered: u64,
+    /// A target left it.
+    pub left: u64,
+    /// A node sampled a field.
+    pub sampled: u64,
+}
+
+impl Sensations {
+    /// Counts one more.
+    pub(crate) fn add(&mut self, sensed: &Sensed) {
+        *match sensed {
+            Sensed::Entered(_) => &mut self.entered,
+            Sensed::Left(_) => &mut self.left,
+            Sensed::Sampled { .. } => &mut self.sampled,
+        } += 1;
+    }
+}
+
 impl TargetId {
     /// The target number `index`.
     pub(crate) fn from_index(index: usize) -> Self {

@@ -84,5 +84,7 @@ numbers! { Summary {
     MAC_ENERGY_TX_J "mac.energy_j.tx" Joule |run| mac(run, |mac| mac.energy_j.tx);
     MAC_ENERGY_RX_J "mac.energy_j.rx" Joule |run| mac(run, |mac| mac.energy_j.rx);
     MAC_ENERGY_IDLE_J "mac.energy_j.idle" Joule |run| mac(run, |mac| mac.energy_j.idle);
+    DETECTIONS "sensing.detections" Count |run| run.sensing.map(|sensing| count(sensing.detections));
+    SAMPLES "sensing.samples" Count |run| run.sensing.map(|sensing| count(sensing.samples));
     ANCHORS_RX_J "discovery.anchors.energy_j.rx" Joule |run| anchors(run).map(|round| round.energy_j.rx);
 }}
