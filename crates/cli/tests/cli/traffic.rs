@@ -194,6 +194,23 @@ fn networks_on_different_channels_do_not_disturb_each_other_and_on_one_channel_t
 }
 
 #[test]
+fn acknowledged_packets_go_to_a_robot_or_sink_of_their_own_network() {
+    let networks = "[networks.a]\n[networks.a.traffic.periodic]\nacknowledged = true\n\
+                    [networks.b]\n[networks.b.traffic.silent]\n\
+                    [[robots]]\nname = \"other\"\nnetwork = \"b\"\nstart_m = [0.0, 1.0]\nlisten_s = 15.0\n\
+                    [robots.controller.waypoints]\nplaces_m = [[0.0, 1.0]]\n";
+    let json =
+        Folder::new(networks).summary(&["networks.b.radio={tx_power_dbm=0.0,sensitivity_dbm=-90.0,channel=20}"]);
+    let mac = &json["mac"];
+    assert!(count(mac, "delivered") >= 28 && number(mac, "prr") >= 1.0, "{mac}");
+    let sinks = mac["sinks"].as_array().expect("sinks");
+    let received: Vec<_> = sinks.iter().map(|sink| (sink["name"].as_str(), count(sink, "received"))).collect();
+    assert_eq!(received, [(Some("other"), 0), (Some("sink"), count(mac, "delivered"))]);
+    let said = refusal(&Folder::new(networks), &["robots.0.network=\"c\""]);
+    assert!(said.contains("robots[0].network") && said.contains("`a`, `b`"), "{said}");
+}
+
+#[test]
 fn every_physical_layer_carries_packets_at_its_rate() {
     let traffic = "[[traffic.groups]]\nname = \"one\"\nnodes.count = 1\n[traffic.groups.traffic.saturated]\nmpdu_octets = 127\n";
     let layers = ["oqpsk2450", "bpsk868", "bpsk915", "ask868", "ask915", "oqpsk868", "oqpsk915"];

@@ -33,12 +33,13 @@ impl Stations<'_> {
     pub(super) fn check_frames(&self, id: NetworkId, network: &BusyNetwork) -> Result<(), SettingError> {
         let last = StationId::from_index(self.roll.len().saturating_sub(1));
         for traffic in network.traffic.kinds().filter(|traffic| traffic.mpdu_octets() > 0) {
-            if traffic.is_acknowledged() && traffic.to().is_none() && self.roll.robots > 1 {
+            let robots = self.robots_in(id).count();
+            if traffic.is_acknowledged() && traffic.to().is_none() && robots > 1 {
                 let allowed = format!(
                     "one robot with `{}`, or `to` there: nodes send to one robot, and the others do not hear them",
                     traffic.key()
                 );
-                return Err(SettingError::new("robots", format!("a list of {}", self.roll.robots), allowed));
+                return Err(SettingError::new("robots", format!("a list of {robots}"), allowed));
             }
             let pan = pan(id);
             let longest = if traffic.is_acknowledged() {
@@ -71,8 +72,8 @@ impl Stations<'_> {
             })?;
             return Ok(Destination::Station(station));
         }
-        if self.roll.robots > 0 {
-            return Ok(Destination::Station(self.roll.robot(0)));
+        if let Some(robot) = self.robots_in(id).next() {
+            return Ok(Destination::Station(self.roll.robot(robot)));
         }
         let place = self.world.nodes[node.index()].position;
         let distance_m = |&sink: &usize| place.distance_m(self.sinks[sink].position);
@@ -85,6 +86,11 @@ impl Stations<'_> {
             SettingError::new(format!("{}.acknowledged", traffic.key()), found, allowed)
         })?;
         Ok(Destination::Station(StationId::from_index(self.roll.nodes + self.roll.robots + nearest)))
+    }
+
+    /// The numbers of the robots in a network.
+    fn robots_in(&self, id: NetworkId) -> impl Iterator<Item = usize> {
+        self.robots.iter().enumerate().filter(move |(_, robot)| robot.body.network == id).map(|(robot, _)| robot)
     }
 
     /// Name and station of each robot and each sink in a network.
@@ -132,7 +138,16 @@ impl Stations<'_> {
         if self.roll.robots + self.roll.sinks == 0 {
             return Ok(None);
         }
-        let post = Post { station: self.roll.robot(0), listen: self.robots.first().map(|robot| robot.body.listen) };
+        let id = NetworkId::default();
+        let robot = self.robots_in(id).next();
+        let sink = || (0..self.roll.sinks).find(|&sink| self.sinks[sink].is_in(id));
+        let station = robot.or_else(|| sink().map(|sink| self.roll.robots + sink)).ok_or_else(|| {
+            let name = network.name.as_deref().unwrap_or_default();
+            let allowed = "a robot or a sink in the network, to send the beacons";
+            SettingError::new(format!("networks.{name}.mac"), "beacon_enabled, without a robot or sink", allowed)
+        })?;
+        let listen = robot.map(|robot| (robot, self.robots[robot].body.listen));
+        let post = Post { station: StationId::from_index(self.roll.nodes + station), listen };
         let demand = |traffic: &Traffic| Demand {
             key: traffic.key().to_owned(),
             mpdu_octets: traffic.mpdu_octets(),

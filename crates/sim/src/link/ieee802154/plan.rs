@@ -19,8 +19,8 @@ const KEY: &str = "mac.beacon_enabled";
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Post {
     pub(crate) station: StationId,
-    /// How long it listens at a stop; `None` if it always listens.
-    pub(crate) listen: Option<Duration>,
+    /// Number of the robot that it is, and how long that listens at a stop; `None` if it always listens.
+    pub(crate) listen: Option<(usize, Duration)>,
 }
 
 /// Frames that the nodes send.
@@ -74,14 +74,14 @@ pub(crate) fn coordinator<'a>(
         }
     }
     let interval = coordinator.timing().beacon_interval();
-    if let Some(listen) = post.listen
+    if let Some((robot, listen)) = post.listen
         && listen < interval
     {
         let allowed = format!(
             "at least the beacon interval, {} s: a stop without a beacon hears nobody",
             interval.as_secs_f64()
         );
-        return Err(SettingError::new("robots[0].listen_s", listen.as_secs_f64(), allowed));
+        return Err(SettingError::new(format!("robots[{robot}].listen_s"), listen.as_secs_f64(), allowed));
     }
     Ok(coordinator)
 }
