@@ -20,7 +20,7 @@
 //! An own application: one node asks its neighbour for a reading, and the neighbour answers with two octets.
 //!
 //! ```
-//! use sextant_channel::{ChannelConfig, ObstacleField, Position};
+//! use sextant_channel::{ChannelConfig, Position};
 //! use sextant_kernel::{Seed, SettingError, StationId};
 //! use sextant_mac::{Phy, RadioStates, csma::CsmaSettings};
 //! use sextant_sim::{
@@ -71,8 +71,9 @@
 //!     reception: ReceptionModel::Ber,
 //!     mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
 //!     radio_states: RadioStates::cc2420(),
+//!     members: None,
 //! };
-//! let world = World { nodes: vec![node(0.0), node(3.0)], obstacles: ObstacleField::default() };
+//! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
 //! let (robots, sinks, networks) = (vec![], vec![], vec![network]);
 //! let setup = EngineSetup { world, robots, sinks, networks, duration: None, seed: Seed(1) };
 //! let ended = Engine::new(setup, vec![Station::Asks(None), Station::Answers(451)])?.run(&mut Unobserved);
