@@ -76,7 +76,7 @@ pub trait Observer {
     /// A frame was on air; called at its end, and only if [`Observer::wants_frames`].
     fn framed(&mut self, _frame: FrameOnAir<'_>) {}
 
-    /// Whether [`Observer::framed`] is called.
+    /// Whether [`Observer::framed`] is called. A simulation asks once, before the start.
     fn wants_frames(&self) -> bool {
         false
     }
@@ -108,3 +108,61 @@ pub struct Progress {
 pub struct Unobserved;
 
 impl Observer for Unobserved {}
+
+/// Passes everything on to another observer, but remembers whether that wants frames, so that no frame has to ask it.
+pub(crate) struct Told<'a> {
+    observer: &'a mut dyn Observer,
+    wants_frames: bool,
+}
+
+impl<'a> Told<'a> {
+    pub(crate) fn new(observer: &'a mut dyn Observer) -> Self {
+        Self { wants_frames: observer.wants_frames(), observer }
+    }
+}
+
+impl Observer for Told<'_> {
+    fn moved(&mut self, robot: usize, time: SimTime, position: Position) {
+        self.observer.moved(robot, time, position);
+    }
+
+    fn curved(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.observer.curved(robot, time, pose);
+    }
+
+    fn believed(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.observer.believed(robot, time, pose);
+    }
+
+    fn met(&mut self, contact: Contact) {
+        self.observer.met(contact);
+    }
+
+    fn stopped(&mut self, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
+        self.observer.stopped(index, stop, end, receptions);
+    }
+
+    fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
+        self.observer.target_moved(target, time, position);
+    }
+
+    fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
+        self.observer.sensed(node, time, sensed);
+    }
+
+    fn source_removed(&mut self, field: FieldId, source: usize, time: SimTime) {
+        self.observer.source_removed(field, source, time);
+    }
+
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
+        self.observer.framed(frame);
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.wants_frames
+    }
+
+    fn goes_on(&mut self, progress: Progress) -> bool {
+        self.observer.goes_on(progress)
+    }
+}

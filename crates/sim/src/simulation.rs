@@ -13,7 +13,7 @@ use crate::applications::source::Source;
 use crate::applications::standard::Standard;
 use crate::applications::survey::Survey as SurveyOfRobot;
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
-use crate::observer::Observer;
+use crate::observer::{Observer, Told};
 use crate::outcome::{RobotRecord, Survey};
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
@@ -69,6 +69,12 @@ impl Simulation {
 
     /// Runs until the last robot has finished, or the time is over, or the observer ends the simulation.
     pub fn run(self, observer: &mut impl Observer) -> Survey {
+        self.run_told(observer)
+    }
+
+    /// The same for any observer: one engine for all, compiled here and not wherever an observer is declared.
+    fn run_told(self, observer: &mut dyn Observer) -> Survey {
+        let observer = &mut Told::new(observer);
         let Self { engine, nodes } = self;
         let Ended { applications, log, path_lengths_m, networks, end, events, sensed, interrupted } =
             engine.run(observer);

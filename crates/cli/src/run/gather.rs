@@ -171,8 +171,14 @@ impl Observer for Gathering<'_> {
     }
 
     fn goes_on(&mut self, progress: Progress) -> bool {
-        let note = format!("nodes heard, {} stops, {:.0} s simulated", progress.stops, progress.time.as_secs_f64());
-        self.progress.set(progress.nodes_heard as u64, note);
+        if self.robots.is_empty() {
+            let whole_seconds = progress.time.as_nanos() / 1_000_000_000;
+            self.progress.set(whole_seconds, format!("s simulated, {} packets offered", progress.packets_offered));
+        } else {
+            let seconds = progress.time.as_secs_f64();
+            let note = format!("nodes heard, {} stops, {seconds:.0} s simulated", progress.stops);
+            self.progress.set(progress.nodes_heard as u64, note);
+        }
         self.failure.is_none() && !self.interrupt.is_requested()
     }
 }

@@ -1,6 +1,7 @@
 //! The stages of a run.
 
 use std::borrow::Cow;
+use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime, Watch};
@@ -112,7 +113,11 @@ fn gather(
     interrupt: &Interrupt,
     quiet: bool,
 ) -> Result<(Survey, Vec<Track>, Vec<Field>), Failure> {
-    let progress = terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet);
+    // Without robots, the end is a time.
+    let progress = match scenario.config().duration_s.filter(|_| scenario.config().robots.is_empty()) {
+        Some(end_s) => terminal::Progress::new("simulating", Duration::from_secs_f64(end_s).as_secs(), quiet),
+        None => terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet),
+    };
     let names = scenario.config().robots.iter().map(|robot| robot.name.clone());
     let sniffer = outputs.capture.map(|capture| Sniffer {
         capture,
