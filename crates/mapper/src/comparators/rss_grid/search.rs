@@ -346,6 +346,9 @@ mod tests {
             let range_m = range_m.unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - 2.0 * sigma_db)).min(40.0);
             let step_m = if is_spatial { 1.9 } else { 0.6 };
             let lattice = Lattice::covering(&stops, range_m, step_m, None, 1 << 30).expect("a small lattice");
+            // The lattice begins exactly at the range of the outermost stop. Whether such a vertex is within it would be a
+            // matter of rounding.
+            let range_m = range_m * (1.0 + 1e-7);
             let search = Search {
                 curves: Curves::new(&ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
                 lattice: &lattice,
