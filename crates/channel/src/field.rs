@@ -97,6 +97,21 @@ impl ObstacleField {
         self.tree.holding(p).filter(|&obstacle| self.obstacles[obstacle].shape().contains(p)).min()
     }
 
+    /// What is wrong with a place where something should stand, if anything: the value found, and the values allowed.
+    #[must_use]
+    pub fn fault(&self, position: Position) -> Option<(String, &'static str)> {
+        let [x, y, z] = position.into();
+        if !position.is_finite() {
+            return Some((format!("[{x}, {y}, {z}]"), "finite coordinates in metres"));
+        }
+        let inside = self.containing(position)?;
+        let obstacle = match self.obstacles().get(inside).and_then(|obstacle| obstacle.name()) {
+            Some(name) => format!("obstacle `{name}`"),
+            None => format!("obstacle {inside}"),
+        };
+        Some((format!("[{x}, {y}, {z}], inside {obstacle}"), "a place outside all obstacles"))
+    }
+
     /// How far a ball of `radius_m` with its centre at `from` can travel straight in `direction` (of any length above
     /// 0) before it touches an obstacle (m), at most `range_m`: the range sensor of a robot.
     ///

@@ -85,6 +85,7 @@
 mod air;
 mod application;
 mod applications;
+mod csv_rows;
 mod engine;
 mod event;
 mod link;

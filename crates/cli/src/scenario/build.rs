@@ -404,12 +404,8 @@ fn robot(
     seed: Seed,
 ) -> Result<Robot, SettingError> {
     let body = RobotBody::try_from(config)?;
-    if let Some(inside) = obstacles.containing(body.start) {
-        let [x, y, z] = body.start.into();
-        let name =
-            obstacles.obstacles()[inside].name().map_or_else(|| inside.to_string(), |name| format!("`{name}`"));
-        let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
-        return Err(SettingError::new("start_m", found, "a place outside all obstacles"));
+    if let Some((found, allowed)) = obstacles.fault(body.start) {
+        return Err(SettingError::new("start_m", found, allowed));
     }
     let surroundings =
         Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };

@@ -71,9 +71,7 @@ impl Medium {
     /// Starts a signal.
     pub(crate) fn begin(&mut self, signal: Signal) {
         let forgotten = signal.start.saturating_sub(self.memory);
-        while self.recent.front().is_some_and(|old| old.end <= forgotten) {
-            self.recent.pop_front();
-        }
+        forget(&mut self.recent, forgotten);
         self.recent.push_back(signal);
         let cell = self.signals.at(signal.position);
         cell.retain(|old| old.end > forgotten);
@@ -107,9 +105,7 @@ impl Medium {
                 energy += power.0 * overlap.as_secs_f64();
             }
         };
-        while self.recent.front().is_some_and(|old| old.end <= forgotten) {
-            self.recent.pop_front();
-        }
+        forget(&mut self.recent, forgotten);
         if self.recent.len() <= FEW {
             self.recent.iter().for_each(&mut add);
         } else {
@@ -173,5 +169,12 @@ impl Medium {
         if found.len() > 1 {
             found.sort_unstable_by_key(|listener| listener.receiver);
         }
+    }
+}
+
+/// Removes the first signals as long as they ended before `forgotten`.
+fn forget(recent: &mut VecDeque<Signal>, forgotten: SimTime) {
+    while recent.front().is_some_and(|old| old.end <= forgotten) {
+        recent.pop_front();
     }
 }

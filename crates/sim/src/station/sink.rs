@@ -49,12 +49,8 @@ impl SinkConfig {
     pub fn place(&self, obstacles: &ObstacleField) -> Result<Sink, SettingError> {
         super::robot::check_name(&self.name)?;
         super::robot::check_place("position_m", self.position_m)?;
-        if let Some(inside) = obstacles.containing(self.position_m) {
-            let [x, y, z] = self.position_m.into();
-            let name =
-                obstacles.obstacles()[inside].name().map_or_else(|| inside.to_string(), |name| format!("`{name}`"));
-            let found = format!("[{x}, {y}, {z}], inside obstacle {name}");
-            return Err(SettingError::new("position_m", found, "a place outside all obstacles"));
+        if let Some((found, allowed)) = obstacles.fault(self.position_m) {
+            return Err(SettingError::new("position_m", found, allowed));
         }
         Ok(Sink { name: self.name.clone(), position: self.position_m, networks: None })
     }

@@ -7,6 +7,7 @@ use std::time::Duration;
 use serde::Deserialize;
 use sextant_kernel::{NodeId, SettingError, SimTime};
 
+use crate::csv_rows::{cell_fault, line_of, row_fault};
 use crate::world::layout::PlacedNode;
 
 /// Latest time of a frame (s).
@@ -64,10 +65,11 @@ fn parse(text: &str, file: &str, nodes: &[PlacedNode]) -> Result<Trace, SettingE
     let mut trace = Trace { frames: vec![Vec::new(); nodes.len()] };
     let (mut last_s, mut any) = (0.0, false);
     for record in reader.records() {
-        let line_of = |position: Option<&csv::Position>| position.map_or(0, csv::Position::line);
-        let record = record.map_err(|error| refuse(line_of(error.position()), error.to_string(), COLUMNS))?;
-        let line = line_of(record.position());
-        let row: Row = record.deserialize(Some(&header)).map_err(|error| refuse(line, error.to_string(), COLUMNS))?;
+        let record = record.map_err(|error| refuse(line_of(text, error.position()), row_fault(&error), COLUMNS))?;
+        let line = line_of(text, record.position());
+        let row: Row = record
+            .deserialize(Some(&header))
+            .map_err(|error| refuse(line, cell_fault(&error, &header, &record), COLUMNS))?;
         if !(0.0..=LATEST_S).contains(&row.t_s) {
             return Err(refuse(line, format!("t_s {}", row.t_s), "0 to 1e8"));
         }
@@ -116,6 +118,8 @@ mod tests {
     fn an_error_names_its_line() {
         let found = |rows: &str| parsed(&format!("t_s,node,mpdu_octets\n{rows}")).unwrap_err();
         assert_eq!(found("1,a,20\n0.5,b,20\n"), "`trace.csv`, line 3: t_s 0.5, after 1 in a line before");
+        assert_eq!(found("1,a,20\n\n# a comment\n2,a\n"), "`trace.csv`, line 5: 2 cells for 3 columns");
+        assert_eq!(found("1,a,twenty\n"), "`trace.csv`, line 2: `twenty` in the column `mpdu_octets`");
         assert_eq!(found("1,c,20\n"), "`trace.csv`, line 2: node `c`");
         assert_eq!(found("1,a,128\n"), "`trace.csv`, line 2: mpdu_octets 128");
         assert_eq!(found("-1,a,20\n"), "`trace.csv`, line 2: t_s -1");

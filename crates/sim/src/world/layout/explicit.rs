@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
 
-use super::placed::{PlacedNode, fault, twin};
+use super::placed::{PlacedNode, twin};
 
 /// Nodes at listed places, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -25,7 +25,7 @@ impl ExplicitConfig {
             return Err(SettingError::new("positions_m", "an empty list", "at least one place"));
         }
         for (i, &position) in self.positions_m.iter().enumerate() {
-            if let Some((found, allowed)) = fault(position, obstacles) {
+            if let Some((found, allowed)) = obstacles.fault(position) {
                 return Err(SettingError::new(format!("positions_m[{i}]"), found, allowed));
             }
         }

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::SettingError;
 
-use super::placed::{PlacedNode, fault, twin};
+use super::placed::{PlacedNode, twin};
+use crate::csv_rows::{cell_fault, line_of, row_fault};
 
 /// Nodes from a table, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -72,7 +73,7 @@ impl CsvConfig {
                 return Err(refuse(line, "an empty name".into(), "a name in the column `node`"));
             }
             let position = Position::new(row.x_m, row.y_m, row.z_m.unwrap_or(0.0));
-            if let Some((found, allowed)) = fault(position, obstacles) {
+            if let Some((found, allowed)) = obstacles.fault(position) {
                 return Err(refuse(line, format!("node `{}` at {found}", row.node), allowed));
             }
             nodes.push(PlacedNode { name: row.node, position });
@@ -87,34 +88,6 @@ impl CsvConfig {
             return Err(SettingError::new("file", found, "at least one node"));
         }
         Ok(nodes)
-    }
-}
-
-/// The line of a row, from 1. The reader's own count stops at the blank lines and comments before the row.
-fn line_of(text: &str, position: Option<&csv::Position>) -> u64 {
-    let byte = position.and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
-    let (before, after) = text.split_at_checked(byte).unwrap_or((text, ""));
-    let skipped = after.lines().take_while(|line| line.is_empty() || line.starts_with('#')).count();
-    (before.matches('\n').count() + skipped + 1) as u64
-}
-
-/// What is wrong with a row that cannot be read.
-fn row_fault(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-            format!("{len} cells for {expected_len} columns")
-        }
-        _ => error.to_string(),
-    }
-}
-
-/// What is wrong with a cell: its column and its text.
-fn cell_fault(error: &csv::Error, header: &csv::StringRecord, record: &csv::StringRecord) -> String {
-    let csv::ErrorKind::Deserialize { err, .. } = error.kind() else { return error.to_string() };
-    let Some(field) = err.field().and_then(|field| usize::try_from(field).ok()) else { return err.to_string() };
-    match (header.get(field), record.get(field)) {
-        (Some(column), Some(cell)) => format!("`{cell}` in the column `{column}`"),
-        _ => err.to_string(),
     }
 }
 

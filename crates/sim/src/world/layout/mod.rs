@@ -18,6 +18,6 @@ pub use file::CsvConfig;
 pub use lattice::LatticeConfig;
 pub use nodes::NodesConfig;
 pub use placed::PlacedNode;
-pub(super) use placed::{fault, twin};
+pub(super) use placed::twin;
 pub use random::RandomConfig;
 pub use region::{Region, RegionConfig};

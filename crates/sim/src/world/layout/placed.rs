@@ -1,8 +1,8 @@
-//! A node with its place, and the checks of names and places.
+//! A node with its place, and the check of names.
 
 use std::collections::BTreeMap;
 
-use sextant_channel::{ObstacleField, Position};
+use sextant_channel::Position;
 
 /// A node with its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,20 +11,6 @@ pub struct PlacedNode {
     pub name: String,
     /// Where it is (m).
     pub position: Position,
-}
-
-/// What is wrong with a node or a target at `position`, if anything: the value found, and the values allowed.
-pub(in crate::world) fn fault(position: Position, obstacles: &ObstacleField) -> Option<(String, &'static str)> {
-    let [x, y, z] = position.into();
-    if !position.is_finite() {
-        return Some((format!("[{x}, {y}, {z}]"), "finite coordinates in metres"));
-    }
-    let inside = obstacles.containing(position)?;
-    let obstacle = match obstacles.obstacles().get(inside).and_then(|obstacle| obstacle.name()) {
-        Some(name) => format!("obstacle `{name}`"),
-        None => format!("obstacle {inside}"),
-    };
-    Some((format!("[{x}, {y}, {z}], inside {obstacle}"), "a place outside all obstacles"))
 }
 
 /// The two indices of the first name that appears twice.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
 
-use super::super::layout::{Region, RegionConfig, fault};
+use super::super::layout::{Region, RegionConfig};
 use super::leg::Leg;
 use super::speed;
 use crate::purpose;
@@ -92,7 +92,7 @@ impl RandomWalkConfig {
     pub(super) fn build(&self, obstacles: &ObstacleField) -> Result<RandomWalk, SettingError> {
         let region = Region::try_from(&self.region).map_err(|error| error.within("region"))?;
         let start = self.start_m;
-        if let Some((found, allowed)) = fault(start, obstacles) {
+        if let Some((found, allowed)) = obstacles.fault(start) {
             return Err(SettingError::new("start_m", found, allowed));
         }
         if !region.contains(start) {

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{SettingError, SimTime};
 
-use super::super::layout::fault;
 use super::leg::Leg;
 use super::speed;
 
@@ -48,7 +47,7 @@ impl WaypointsConfig {
             return Err(SettingError::new("places_m", "an empty list", "at least one place"));
         }
         for (i, &place) in self.places_m.iter().enumerate() {
-            if let Some((found, allowed)) = fault(place, obstacles) {
+            if let Some((found, allowed)) = obstacles.fault(place) {
                 return Err(SettingError::new(format!("places_m[{i}]"), found, allowed));
             }
         }
