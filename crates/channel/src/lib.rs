@@ -4,6 +4,8 @@
 //! The crate also has the types that pass from simulation to mapping: [`Reception`], [`ReceptionLog`],
 //! [`NeighbourLog`], [`Anchor`].
 //!
+//! An [`Antenna`] has a gain for each of its sectors and each direction.
+//!
 //! A [`Channel`] is path loss with distance ([`LogDistance`]), absorption along the straight line through obstacles
 //! ([`ObstacleField`], Lambert-Bouguer law) and shadowing ([`Shadowing`]): equations 3.14 to 3.16 of the thesis.
 //! Lengths inside obstacles are exact. All results are reciprocal, bit for bit, and pure functions of their arguments
@@ -36,6 +38,7 @@
 //! # Ok::<(), sextant_kernel::SettingError>(())
 //! ```
 
+mod antenna;
 mod bounds;
 mod cell_grid;
 mod channel;
@@ -57,6 +60,11 @@ mod shape;
 mod span;
 mod tree;
 
+pub use antenna::{
+    Antenna, AntennaConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Ieee802153cConfig, LobeEdge,
+    OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress, SectorEdge,
+    SectorGainsConfig, SectorsConfig, Tr38901Config, Vertical,
+};
 pub use bounds::Bounds;
 pub use cell_grid::CellGrid;
 pub use channel::Channel;

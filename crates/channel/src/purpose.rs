@@ -4,3 +4,5 @@ use sextant_kernel::Purpose;
 
 /// Shadowing of a link.
 pub(crate) const SHADOWING: Purpose = Purpose::new(4);
+/// Gain ripple of the sectors of an antenna.
+pub(crate) const GAIN_RIPPLE: Purpose = Purpose::new(20);

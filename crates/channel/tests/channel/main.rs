@@ -1,7 +1,9 @@
 //! The channel against closed forms, brute force and the geometry library's own casts.
 
+mod antenna;
 mod budget;
 mod clearance;
+mod code_book;
 mod input;
 mod lengths;
 mod shadow;

@@ -1,0 +1,129 @@
+//! How an antenna is turned in the world.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use crate::Position;
+
+/// How an antenna is turned, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OrientationConfig {
+    /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
+    #[serde(default)]
+    pub yaw_deg: f64,
+    /// Tilt of the forward axis above the horizontal plane (degrees).
+    #[serde(default)]
+    pub pitch_deg: f64,
+    /// Rotation about the forward axis, the left side up (degrees).
+    #[serde(default)]
+    pub roll_deg: f64,
+}
+
+/// How an antenna is turned in the world. The frame of an antenna has x forward (azimuth 0), y left (azimuth 90°) and
+/// z up. It is first rolled about x, then pitched, then yawed about the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orientation {
+    forward: Position,
+    left: Position,
+    up: Position,
+}
+
+impl Default for Orientation {
+    fn default() -> Self {
+        Self::LEVEL
+    }
+}
+
+impl TryFrom<OrientationConfig> for Orientation {
+    type Error = SettingError;
+
+    fn try_from(config: OrientationConfig) -> Result<Self, SettingError> {
+        let OrientationConfig { yaw_deg, pitch_deg, roll_deg } = config;
+        Ok(Self::new(
+            SettingError::finite("yaw_deg", yaw_deg)?.to_radians(),
+            SettingError::finite("pitch_deg", pitch_deg)?.to_radians(),
+            SettingError::finite("roll_deg", roll_deg)?.to_radians(),
+        ))
+    }
+}
+
+impl Orientation {
+    /// Forward is x, up is z: the frame of the antenna is that of the world.
+    pub const LEVEL: Self = Self {
+        forward: Position::new(1.0, 0.0, 0.0),
+        left: Position::new(0.0, 1.0, 0.0),
+        up: Position::new(0.0, 0.0, 1.0),
+    };
+
+    /// Turned by `yaw_rad` counterclockwise about the vertical, tilted up by `pitch_rad`, and rolled about the forward
+    /// axis by `roll_rad`, the left side up.
+    #[must_use]
+    pub fn new(yaw_rad: f64, pitch_rad: f64, roll_rad: f64) -> Self {
+        let (sy, cy) = libm::sincos(yaw_rad);
+        let (sp, cp) = libm::sincos(pitch_rad);
+        let (sr, cr) = libm::sincos(roll_rad);
+        let forward = Position::new(cy * cp, sy * cp, sp);
+        let (left, up) = (Position::new(-sy, cy, 0.0), Position::new(-cy * sp, -sy * sp, cp));
+        Self { forward, left: left * cr + up * sr, up: up * cr - left * sr }
+    }
+
+    /// Turned about the vertical only, counterclockwise by `yaw_rad`.
+    #[must_use]
+    pub fn heading(yaw_rad: f64) -> Self {
+        Self::new(yaw_rad, 0.0, 0.0)
+    }
+
+    /// A direction of the world in the frame of the antenna.
+    #[must_use]
+    #[inline]
+    pub fn to_antenna_frame(&self, direction: Position) -> Position {
+        Position::new(self.forward.dot(direction), self.left.dot(direction), self.up.dot(direction))
+    }
+
+    /// A direction of the frame of the antenna in the world: the inverse of
+    /// [`to_antenna_frame`](Self::to_antenna_frame).
+    #[must_use]
+    pub fn to_world_frame(&self, direction: Position) -> Position {
+        self.forward * direction.x_m + self.left * direction.y_m + self.up * direction.z_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn close(a: Position, b: Position) -> bool {
+        a.distance_m(b) < 1e-12
+    }
+
+    #[test]
+    fn yaw_turns_left_pitch_tilts_up_and_roll_lifts_the_left_side() {
+        let turned = |yaw: f64, pitch: f64, roll: f64, p: [f64; 3]| {
+            let config = OrientationConfig { yaw_deg: yaw, pitch_deg: pitch, roll_deg: roll };
+            Orientation::try_from(config).unwrap().to_world_frame(p.into())
+        };
+        assert!(close(turned(90.0, 0.0, 0.0, [1.0, 0.0, 0.0]), Position::new(0.0, 1.0, 0.0)));
+        assert!(close(turned(0.0, 90.0, 0.0, [1.0, 0.0, 0.0]), Position::new(0.0, 0.0, 1.0)));
+        assert!(close(turned(0.0, 0.0, 90.0, [0.0, 1.0, 0.0]), Position::new(0.0, 0.0, 1.0)));
+        assert!(close(turned(90.0, 90.0, 0.0, [0.0, 0.0, 1.0]), Position::new(0.0, -1.0, 0.0)));
+        assert!(close(turned(0.0, 0.0, 0.0, [0.3, 0.4, 0.5]), Position::new(0.3, 0.4, 0.5)));
+    }
+
+    proptest! {
+        #[test]
+        fn rotations_keep_angles_and_have_an_inverse(
+            yaw in -10.0..10.0_f64, pitch in -10.0..10.0_f64, roll in -10.0..10.0_f64,
+            a in prop::array::uniform3(-1.0..1.0_f64), b in prop::array::uniform3(-1.0..1.0_f64),
+        ) {
+            let turned = Orientation::new(yaw, pitch, roll);
+            let (a, b) = (Position::from(a), Position::from(b));
+            let (x, y) = (turned.to_antenna_frame(a), turned.to_antenna_frame(b));
+            prop_assert!((x.dot(y) - a.dot(b)).abs() < 1e-12);
+            prop_assert!(close(x.cross(y), turned.to_antenna_frame(a.cross(b))));
+            prop_assert!(close(turned.to_world_frame(x), a));
+        }
+    }
+}
