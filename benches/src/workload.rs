@@ -145,7 +145,15 @@ fn survey(seed: Seed, nodes: &[Position], stops: &[Position], range_m: f64) -> R
             let shadowing_db = sigma_db * seed.normal(Purpose::new(4), [node, u64::from(stop), 0]);
             if margin_db + shadowing_db >= 10.0 * exponent * distance_m.max(0.1).log10() {
                 let node = NodeId(u32::try_from(node).expect("a node"));
-                receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
+                receptions.push(Reception {
+                    node,
+                    stop,
+                    received: 1,
+                    sent: 1,
+                    sector: None,
+                    rssi_dbm: None,
+                    snr_db: None,
+                });
             }
         }
     }

@@ -43,6 +43,8 @@ pub struct Reception {
     pub sector: Option<u8>,
     /// Mean received signal strength of the packets (dBm), if it was measured.
     pub rssi_dbm: Option<f64>,
+    /// Signal-to-noise ratio of the listener's own best packet, as the node reported it (dB), if nodes report it.
+    pub snr_db: Option<f64>,
 }
 
 /// A place where a robot met an obstacle.
@@ -327,7 +329,7 @@ mod tests {
     use super::*;
 
     fn heard(node: u32, stop: u32) -> Reception {
-        Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None }
+        Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None }
     }
 
     fn log(receptions: Vec<Reception>) -> Result<ReceptionLog, LogError> {

@@ -215,6 +215,7 @@ mod tests {
             sent: 1,
             sector: None,
             rssi_dbm: None,
+            snr_db: None,
         });
         let receptions = receptions.collect();
         ReceptionLog::new(vec!["n".into()], stops, receptions, Vec::new()).expect("a good log")

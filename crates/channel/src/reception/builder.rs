@@ -16,7 +16,7 @@ use crate::Position;
 /// let mut builder = ReceptionLogBuilder::default();
 /// for (stop, node) in [(0, 1), (1, 0), (1, 1)] {
 ///     let node = NodeId(node);
-///     builder.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
+///     builder.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None });
 /// }
 /// let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
 /// let log = builder.build(vec!["a".into(), "b".into()], vec![stop; 2], Vec::new())?;
@@ -233,7 +233,7 @@ mod tests {
                 let sector = (chance(3) < 0.3).then(|| u8::try_from(node).expect("a small number"));
                 let sent = if chance(4) < 0.7 { 1 } else { 3 };
                 let stop = u32::try_from(stop).unwrap();
-                all.push(Reception { node: NodeId(node), stop, received: 1, sent, sector, rssi_dbm });
+                all.push(Reception { node: NodeId(node), stop, received: 1, sent, sector, rssi_dbm, snr_db: None });
             }
         }
         all

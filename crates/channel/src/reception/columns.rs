@@ -11,7 +11,9 @@ pub(super) struct Columns {
     /// Packets received and sent.
     pub(super) packets: Column<Packets>,
     pub(super) sectors: Column<Option<u8>>,
-    pub(super) strengths: Column<Strength>,
+    pub(super) strengths: Column<Level>,
+    /// Signal-to-noise ratios that nodes reported.
+    pub(super) ratios: Column<Level>,
 }
 
 impl Columns {
@@ -26,7 +28,7 @@ impl Columns {
         if packets.0.iter().all(|&slot| slot == Packets::default()) {
             packets = Column::default();
         }
-        Self { stops: self.stops.clone(), packets, sectors: self.sectors.clone(), strengths: self.strengths.clone() }
+        Self { packets, ..self.clone() }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -34,19 +36,27 @@ impl Columns {
     }
 
     pub(super) fn push(&mut self, reception: &Reception) {
-        let &Reception { node: _, stop, received, sent, sector, rssi_dbm } = reception;
+        let &Reception { node: _, stop, received, sent, sector, rssi_dbm, snr_db } = reception;
         let before = self.stops.len();
         self.stops.push(stop);
         self.packets.push(before, Packets { received, sent });
         self.sectors.push(before, sector);
-        self.strengths.push(before, Strength::new(rssi_dbm));
+        self.strengths.push(before, Level::new(rssi_dbm));
+        self.ratios.push(before, Level::new(snr_db));
     }
 
     /// The reception at `at`, which belongs to `node`.
     pub(super) fn get(&self, node: NodeId, at: usize) -> Reception {
         let Packets { received, sent } = self.packets.get(at);
-        let (sector, rssi_dbm) = (self.sectors.get(at), self.strengths.get(at).dbm());
-        Reception { node, stop: self.stops[at], received, sent, sector, rssi_dbm }
+        Reception {
+            node,
+            stop: self.stops[at],
+            received,
+            sent,
+            sector: self.sectors.get(at),
+            rssi_dbm: self.strengths.get(at).value(),
+            snr_db: self.ratios.get(at).value(),
+        }
     }
 
     /// Moves each reception to the index that `destinations` gives, one column after the other, so that
@@ -56,6 +66,7 @@ impl Columns {
         scatter(&mut self.packets.0, destinations());
         scatter(&mut self.sectors.0, destinations());
         scatter(&mut self.strengths.0, destinations());
+        scatter(&mut self.ratios.0, destinations());
     }
 
     /// Puts the receptions from `start` on in the order of the indices `order`.
@@ -64,6 +75,7 @@ impl Columns {
         gather(&mut self.packets.0, start, order);
         gather(&mut self.sectors.0, start, order);
         gather(&mut self.strengths.0, start, order);
+        gather(&mut self.ratios.0, start, order);
     }
 
     pub(super) fn shrink_to_fit(&mut self) {
@@ -71,6 +83,7 @@ impl Columns {
         self.packets.0.shrink_to_fit();
         self.sectors.0.shrink_to_fit();
         self.strengths.0.shrink_to_fit();
+        self.ratios.0.shrink_to_fit();
     }
 }
 
@@ -136,21 +149,21 @@ impl Default for Packets {
     }
 }
 
-/// The bits of a received signal strength (dBm); the bits of NaN if it was not measured.
+/// The bits of a level (dB or dBm); the bits of NaN if it was not measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Strength(u64);
+pub(super) struct Level(u64);
 
-impl Strength {
-    fn new(rssi_dbm: Option<f64>) -> Self {
-        rssi_dbm.filter(|rssi_dbm| !rssi_dbm.is_nan()).map_or(Self::default(), |rssi_dbm| Self(rssi_dbm.to_bits()))
+impl Level {
+    fn new(value: Option<f64>) -> Self {
+        value.filter(|value| !value.is_nan()).map_or(Self::default(), |value| Self(value.to_bits()))
     }
 
-    fn dbm(self) -> Option<f64> {
-        Some(f64::from_bits(self.0)).filter(|rssi_dbm| !rssi_dbm.is_nan())
+    fn value(self) -> Option<f64> {
+        Some(f64::from_bits(self.0)).filter(|value| !value.is_nan())
     }
 }
 
-impl Default for Strength {
+impl Default for Level {
     fn default() -> Self {
         Self(f64::NAN.to_bits())
     }

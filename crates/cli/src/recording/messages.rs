@@ -105,6 +105,9 @@ pub struct ReceptionMessage {
     /// Mean received signal strength (dBm).
     #[prost(double, optional, tag = "6")]
     pub rssi_dbm: Option<f64>,
+    /// Signal-to-noise ratio of the robot's own best packet, as the node reported it (dB).
+    #[prost(double, optional, tag = "7")]
+    pub snr_db: Option<f64>,
 }
 
 /// A point of an obstacle that the range sensor of a robot detected.
@@ -208,7 +211,7 @@ recorded! {
     ];
     ReceptionMessage = "Reception": [
         "node" = 1 Uint32, "stop" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,
-        "sector" = 5 OptionalUint32, "rssi_dbm" = 6 OptionalDouble,
+        "sector" = 5 OptionalUint32, "rssi_dbm" = 6 OptionalDouble, "snr_db" = 7 OptionalDouble,
     ];
     ContactMessage = "Contact": ["time_ns" = 1 Uint64, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
     FrameMessage = "Frame": [

@@ -231,6 +231,7 @@ impl LogDraft {
             sent: message.sent,
             sector: sector.transpose()?,
             rssi_dbm: message.rssi_dbm,
+            snr_db: message.snr_db,
         });
         Ok(())
     }

@@ -217,7 +217,7 @@ impl<W: Write> Recorder<W> {
             receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
         };
         self.append(stop.time, "/stops", &message)?;
-        for &Reception { node, stop: at, received, sent, sector, rssi_dbm } in receptions {
+        for &Reception { node, stop: at, received, sent, sector, rssi_dbm, snr_db } in receptions {
             let message = messages::ReceptionMessage {
                 node: node.0,
                 stop: at,
@@ -225,6 +225,7 @@ impl<W: Write> Recorder<W> {
                 sent,
                 sector: sector.map(u32::from),
                 rssi_dbm,
+                snr_db,
             };
             self.append(stop.time, "/receptions", &message)?;
         }

@@ -70,9 +70,9 @@ fn read_receptions(
     path: &Path,
     stop_ids: &BTreeMap<String, u32>,
 ) -> Result<(Vec<String>, ReceptionLogBuilder), RobotLogError> {
-    let table = Table::read(path, &["node", "stop", "received"], &["sent", "sector", "rssi_dbm"])?;
+    let table = Table::read(path, &["node", "stop", "received"], &["sent", "sector", "rssi_dbm", "snr_db"])?;
     let [node, stop, received, sent] = ["node", "stop", "received", "sent"].map(|name| table.column(name));
-    let [sector, rssi] = ["sector", "rssi_dbm"].map(|name| table.column(name));
+    let [sector, rssi, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
     let mut names = Vec::new();
     let mut nodes = BTreeMap::new();
     let mut receptions = ReceptionLogBuilder::default();
@@ -96,6 +96,7 @@ fn read_receptions(
             sent: count(sent)?.unwrap_or(1),
             sector: row.whole(sector, u32::from(u8::MAX))?.and_then(|sector| u8::try_from(sector).ok()),
             rssi_dbm: row.finite(rssi)?,
+            snr_db: row.finite(snr)?,
         };
         if reception.received > reception.sent {
             let default = if row.filled(sent).is_some() { "" } else { " (1 if `sent` is absent)" };
@@ -103,7 +104,8 @@ fn read_receptions(
         }
         pairs.push((node, stop, row.offset));
         // 0 of 1 packets means the same as an absent pair.
-        if (reception.received, reception.sent, reception.sector, reception.rssi_dbm) != (0, 1, None, None) {
+        let Reception { received, sent, sector, rssi_dbm, snr_db, .. } = reception;
+        if (received, sent, sector, rssi_dbm, snr_db) != (0, 1, None, None, None) {
             receptions.push(reception);
         }
         Ok(())
@@ -179,9 +181,11 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
 
     let sectors = log.receptions().iter().any(|reception| reception.sector.is_some());
     let strengths = log.receptions().iter().any(|reception| reception.rssi_dbm.is_some());
+    let ratios = log.receptions().iter().any(|reception| reception.snr_db.is_some());
     let mut header = vec!["node", "stop", "received", "sent"];
     header.extend(sectors.then_some("sector"));
     header.extend(strengths.then_some("rssi_dbm"));
+    header.extend(ratios.then_some("snr_db"));
     let mut receptions = Output::new(&header);
     for (index, name) in log.names().iter().enumerate() {
         let heard = log.of(NodeId::from_index(index));
@@ -192,6 +196,7 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
             sent: 1,
             sector: None,
             rssi_dbm: None,
+            snr_db: None,
         };
         // Each node needs a row to keep its order. For an unheard node it is 0 of 1 packets at the first stop, which
         // means the same as no row.
@@ -206,6 +211,9 @@ pub fn write(folder: &Path, log: &ReceptionLog) -> Result<(), RobotLogError> {
             }
             if strengths {
                 receptions.text(&reception.rssi_dbm.map_or_else(String::new, |rssi| rssi.to_string()));
+            }
+            if ratios {
+                receptions.text(&reception.snr_db.map_or_else(String::new, |snr| snr.to_string()));
             }
             receptions.end();
         }

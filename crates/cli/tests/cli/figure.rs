@@ -52,6 +52,7 @@ fn log() -> ReceptionLog {
             sent: 2,
             sector: None,
             rssi_dbm: None,
+            snr_db: None,
         };
         (0..STOPS).filter(move |stop| (node + stop).is_multiple_of(3)).map(reception)
     };

@@ -51,7 +51,15 @@ fn log(stops: &[Position], nodes: &[Position], links: Links) -> ReceptionLog {
             let is_heard = |packet: &u32| normal(4 + u64::from(*packet), node, stop) < margin;
             let received = u32::try_from((0..links.packets).filter(is_heard).count()).expect("a few packets");
             let node = NodeId(node);
-            receptions.push(Reception { node, stop, received, sent: links.packets, sector: None, rssi_dbm: None });
+            receptions.push(Reception {
+                node,
+                stop,
+                received,
+                sent: links.packets,
+                sector: None,
+                rssi_dbm: None,
+                snr_db: None,
+            });
         }
     }
     let stop = |&position: &Position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };

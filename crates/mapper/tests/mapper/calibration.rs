@@ -50,6 +50,7 @@ fn survey(seed: u64, tall_m: f64) -> (ReceptionLog, Vec<Position>) {
                     sent: 1,
                     sector: None,
                     rssi_dbm: None,
+                    snr_db: None,
                 });
             }
         }

@@ -32,7 +32,15 @@ fn survey(nodes: u32, uneven_m: f64) -> (ReceptionLog, Vec<Position>) {
             let p = 1.0 - place.distance_m(at.position) / RANGE_M;
             if draw([u64::from(node), u64::from(stop), 3]) < p {
                 let node = NodeId(node);
-                receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
+                receptions.push(Reception {
+                    node,
+                    stop,
+                    received: 1,
+                    sent: 1,
+                    sector: None,
+                    rssi_dbm: None,
+                    snr_db: None,
+                });
             }
         }
     }

@@ -15,7 +15,7 @@ fn stop(place: Position) -> Stop {
 }
 
 fn entry(node: u32, stop: u32, received: u32, sent: u32) -> Reception {
-    Reception { node: NodeId(node), stop, received, sent, sector: None, rssi_dbm: None }
+    Reception { node: NodeId(node), stop, received, sent, sector: None, rssi_dbm: None, snr_db: None }
 }
 
 fn log(nodes: u32, stops: &[Position], receptions: Vec<Reception>) -> ReceptionLog {

@@ -138,7 +138,15 @@ fn survey(seed: u64, nodes: u32, sent: u32, heights_m: &[f64], tall_m: f64, s: i
                 |packet: u32| u32::from(uniform(seed, [u64::from(node), u64::from(stop), 2 + u64::from(packet)]) < p);
             let received = (0..sent).map(draw).sum();
             if received > 0 || sent > 1 {
-                receptions.push(Reception { node: NodeId(node), stop, received, sent, sector: None, rssi_dbm: None });
+                receptions.push(Reception {
+                    node: NodeId(node),
+                    stop,
+                    received,
+                    sent,
+                    sector: None,
+                    rssi_dbm: None,
+                    snr_db: None,
+                });
             }
         }
     }
@@ -210,7 +218,15 @@ fn changed(
 ) -> ReceptionLog {
     let mut receptions: Vec<Reception> = log.receptions().iter().filter_map(change).collect();
     for &(node, stop) in more {
-        receptions.push(Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None });
+        receptions.push(Reception {
+            node: NodeId(node),
+            stop,
+            received: 1,
+            sent: 1,
+            sector: None,
+            rssi_dbm: None,
+            snr_db: None,
+        });
     }
     ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), receptions, Vec::new()).expect("a log")
 }
@@ -264,8 +280,15 @@ fn the_number_of_threads_does_not_change_the_fit() {
 #[test]
 fn a_log_with_little_evidence_does_not_fail() {
     let stop = |x_m: f64| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, 0.0, 0.0) };
-    let heard =
-        |node, stop| Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None };
+    let heard = |node, stop| Reception {
+        node: NodeId(node),
+        stop,
+        received: 1,
+        sent: 1,
+        sector: None,
+        rssi_dbm: None,
+        snr_db: None,
+    };
     let names = || vec!["a".to_owned(), "b".to_owned()];
     let mapper = Mapper::try_from(AlgorithmConfig::MlTm(ml_tm(0.5))).unwrap();
     for (stops, receptions, mapped) in [

@@ -114,6 +114,7 @@ impl World {
                     sent: self.packets,
                     sector: None,
                     rssi_dbm: None,
+                    snr_db: None,
                 });
             }
         }
@@ -361,8 +362,15 @@ fn in_space_obstacles_are_searched_for_only_if_all_stops_have_one_height() {
 fn logs_with_little_evidence_are_mapped_as_well_as_possible() {
     let algorithm = SelfCalibrated::try_from(SelfCalibratedConfig::default()).expect("good settings");
     let stop = |x_m, y_m| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(x_m, y_m, 0.0) };
-    let heard =
-        |node, stop| Reception { node: NodeId(node), stop, received: 1, sent: 1, sector: None, rssi_dbm: None };
+    let heard = |node, stop| Reception {
+        node: NodeId(node),
+        stop,
+        received: 1,
+        sent: 1,
+        sector: None,
+        rssi_dbm: None,
+        snr_db: None,
+    };
     let names = |count| (0..count).map(|node| format!("n{node}")).collect::<Vec<_>>();
     let log = |nodes, stops: Vec<Stop>, receptions| {
         ReceptionLog::new(names(nodes), stops, receptions, Vec::new()).expect("a log")

@@ -62,7 +62,7 @@ fn survey(network: &Network) -> ReceptionLog {
                 + 3.0 * Seed(4).normal(Purpose::new(8), [u64::from(node), u64::from(stop), 0]);
             if rssi_dbm > -65.0 {
                 let (node, rssi_dbm) = (NodeId(node), Some(rssi_dbm));
-                receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm });
+                receptions.push(Reception { node, stop, received: 1, sent: 1, sector: None, rssi_dbm, snr_db: None });
             }
         }
     }

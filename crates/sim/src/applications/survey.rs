@@ -217,6 +217,7 @@ impl Application for Survey {
             sent: heard.sent,
             sector: None,
             rssi_dbm: Some(heard.rssi_dbm),
+            snr_db: None,
         };
         port.log_stop(since, place, heard.iter().map(reception).collect());
         match during {

@@ -101,6 +101,7 @@ impl Seeker {
             sent: frames,
             sector: None,
             rssi_dbm: Some(sum_dbm / f64::from(frames)),
+            snr_db: None,
         });
         port.log_stop(self.listening_since, port.pose().position, receptions.collect());
         let strongest = heard.iter().map(mean).max_by(|a, b| a.1.0.total_cmp(&b.1.0));

@@ -75,7 +75,8 @@ fn files_with_byte_order_mark_crlf_and_another_order_of_columns_are_read() {
     assert_eq!(log.names(), ["a, \"b\"", "\u{e9}"]);
     assert_eq!(log.stops()[0].position, Position::new(1.0, 2.0, 0.0));
     assert_eq!(log.stops()[1].time, SimTime::from_nanos(1_000_000_000));
-    let heard = Reception { node: NodeId(0), stop: 1, received: 1, sent: 1, sector: None, rssi_dbm: None };
+    let heard =
+        Reception { node: NodeId(0), stop: 1, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
     assert_eq!(log.of(NodeId(0)), [heard]);
 }
 
@@ -180,11 +181,11 @@ fn errors_in_rows_and_headers_name_the_line() {
     for (receptions, expected) in [
         (
             "node,stop,recieved\nlamp,A,1\n",
-            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? known columns: node, stop, received, sent, sector, rssi_dbm",
+            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
         ),
         (
             "node,stop,received,weather\n",
-            "receptions.csv, line 1: unknown column `weather`; known columns: node, stop, received, sent, sector, rssi_dbm",
+            "receptions.csv, line 1: unknown column `weather`; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
         ),
         (
             "node,stop\nlamp,A\n",

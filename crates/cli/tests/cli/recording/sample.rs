@@ -64,7 +64,8 @@ pub(crate) fn log(seed: u64, nodes: u32, stops: u32) -> ReceptionLog {
             let rssi_dbm = (numbers.below(2) == 0).then(|| -90.0 + numbers.coordinate());
             // 0 of 1 means the same as an absent pair, so a CSV folder does not keep it.
             let received = if sent == 1 { 1 } else { received };
-            receptions.push(Reception { node: NodeId(node), stop, received, sent, sector, rssi_dbm });
+            let snr_db = (numbers.below(2) == 0).then(|| numbers.coordinate());
+            receptions.push(Reception { node: NodeId(node), stop, received, sent, sector, rssi_dbm, snr_db });
         }
     }
     let contacts = (0..stops / 5).map(|i| Contact {

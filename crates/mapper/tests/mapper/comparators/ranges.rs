@@ -174,6 +174,7 @@ fn survey(nodes: &[Position], range_m: f64, sigma_db: f64) -> ReceptionLog {
                     sent: 1,
                     sector: None,
                     rssi_dbm: Some(rssi_dbm),
+                    snr_db: None,
                 });
             }
         }
@@ -265,6 +266,7 @@ fn the_grid_counts_the_vertices_that_are_equally_likely() {
             sent: 1,
             sector: None,
             rssi_dbm: Some(-50.0 - 27.0 * vertex(3.0, 5.0).distance_m(*place).log10()),
+            snr_db: None,
         };
         let receptions = (0..).zip(places).map(reception).collect();
         let log = ReceptionLog::new(vec!["n".into()], places.iter().map(stop).collect(), receptions, Vec::new());
