@@ -55,6 +55,7 @@
 pub mod coordinator;
 pub mod csma;
 pub mod device;
+pub mod dmg;
 pub mod frame;
 pub mod oqpsk;
 pub mod responder;

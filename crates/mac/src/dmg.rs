@@ -1,0 +1,37 @@
+//! Sector level sweeps of IEEE 802.11ad (directional multi-gigabit, DMG; 2012, 9.35.2) as machines without i/o.
+//!
+//! An [`Initiator`] sends one SSW frame from each of its transmit sectors. A [`Responder`] listens in all directions,
+//! keeps the sector that it heard best, and sends it back in SSW frames from each of its own sectors. Many responders
+//! that heard one sweep share the channel by [`Contention`]: CSMA/CA without or with feedback, or slots (A-BFT). A sweep
+//! to one named responder is the full procedure of the standard, with SSW-Feedback and SSW-ACK. A sweep can also only
+//! announce a station; no one answers it.
+//!
+//! Goes in: events with their instants, and the frames that were decoded, with their SINR. Comes out: commands to a
+//! [`Radio`], and reports. A machine owns no octets: the radio gets each frame as a [`SweepFrame`], which writes itself.
+//!
+//! Differences from the standard, which are those of Gunathillake (2018, chapter 4): an SSW frame of an initiator may
+//! go to all stations, where the standard has DMG beacons. A sweep that expects no answers says so by 0 receive
+//! antennas.
+
+mod address;
+mod alarm;
+mod backoff;
+mod edca;
+mod frame;
+mod initiator;
+mod port;
+mod responder;
+mod sector;
+mod settings;
+mod snr_report;
+pub mod timing;
+
+pub use address::MacAddress;
+pub use edca::AccessCategory;
+pub use frame::{BeamRefinement, SectorFeedback, SweepBody, SweepFrame, SweepParseError};
+pub use initiator::{Access, Answer, Initiator, InitiatorOutcome, InitiatorReport, SweepPurpose};
+pub use port::{Aim, Event, Radio};
+pub use responder::{HeardSweep, Responder, ResponderOutcome, ResponderReport};
+pub use sector::{MAX_ANTENNA_SECTORS, MAX_ANTENNAS, MAX_SECTORS, SectorLayout, TxSector};
+pub use settings::{Abft, AbftConfig, Contention, ContentionConfig, CsmaFeedbackConfig, SweepConfig, SweepSettings};
+pub use snr_report::SnrReport;

@@ -1,0 +1,447 @@
+//! The initiator of a sector level sweep (IEEE 802.11ad-2012, 9.35.2.2): it sends one SSW frame from each of its
+//! sectors, then listens in all directions for the answers.
+
+use std::time::Duration;
+
+use sextant_channel::Db;
+use sextant_kernel::SimTime;
+
+use super::address::MacAddress;
+use super::alarm::Alarm;
+use super::backoff::{Backoff, Carrier};
+use super::frame::{BeamRefinement, SectorFeedback, SweepBody, SweepFrame};
+use super::port::{Aim, Event, Radio};
+use super::sector::{SectorLayout, TxSector};
+use super::settings::{Contention, SweepSettings};
+use super::timing::{
+    AIR_PROPAGATION, CCA_DETECTION, MAX_SLS_RETRIES, MBIFS, SLOT, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME,
+    duration_field, slot_sweep_duration, sweep_end,
+};
+use crate::RadioState;
+use answers::Answers;
+
+mod answers;
+#[cfg(test)]
+mod tests;
+
+pub use answers::Answer;
+
+/// What a sweep is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SweepPurpose {
+    /// All stations that hear it answer.
+    Gather,
+    /// One station answers, which has these sectors: the full procedure with SSW-Feedback and SSW-ACK.
+    Train {
+        /// The station.
+        responder: MacAddress,
+        /// Its sectors.
+        layout: SectorLayout,
+    },
+    /// The station says that it is there; no one answers.
+    Announce,
+}
+
+/// When a sweep starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// At once, whatever the channel.
+    AtOnce,
+    /// By carrier sense and backoff.
+    Contend,
+}
+
+/// How a sweep ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InitiatorOutcome {
+    /// The window for answers is over; of an announcement, its last frame.
+    Over,
+    /// The named station answered, and acknowledged the feedback.
+    Trained,
+    /// The named station did not answer any of the sweeps.
+    NoAnswer,
+    /// The named station answered, but never acknowledged the feedback.
+    NoAck,
+}
+
+/// The end of a sweep. [`Initiator::answers`] has the answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InitiatorReport {
+    /// What it was for.
+    pub purpose: SweepPurpose,
+    /// How it ended.
+    pub outcome: InitiatorOutcome,
+    /// SSW frames sent.
+    pub frames: u32,
+}
+
+/// A sweep under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sweep {
+    purpose: SweepPurpose,
+    frames: u32,
+    retries: u8,
+}
+
+/// The time for answers of many stations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Window {
+    opens: SimTime,
+    closes: SimTime,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Idle,
+    Contending(Sweep, Backoff),
+    /// Sending the frame with this index.
+    Sweeping(Sweep, u16),
+    /// Silent before the frame with this index.
+    Spacing(Sweep, u16),
+    /// Listening for answers of all stations.
+    Gathering(Sweep, Window),
+    /// Sending feedback to one of them.
+    Informing(Sweep, Window),
+    /// Listening for the answer of one station until its sweep must have ended.
+    AwaitingAnswer(Sweep, SimTime),
+    /// Sending it feedback.
+    Choosing(Sweep),
+    AwaitingAck(Sweep),
+}
+
+/// The state machine.
+#[derive(Clone, Debug)]
+pub struct Initiator {
+    address: MacAddress,
+    layout: SectorLayout,
+    settings: SweepSettings,
+    state: State,
+    carrier: Carrier,
+    alarm: Alarm,
+    answers: Answers,
+}
+
+impl Initiator {
+    /// An idle station with this address and these sectors.
+    #[must_use]
+    pub fn new(address: MacAddress, layout: SectorLayout, settings: SweepSettings) -> Self {
+        Self {
+            address,
+            layout,
+            settings,
+            state: State::Idle,
+            carrier: Carrier::default(),
+            alarm: Alarm::default(),
+            answers: Answers::default(),
+        }
+    }
+
+    /// Whether a sweep is under way, so that [`Initiator::start`] must wait for its report.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        !matches!(self.state, State::Idle)
+    }
+
+    /// The answers to the last sweep, one per station, in the order of their addresses.
+    #[must_use]
+    pub fn answers(&self) -> &[Answer] {
+        self.answers.best()
+    }
+
+    /// Starts a sweep.
+    ///
+    /// # Panics
+    /// If one is under way.
+    pub fn start(&mut self, now: SimTime, purpose: SweepPurpose, access: Access, radio: &mut impl Radio) {
+        assert!(!self.is_busy(), "a sweep is under way");
+        self.answers.clear();
+        let sweep = Sweep { purpose, frames: 0, retries: 0 };
+        match access {
+            Access::AtOnce => self.send(sweep, 0, radio),
+            Access::Contend => {
+                let category = self.settings.access_category();
+                let backoff = Backoff::new(category, now, radio.slots(category.cw_min()));
+                self.state = State::Contending(sweep, backoff);
+                self.pursue(now, radio);
+            }
+        }
+    }
+
+    /// A frame was decoded whose last bit arrives now, with the SINR `sinr`. A deaf radio decodes none: frames that come
+    /// while this station transmits are ignored.
+    pub fn receive(
+        &mut self,
+        now: SimTime,
+        frame: &SweepFrame,
+        sinr: Db,
+        radio: &mut impl Radio,
+    ) -> Option<InitiatorReport> {
+        if matches!(self.state, State::Sweeping(..) | State::Informing(..) | State::Choosing(_)) {
+            return None;
+        }
+        if frame.to != self.address {
+            self.defer(now, now + frame.duration());
+            return None;
+        }
+        match (self.state, frame.body) {
+            (State::Gathering(sweep, window), SweepBody::Rss { cdown, sector, feedback }) => {
+                let answer = Answer::new(frame.from, sector, feedback, sinr);
+                self.answers.hear(answer);
+                if let Some(due) = self.feedback_due(now, window, cdown, frame.duration_us) {
+                    self.answers.promise(answer, due);
+                    self.watch(sweep, window, now, radio)
+                } else {
+                    None
+                }
+            }
+            (State::AwaitingAnswer(sweep, _), SweepBody::Rss { cdown, sector, feedback })
+                if names(sweep, frame.from) =>
+            {
+                self.answers.hear(Answer::new(frame.from, sector, feedback, sinr));
+                let until = sweep_end(now, cdown, frame.duration_us, Duration::ZERO) + MBIFS;
+                self.alarm.set(now, until, Event::WaitExpired, radio);
+                self.state = State::AwaitingAnswer(sweep, until);
+                None
+            }
+            (State::AwaitingAck(sweep), SweepBody::Ack { .. }) if names(sweep, frame.from) => {
+                self.alarm.clear(radio);
+                Some(self.end(sweep, InitiatorOutcome::Trained))
+            }
+            _ => None,
+        }
+    }
+
+    /// Handles an event; returns the report if the sweep is over.
+    ///
+    /// # Panics
+    /// If the event is impossible in the current state: the machine did not ask for it.
+    pub fn handle(&mut self, now: SimTime, event: Event, radio: &mut impl Radio) -> Option<InitiatorReport> {
+        self.alarm.note(event);
+        match (self.state, event) {
+            (_, Event::CarrierBusy) => {
+                if let State::Contending(_, backoff) = &mut self.state {
+                    backoff.freeze(now, self.carrier);
+                }
+                self.carrier.becomes_busy();
+                None
+            }
+            (_, Event::CarrierIdle) => {
+                self.carrier.becomes_idle(now);
+                self.pursue(now, radio);
+                None
+            }
+            (State::Contending(..), Event::TransmitReady) => {
+                self.pursue(now, radio);
+                None
+            }
+            (State::Spacing(sweep, index), Event::TransmitReady) => {
+                self.send(sweep, index, radio);
+                None
+            }
+            (State::Sweeping(sweep, index), Event::TransmissionEnded) if index + 1 < self.layout.total() => {
+                radio.enter(RadioState::Idle);
+                self.alarm.set(now, now + self.layout.gap_after(index), Event::TransmitReady, radio);
+                self.state = State::Spacing(sweep, index + 1);
+                None
+            }
+            (State::Sweeping(sweep, _), Event::TransmissionEnded) => {
+                listen(radio);
+                self.expect_answers(sweep, now, radio)
+            }
+            (State::Gathering(sweep, window), Event::TransmitReady | Event::WaitExpired) => {
+                self.watch(sweep, window, now, radio)
+            }
+            (State::Informing(sweep, window), Event::TransmissionEnded) => {
+                listen(radio);
+                self.carrier.is_taken_until(now);
+                self.watch(sweep, window, now, radio)
+            }
+            (State::AwaitingAnswer(sweep, until), Event::WaitExpired) => self.choose(sweep, until, now, radio),
+            (State::Choosing(sweep), Event::TransmissionEnded) => {
+                listen(radio);
+                self.alarm.set(now, now + SSW_ACK_TIMEOUT, Event::WaitExpired, radio);
+                self.state = State::AwaitingAck(sweep);
+                None
+            }
+            (State::AwaitingAck(sweep), Event::WaitExpired) if sweep.retries < MAX_SLS_RETRIES => {
+                self.train(Sweep { retries: sweep.retries + 1, ..sweep }, radio);
+                None
+            }
+            (State::AwaitingAck(sweep), Event::WaitExpired) => Some(self.end(sweep, InitiatorOutcome::NoAck)),
+            (state, event) => panic!("{event:?} cannot happen in {state:?}"),
+        }
+    }
+
+    /// Goes on with a backoff, if there is one.
+    fn pursue(&mut self, now: SimTime, radio: &mut impl Radio) {
+        let State::Contending(sweep, backoff) = self.state else { return };
+        match backoff.end(self.carrier) {
+            None => {}
+            Some(end) if end <= now && !self.alarm.is_set() => self.send(sweep, 0, radio),
+            Some(end) => self.alarm.set(now, end.max(now), Event::TransmitReady, radio),
+        }
+    }
+
+    /// The medium is taken until then.
+    fn defer(&mut self, now: SimTime, until: SimTime) {
+        if until > self.carrier.free_from() {
+            if let State::Contending(_, backoff) = &mut self.state {
+                backoff.suspend(now, self.carrier);
+            }
+            self.carrier.is_taken_until(until);
+        }
+    }
+
+    /// Starts the frame `index` of the sweep.
+    fn send(&mut self, sweep: Sweep, index: u16, radio: &mut impl Radio) {
+        let (to, rx_antennas) = match sweep.purpose {
+            SweepPurpose::Gather => (MacAddress::BROADCAST, 1),
+            SweepPurpose::Train { responder, .. } => (responder, 1),
+            SweepPurpose::Announce => (MacAddress::BROADCAST, 0),
+        };
+        let (sector, total_sectors) = (self.layout.sector(index), self.layout.total());
+        let body = SweepBody::Iss { cdown: total_sectors - 1 - index, sector, total_sectors, rx_antennas };
+        let duration_us = duration_field(self.layout.remaining_after(index));
+        transmit(SweepFrame { duration_us, to, from: self.address, body }, sector, radio);
+        self.state = State::Sweeping(Sweep { frames: sweep.frames + 1, ..sweep }, index);
+    }
+
+    /// The last frame of the sweep was sent.
+    fn expect_answers(&mut self, sweep: Sweep, now: SimTime, radio: &mut impl Radio) -> Option<InitiatorReport> {
+        match sweep.purpose {
+            SweepPurpose::Gather => {
+                let opens = now + MBIFS;
+                self.watch(sweep, Window { opens, closes: opens + self.settings.window() }, now, radio)
+            }
+            SweepPurpose::Train { layout, .. } => {
+                let until = now + MBIFS + layout.sweep_duration() + AIR_PROPAGATION * 2;
+                self.alarm.set(now, until, Event::WaitExpired, radio);
+                self.state = State::AwaitingAnswer(sweep, until);
+                None
+            }
+            SweepPurpose::Announce => Some(self.end(sweep, InitiatorOutcome::Over)),
+        }
+    }
+
+    /// When feedback to the sweep of a responder is due, of which a frame was decoded now; `None` without feedback.
+    fn feedback_due(&self, now: SimTime, window: Window, cdown: u16, duration_us: u16) -> Option<SimTime> {
+        match self.settings.contention() {
+            Contention::CsmaFeedback { .. } => {
+                Some(sweep_end(now, cdown, duration_us, self.settings.taken_after_answer()) + MBIFS)
+            }
+            Contention::Abft(abft) if abft.has_feedback() && now > window.opens => {
+                let slots = (now - window.opens).as_nanos() / abft.slot_duration().as_nanos();
+                let slots = u32::try_from(slots).expect("at most 8 slots");
+                let start = window.opens + abft.slot_duration() * slots;
+                Some(start + slot_sweep_duration(abft.frames_per_slot()) + MBIFS)
+            }
+            Contention::Csma | Contention::Abft(_) => None,
+        }
+    }
+
+    /// In the window for answers: sends the feedback that is due now, ends the window, or waits for what comes first.
+    fn watch(
+        &mut self,
+        sweep: Sweep,
+        window: Window,
+        now: SimTime,
+        radio: &mut impl Radio,
+    ) -> Option<InitiatorReport> {
+        self.state = State::Gathering(sweep, window);
+        self.answers.forget_before(now);
+        let check = self.check(window, now);
+        match self.answers.next_due() {
+            Some(due) if due == now => {
+                self.alarm.clear(radio);
+                let answer = self.answers.take_next();
+                self.inform(answer, 0, radio);
+                self.state = State::Informing(sweep, window);
+                None
+            }
+            Some(due) => {
+                self.alarm.set(now, due, Event::TransmitReady, radio);
+                None
+            }
+            None if check <= now => {
+                self.alarm.clear(radio);
+                Some(self.end(sweep, InitiatorOutcome::Over))
+            }
+            None => {
+                self.alarm.set(now, check, Event::WaitExpired, radio);
+                None
+            }
+        }
+    }
+
+    /// When to look whether the window is over. Without feedback it is over once no station can still be contending: the
+    /// channel was idle for AIFS and the largest backoff, and the time to notice a signal. A station that gets no
+    /// feedback contends again with a larger backoff, so then only the end of the window counts.
+    fn check(&self, window: Window, now: SimTime) -> SimTime {
+        if self.settings.contention() != Contention::Csma {
+            return window.closes;
+        }
+        let category = self.settings.access_category();
+        let idle = category.aifs() + SLOT * category.cw_min() + CCA_DETECTION;
+        let since = if self.carrier.is_busy() { now } else { self.carrier.free_from().max(window.opens) };
+        window.closes.min(since + idle)
+    }
+
+    /// The named station has answered, or has not.
+    fn choose(
+        &mut self,
+        sweep: Sweep,
+        until: SimTime,
+        now: SimTime,
+        radio: &mut impl Radio,
+    ) -> Option<InitiatorReport> {
+        if now < until {
+            self.alarm.set(now, until, Event::WaitExpired, radio);
+        } else if !self.answers().is_empty() {
+            self.train(sweep, radio);
+        } else if sweep.retries < MAX_SLS_RETRIES {
+            self.send(Sweep { retries: sweep.retries + 1, ..sweep }, 0, radio);
+        } else {
+            return Some(self.end(sweep, InitiatorOutcome::NoAnswer));
+        }
+        None
+    }
+
+    /// Sends feedback to the named station.
+    fn train(&mut self, sweep: Sweep, radio: &mut impl Radio) {
+        let [answer] = *self.answers() else { unreachable!("one station is named, and it answered") };
+        self.inform(answer, duration_field(MBIFS + SSW_FEEDBACK_AIRTIME), radio);
+        self.state = State::Choosing(sweep);
+    }
+
+    /// Starts the feedback to an answer, on the sector that it named.
+    fn inform(&self, answer: Answer, duration_us: u16, radio: &mut impl Radio) {
+        let feedback = SectorFeedback {
+            select: answer.responder_sector,
+            snr: super::snr_report::SnrReport::of(answer.snr),
+            poll_required: false,
+        };
+        let body = SweepBody::Feedback { feedback, refinement: BeamRefinement::default() };
+        let frame = SweepFrame { duration_us, to: answer.responder, from: self.address, body };
+        transmit(frame, answer.select, radio);
+    }
+
+    fn end(&mut self, sweep: Sweep, outcome: InitiatorOutcome) -> InitiatorReport {
+        self.state = State::Idle;
+        InitiatorReport { purpose: sweep.purpose, outcome, frames: sweep.frames }
+    }
+}
+
+fn names(sweep: Sweep, station: MacAddress) -> bool {
+    matches!(sweep.purpose, SweepPurpose::Train { responder, .. } if responder == station)
+}
+
+fn transmit(frame: SweepFrame, sector: TxSector, radio: &mut impl Radio) {
+    radio.aim(Aim::Sector(sector));
+    radio.enter(RadioState::Transmit);
+    radio.start_transmission(frame, frame.airtime());
+}
+
+fn listen(radio: &mut impl Radio) {
+    radio.aim(Aim::QuasiOmni);
+    radio.enter(RadioState::Receive);
+}

@@ -1,0 +1,1 @@
+//! Tests of the machine with a scripted radio.

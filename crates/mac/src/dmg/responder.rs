@@ -1,0 +1,447 @@
+//! The responder of a sector level sweep (IEEE 802.11ad-2012, 9.35.2.3): it listens in all directions, keeps the sector
+//! of the initiator that it heard best, and sweeps its own sectors with that choice.
+
+use sextant_channel::Db;
+use sextant_kernel::{SettingError, SimTime};
+
+use super::address::MacAddress;
+use super::alarm::Alarm;
+use super::backoff::{Backoff, Carrier};
+use super::frame::{BeamRefinement, SectorFeedback, SweepBody, SweepFrame};
+use super::port::{Aim, Event, Radio};
+use super::sector::{SectorLayout, TxSector};
+use super::settings::{Contention, SweepSettings};
+use super::snr_report::SnrReport;
+use super::timing::{
+    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME, duration_field, sweep_end,
+};
+use crate::RadioState;
+
+#[cfg(test)]
+mod tests;
+
+/// Failed attempts in an A-BFT that a responder tolerates before it backs off (dot11RSSRetryLimit).
+const RSS_RETRY_LIMIT: u8 = 8;
+/// A responder that backs off lets fewer than this number of A-BFTs pass (dot11RSSBackoff).
+const RSS_BACKOFF: u32 = 8;
+
+/// A sweep that a responder heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeardSweep {
+    /// The station that swept.
+    pub initiator: MacAddress,
+    /// Its sector that was heard best; of equals, the first.
+    pub sector: TxSector,
+    /// SNR of that frame.
+    pub snr: Db,
+    /// Number of frames decoded.
+    pub frames: u16,
+    /// End of the sweep.
+    pub end: SimTime,
+    /// Whether it was for this station alone.
+    pub is_unicast: bool,
+}
+
+/// How an answer ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResponderOutcome {
+    /// It was sent, and no feedback is expected.
+    Sent,
+    /// The initiator received it and chose this sector; in a sweep for one station, the choice was acknowledged.
+    Trained(SectorFeedback),
+    /// It was sent as often as allowed and never got feedback.
+    NoFeedback,
+    /// The window for answers ended before the channel was free for it.
+    WindowOver,
+}
+
+/// What a responder tells its station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ResponderReport {
+    /// A sweep is over of which frames were decoded.
+    Heard(HeardSweep),
+    /// The answer to it has ended.
+    Answered {
+        /// The sweep.
+        heard: HeardSweep,
+        /// The end of the answer.
+        outcome: ResponderOutcome,
+        /// How often this station swept its sectors.
+        sweeps: u8,
+    },
+}
+
+/// An answer under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Answering {
+    heard: HeardSweep,
+    /// Contention window.
+    cw: u32,
+    sweeps: u8,
+    /// Start of the sweep in an A-BFT or for one station.
+    start: SimTime,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Listening,
+    /// A sweep is under way; the timer is its end.
+    Hearing(HeardSweep),
+    /// Contending for the channel.
+    Contending(Answering, Backoff),
+    /// Waiting for a given start.
+    Waiting(Answering),
+    /// Sending the frame with this index.
+    Sweeping(Answering, u16),
+    /// Silent before the frame with this index.
+    Spacing(Answering, u16),
+    AwaitingFeedback(Answering),
+    /// Silent before the acknowledgement of a choice.
+    TurningToAck(Answering, SectorFeedback),
+    Acknowledging(Answering, SectorFeedback),
+}
+
+/// The state machine. While it answers a sweep, it ignores sweeps of other initiators; a new sweep of the same
+/// initiator ends the answer.
+#[derive(Clone, Debug)]
+pub struct Responder {
+    address: MacAddress,
+    layout: SectorLayout,
+    settings: SweepSettings,
+    state: State,
+    carrier: Carrier,
+    alarm: Alarm,
+    /// Sweep for this station alone whose choice was acknowledged last: the acknowledgement may have been lost.
+    acknowledged: Option<HeardSweep>,
+    /// Answers in a row without feedback, in A-BFTs.
+    failed: u8,
+    /// A-BFTs to let pass.
+    skip: u32,
+}
+
+impl Responder {
+    /// A station with this address and these sectors that listens.
+    ///
+    /// # Errors
+    /// If the sectors do not fit in a slot of the A-BFT.
+    pub fn new(address: MacAddress, layout: SectorLayout, settings: SweepSettings) -> Result<Self, SettingError> {
+        settings.check_responder(&layout)?;
+        Ok(Self {
+            address,
+            layout,
+            settings,
+            state: State::Listening,
+            carrier: Carrier::default(),
+            alarm: Alarm::default(),
+            acknowledged: None,
+            failed: 0,
+            skip: 0,
+        })
+    }
+
+    /// Whether a sweep is heard or answered.
+    #[must_use]
+    pub const fn is_busy(&self) -> bool {
+        !matches!(self.state, State::Listening)
+    }
+
+    /// Gives up what is under way, without a report. A frame on the air must have ended.
+    ///
+    /// # Panics
+    /// If a frame of this station is on the air.
+    pub fn stop(&mut self, radio: &mut impl Radio) {
+        let is_transmitting = matches!(self.state, State::Sweeping(..) | State::Acknowledging(..));
+        assert!(!is_transmitting, "a frame is on the air");
+        self.alarm.clear(radio);
+        if matches!(self.state, State::Spacing(..)) {
+            radio.aim(Aim::QuasiOmni);
+            radio.enter(RadioState::Receive);
+        }
+        self.state = State::Listening;
+    }
+
+    /// A frame was decoded whose last bit arrives now, with the SINR `sinr`. A deaf radio decodes none: frames that come
+    /// while this station transmits are ignored.
+    pub fn receive(
+        &mut self,
+        now: SimTime,
+        frame: &SweepFrame,
+        sinr: Db,
+        radio: &mut impl Radio,
+    ) -> Option<ResponderReport> {
+        if matches!(self.state, State::Sweeping(..) | State::Acknowledging(..)) {
+            return None;
+        }
+        let is_unicast = frame.to == self.address;
+        match frame.body {
+            SweepBody::Iss { cdown, sector, rx_antennas: 1.., .. }
+                if (is_unicast || frame.to == MacAddress::BROADCAST) && self.takes(frame.from) =>
+            {
+                let end = sweep_end(now, cdown, frame.duration_us, std::time::Duration::ZERO);
+                let heard = HeardSweep { initiator: frame.from, sector, snr: sinr, frames: 1, end, is_unicast };
+                self.hear(now, heard, radio);
+            }
+            SweepBody::Feedback { feedback, .. } if is_unicast => return self.take(now, frame.from, feedback, radio),
+            _ if is_unicast => {}
+            _ => self.defer(now, now + frame.duration()),
+        }
+        None
+    }
+
+    /// Handles an event; returns a report if a sweep or an answer is over.
+    ///
+    /// # Panics
+    /// If the event is impossible in the current state: the machine did not ask for it.
+    pub fn handle(&mut self, now: SimTime, event: Event, radio: &mut impl Radio) -> Option<ResponderReport> {
+        self.alarm.note(event);
+        match (self.state, event) {
+            (_, Event::CarrierBusy) => {
+                if let State::Contending(_, backoff) = &mut self.state {
+                    backoff.freeze(now, self.carrier);
+                }
+                self.carrier.becomes_busy();
+                None
+            }
+            (_, Event::CarrierIdle) => {
+                self.carrier.becomes_idle(now);
+                self.pursue(now, radio)
+            }
+            (State::Hearing(heard), Event::WaitExpired) => Some(self.answer(heard, now, radio)),
+            (State::Contending(..), Event::TransmitReady) => self.pursue(now, radio),
+            (State::Waiting(answering), Event::TransmitReady) => {
+                self.send(Answering { sweeps: answering.sweeps + 1, ..answering }, 0, radio);
+                None
+            }
+            (State::Spacing(answering, index), Event::TransmitReady) => {
+                self.send(answering, index, radio);
+                None
+            }
+            (State::Sweeping(answering, index), Event::TransmissionEnded) if index + 1 < self.layout.total() => {
+                radio.enter(RadioState::Idle);
+                self.alarm.set(now, now + self.layout.gap_after(index), Event::TransmitReady, radio);
+                self.state = State::Spacing(answering, index + 1);
+                None
+            }
+            (State::Sweeping(answering, _), Event::TransmissionEnded) => {
+                radio.aim(Aim::QuasiOmni);
+                radio.enter(RadioState::Receive);
+                self.await_feedback(answering, now, radio)
+            }
+            (State::AwaitingFeedback(answering), Event::WaitExpired) => self.miss(answering, now, radio),
+            (State::TurningToAck(answering, feedback), Event::TransmitReady) => {
+                self.acknowledge(answering, feedback, radio);
+                None
+            }
+            (State::Acknowledging(answering, feedback), Event::TransmissionEnded) => {
+                radio.aim(Aim::QuasiOmni);
+                radio.enter(RadioState::Receive);
+                let is_new = self.acknowledged.replace(answering.heard) != Some(answering.heard);
+                let report = self.end(answering, ResponderOutcome::Trained(feedback));
+                is_new.then_some(report)
+            }
+            (state, event) => panic!("{event:?} cannot happen in {state:?}"),
+        }
+    }
+
+    /// Whether a sweep of this initiator is heard now: nothing is under way, or its own last sweep.
+    fn takes(&self, initiator: MacAddress) -> bool {
+        match self.state {
+            State::Listening => true,
+            State::Hearing(heard) => heard.initiator == initiator,
+            State::Contending(answering, _) | State::Waiting(answering) | State::AwaitingFeedback(answering) => {
+                answering.heard.initiator == initiator
+            }
+            State::Sweeping(..) | State::Spacing(..) | State::TurningToAck(..) | State::Acknowledging(..) => false,
+        }
+    }
+
+    /// A frame of a sweep that is for this station.
+    fn hear(&mut self, now: SimTime, frame: HeardSweep, radio: &mut impl Radio) {
+        let heard = match self.state {
+            State::Hearing(heard) if heard.end == frame.end && heard.is_unicast == frame.is_unicast => {
+                let best = if frame.snr > heard.snr { frame } else { heard };
+                HeardSweep { frames: heard.frames + 1, ..best }
+            }
+            _ => {
+                self.alarm.clear(radio);
+                self.alarm.set(now, frame.end, Event::WaitExpired, radio);
+                frame
+            }
+        };
+        self.state = State::Hearing(heard);
+    }
+
+    /// The sweep is over.
+    fn answer(&mut self, heard: HeardSweep, now: SimTime, radio: &mut impl Radio) -> ResponderReport {
+        let start = heard.end + MBIFS;
+        let cw = self.settings.access_category().cw_min();
+        let answering = Answering { heard, cw, sweeps: 0, start };
+        match self.settings.contention() {
+            _ if heard.is_unicast => self.wait(answering, now, radio),
+            Contention::Csma | Contention::CsmaFeedback { .. } => self.contend(answering, start, now, radio),
+            Contention::Abft(_) if self.skip > 0 => {
+                self.skip -= 1;
+                self.state = State::Listening;
+            }
+            Contention::Abft(abft) => {
+                let slot = radio.slots(u32::from(abft.slots()) - 1);
+                let start = start + abft.slot_duration() * slot;
+                self.wait(Answering { start, ..answering }, now, radio);
+            }
+        }
+        ResponderReport::Heard(heard)
+    }
+
+    fn wait(&mut self, answering: Answering, now: SimTime, radio: &mut impl Radio) {
+        self.alarm.set(now, answering.start, Event::TransmitReady, radio);
+        self.state = State::Waiting(answering);
+    }
+
+    /// Starts a backoff that counts from `ready_from` at the earliest.
+    fn contend(&mut self, answering: Answering, ready_from: SimTime, now: SimTime, radio: &mut impl Radio) {
+        let slots = radio.slots(answering.cw);
+        let backoff = Backoff::new(self.settings.access_category(), ready_from, slots);
+        self.state = State::Contending(answering, backoff);
+        let end = backoff.end(self.carrier);
+        if let Some(end) = end {
+            self.alarm.set(now, end, Event::TransmitReady, radio);
+        }
+    }
+
+    /// Goes on with a backoff, if there is one: transmits at its end; gives up if the sweep would end after the window.
+    fn pursue(&mut self, now: SimTime, radio: &mut impl Radio) -> Option<ResponderReport> {
+        let State::Contending(answering, backoff) = self.state else { return None };
+        let end = backoff.end(self.carrier)?;
+        let window_end = answering.heard.end + MBIFS + self.settings.window();
+        if end + self.layout.sweep_duration() > window_end {
+            self.alarm.clear(radio);
+            return Some(self.end(answering, ResponderOutcome::WindowOver));
+        }
+        if end <= now && !self.alarm.is_set() {
+            self.send(Answering { sweeps: answering.sweeps + 1, ..answering }, 0, radio);
+        } else {
+            self.alarm.set(now, end.max(now), Event::TransmitReady, radio);
+        }
+        None
+    }
+
+    /// The medium is taken until then.
+    fn defer(&mut self, now: SimTime, until: SimTime) {
+        if until > self.carrier.free_from() {
+            if let State::Contending(_, backoff) = &mut self.state {
+                backoff.suspend(now, self.carrier);
+            }
+            self.carrier.is_taken_until(until);
+        }
+    }
+
+    /// Starts the frame `index` of the sweep.
+    fn send(&mut self, answering: Answering, index: u16, radio: &mut impl Radio) {
+        let HeardSweep { initiator, is_unicast, .. } = answering.heard;
+        let sector = self.layout.sector(index);
+        let mut taken = self.layout.remaining_after(index);
+        if !is_unicast {
+            taken += self.settings.taken_after_answer();
+        }
+        let cdown = self.layout.total() - 1 - index;
+        let body = SweepBody::Rss { cdown, sector, feedback: choice(answering.heard) };
+        self.transmit(
+            SweepFrame { duration_us: duration_field(taken), to: initiator, from: self.address, body },
+            sector,
+            radio,
+        );
+        self.state = State::Sweeping(answering, index);
+    }
+
+    fn transmit(&self, frame: SweepFrame, sector: TxSector, radio: &mut impl Radio) {
+        radio.aim(Aim::Sector(sector));
+        radio.enter(RadioState::Transmit);
+        radio.start_transmission(frame, frame.airtime());
+    }
+
+    /// The sweep was sent.
+    fn await_feedback(
+        &mut self,
+        answering: Answering,
+        now: SimTime,
+        radio: &mut impl Radio,
+    ) -> Option<ResponderReport> {
+        let feedback = MBIFS + SSW_FEEDBACK_AIRTIME + AIR_PROPAGATION * 2;
+        let until = match self.settings.contention() {
+            // The initiator repeats its feedback until it is acknowledged.
+            _ if answering.heard.is_unicast => {
+                now + feedback + (SSW_ACK_TIMEOUT + SSW_FEEDBACK_AIRTIME) * u32::from(MAX_SLS_RETRIES)
+            }
+            Contention::CsmaFeedback { .. } => now + feedback,
+            Contention::Abft(abft) if abft.has_feedback() => answering.start + abft.slot_duration(),
+            Contention::Csma | Contention::Abft(_) => return Some(self.end(answering, ResponderOutcome::Sent)),
+        };
+        self.alarm.set(now, until, Event::WaitExpired, radio);
+        self.state = State::AwaitingFeedback(answering);
+        None
+    }
+
+    /// A choice of a sector of this station.
+    fn take(
+        &mut self,
+        now: SimTime,
+        initiator: MacAddress,
+        feedback: SectorFeedback,
+        radio: &mut impl Radio,
+    ) -> Option<ResponderReport> {
+        let answering = match (self.state, self.acknowledged) {
+            (State::AwaitingFeedback(answering), _) if answering.heard.initiator == initiator => answering,
+            (State::Listening, Some(heard)) if heard.initiator == initiator => {
+                Answering { heard, cw: 0, sweeps: 1, start: now }
+            }
+            _ => return None,
+        };
+        self.alarm.clear(radio);
+        if answering.heard.is_unicast {
+            self.alarm.set(now, now + MBIFS, Event::TransmitReady, radio);
+            self.state = State::TurningToAck(answering, feedback);
+            return None;
+        }
+        self.failed = 0;
+        Some(self.end(answering, ResponderOutcome::Trained(feedback)))
+    }
+
+    fn acknowledge(&mut self, answering: Answering, feedback: SectorFeedback, radio: &mut impl Radio) {
+        let body = SweepBody::Ack { feedback: choice(answering.heard), refinement: BeamRefinement::default() };
+        let frame = SweepFrame { duration_us: 0, to: answering.heard.initiator, from: self.address, body };
+        self.transmit(frame, feedback.select, radio);
+        self.state = State::Acknowledging(answering, feedback);
+    }
+
+    /// No feedback came in time: contends again, or gives up.
+    fn miss(&mut self, answering: Answering, now: SimTime, radio: &mut impl Radio) -> Option<ResponderReport> {
+        match self.settings.contention() {
+            Contention::CsmaFeedback { max_retries }
+                if !answering.heard.is_unicast && answering.sweeps <= max_retries =>
+            {
+                let cw = self.settings.access_category().widened(answering.cw);
+                self.contend(Answering { cw, ..answering }, now, now, radio);
+                return self.pursue(now, radio);
+            }
+            Contention::Abft(_) if !answering.heard.is_unicast => {
+                self.failed += 1;
+                if self.failed > RSS_RETRY_LIMIT {
+                    self.failed = 0;
+                    self.skip = radio.slots(RSS_BACKOFF - 1);
+                }
+            }
+            _ => {}
+        }
+        Some(self.end(answering, ResponderOutcome::NoFeedback))
+    }
+
+    fn end(&mut self, answering: Answering, outcome: ResponderOutcome) -> ResponderReport {
+        self.state = State::Listening;
+        ResponderReport::Answered { heard: answering.heard, outcome, sweeps: answering.sweeps }
+    }
+}
+
+/// The choice of a sector of the initiator.
+fn choice(heard: HeardSweep) -> SectorFeedback {
+    SectorFeedback { select: heard.sector, snr: SnrReport::of(heard.snr), poll_required: false }
+}

@@ -1,0 +1,296 @@
+//! Settings of sector sweeps.
+
+use std::time::Duration;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+use super::edca::AccessCategory;
+use super::sector::SectorLayout;
+use super::timing::{MBIFS, SSW_FEEDBACK_AIRTIME, slot_duration};
+
+/// Longest window for answers (ms).
+const MAX_WINDOW_MS: f64 = 1000.0;
+/// Most retransmissions of a responder sweep.
+const MAX_RETRIES: u8 = 7;
+/// Most slots of an A-BFT (IEEE 802.11ad-2012, 8.4a.3).
+const MAX_SLOTS: u8 = 8;
+/// Most SSW frames in a slot of an A-BFT.
+const MAX_FRAMES_PER_SLOT: u8 = 16;
+
+/// Sector sweeps of IEEE 802.11ad between a robot that sweeps and nodes that answer, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SweepConfig {
+    /// How the nodes that heard a sweep share the channel for their answers.
+    pub contention: ContentionConfig,
+    /// Longest time for answers after a sweep (ms): above 0, at most 1000. An A-BFT lasts as long as its slots instead.
+    pub window_ms: f64,
+    /// Access category of contention: how long a station waits before it transmits.
+    pub access_category: AccessCategory,
+}
+
+impl Default for SweepConfig {
+    fn default() -> Self {
+        Self { contention: ContentionConfig::default(), window_ms: 5.0, access_category: AccessCategory::default() }
+    }
+}
+
+/// How the nodes that heard a sweep share the channel, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContentionConfig {
+    /// CSMA/CA without feedback: each node sends its sectors once.
+    #[default]
+    Csma,
+    /// CSMA/CA with feedback: a node that gets none tries again with a doubled contention window.
+    CsmaFeedback(CsmaFeedbackConfig),
+    /// Association beamforming training: each node draws one of the slots that follow the sweep.
+    Abft(AbftConfig),
+}
+
+/// CSMA/CA with feedback, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CsmaFeedbackConfig {
+    /// Further sweeps of a node that gets no feedback, within the window: 0 to 7.
+    pub max_retries: u8,
+}
+
+impl Default for CsmaFeedbackConfig {
+    fn default() -> Self {
+        Self { max_retries: MAX_RETRIES }
+    }
+}
+
+/// Association beamforming training (A-BFT), as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct AbftConfig {
+    /// Slots after each sweep (A-BFT Length): 1 to 8.
+    pub slots: u8,
+    /// SSW frames that fit in a slot (FSS): 1 to 16, not fewer than the sectors of a node.
+    pub frames_per_slot: u8,
+    /// Whether the robot answers in the slot with the best sector of the node.
+    pub feedback: bool,
+}
+
+impl Default for AbftConfig {
+    fn default() -> Self {
+        Self { slots: 8, frames_per_slot: 8, feedback: true }
+    }
+}
+
+/// How responders share the channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Contention {
+    /// CSMA/CA without feedback.
+    #[default]
+    Csma,
+    /// CSMA/CA with feedback.
+    CsmaFeedback {
+        /// Further sweeps without feedback.
+        max_retries: u8,
+    },
+    /// Slots of an A-BFT.
+    Abft(Abft),
+}
+
+/// An association beamforming training, settings checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Abft {
+    slots: u8,
+    frames_per_slot: u8,
+    has_feedback: bool,
+}
+
+impl Abft {
+    /// Number of slots, 1 to 8.
+    #[must_use]
+    pub const fn slots(&self) -> u8 {
+        self.slots
+    }
+
+    /// SSW frames per slot, 1 to 16.
+    #[must_use]
+    pub const fn frames_per_slot(&self) -> u8 {
+        self.frames_per_slot
+    }
+
+    /// Whether the initiator answers in the slot.
+    #[must_use]
+    pub const fn has_feedback(&self) -> bool {
+        self.has_feedback
+    }
+
+    /// Length of a slot.
+    #[must_use]
+    pub fn slot_duration(&self) -> Duration {
+        slot_duration(self.frames_per_slot)
+    }
+
+    /// Length of all slots.
+    #[must_use]
+    pub fn duration(&self) -> Duration {
+        self.slot_duration() * u32::from(self.slots)
+    }
+}
+
+/// Sector sweeps, settings checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SweepSettings {
+    contention: Contention,
+    window: Duration,
+    access_category: AccessCategory,
+}
+
+impl SweepSettings {
+    /// How responders share the channel.
+    #[must_use]
+    pub const fn contention(&self) -> Contention {
+        self.contention
+    }
+
+    /// Longest time for answers, from MBIFS after the end of a sweep.
+    #[must_use]
+    pub fn window(&self) -> Duration {
+        match self.contention {
+            Contention::Csma | Contention::CsmaFeedback { .. } => self.window,
+            Contention::Abft(abft) => abft.duration(),
+        }
+    }
+
+    /// Access category of contention.
+    #[must_use]
+    pub const fn access_category(&self) -> AccessCategory {
+        self.access_category
+    }
+
+    /// For how long the medium stays taken after a responder sweep that answers a sweep to all.
+    pub(super) fn taken_after_answer(&self) -> Duration {
+        match self.contention {
+            Contention::CsmaFeedback { .. } => MBIFS + SSW_FEEDBACK_AIRTIME,
+            Contention::Csma | Contention::Abft(_) => Duration::ZERO,
+        }
+    }
+
+    /// Whether a responder with these sectors can answer.
+    ///
+    /// # Errors
+    /// If its sweep does not fit in a slot of the A-BFT.
+    pub fn check_responder(&self, layout: &SectorLayout) -> Result<(), SettingError> {
+        let Contention::Abft(abft) = self.contention else { return Ok(()) };
+        let key = "contention.abft.frames_per_slot";
+        if layout.total() > u16::from(abft.frames_per_slot) {
+            let allowed = format!("{} to 16, because a node has {0} sectors", layout.total());
+            return Err(SettingError::new(key, abft.frames_per_slot, allowed));
+        }
+        if layout.antennas() > 1 {
+            let found = format!("a node with {} DMG antennas", layout.antennas());
+            return Err(SettingError::new(key, found, "nodes with one DMG antenna: a slot has no time to change it"));
+        }
+        Ok(())
+    }
+}
+
+impl Default for SweepSettings {
+    fn default() -> Self {
+        Self {
+            contention: Contention::Csma,
+            window: Duration::from_millis(5),
+            access_category: AccessCategory::BestEffort,
+        }
+    }
+}
+
+impl TryFrom<SweepConfig> for SweepSettings {
+    type Error = SettingError;
+
+    fn try_from(config: SweepConfig) -> Result<Self, SettingError> {
+        let SweepConfig { contention, window_ms, access_category } = config;
+        let contention = Contention::try_from(contention).map_err(|error| error.within("contention"))?;
+        if !(window_ms > 0.0 && window_ms <= MAX_WINDOW_MS) {
+            return Err(SettingError::new("window_ms", window_ms, format!("above 0, at most {MAX_WINDOW_MS}")));
+        }
+        Ok(Self { contention, window: Duration::from_secs_f64(1e-3 * window_ms), access_category })
+    }
+}
+
+impl TryFrom<ContentionConfig> for Contention {
+    type Error = SettingError;
+
+    fn try_from(config: ContentionConfig) -> Result<Self, SettingError> {
+        let within = |key: &str, value: u8, low: u8, high: u8| {
+            if (low..=high).contains(&value) {
+                Ok(value)
+            } else {
+                Err(SettingError::new(key, value, format!("{low} to {high}")))
+            }
+        };
+        match config {
+            ContentionConfig::Csma => Ok(Self::Csma),
+            ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries }) => {
+                let max_retries = within("csma_feedback.max_retries", max_retries, 0, MAX_RETRIES)?;
+                Ok(Self::CsmaFeedback { max_retries })
+            }
+            ContentionConfig::Abft(AbftConfig { slots, frames_per_slot, feedback }) => Ok(Self::Abft(Abft {
+                slots: within("abft.slots", slots, 1, MAX_SLOTS)?,
+                frames_per_slot: within("abft.frames_per_slot", frames_per_slot, 1, MAX_FRAMES_PER_SLOT)?,
+                has_feedback: feedback,
+            })),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(contention: ContentionConfig, window_ms: f64) -> Option<(String, String, String)> {
+        let config = SweepConfig { contention, window_ms, ..SweepConfig::default() };
+        SweepSettings::try_from(config).err().map(|error| (error.key, error.found, error.allowed))
+    }
+
+    fn abft(slots: u8, frames_per_slot: u8) -> ContentionConfig {
+        ContentionConfig::Abft(AbftConfig { slots, frames_per_slot, ..AbftConfig::default() })
+    }
+
+    fn message(key: &str, found: &str, allowed: &str) -> Option<(String, String, String)> {
+        Some((key.to_owned(), found.to_owned(), allowed.to_owned()))
+    }
+
+    #[test]
+    fn the_defaults_as_written_are_the_defaults_as_used() {
+        assert_eq!(SweepSettings::try_from(SweepConfig::default()), Ok(SweepSettings::default()));
+    }
+
+    #[test]
+    fn settings_beyond_their_fields_are_rejected() {
+        let retries = |max_retries| ContentionConfig::CsmaFeedback(CsmaFeedbackConfig { max_retries });
+        let csma = ContentionConfig::Csma;
+        assert_eq!(refused(retries(8), 5.0), message("contention.csma_feedback.max_retries", "8", "0 to 7"));
+        assert_eq!(refused(abft(9, 8), 5.0), message("contention.abft.slots", "9", "1 to 8"));
+        assert_eq!(refused(abft(0, 8), 5.0), message("contention.abft.slots", "0", "1 to 8"));
+        assert_eq!(refused(abft(8, 17), 5.0), message("contention.abft.frames_per_slot", "17", "1 to 16"));
+        assert_eq!(refused(csma, 0.0), message("window_ms", "0", "above 0, at most 1000"));
+        assert_eq!(refused(csma, f64::NAN), message("window_ms", "NaN", "above 0, at most 1000"));
+        for good in [csma, retries(0), retries(7), abft(1, 1), abft(8, 16)] {
+            assert_eq!(refused(good, 1000.0), None);
+        }
+    }
+
+    #[test]
+    fn a_responder_must_fit_in_a_slot() {
+        let config = SweepConfig { contention: abft(8, 8), ..SweepConfig::default() };
+        let settings = SweepSettings::try_from(config).expect("good settings");
+        let refused = |sectors: &[u8]| {
+            let layout = SectorLayout::new(sectors).expect("a good layout");
+            settings.check_responder(&layout).err().map(|error| error.key)
+        };
+        assert_eq!(refused(&[8]), None);
+        assert_eq!(refused(&[9]).as_deref(), Some("contention.abft.frames_per_slot"));
+        assert_eq!(refused(&[4, 4]).as_deref(), Some("contention.abft.frames_per_slot"));
+        assert_eq!(settings.window(), Duration::from_micros(8 * 163));
+    }
+}
