@@ -4,7 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{Db, Dbm, Environment, LogDistance, LogDistanceConfig, PathLossConfig, ShadowingConfig, ShadowingLaw};
+use crate::{
+    CloseInConfig, Db, Dbm, Environment, LogDistance, LogDistanceConfig, PathLossConfig, ShadowingConfig,
+    ShadowingLaw,
+};
 
 /// The radio channel as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -49,6 +52,7 @@ impl Default for ChannelConfig {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelLaw {
     path_loss: LogDistance,
+    carrier_ghz: Option<f64>,
     shadowing: ShadowingLaw,
     max_range_m: f64,
     obstacles_attenuate: bool,
@@ -59,15 +63,34 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
 
     fn try_from(config: ChannelConfig) -> Result<Self, SettingError> {
         let environment = config.environment;
-        let mut path_loss = match config.path_loss {
-            Some(PathLossConfig::LogDistance(law)) => law,
-            None if environment.is_some() => LogDistanceConfig::default(),
-            None => {
-                let names = "\"suburban\", \"heavy-tree\" or \"light-tree\", or a table `path_loss.log_distance`";
-                return Err(SettingError::new("environment", "absent", names));
+        let path_loss = match (config.path_loss, environment) {
+            (Some(path_loss), _) => path_loss,
+            (None, Some(environment)) if environment.carrier_ghz().is_some() => {
+                PathLossConfig::CloseIn(CloseInConfig::default())
+            }
+            (None, Some(_)) => PathLossConfig::LogDistance(LogDistanceConfig::default()),
+            (None, None) => {
+                let allowed = format!(
+                    "one of {}, or a table `path_loss.log_distance` or `path_loss.close_in`",
+                    Environment::names()
+                );
+                return Err(SettingError::new("environment", "absent", allowed));
             }
         };
-        path_loss.exponent = path_loss.exponent.or(environment.map(Environment::exponent));
+        let exponent = environment.map(Environment::exponent);
+        let (path_loss, carrier_ghz) = match path_loss {
+            PathLossConfig::LogDistance(law) => {
+                let law = LogDistanceConfig { exponent: law.exponent.or(exponent), ..law };
+                let law = LogDistance::try_from(law).map_err(|error| error.within("path_loss.log_distance"))?;
+                (law, None)
+            }
+            PathLossConfig::CloseIn(law) => {
+                let carrier_ghz = law.carrier_ghz.or(environment.and_then(Environment::carrier_ghz));
+                let law = CloseInConfig { carrier_ghz, exponent: law.exponent.or(exponent), ..law };
+                let law = LogDistance::try_from(law).map_err(|error| error.within("path_loss.close_in"))?;
+                (law, carrier_ghz)
+            }
+        };
         let mut shadowing = config.shadowing.unwrap_or_default();
         let inherited = match config.shadowing {
             None => Some(environment.map_or(0.0, Environment::sigma_db)),
@@ -75,7 +98,8 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
         };
         shadowing.sigma_db = shadowing.sigma_db.or(inherited);
         Ok(Self {
-            path_loss: LogDistance::try_from(path_loss).map_err(|error| error.within("path_loss.log_distance"))?,
+            path_loss,
+            carrier_ghz,
             shadowing: ShadowingLaw::try_from(shadowing).map_err(|error| error.within("shadowing"))?,
             max_range_m: match config.max_range_m {
                 Some(range_m) => SettingError::positive("max_range_m", range_m)?,
@@ -98,6 +122,13 @@ impl ChannelLaw {
     #[inline]
     pub fn path_loss(&self) -> &LogDistance {
         &self.path_loss
+    }
+
+    /// Carrier (GHz), if the channel has one: that of close-in path loss.
+    #[must_use]
+    #[inline]
+    pub fn carrier_ghz(&self) -> Option<f64> {
+        self.carrier_ghz
     }
 
     /// How shadowing spreads.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::Db;
+use crate::{Db, GasConfig};
 
 /// Path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -12,7 +12,46 @@ use crate::Db;
 pub enum PathLossConfig {
     /// Log-distance law.
     LogDistance(LogDistanceConfig),
+    /// Close-in law: the loss of free space over 1 m at the carrier, and an exponent from there.
+    CloseIn(CloseInConfig),
 }
+
+/// Close-in path loss as written in a scenario: `L(d) = 20 log10(4 π f / c) + 10 n log10(d)` with d in metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CloseInConfig {
+    /// Carrier (GHz), 0.1 to 1000. May be absent if the channel names an environment that has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carrier_ghz: Option<f64>,
+    /// Path loss exponent n: 2 in free space. May be absent if the channel names an environment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// Distance below which the loss is constant (m). The law is measured from 1 m on.
+    #[serde(default = "default_close_in_distance_m")]
+    pub min_distance_m: f64,
+    /// Loss by the gases of the air.
+    #[serde(default)]
+    pub gas: GasConfig,
+}
+
+impl Default for CloseInConfig {
+    /// No carrier, no exponent, no gases, constant below 1 m.
+    fn default() -> Self {
+        Self {
+            carrier_ghz: None,
+            exponent: None,
+            min_distance_m: default_close_in_distance_m(),
+            gas: GasConfig::default(),
+        }
+    }
+}
+
+fn default_close_in_distance_m() -> f64 {
+    1.0
+}
+
+/// Speed of light in vacuum (m/s).
+pub(crate) const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 /// Log-distance path loss as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,6 +70,9 @@ pub struct LogDistanceConfig {
     /// Distance below which the loss is constant (m).
     #[serde(default = "default_min_distance_m")]
     pub min_distance_m: f64,
+    /// Loss in proportion to the distance, on top (dB/km): gases of the air.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub gas_db_per_km: f64,
 }
 
 fn default_reference_distance_m() -> f64 {
@@ -53,19 +95,22 @@ impl Default for LogDistanceConfig {
             reference_distance_m: default_reference_distance_m(),
             reference_loss_db: 0.0,
             min_distance_m: default_min_distance_m(),
+            gas_db_per_km: 0.0,
         }
     }
 }
 
-/// Log-distance path loss: `L(d) = L0 + 10 ε log10(d / d0)` (thesis eq. 3.14; Rappaport 2002, eq. 4.69),
-/// constant below a minimum distance. With `L0 = 0`, transmit powers are powers at `d0`, and nearer receivers have a
-/// gain.
+/// Log-distance path loss: `L(d) = L0 + 10 ε log10(d / d0) + γ d` (thesis eq. 3.14; Rappaport 2002, eq. 4.69; γ by
+/// gases), constant below a minimum distance. With `L0 = 0`, transmit powers are powers at `d0`, and nearer receivers
+/// have a gain. The close-in law (MacCartney et al. 2015, eq. 1) is the one with `d0 = 1 m` and the loss of free space
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogDistance {
     exponent: f64,
     reference_distance_m: f64,
     reference_loss: Db,
     min_distance_m: f64,
+    gas_db_per_m: f64,
 }
 
 impl TryFrom<LogDistanceConfig> for LogDistance {
@@ -80,11 +125,43 @@ impl TryFrom<LogDistanceConfig> for LogDistance {
             reference_distance_m: SettingError::positive("reference_distance_m", config.reference_distance_m)?,
             reference_loss: Db(SettingError::in_range("reference_loss_db", config.reference_loss_db, -200.0, 300.0)?),
             min_distance_m: SettingError::positive("min_distance_m", config.min_distance_m)?,
+            gas_db_per_m: SettingError::in_range("gas_db_per_km", config.gas_db_per_km, 0.0, 1e6)? / 1000.0,
         })
     }
 }
 
+impl TryFrom<CloseInConfig> for LogDistance {
+    type Error = SettingError;
+
+    fn try_from(config: CloseInConfig) -> Result<Self, SettingError> {
+        let carrier_ghz = config.carrier()?;
+        Self::try_from(LogDistanceConfig {
+            exponent: config.exponent,
+            reference_distance_m: 1.0,
+            reference_loss_db: 20.0 * libm::log10(4.0 * std::f64::consts::PI * carrier_ghz * 1e9 / LIGHT_M_PER_S),
+            min_distance_m: config.min_distance_m,
+            gas_db_per_km: config.gas.db_per_km(carrier_ghz).map_err(|error| error.within("gas"))?,
+        })
+    }
+}
+
+impl CloseInConfig {
+    /// The carrier (GHz), checked.
+    pub(crate) fn carrier(&self) -> Result<f64, SettingError> {
+        let carrier_ghz = self.carrier_ghz.ok_or_else(|| {
+            SettingError::new("carrier_ghz", "absent", "0.1 to 1000, or an environment that has a carrier")
+        })?;
+        SettingError::in_range("carrier_ghz", carrier_ghz, 0.1, 1000.0)
+    }
+}
+
 impl LogDistance {
+    /// Loss by gases (dB/m).
+    #[must_use]
+    pub fn gas_db_per_m(&self) -> f64 {
+        self.gas_db_per_m
+    }
+
     /// Path loss exponent ε.
     #[must_use]
     pub fn exponent(&self) -> f64 {
@@ -113,8 +190,10 @@ impl LogDistance {
     #[must_use]
     #[inline]
     pub fn loss(&self, distance_m: f64) -> Db {
-        let ratio = distance_m.max(self.min_distance_m) / self.reference_distance_m;
-        self.reference_loss + Db(10.0 * self.exponent * libm::log10(ratio))
+        let distance_m = distance_m.max(self.min_distance_m);
+        let ratio = distance_m / self.reference_distance_m;
+        let loss = self.reference_loss + Db(10.0 * self.exponent * libm::log10(ratio));
+        if self.gas_db_per_m > 0.0 { loss + Db(self.gas_db_per_m * distance_m) } else { loss }
     }
 
     /// The largest distance at which the loss is at most `loss` (m); 0 if the loss is larger everywhere.
@@ -123,7 +202,22 @@ impl LogDistance {
         if loss < self.loss(0.0) {
             return 0.0;
         }
-        self.reference_distance_m * libm::pow(10.0, (loss - self.reference_loss).0 / (10.0 * self.exponent))
+        let without_gas =
+            self.reference_distance_m * libm::pow(10.0, (loss - self.reference_loss).0 / (10.0 * self.exponent));
+        if self.gas_db_per_m > 0.0 { self.bisected_m(loss, without_gas) } else { without_gas }
+    }
+
+    /// The largest distance at which the loss is at most `loss`, at most `longest_m`: the loss rises with distance.
+    fn bisected_m(&self, loss: Db, longest_m: f64) -> f64 {
+        let by_gas_m = self.min_distance_m + (loss - self.loss(0.0)).0 / self.gas_db_per_m;
+        let (mut near, mut far) = (self.min_distance_m, longest_m.min(by_gas_m).max(self.min_distance_m));
+        loop {
+            let middle = f64::midpoint(near, far);
+            if middle <= near || middle >= far {
+                return near;
+            }
+            if self.loss(middle) <= loss { near = middle } else { far = middle }
+        }
     }
 }
 
@@ -163,6 +257,40 @@ mod tests {
         }
         assert!(law(2.0).distance_m(Db(-20.001)) <= 0.0);
         assert!(law(2.0).distance_m(Db(-20.0)) > 0.0999);
+    }
+
+    #[test]
+    fn the_close_in_law_begins_with_the_loss_of_free_space_over_a_metre() {
+        for (carrier_ghz, loss_db) in
+            [(2.4, 40.05), (28.0, 61.39), (60.0, 68.01), (60.48, 68.08), (73.0, 69.71), (73.5, 69.77)]
+        {
+            let config =
+                CloseInConfig { carrier_ghz: Some(carrier_ghz), exponent: Some(1.7), ..CloseInConfig::default() };
+            let law = LogDistance::try_from(config).unwrap();
+            assert!((law.loss(1.0).0 - loss_db).abs() < 0.006, "{}", law.loss(1.0).0);
+            assert_eq!(law.loss(0.3), law.loss(1.0));
+            assert!((law.loss(10.0) - law.loss(1.0)).0 - 17.0 < 1e-12);
+        }
+    }
+
+    #[test]
+    fn gases_take_their_share_of_each_metre_and_the_range_is_still_the_inverse() {
+        let config = CloseInConfig {
+            carrier_ghz: Some(60.0),
+            exponent: Some(2.0),
+            gas: GasConfig::DbPerKm(15.0),
+            ..CloseInConfig::default()
+        };
+        let law = LogDistance::try_from(config).unwrap();
+        let dry = LogDistance::try_from(CloseInConfig { gas: GasConfig::None, ..config }).unwrap();
+        assert!(((law.loss(200.0) - dry.loss(200.0)).0 - 3.0).abs() < 1e-9);
+        for distance_m in [1.0, 1.5, 7.0, 200.0, 5000.0] {
+            let found = law.distance_m(law.loss(distance_m));
+            assert!((found / distance_m - 1.0).abs() < 1e-9, "{distance_m}: {found}");
+        }
+        assert!(law.distance_m(Db(68.0)) <= 0.0);
+        let far = law.distance_m(Db(1e6));
+        assert!(far.is_finite() && (law.loss(far).0 - 1e6).abs() < 1e-3);
     }
 
     #[test]

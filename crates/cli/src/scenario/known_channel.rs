@@ -74,6 +74,9 @@ impl KnownChannel {
         profile.max_range_m = profile.max_range_m.or(max_range_m);
         profile.reference_distance_m.get_or_insert(path_loss.reference_distance_m());
         profile.min_distance_m.get_or_insert(path_loss.min_distance_m());
+        if path_loss.gas_db_per_m() > 0.0 {
+            profile.gas_db_per_km.get_or_insert(1000.0 * path_loss.gas_db_per_m());
+        }
         profile.packets_per_stop.get_or_insert(self.packets_per_stop);
     }
 

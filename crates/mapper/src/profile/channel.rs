@@ -38,6 +38,9 @@ pub struct ChannelProfileConfig {
     /// Below this distance the path loss is constant (m); 0.1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_distance_m: Option<f64>,
+    /// Loss in proportion to the distance, on top (dB/km): gases of the air; 0 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gas_db_per_km: Option<f64>,
     /// Share of the strong enough packets that survive collisions; above 0, at most 1.
     #[serde(default = "default_delivery")]
     pub delivery: f64,
@@ -92,6 +95,7 @@ impl Default for ChannelProfileConfig {
             max_range_m: None,
             reference_distance_m: None,
             min_distance_m: None,
+            gas_db_per_km: None,
             delivery: default_delivery(),
             packets_per_stop: None,
             cell_average: default_cell_average(),
@@ -156,6 +160,7 @@ impl ChannelProfileConfig {
                 exponent: Some(needed("exponent", self.exponent)?),
                 reference_distance_m: self.reference_distance_m.unwrap_or(default.reference_distance_m),
                 min_distance_m: self.min_distance_m.unwrap_or(default.min_distance_m),
+                gas_db_per_km: self.gas_db_per_km.unwrap_or(default.gas_db_per_km),
             })),
             shadowing: Some(ShadowingConfig {
                 sigma_db: Some(needed("sigma_db", self.sigma_db)?),
