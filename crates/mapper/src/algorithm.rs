@@ -6,9 +6,9 @@ use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
     ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge,
-    KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, ObstacleMlTm, ObstacleUse, ProfileConfig, RangingConfig,
-    ReceptionProfile, RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap,
-    TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
+    KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, ObstacleMlTm, ObstacleUse, ProfileConfig,
+    RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig,
+    TopologyMap, TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -28,6 +28,8 @@ pub struct MapConfig {
 pub enum AlgorithmConfig {
     /// Maximum likelihood on a grid.
     MlTm(MlTmConfig),
+    /// Maximum likelihood on a grid from an antenna array: the log must have sectors and their directions.
+    Mmtm(MlTmConfig),
     /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibratedConfig),
     /// A topology-preserving map of hop counts.
@@ -57,6 +59,7 @@ impl AlgorithmConfig {
     pub fn profile_mut(&mut self) -> Option<(&'static str, &mut ProfileConfig)> {
         match self {
             Self::MlTm(config) => Some(("ml_tm.profile", &mut config.profile)),
+            Self::Mmtm(config) => Some(("mmtm.profile", &mut config.profile)),
             _ => None,
         }
     }
@@ -80,6 +83,8 @@ impl AlgorithmConfig {
 pub enum Mapper {
     /// Maximum likelihood on a grid.
     MlTm(MlTm),
+    /// Maximum likelihood on a grid from an antenna array.
+    MmTm(MmTm),
     /// Maximum likelihood on a grid under a profile estimated from the log.
     FittedMlTm(FittedMlTm),
     /// Maximum likelihood under a known channel among known obstacles.
@@ -106,6 +111,7 @@ impl Mapper {
     pub fn name(&self) -> &'static str {
         match self {
             Self::MlTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) => MlTm::NAME,
+            Self::MmTm(_) => MmTm::NAME,
             Self::SelfCalibrated(_) => SelfCalibrated::NAME,
             Self::Comparator(comparator) => comparator.name(),
         }
@@ -115,11 +121,9 @@ impl Mapper {
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
         match self {
-            Self::MlTm(ml_tm) => match ml_tm.profile() {
-                ReceptionProfile::Table(_) => &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss],
-                ReceptionProfile::Trapezoid(_) => &[KnowledgeKind::RobotReceptions],
-            },
-            Self::FittedMlTm(_) => &[KnowledgeKind::RobotReceptions],
+            Self::MlTm(ml_tm) => used_with(Some(ml_tm.profile())),
+            Self::MmTm(mm_tm) => used_with(mm_tm.profile()),
+            Self::FittedMlTm(_) => used_with(None),
             Self::ObstacleMlTm(_) => {
                 &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
             }
@@ -132,7 +136,9 @@ impl Mapper {
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
-            Self::MlTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) | Self::SelfCalibrated(_) => 0,
+            Self::MlTm(_) | Self::MmTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) | Self::SelfCalibrated(_) => {
+                0
+            }
             Self::Comparator(comparator) => comparator.least_anchors(dimensions),
         }
     }
@@ -159,6 +165,7 @@ impl Mapper {
         let knowledge = knowledge.into();
         match self {
             Self::MlTm(ml_tm) => ml_tm.map(knowledge.log, watch).map(|map| (map, None)),
+            Self::MmTm(mm_tm) => mm_tm.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile))),
             Self::FittedMlTm(fitted) => {
                 fitted.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile)))
             }
@@ -187,6 +194,9 @@ impl TryFrom<AlgorithmConfig> for Mapper {
                 ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(config).map(Self::MlTm),
             }
             .map_err(|error| error.within("ml_tm")),
+            AlgorithmConfig::Mmtm(config) => {
+                MmTm::try_from(config).map(Self::MmTm).map_err(|error| error.within("mmtm"))
+            }
             AlgorithmConfig::SelfCalibrated(config) => SelfCalibrated::try_from(config)
                 .map(Self::SelfCalibrated)
                 .map_err(|error| error.within("self_calibrated")),
@@ -205,6 +215,14 @@ impl TryFrom<AlgorithmConfig> for Mapper {
             AlgorithmConfig::RssMl(config) => compare("rss_ml", config, Comparator::RssMl),
             AlgorithmConfig::RssGrid(config) => compare("rss_grid", config, Comparator::RssGrid),
         }
+    }
+}
+
+/// What a grid uses under a profile, which is fitted to the log if it is not given.
+fn used_with(profile: Option<&ReceptionProfile>) -> &'static [KnowledgeKind] {
+    match profile {
+        Some(ReceptionProfile::Table(_)) => &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss],
+        Some(ReceptionProfile::Trapezoid(_)) | None => &[KnowledgeKind::RobotReceptions],
     }
 }
 

@@ -56,4 +56,23 @@ impl FittedMlTm {
             None => Ok((self.ml_tm.map(log, watch)?, None)),
         }
     }
+
+    /// The same for an `algorithm` that needs sectors in the log.
+    pub(crate) fn map_sectors(
+        &self,
+        log: &ReceptionLog,
+        algorithm: &'static str,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        // The range is not known yet, so that any width will do.
+        self.ml_tm.with_grid_step_m(0.0).demand_sectors(log, algorithm)?;
+        match self.fit(log, watch)? {
+            Some(fit) => {
+                let ml_tm = self.with_fit(&fit);
+                ml_tm.demand_sectors(log, algorithm)?;
+                Ok((ml_tm.map(&fit.evidence(log), watch)?, Some(fit)))
+            }
+            None => Ok((self.ml_tm.map(log, watch)?, None)),
+        }
+    }
 }

@@ -40,6 +40,7 @@ mod local_posterior;
 mod memory;
 mod metrics;
 mod ml_tm;
+mod mm_tm;
 mod node_evidence;
 mod obstacle_ml_tm;
 mod posterior_bound;
@@ -69,10 +70,12 @@ pub use isotonic::never_rising;
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
 pub use metrics::{
-    ConnectivityError, MetricError, NeighbourhoodRule, PositionError, RssLinks, connectivity_error, rss_crlb_m,
+    ConnectivityError, MetricError, NeighbourhoodRule, NodeDisplacement, PositionError, RssLinks, SectorDisplacement,
+    SectorDisplacementRule, SectorDistance, connectivity_error, rss_crlb_m, sector_displacement, sector_of,
     topology_preservation_error,
 };
 pub use ml_tm::{CountRule, EstimateKind, MlTm, MlTmConfig, TieRule};
+pub use mm_tm::MmTm;
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{
@@ -80,7 +83,7 @@ pub use profile::{
     TrapezoidConfig, at_least_one,
 };
 pub use region::Region;
-pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig};
+pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig, SilenceRule};
 pub use self_calibrated::{
     AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
 };

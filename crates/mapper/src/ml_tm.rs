@@ -107,7 +107,10 @@ impl MlTmConfig {
 /// The likelihood of node i at vertex g is the product over all stops of S(d) for each packet received and of 1 −
 /// S(d) for each packet missed, a stop without an entry in the log counting as one packet missed, and `0` of `0` as
 /// no evidence. If a reception is in a known antenna sector, vertices outside this sector count as if they were
-/// beyond R: the reception is impossible there, or has the probability of the floor (chapter 4 of the thesis).
+/// beyond R: the reception is impossible there, or has the probability of the floor (chapter 4 of the thesis). The same
+/// holds for a stop that heard nothing and vertices outside all sectors of its antenna ([`SilenceRule`]).
+///
+/// [`SilenceRule`]: crate::SilenceRule
 ///
 /// **Search set.** The vertices nearer than R to every stop that received from the node and in its sector, as far as
 /// their likelihood is above zero. If there are none, the node is *infeasible*: its estimate says so, and the search
@@ -135,6 +138,11 @@ impl MlTm {
     pub fn with_profile(&self, profile: ReceptionProfile) -> Self {
         let grid_step_m = self.grid_step_m.min(profile.range_m());
         Self { grid_step_m, profile, ..self.clone() }
+    }
+
+    /// The same algorithm on another grid.
+    pub(crate) fn with_grid_step_m(&self, grid_step_m: f64) -> Self {
+        Self { grid_step_m, ..self.clone() }
     }
 
     /// Distance of neighbouring vertices (m).
@@ -228,13 +236,36 @@ impl MlTm {
         }
     }
 
+    /// Checks that sectors of `log` are evidence, and not finer than the grid. `algorithm` is the one that needs them.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`], [`MapError::Log`], [`MapError::NarrowSector`].
+    pub(crate) fn demand_sectors(&self, log: &ReceptionLog, algorithm: &'static str) -> Result<(), MapError> {
+        if log.receptions().is_empty() {
+            return Ok(());
+        }
+        if log.receptions().sectors().is_none() {
+            return Err(MapError::Missing {
+                algorithm,
+                what: "the antenna sector of each reception",
+                remedy: "a log has it in the column `sector`; `ml_tm` maps without sectors",
+            });
+        }
+        let table = self.sectors.table(log)?.ok_or(MapError::Missing {
+            algorithm,
+            what: "the directions of the antenna sectors",
+            remedy: "a log has them in `sectors.csv`, a scenario in `sectors.layout`; `ml_tm` maps without sectors",
+        })?;
+        self.sectors.check_widths(table, self.profile.range_m(), self.grid_step_m)
+    }
+
     fn solver<'a>(
         &'a self,
         lattice: &'a Lattice,
         log: &'a ReceptionLog,
         watch: &'a dyn Watch,
     ) -> Result<Solver<'a>, MapError> {
-        let sectors = self.sectors.table(log)?.map(|table| (table, self.sectors.tolerance));
+        let sectors = self.sectors.table(log)?.map(|table| (table, &self.sectors));
         Ok(Solver::new(lattice, log.stops(), &self.profile, sectors, watch))
     }
 

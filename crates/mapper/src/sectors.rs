@@ -2,8 +2,10 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable};
+use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable, Wedge};
 use sextant_kernel::SettingError;
+
+use crate::MapError;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,6 +17,21 @@ pub struct SectorsConfig {
     /// The sectors of the listener. If absent, those in the log. If the log has none either, sectors are not used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<SectorLayoutConfig>,
+    /// What a stop that heard nothing says about places to which no sector points.
+    #[serde(default)]
+    pub silence: SilenceRule,
+}
+
+/// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SilenceRule {
+    /// Nothing, as if they were beyond the range: no packet can arrive from there. A place is covered if any sector
+    /// with its tolerance holds it.
+    #[default]
+    Covered,
+    /// The same as about other places (thesis, chapter 4, which takes all directions to be covered).
+    Everywhere,
 }
 
 /// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
@@ -25,8 +42,12 @@ pub enum SectorTolerance {
     /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
     #[default]
     Positional,
-    /// The angle under which a grid step is seen over the range, `atan(grid_step_m / R)`, at each edge (thesis, chapter 4).
+    /// An angle at each edge: the larger of the one under which a grid step is seen over the range,
+    /// `atan(grid_step_m / R)`, and the one under which half a step is seen over the distance d of the vertex,
+    /// `atan(grid_step_m / 2d)`. For azimuths, d is the horizontal distance. A vertex at the stop is in every sector.
     Angular,
+    /// `atan(grid_step_m / R)` at each edge, at any distance (thesis, chapter 4).
+    AngularLiteral,
     /// Any distance: sectors are not used.
     Unlimited,
 }
@@ -46,6 +67,7 @@ pub enum SectorLayoutConfig {
 pub(crate) struct SectorSettings {
     pub(crate) tolerance: SectorTolerance,
     layout: Option<SectorTable>,
+    pub(crate) silence: SilenceRule,
 }
 
 impl SectorSettings {
@@ -62,12 +84,31 @@ impl SectorSettings {
         }
         Ok(self.layout.as_ref().or(log.sectors()))
     }
+
+    /// Checks that no sector is narrower than a grid step at the range.
+    ///
+    /// # Errors
+    /// [`MapError::NarrowSector`] with the narrowest one.
+    pub(crate) fn check_widths(&self, table: &SectorTable, range_m: f64, grid_step_m: f64) -> Result<(), MapError> {
+        let narrowest = |wedge: &Wedge| wedge.azimuth_width_rad.min(wedge.elevation_rad[1] - wedge.elevation_rad[0]);
+        let widths = table.iter().filter_map(|sector| Some((sector.sector, narrowest(&sector.wedge().ok()?))));
+        match widths.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((sector, width_rad)) if width_rad * range_m < grid_step_m => Err(MapError::NarrowSector {
+                sector,
+                width_deg: width_rad.to_degrees(),
+                range_m,
+                grid_step_m,
+                largest_step_m: width_rad * range_m,
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl TryFrom<SectorsConfig> for SectorSettings {
     type Error = SettingError;
 
-    fn try_from(SectorsConfig { tolerance, layout }: SectorsConfig) -> Result<Self, SettingError> {
+    fn try_from(SectorsConfig { tolerance, layout, silence }: SectorsConfig) -> Result<Self, SettingError> {
         let layout = match layout {
             None => None,
             Some(SectorLayoutConfig::Even(even)) => {
@@ -78,6 +119,6 @@ impl TryFrom<SectorsConfig> for SectorSettings {
                 Some(list.map_err(|error| SettingError { key: format!("layout.list{}", error.key), ..error })?)
             }
         };
-        Ok(Self { tolerance, layout })
+        Ok(Self { tolerance, layout, silence })
     }
 }

@@ -12,8 +12,10 @@
 //! how many receptions the best vertex can contradict, and the same box and rows, relaxed by that number,
 //! hold every vertex that can be as good. A coarse-to-fine branch and bound was slower wherever it was tried.
 
+mod coverage;
 mod curve;
 mod evidence;
+mod margin;
 mod receiver;
 mod rows;
 mod score;
@@ -27,7 +29,8 @@ use sextant_kernel::Watch;
 
 use crate::cells::CellIndex;
 use crate::reach::HeardNode;
-use crate::{Lattice, ReceptionProfile, SectorTolerance};
+use crate::sectors::SectorSettings;
+use crate::{Lattice, ReceptionProfile};
 use curve::Curve;
 use evidence::Evidence;
 use rows::Rows;
@@ -73,13 +76,15 @@ impl<'a> Solver<'a> {
         lattice: &'a Lattice,
         stops: &'a [Stop],
         profile: &ReceptionProfile,
-        sectors: Option<(&SectorTable, SectorTolerance)>,
+        sectors: Option<(&SectorTable, &SectorSettings)>,
         watch: &'a dyn Watch,
     ) -> Self {
         let curve = Curve::new(profile);
         let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
         let cells = CellIndex::new(&places, 0.25 * profile.range_m());
-        let wedges = sectors.map(|(table, tolerance)| Wedges::new(table, tolerance, lattice, profile.range_m()));
+        let is_flat = is_flat(lattice, &places);
+        let wedges =
+            sectors.map(|(table, settings)| Wedges::new(table, settings, lattice, profile.range_m(), is_flat));
         Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges, watch }
     }
 
@@ -186,6 +191,12 @@ impl<'a> Solver<'a> {
             evaluated: 0,
         }
     }
+}
+
+/// Whether all vertices and places have the same height.
+fn is_flat(lattice: &Lattice, places: &[Position]) -> bool {
+    let height_m = lattice.origin().z_m;
+    lattice.counts()[2] == 1 && places.iter().all(|place| (place.z_m - height_m).abs() <= 1e-9)
 }
 
 /// A lattice row: its indices along y and z.

@@ -14,6 +14,9 @@ pub enum MetricError {
     /// The radius must be a positive number.
     #[error("the neighbourhood radius is {0} m; allowed: a finite number above 0")]
     Radius(f64),
+    /// Directions need at least two sectors.
+    #[error("an antenna of {0} sectors has no directions to compare; allowed: 2 sectors or more")]
+    Sectors(u32),
     /// The work was ended from outside.
     #[error(transparent)]
     Interrupted(#[from] sextant_kernel::Interrupted),

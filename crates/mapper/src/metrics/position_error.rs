@@ -46,8 +46,16 @@ impl PositionError {
     /// that are mapped; `None` if there are none.
     #[must_use]
     pub fn between(truth: &[Position], map: &[Option<Position>]) -> Option<Self> {
+        Self::of(&Self::sorted_m(truth, map))
+    }
+
+    /// The distances themselves, in rising order (m): the steps of their distribution function.
+    #[must_use]
+    pub fn sorted_m(truth: &[Position], map: &[Option<Position>]) -> Vec<f64> {
         let mapped = truth.iter().zip(map).filter_map(|(truth, image)| image.map(|image| image.distance_m(*truth)));
-        Self::of(&mapped.collect::<Vec<f64>>())
+        let mut errors_m: Vec<f64> = mapped.collect();
+        errors_m.sort_unstable_by(f64::total_cmp);
+        errors_m
     }
 }
 
@@ -73,5 +81,7 @@ mod tests {
         let error = PositionError::between(&truth, &[Some(Position::new(3.0, 4.0, 0.0)), None]).unwrap();
         assert!((error.mean - 5.0).abs() < 1e-12 && (error.max - 5.0).abs() < 1e-12);
         assert_eq!(PositionError::between(&truth, &[None, None]), None);
+        let both = [Some(Position::new(3.0, 4.0, 0.0)), Some(Position::new(1.0, 2.0, 0.0))];
+        assert_eq!(PositionError::sorted_m(&truth, &both), [2.0, 5.0]);
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use sextant_channel::Position;
 use sextant_kernel::Watch;
 
+use super::coverage::Coverage;
 use super::curve::Curve;
 use super::evidence::{Count, Evidence};
 use super::receiver::Receiver;
@@ -119,9 +120,16 @@ impl Scorer<'_> {
 
     /// Bounds the likelihoods of the survivors; returns whether it did.
     fn bound(&mut self) -> bool {
+        let coverage = self.wedges.and_then(Wedges::coverage);
         let Survivors { x, y, z, silent, corners, screen, .. } = &mut *self.survivors;
-        let scene =
-            Scene { curve: self.curve, evidence: self.evidence, silent, vertices: [x, y, z], corners: *corners };
+        let scene = Scene {
+            curve: self.curve,
+            evidence: self.evidence,
+            silent,
+            coverage,
+            vertices: [x, y, z],
+            corners: *corners,
+        };
         screen.bound(&scene)
     }
 
@@ -130,15 +138,19 @@ impl Scorer<'_> {
         let Survivors { x, y, z, index, silent, .. } = &*self.survivors;
         let (x, y, z) = (vertices.map(|v| x[v]), vertices.map(|v| y[v]), vertices.map(|v| z[v]));
         let mut lanes = Lanes::new(&x, &y, &z);
+        let coverage = self.wedges.and_then(Wedges::coverage);
         match self.wedges.filter(|_| self.admission == Admission::WithinAny && self.evidence.is_sectored()) {
             Some(wedges) => lanes.multiply_sectors(self.curve, self.evidence, wedges),
-            None => lanes.multiply_entries(self.curve, self.evidence, self.admission),
+            None => lanes.multiply_entries(self.curve, self.evidence, coverage, self.admission),
         }
         // Missed packets can only lower a likelihood.
         if lanes.highest() + constant < sink.least() {
             return;
         }
-        lanes.multiply(self.curve, silent, |square| 1.0 - self.curve.at(square));
+        match coverage {
+            Some(coverage) => lanes.multiply_silence(self.curve, silent, coverage),
+            None => lanes.multiply(self.curve, silent, |square| 1.0 - self.curve.at(square)),
+        }
         for (lane, &vertex) in vertices[..count].iter().enumerate() {
             let value = lanes.log_likelihood(lane);
             if value > f64::NEG_INFINITY {
@@ -203,6 +215,11 @@ impl<'v> Lanes<'v> {
         Self { x, y, z, mantissa: [1.0; LANES], exponent: [0; LANES], logarithm: [0.0; LANES] }
     }
 
+    /// The vertex of a lane as seen from a place (m).
+    fn apart(&self, place: Position, lane: usize) -> [f64; 3] {
+        [self.x[lane] - place.x_m, self.y[lane] - place.y_m, self.z[lane] - place.z_m]
+    }
+
     #[inline(always)]
     fn distance_squared(&self, place: Position, lane: usize) -> f64 {
         let (dx, dy, dz) = (self.x[lane] - place.x_m, self.y[lane] - place.y_m, self.z[lane] - place.z_m);
@@ -210,13 +227,38 @@ impl<'v> Lanes<'v> {
     }
 
     /// Multiplies by the factors of the entries of the log.
-    fn multiply_entries(&mut self, curve: &Curve, evidence: &Evidence, admission: Admission) {
+    fn multiply_entries(
+        &mut self,
+        curve: &Curve,
+        evidence: &Evidence,
+        coverage: Option<Coverage<'_>>,
+        admission: Admission,
+    ) {
         if admission == Admission::WithinAny {
             self.keep_near(evidence.receptions().iter().map(|receiver| receiver.place), curve.range_squared);
         }
         self.multiply(curve, &evidence.heard, |square| curve.at(square));
         for count in &evidence.counts {
-            self.multiply_count(curve, count);
+            self.multiply_count(curve, count, coverage);
+        }
+    }
+
+    /// What a stop that heard nothing says of the vertex of a lane: the probability of a reception, that of a vertex
+    /// beyond R where no sector points.
+    fn heard_in_a_sector(&self, curve: &Curve, coverage: Coverage<'_>, place: Position, lane: usize) -> f64 {
+        let is_covered = coverage.covers(self.apart(place, lane));
+        if is_covered { curve.at(self.distance_squared(place, lane)) } else { curve.floor }
+    }
+
+    /// Multiplies by the factors of stops that heard nothing, where sectors do not cover every direction.
+    fn multiply_silence(&mut self, curve: &Curve, places: &[Position], coverage: Coverage<'_>) {
+        for chunk in places.chunks(curve.chunk) {
+            for &place in chunk {
+                for lane in 0..LANES {
+                    self.mantissa[lane] *= 1.0 - self.heard_in_a_sector(curve, coverage, place, lane);
+                }
+            }
+            self.normalise();
         }
     }
 
@@ -227,20 +269,15 @@ impl<'v> Lanes<'v> {
         for &Receiver { place, packets, sector } in evidence.receptions() {
             let mut factors = [0.0; LANES];
             for lane in 0..LANES {
-                let apart = [self.x[lane] - place.x_m, self.y[lane] - place.y_m, self.z[lane] - place.z_m];
                 let square = self.distance_squared(place, lane);
-                let is_inside = sector.is_none_or(|sector| wedges.admits(sector, apart));
+                let is_inside = sector.is_none_or(|sector| wedges.admits(sector, self.apart(place, lane)));
                 factors[lane] = if is_inside { curve.at(square) } else { curve.floor };
                 is_near[lane] |= is_inside && square < curve.range_squared;
             }
             self.raise(curve, factors, packets);
         }
         for count in evidence.counts.iter().filter(|count| count.missed > 0) {
-            let mut missed = [0.0; LANES];
-            for (lane, factor) in missed.iter_mut().enumerate() {
-                *factor = 1.0 - curve.at(self.distance_squared(count.place, lane));
-            }
-            self.raise(curve, missed, count.missed);
+            self.multiply_missed(curve, count, wedges.coverage());
         }
         for (mantissa, is_near) in self.mantissa.iter_mut().zip(is_near) {
             *mantissa = if is_near { *mantissa } else { 0.0 };
@@ -263,13 +300,27 @@ impl<'v> Lanes<'v> {
     }
 
     /// Multiplies by the factors of a stop that received some packets and missed others.
-    fn multiply_count(&mut self, curve: &Curve, count: &Count) {
+    fn multiply_count(&mut self, curve: &Curve, count: &Count, coverage: Option<Coverage<'_>>) {
         let mut received = [0.0; LANES];
         for (lane, s) in received.iter_mut().enumerate() {
             *s = curve.at(self.distance_squared(count.place, lane));
         }
         self.raise(curve, received, count.received);
-        self.raise(curve, received.map(|s| 1.0 - s), count.missed);
+        self.multiply_missed(curve, count, coverage);
+    }
+
+    /// Multiplies by the factors of the packets that a stop missed.
+    fn multiply_missed(&mut self, curve: &Curve, count: &Count, coverage: Option<Coverage<'_>>) {
+        let coverage = coverage.filter(|_| count.received == 0);
+        let mut missed = [0.0; LANES];
+        for (lane, factor) in missed.iter_mut().enumerate() {
+            *factor = 1.0
+                - match coverage {
+                    Some(coverage) => self.heard_in_a_sector(curve, coverage, count.place, lane),
+                    None => curve.at(self.distance_squared(count.place, lane)),
+                };
+        }
+        self.raise(curve, missed, count.missed);
     }
 
     /// Multiplies by `factors` to the power `times`.

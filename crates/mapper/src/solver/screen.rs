@@ -8,6 +8,7 @@
 use sextant_channel::Position;
 use wide::f32x4;
 
+use super::coverage::Coverage;
 use super::curve::Curve;
 use super::evidence::Evidence;
 use super::single::single;
@@ -85,6 +86,8 @@ pub(crate) struct Scene<'s> {
     pub(crate) curve: &'s Curve,
     pub(crate) evidence: &'s Evidence,
     pub(crate) silent: &'s [Position],
+    /// What sectors cover, if silence elsewhere says nothing.
+    pub(crate) coverage: Option<Coverage<'s>>,
     /// Coordinates of the vertices.
     pub(crate) vertices: [&'s [f64]; 3],
     /// Bounding box of the vertices.
@@ -149,7 +152,7 @@ impl<'c> Moved<'c> {
 impl Screen {
     /// Bounds the likelihoods of a scene. Returns whether it did. If not, the bounds mean nothing.
     pub(crate) fn bound(&mut self, scene: &Scene<'_>) -> bool {
-        let Scene { curve, evidence, silent, vertices: [x, y, z], corners: [low, high] } = *scene;
+        let Scene { curve, evidence, silent, coverage, vertices: [x, y, z], corners: [low, high] } = *scene;
         if evidence.counts.iter().any(|count| count.received + count.missed > MOST_PACKETS) {
             return false;
         }
@@ -171,7 +174,13 @@ impl Screen {
             let vertex =
                 <[f64; 3]>::from(Position::new(*x, *y, *z) - middle).map(|value| f32x4::splat(single(value)));
             let mut bound = Bound { vertex, mantissa: [1.0; LANES], exponent: 0 };
-            if curve.is_table() {
+            if let Some(coverage) = coverage {
+                bound.multiply(&self.heard, |square| above.at(square));
+                bound.multiply_apart(&self.silent, |apart, square| {
+                    let covered = coverage.certainly_covers(&apart, single(apart_m));
+                    one - covered.select(below.at(square), below.floor)
+                });
+            } else if curve.is_table() {
                 bound.multiply(&self.heard, |square| above.interpolated(square));
                 bound.multiply(&self.silent, |square| one - below.interpolated(square));
             } else {
@@ -182,7 +191,11 @@ impl Screen {
                 let place = <[f64; 3]>::from(count.place - middle).map(|value| f32x4::splat(single(value)));
                 let square = bound.square(&place);
                 bound.raise(above.at(square), count.received);
-                bound.raise(one - below.at(square), count.missed);
+                let covered = coverage
+                    .filter(|_| count.received == 0)
+                    .map(|coverage| coverage.certainly_covers(&bound.apart(&place), single(apart_m)));
+                let s = below.at(square);
+                bound.raise(one - covered.map_or(s, |covered| covered.select(s, below.floor)), count.missed);
             }
             self.keys.push(bound.key());
         }
@@ -222,21 +235,33 @@ struct Bound {
 }
 
 impl Bound {
+    /// The vertex as seen from a place.
+    #[inline(always)]
+    fn apart(&self, place: &[f32x4; 3]) -> [f32x4; 3] {
+        [0, 1, 2].map(|axis| self.vertex[axis] - place[axis])
+    }
+
     #[inline(always)]
     fn square(&self, place: &[f32x4; 3]) -> f32x4 {
-        let [dx, dy, dz] = [0, 1, 2].map(|axis| self.vertex[axis] - place[axis]);
+        let [dx, dy, dz] = self.apart(place);
         dx * dx + dy * dy + dz * dz
     }
 
     /// Multiplies by `factor` of the squared distance to each of `places`.
     #[inline(always)]
     fn multiply(&mut self, places: &Places, factor: impl Fn(f32x4) -> f32x4) {
+        self.multiply_apart(places, |_, square| factor(square));
+    }
+
+    /// Multiplies by `factor` of the vertex as seen from each of `places`, and of its squared distance.
+    #[inline(always)]
+    fn multiply_apart(&mut self, places: &Places, factor: impl Fn([f32x4; 3], f32x4) -> f32x4) {
         let least = f32x4::splat(LEAST);
         for chunk in places.coordinates.chunks(8 * GROUP) {
             for group in chunk.chunks(GROUP) {
                 let mut product = f32x4::ONE;
                 for place in group {
-                    product *= factor(self.square(place)).fast_max(least);
+                    product *= factor(self.apart(place), self.square(place)).fast_max(least);
                 }
                 for (mantissa, product) in self.mantissa.iter_mut().zip(product.to_array()) {
                     *mantissa *= f64::from(product);

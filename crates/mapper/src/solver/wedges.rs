@@ -6,13 +6,21 @@
 //! `α ρ + β Δz ≥ −tolerance` with ρ the horizontal distance; it is a half-space where the edge is horizontal. A wider
 //! wedge of azimuths is all but a wedge of the rest. All stops share the directions, so that of many half-spaces of one
 //! direction only the tightest counts.
+//!
+//! A margin that grows near the stop ([`SectorTolerance::Angular`]) is not a half-space. The half-spaces then hold all
+//! that it admits, and each vertex in them is looked at again.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use sextant_channel::{SectorTable, Wedge};
+use wide::f32x4;
 
+use super::coverage::{Coverage, Part};
+use super::margin::Margin;
 use super::receiver::Receiver;
-use crate::{Lattice, SectorTolerance};
+use super::single::single;
+use crate::sectors::SectorSettings;
+use crate::{Lattice, SectorTolerance, SilenceRule};
 
 /// Least tolerance, so that rounding does not exclude an edge (m).
 const ROUNDING_M: f64 = 1e-9;
@@ -24,13 +32,19 @@ pub(crate) struct Wedges {
     normals: Vec<[f64; 3]>,
     /// By the sector's identity.
     tests: Vec<Test>,
-    /// How far beyond an edge a vertex may lie (m).
+    /// How far beyond an edge of the half-spaces a vertex may lie (m).
     tolerance_m: f64,
+    /// The angle at the edges, where it depends on the distance.
+    margin: Option<Margin>,
+    /// By the sector's identity, what it covers.
+    wedges: Vec<Option<Wedge>>,
+    /// The parts of the sphere that sectors cover, if they do not cover all of it and silence elsewhere says nothing.
+    covered: Option<Vec<Part>>,
 }
 
 /// The conditions for a vertex to be in one sector.
 #[derive(Clone, Debug, Default)]
-struct Test {
+pub(super) struct Test {
     /// Half-spaces: indices of their normals.
     planes: Vec<usize>,
     /// Unit vectors across both edges of a wedge wider than half a turn: one of the half-planes suffices.
@@ -50,25 +64,58 @@ pub(crate) struct Residual {
 enum ResidualKind {
     Reflex([[f64; 2]; 2]),
     Cone([f64; 2]),
+    /// The margin of this sector depends on the distance.
+    Margin(u8),
 }
 
 impl Wedges {
-    pub(crate) fn new(table: &SectorTable, tolerance: SectorTolerance, lattice: &Lattice, range_m: f64) -> Self {
-        let (angle, tolerance_m) = match tolerance {
-            SectorTolerance::Angular => (libm::atan(lattice.step_m() / range_m), 0.0),
-            SectorTolerance::Positional | SectorTolerance::Unlimited => (0.0, lattice.half_diagonal_m()),
+    /// The sectors of `table`, as `settings` use them. `is_flat` says that no vertex is above or below a stop.
+    pub(crate) fn new(
+        table: &SectorTable,
+        settings: &SectorSettings,
+        lattice: &Lattice,
+        range_m: f64,
+        is_flat: bool,
+    ) -> Self {
+        let angle = match settings.tolerance {
+            SectorTolerance::Angular | SectorTolerance::AngularLiteral => libm::atan(lattice.step_m() / range_m),
+            SectorTolerance::Positional | SectorTolerance::Unlimited => 0.0,
         };
-        let mut wedges = Self { normals: Vec::new(), tests: Vec::new(), tolerance_m: tolerance_m + ROUNDING_M };
+        let (tolerance_m, margin) = match settings.tolerance {
+            SectorTolerance::Angular => {
+                let half_step_m = 0.5 * lattice.step_m();
+                (half_step_m, Some(Margin { angle, half_step_m }))
+            }
+            SectorTolerance::AngularLiteral => (0.0, None),
+            SectorTolerance::Positional | SectorTolerance::Unlimited => (lattice.half_diagonal_m(), None),
+        };
+        let tolerance_m = tolerance_m + ROUNDING_M;
+        let mut wedges =
+            Self { normals: Vec::new(), tests: Vec::new(), tolerance_m, margin, wedges: Vec::new(), covered: None };
+        let mut parts = Vec::new();
         for sector in table.iter() {
             if let Ok(wedge) = sector.wedge() {
-                let mut test = Test::default();
-                wedges.add_azimuths(&mut test, &wedge, angle);
-                wedges.add_elevations(&mut test, &wedge, angle);
-                wedges.tests.resize(usize::from(sector.sector) + 1, Test::default());
-                wedges.tests[usize::from(sector.sector)] = test;
+                let test = wedges.test(&wedge, angle);
+                let id = usize::from(sector.sector);
+                wedges.tests.resize(id + 1, Test::default());
+                wedges.wedges.resize(id + 1, None);
+                wedges.tests[id] = test.clone();
+                wedges.wedges[id] = Some(wedge);
+                parts.push(Part { test, wedge });
             }
         }
+        if settings.silence == SilenceRule::Covered {
+            let of_ring = |wedge: &Wedge| Part { test: wedges.test(wedge, angle), wedge: *wedge };
+            wedges.covered = Part::outside_of_which_silence_is_certain(parts, is_flat, of_ring);
+        }
         wedges
+    }
+
+    fn test(&mut self, wedge: &Wedge, angle: f64) -> Test {
+        let mut test = Test::default();
+        self.add_azimuths(&mut test, wedge, angle);
+        self.add_elevations(&mut test, wedge, angle);
+        test
     }
 
     fn add_azimuths(&mut self, test: &mut Test, wedge: &Wedge, angle: f64) {
@@ -126,17 +173,54 @@ impl Wedges {
 
     /// Whether a vertex at `apart` from the stop is in the sector (m).
     pub(crate) fn admits(&self, sector: u8, apart: [f64; 3]) -> bool {
-        let Some(test) = self.tests.get(usize::from(sector)) else {
-            return true;
-        };
-        let [dx, dy, dz] = apart;
-        let inside = |[x, y, z]: [f64; 3]| x * dx + y * dy + z * dz >= -self.tolerance_m;
+        let sector = usize::from(sector);
+        match (self.tests.get(sector), self.wedges.get(sector)) {
+            (Some(test), Some(Some(wedge))) => self.holds(test, wedge, apart),
+            _ => true,
+        }
+    }
+
+    /// Whether a vertex at `apart` from the stop is in the wedge with this test (m).
+    pub(super) fn holds(&self, test: &Test, wedge: &Wedge, apart: [f64; 3]) -> bool {
+        match &self.margin {
+            None => self.is_within(test, apart, self.tolerance_m),
+            Some(margin) => self.is_within(test, apart, ROUNDING_M) || margin.admits(wedge, apart),
+        }
+    }
+
+    fn is_within(&self, test: &Test, [dx, dy, dz]: [f64; 3], tolerance_m: f64) -> bool {
+        let inside = |[x, y, z]: [f64; 3]| x * dx + y * dy + z * dz >= -tolerance_m;
         test.planes.iter().all(|&plane| inside(self.normals[plane]))
             && test.reflex.is_none_or(|edges| edges.iter().any(|&[x, y]| inside([x, y, 0.0])))
-            && test
-                .cones
-                .iter()
-                .all(|&[alpha, beta]| alpha * (dx * dx + dy * dy).sqrt() + beta * dz >= -self.tolerance_m)
+            && test.cones.iter().all(|&[alpha, beta]| alpha * (dx * dx + dy * dy).sqrt() + beta * dz >= -tolerance_m)
+    }
+
+    /// The same for a few vertices, with distances that are off by up to `apart_m`: all bits of a lane are set only if
+    /// the vertex is certainly in the wedge.
+    #[inline(always)]
+    pub(super) fn is_certainly_within(&self, test: &Test, [dx, dy, dz]: &[f32x4; 3], apart_m: f32) -> f32x4 {
+        let tolerance_m = if self.margin.is_some() { ROUNDING_M } else { self.tolerance_m };
+        let least = f32x4::splat(4.0 * apart_m - single(tolerance_m));
+        let inside = |[x, y, z]: [f64; 3]| (*dx * single(x) + *dy * single(y) + *dz * single(z)).simd_ge(least);
+        let mut within = f32x4::ZERO.simd_eq(f32x4::ZERO);
+        for &plane in &test.planes {
+            within &= inside(self.normals[plane]);
+        }
+        if let Some([[x0, y0], [x1, y1]]) = test.reflex {
+            within &= inside([x0, y0, 0.0]) | inside([x1, y1, 0.0]);
+        }
+        if !test.cones.is_empty() {
+            let across = (*dx * *dx + *dy * *dy).sqrt();
+            for &[alpha, beta] in &test.cones {
+                within &= (across * single(alpha) + *dz * single(beta)).simd_ge(least);
+            }
+        }
+        within
+    }
+
+    /// What sectors cover, if this is not every direction and silence elsewhere says nothing.
+    pub(crate) fn coverage(&self) -> Option<Coverage<'_>> {
+        self.covered.as_deref().map(|parts| Coverage { wedges: self, parts })
     }
 
     /// Collects the conditions of all receptions: the tightest half-space of each direction, as a normal and the
@@ -156,6 +240,9 @@ impl Wedges {
             }
             residuals.extend(test.reflex.map(|edges| Residual { place, kind: ResidualKind::Reflex(edges) }));
             residuals.extend(test.cones.iter().map(|&cone| Residual { place, kind: ResidualKind::Cone(cone) }));
+            let is_limited = !test.planes.is_empty() || test.reflex.is_some() || !test.cones.is_empty();
+            let sector = receiver.sector.filter(|_| self.margin.is_some() && is_limited);
+            residuals.extend(sector.map(|sector| Residual { place, kind: ResidualKind::Margin(sector) }));
         }
         planes.retain(|plane| plane.least > f64::NEG_INFINITY);
     }
@@ -174,7 +261,12 @@ impl Wedges {
 
     /// Whether `place` satisfies all of `residuals`.
     pub(crate) fn satisfies(&self, residuals: &[Residual], place: [f64; 3]) -> bool {
-        residuals.iter().all(|residual| residual.range(place, place).0 >= -self.tolerance_m)
+        residuals.iter().all(|residual| match residual.kind {
+            ResidualKind::Margin(sector) => {
+                self.admits(sector, [0, 1, 2].map(|axis| place[axis] - residual.place[axis]))
+            }
+            ResidualKind::Reflex(_) | ResidualKind::Cone(_) => residual.range(place, place).0 >= -self.tolerance_m,
+        })
     }
 
     /// The interval of x in which the row through y and z is in the half-spaces of a sector as seen from `place`.
@@ -200,6 +292,7 @@ impl Residual {
             if a < b { (a, b) } else { (b, a) }
         };
         match self.kind {
+            ResidualKind::Margin(_) => (f64::NEG_INFINITY, f64::INFINITY),
             ResidualKind::Reflex(edges) => {
                 let [first, second] = edges.map(|[x, y]| {
                     let (along_x, along_y) = (product(x, 0), product(y, 1));

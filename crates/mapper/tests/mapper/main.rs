@@ -5,6 +5,7 @@ mod calibration;
 mod comparators;
 mod heights;
 mod ml_tm;
+mod mm_tm;
 mod profiles;
 mod self_calibrated;
 mod watched;

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use proptest::prelude::*;
-use sextant_channel::{Position, Reception, SectorConfig, SectorTable};
-use sextant_mapper::{SectorTolerance, TrapezoidConfig};
+use sextant_channel::{EvenSectorsConfig, Position, Reception, SectorConfig, SectorTable};
+use sextant_mapper::{SectorTolerance, SilenceRule, TrapezoidConfig};
 
 use super::entry;
 use super::oracle::azimuth_width_deg;
@@ -19,6 +19,7 @@ pub(super) struct Case {
     pub(super) receptions: Vec<Reception>,
     pub(super) sectors: Option<SectorTable>,
     pub(super) tolerance: SectorTolerance,
+    pub(super) silence: SilenceRule,
 }
 
 /// Nodes of a case.
@@ -62,7 +63,8 @@ pub(super) fn case(height_m: f64, step_m: f64, range_m: Range<f64>) -> impl Stra
             }
         }
         let (sectors, tolerance) = (None, SectorTolerance::default());
-        Case { profile, table: Vec::new(), step_m, stops, receptions, sectors, tolerance }
+        let silence = SilenceRule::default();
+        Case { profile, table: Vec::new(), step_m, stops, receptions, sectors, tolerance, silence }
     })
 }
 
@@ -94,8 +96,11 @@ pub(super) fn sector_case(height_m: f64, step_m: f64, range_m: Range<f64>) -> im
     let sectors = proptest::collection::vec((-200.0..400.0, width, elevations), 1..6);
     let place = (0.0..6.0, 0.0..6.0, 0.0..=height_m);
     let choices = proptest::collection::vec(0_u8..20, 1..40);
-    (case(height_m, step_m, range_m), sectors, proptest::array::uniform3(place), choices, any::<bool>()).prop_map(
-        |(mut case, sectors, places, choices, is_angular)| {
+    let ring = prop_oneof![Just(None), (1_u8..9, -90.0..80.0, 1.0..100.0).prop_map(Some)];
+    let sectors = (sectors, ring);
+    let rules = (0_u8..3, 0_u8..4);
+    (case(height_m, step_m, range_m), sectors, proptest::array::uniform3(place), choices, rules).prop_map(
+        |(mut case, (sectors, ring), places, choices, (tolerance, silence))| {
             let sectors = (0..).zip(&sectors).map(|(sector, &(from, width, [low, high]))| SectorConfig {
                 sector: 3 * sector,
                 azimuth_from_deg: from,
@@ -103,7 +108,18 @@ pub(super) fn sector_case(height_m: f64, step_m: f64, range_m: Range<f64>) -> im
                 elevation_from_deg: low,
                 elevation_to_deg: high,
             });
-            let sectors: Vec<SectorConfig> = sectors.collect();
+            let mut sectors: Vec<SectorConfig> = sectors.collect();
+            // A ring that fills the circle, alone or beside sectors that do not.
+            if let Some((azimuth_sectors, low, tall)) = ring {
+                let elevations_deg = vec![[low, f64::min(low + tall, 90.0)]];
+                let even = EvenSectorsConfig { azimuth_sectors, first_azimuth_deg: 20.0, elevations_deg };
+                let ring = SectorTable::try_from(even).expect("a sound ring");
+                if azimuth_sectors % 2 == 0 {
+                    sectors.clear();
+                }
+                sectors
+                    .extend(ring.iter().map(|sector| SectorConfig { sector: 100 + sector.sector, ..sector.clone() }));
+            }
             for (reception, &choice) in case.receptions.iter_mut().zip(choices.iter().cycle()) {
                 let (x, y, z) = places[reception.node.index()];
                 let apart = Position::new(x, y, z) - case.stops[reception.stop as usize];
@@ -119,9 +135,14 @@ pub(super) fn sector_case(height_m: f64, step_m: f64, range_m: Range<f64>) -> im
                     _ => sectors.iter().find(points_there).map(|sector| sector.sector),
                 };
             }
-            let tolerance = if is_angular { SectorTolerance::Angular } else { SectorTolerance::Positional };
+            let tolerance = match tolerance {
+                0 => SectorTolerance::Angular,
+                1 => SectorTolerance::AngularLiteral,
+                _ => SectorTolerance::Positional,
+            };
+            let silence = if silence == 0 { SilenceRule::Everywhere } else { SilenceRule::Covered };
             let sectors = SectorTable::new(sectors).expect("sound sectors");
-            Case { sectors: Some(sectors), tolerance, ..case }
+            Case { sectors: Some(sectors), tolerance, silence, ..case }
         },
     )
 }

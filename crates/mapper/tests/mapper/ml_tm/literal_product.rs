@@ -18,7 +18,7 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
     }
     let config = MlTmConfig {
         ties: TieRule::First,
-        sectors: Some(SectorsConfig { tolerance: case.tolerance, layout: None }),
+        sectors: Some(SectorsConfig { tolerance: case.tolerance, layout: None, silence: case.silence }),
         ..MlTmConfig::new(case.step_m, ProfileConfig::Trapezoid(case.profile.clone()))
     };
     let mut argmax = ml_tm(config.clone());
@@ -33,7 +33,8 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
     let lattice = argmax.lattice(&log).expect("a lattice");
     let table = if let ReceptionProfile::Table(table) = argmax.profile() { Some(table) } else { None };
     let profile = TrapezoidConfig { range_m: argmax.profile().range_m(), ..case.profile.clone() };
-    let oracle = Oracle { profile: &profile, table, log: &log, lattice: &lattice, tolerance: case.tolerance };
+    let (tolerance, silence) = (case.tolerance, case.silence);
+    let oracle = Oracle { profile: &profile, table, log: &log, lattice: &lattice, tolerance, silence };
     let (argmax_map, posterior_map) =
         (argmax.map(&log, &Unwatched).expect("a map"), posterior.map(&log, &Unwatched).expect("a map"));
     for node in 0..NODES {

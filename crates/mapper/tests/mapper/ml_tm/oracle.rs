@@ -1,8 +1,8 @@
 //! The formula of the thesis, written down as it stands and evaluated at every vertex.
 
-use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
+use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig, SectorTable};
 use sextant_kernel::NodeId;
-use sextant_mapper::{Lattice, SectorTolerance, TableProfile, TrapezoidConfig};
+use sextant_mapper::{Lattice, SectorTolerance, SilenceRule, TableProfile, TrapezoidConfig};
 
 const LITERAL_FLOOR: f64 = 1e-6;
 
@@ -14,6 +14,7 @@ pub(super) struct Oracle<'a> {
     pub(super) log: &'a ReceptionLog,
     pub(super) lattice: &'a Lattice,
     pub(super) tolerance: SectorTolerance,
+    pub(super) silence: SilenceRule,
 }
 
 impl Oracle<'_> {
@@ -31,28 +32,46 @@ impl Oracle<'_> {
         s.max(floor).min(ceiling)
     }
 
-    /// Whether the direction from the stop of a reception to the vertex is in the sector of the reception, by angles.
+    /// The sectors, if they are evidence.
+    fn sectors(&self) -> Option<&SectorTable> {
+        let is_used = self.tolerance != SectorTolerance::Unlimited && self.log.receptions().sectors().is_some();
+        self.log.sectors().filter(|_| is_used)
+    }
+
+    /// Whether the direction from the stop of a reception to the vertex is in the sector of the reception.
     fn is_in_sector(&self, vertex: Position, reception: &Reception) -> bool {
-        let sector = self.log.sectors().zip(reception.sector).and_then(|(table, id)| {
-            table.iter().find(|sector| sector.sector == id).filter(|_| self.tolerance != SectorTolerance::Unlimited)
-        });
-        let Some(sector) = sector else {
-            return true;
-        };
-        let apart = vertex - self.log.stops()[reception.stop as usize].position;
+        let of_reception = |sector: &&SectorConfig| Some(sector.sector) == reception.sector;
+        let sector = self.sectors().and_then(|table| table.iter().find(of_reception));
+        sector.is_none_or(|sector| self.admits(vertex, reception.stop, sector))
+    }
+
+    /// Whether silence at a stop says anything about the vertex.
+    fn is_covered(&self, vertex: Position, stop: u32) -> bool {
+        self.silence == SilenceRule::Everywhere
+            || self.sectors().is_none_or(|table| table.iter().any(|sector| self.admits(vertex, stop, sector)))
+    }
+
+    /// Whether the direction from a stop to the vertex is in a sector, by angles.
+    fn admits(&self, vertex: Position, stop: u32, sector: &SectorConfig) -> bool {
+        let apart = vertex - self.log.stops()[stop as usize].position;
         let across = apart.x_m.hypot(apart.y_m);
         let (azimuth, elevation) = (apart.y_m.atan2(apart.x_m), apart.z_m.atan2(across));
         let (from, width) = (sector.azimuth_from_deg.to_radians(), azimuth_width_deg(sector).to_radians());
         let [low, high] = [sector.elevation_from_deg, sector.elevation_to_deg].map(f64::to_radians);
         let turn = std::f64::consts::TAU;
         match self.tolerance {
-            SectorTolerance::Angular => {
-                let margin = (self.lattice.step_m() / self.profile.range_m).atan();
+            SectorTolerance::Angular | SectorTolerance::AngularLiteral => {
+                let step_m = self.lattice.step_m();
+                let margin = |d: f64| {
+                    let near =
+                        if self.tolerance == SectorTolerance::Angular { (0.5 * step_m / d).atan() } else { 0.0 };
+                    (step_m / self.profile.range_m).atan().max(near)
+                };
                 let off_axis = (azimuth - from - 0.5 * width + 2.5 * turn).rem_euclid(turn) - 0.5 * turn;
                 // At the stop itself, and right above it, a direction is rounding.
                 apart.length_m() <= 1e-9
-                    || (across <= 1e-9 || off_axis.abs() <= 0.5 * width + margin)
-                        && (low - margin..=high + margin).contains(&elevation)
+                    || (across <= 1e-9 || off_axis.abs() <= 0.5 * width + margin(across))
+                        && (low - margin(apart.length_m())..=high + margin(apart.length_m())).contains(&elevation)
             }
             _ => {
                 let h = self.lattice.half_diagonal_m();
@@ -80,7 +99,10 @@ impl Oracle<'_> {
         for (stop, place) in (0..).zip(self.log.stops()) {
             let counts = self.log.of(node).iter().find(|r| r.stop == stop);
             let (received, sent) = counts.map_or((0, 1), |r| (r.received, r.sent));
-            let s = self.s(vertex.distance_m(place.position), floor, ceiling);
+            let mut s = self.s(vertex.distance_m(place.position), floor, ceiling);
+            if received == 0 && !self.is_covered(vertex, stop) {
+                s = floor;
+            }
             let in_sector = counts.is_none_or(|reception| self.is_in_sector(vertex, &reception));
             for packet in 0..sent {
                 product *= match (packet < received, in_sector) {

@@ -26,7 +26,8 @@ fn sectors_come_from_the_settings_or_from_the_log_and_must_be_known() {
     assert_eq!(with(None).map(&told, &Unwatched).unwrap(), by_settings.map(&left, &Unwatched).unwrap());
     // Without a table, or without limit, sectors say nothing.
     assert_eq!(with(None).map(&left, &Unwatched).unwrap(), with(None).map(&right, &Unwatched).unwrap());
-    let unlimited = with(Some(SectorsConfig { tolerance: SectorTolerance::Unlimited, layout }));
+    let unlimited =
+        with(Some(SectorsConfig { tolerance: SectorTolerance::Unlimited, layout, ..SectorsConfig::default() }));
     assert_eq!(unlimited.map(&told, &Unwatched).unwrap(), with(None).map(&right, &Unwatched).unwrap());
     let error = by_settings.map(&log(1, &stops, heard(7)), &Unwatched).unwrap_err();
     assert!(matches!(error, MapError::Log(LogError::UnknownSector { sector: 7, stop: 0, .. })));
