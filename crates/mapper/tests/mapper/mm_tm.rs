@@ -17,6 +17,7 @@ fn log(stops: &[Position], heard: &[(u32, u8)], table: Option<SectorTable>) -> R
         sent: 1,
         sector: Some(sector),
         rssi_dbm: None,
+        snr_db: None,
     });
     let log = ReceptionLog::new(vec!["n".into()], stops, heard.collect(), Vec::new()).expect("a log");
     match table {
@@ -64,7 +65,8 @@ fn a_log_without_sectors_or_without_their_directions_is_an_error_that_says_so() 
     let error = map(config(0.25), &log(&stops, &[(0, 3)], None)).unwrap_err();
     assert!(matches!(error, MapError::Missing { algorithm: "mmtm", .. }));
     assert!(error.to_string().contains("directions") && error.to_string().contains("`sectors.csv`"), "{error}");
-    let plain = Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector: None, rssi_dbm: None };
+    let plain =
+        Reception { node: NodeId(0), stop: 0, received: 1, sent: 1, sector: None, rssi_dbm: None, snr_db: None };
     let at = |position| Stop { robot: RobotId(0), time: SimTime::ZERO, position };
     let plain = ReceptionLog::new(vec!["n".into()], stops.map(at).to_vec(), vec![plain], Vec::new()).unwrap();
     let plain = plain.with_sectors(even(8, vec![WHOLE])).unwrap();
