@@ -21,6 +21,8 @@ mod frame;
 mod initiator;
 mod port;
 mod responder;
+#[cfg(test)]
+mod script;
 mod sector;
 mod settings;
 mod snr_report;

@@ -1,7 +1,10 @@
-//! Energy by counting messages (Gunathillake 2018, eq. 3.17 to 3.19).
+//! Energy by counting messages (Gunathillake 2018, eq. 3.17 to 3.19, and chapter 4 for sector sweeps).
+
+use std::time::Duration;
 
 use sextant_channel::Dbm;
 
+use crate::dmg::timing::SSW_AIRTIME;
 use crate::{Phy, RadioState, RadioStates};
 
 /// Energy of one packet, if all packets have the same size: the thesis counts only packets, and no idle listening, no
@@ -18,7 +21,17 @@ impl MessageEnergy {
     /// Packets of `mpdu_octets` over `phy` with a radio that transmits at `tx_power`.
     #[must_use]
     pub fn of_packet(radio: &RadioStates, tx_power: Dbm, phy: Phy, mpdu_octets: u8) -> Self {
-        let joules = |state| radio.power_w(state, tx_power) * phy.airtime(mpdu_octets).as_secs_f64();
+        Self::of_airtime(radio, tx_power, phy.airtime(mpdu_octets))
+    }
+
+    /// SSW frames of IEEE 802.11ad with a radio that transmits at `tx_power`.
+    #[must_use]
+    pub fn of_ssw_frame(radio: &RadioStates, tx_power: Dbm) -> Self {
+        Self::of_airtime(radio, tx_power, SSW_AIRTIME)
+    }
+
+    fn of_airtime(radio: &RadioStates, tx_power: Dbm, airtime: Duration) -> Self {
+        let joules = |state| radio.power_w(state, tx_power) * airtime.as_secs_f64();
         Self { tx_j: joules(RadioState::Transmit), rx_j: joules(RadioState::Receive) }
     }
 
@@ -43,6 +56,14 @@ impl MessageEnergy {
     pub fn tpm_j(&self, nodes: f64, anchors: f64, transmitted: f64, received: f64) -> f64 {
         nodes * anchors * (transmitted * self.tx_j + received * self.rx_j)
     }
+
+    /// Millimetre wave maps: each of `nodes` receives the sweeps of the robot, `sweeps_heard` on average, and answers
+    /// each from all of its `sectors`: `E = N (n E_rx + n s E_tx)` (J). The thesis counts one reception per sweep,
+    /// although a node may decode several of its frames.
+    #[must_use]
+    pub fn mmtm_j(&self, nodes: f64, sweeps_heard: f64, sectors: f64) -> f64 {
+        nodes * sweeps_heard * (self.rx_j + sectors * self.tx_j)
+    }
 }
 
 #[cfg(test)]
@@ -56,6 +77,14 @@ mod tests {
         near(energy.ml_tm_j(10.0, 4.0), 120.0);
         near(energy.rssi_j(10.0, 2.0, 1.5), 2.0 * 3.0 + 8.0 * 1.5 * 2.0);
         near(energy.tpm_j(10.0, 2.0, 1.0, 6.0), 20.0 * (3.0 + 12.0));
+        near(energy.mmtm_j(10.0, 5.0, 8.0), 10.0 * (5.0 * 2.0 + 5.0 * 8.0 * 3.0));
+    }
+
+    #[test]
+    fn an_ssw_frame_uses_the_energy_of_its_airtime() {
+        // 14.909 us at 0.6 W and 0.4 W.
+        let energy = MessageEnergy::of_ssw_frame(&RadioStates::mmwave_60_ghz(), Dbm(20.0));
+        assert!((1e6 * energy.tx_j - 8.9454).abs() < 1e-9 && (1e6 * energy.rx_j - 5.9636).abs() < 1e-9);
     }
 
     #[test]

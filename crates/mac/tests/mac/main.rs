@@ -2,4 +2,5 @@
 
 mod enumeration;
 mod one_shot;
+mod sector_sweep;
 mod slotted;
