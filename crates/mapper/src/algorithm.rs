@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
-    ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DvHopConfig, Fit, FittedMlTm, Knowledge,
-    KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, ObstacleMlTm, ObstacleUse, ProfileConfig,
-    RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig,
-    TopologyMap, TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
+    ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DrMdsConfig, DvHopConfig, Fit, FittedMlTm,
+    Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig, ObstacleMlTm,
+    ObstacleUse, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig, SelfCalibrated,
+    SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -42,8 +42,12 @@ pub enum AlgorithmConfig {
     WeightedCentroid(WeightedCentroidConfig),
     /// Hops to anchors times the length of a hop, then multilateration.
     DvHop(DvHopConfig),
+    /// DV-Hop in space with its usual improvements.
+    NtldvHop(NtldvHopConfig),
     /// Classical scaling of hops between all pairs of nodes.
     MdsMap(MdsMapConfig),
+    /// Classical scaling of ranges that are straight over two hops.
+    DrMds(DrMdsConfig),
     /// Stress majorisation of ranges between neighbours.
     Smacof(SmacofConfig),
     /// Triangles of anchors, judged by neighbours, in the plane.
@@ -69,6 +73,7 @@ impl AlgorithmConfig {
         match self {
             Self::RssiTriangleCentroid(config) => Some(&mut config.ranging),
             Self::WeightedCentroid(config) => Some(&mut config.ranging),
+            Self::DrMds(config) => Some(&mut config.ranging),
             Self::Smacof(config) => Some(&mut config.ranging),
             Self::RssMl(config) => Some(&mut config.ranging),
             Self::RssGrid(config) => Some(&mut config.ranging),
@@ -209,7 +214,9 @@ impl TryFrom<AlgorithmConfig> for Mapper {
                 compare("weighted_centroid", config, Comparator::WeightedCentroid)
             }
             AlgorithmConfig::DvHop(config) => compare("dv_hop", config, Comparator::DvHop),
+            AlgorithmConfig::NtldvHop(config) => compare("ntldv_hop", config, Comparator::NtldvHop),
             AlgorithmConfig::MdsMap(config) => compare("mds_map", config, Comparator::MdsMap),
+            AlgorithmConfig::DrMds(config) => compare("dr_mds", config, Comparator::DrMds),
             AlgorithmConfig::Smacof(config) => compare("smacof", config, Comparator::Smacof),
             AlgorithmConfig::Apit(config) => compare("apit", config, Comparator::Apit),
             AlgorithmConfig::RssMl(config) => compare("rss_ml", config, Comparator::RssMl),

@@ -63,6 +63,22 @@ pub enum MapError {
         /// Memory allowed (octets).
         allowed_bytes: u64,
     },
+    /// A joint map needs one log for each of its networks.
+    #[error("a joint map of {networks} networks was given {logs} logs; allowed: one for each network")]
+    Networks {
+        /// Networks of the map.
+        networks: usize,
+        /// Logs given.
+        logs: usize,
+    },
+    /// The networks of a joint map have other nodes.
+    #[error("node `{name}` of the log of network `{network}` is not in the log of the first network")]
+    OtherNodes {
+        /// The network.
+        network: String,
+        /// The node.
+        name: String,
+    },
     /// An antenna sector is narrower than a grid step at the range of the profile.
     #[error(
         "sector {sector} is {width_deg:.3} degrees wide, which is {largest_step_m:.3} m at the range of {range_m} m: less than \

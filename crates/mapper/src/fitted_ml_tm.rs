@@ -1,7 +1,7 @@
 //! ML-TM under a profile estimated from the log.
 
 use sextant_channel::ReceptionLog;
-use sextant_kernel::{Interrupted, SettingError, Watch};
+use sextant_kernel::{SettingError, Watch};
 
 use crate::{Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap, TrapezoidConfig};
 
@@ -31,9 +31,9 @@ impl FittedMlTm {
     /// The profile of `log`; `None` if no node was heard.
     ///
     /// # Errors
-    /// If `watch` ends the work.
-    pub fn fit(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<Fit>, Interrupted> {
-        self.fitted.fit(&self.ml_tm.counted(log), self.z_range_m, watch)
+    /// [`MapError::Log`] if a sector of the log is not among those of the settings; [`MapError::Interrupted`].
+    pub fn fit(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<Fit>, MapError> {
+        self.fitted.fit_with(&self.ml_tm.counted(log), self.z_range_m, self.ml_tm.sectors(), watch)
     }
 
     /// The algorithm under a fitted profile. Give it the part of the log that is [evidence](Fit::evidence).
@@ -41,6 +41,11 @@ impl FittedMlTm {
     pub fn with_fit(&self, fit: &Fit) -> MlTm {
         let step_m = self.ml_tm.grid_step_m().min(fit.curve.range_m());
         self.ml_tm.with_profile(fit.profile(step_m))
+    }
+
+    /// The algorithm under a profile that means nothing, for logs to which none can be fitted.
+    pub(crate) fn unfitted(&self) -> &MlTm {
+        &self.ml_tm
     }
 
     /// The map of the nodes in `log`, and the profile that it was made with.

@@ -27,11 +27,14 @@ mod algorithm;
 mod alignment;
 mod cells;
 mod comparators;
+mod directions;
 mod error;
+mod findings;
 mod fitted;
 mod fitted_ml_tm;
 mod heights;
 mod isotonic;
+mod joint;
 mod knowledge;
 pub mod lateration;
 mod lattice;
@@ -57,16 +60,17 @@ mod topology_map;
 pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper};
 pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use comparators::{
-    Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DvHop, DvHopConfig,
-    ExtremeConfig, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig, Ranging, RangingConfig, RssGrid,
-    RssGridConfig, RssMl, RssMlConfig, Smacof, SmacofConfig, Tpm, TpmConfig, TriangleCentroid,
-    TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
+    Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
+    DvHopConfig, ExtremeConfig, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig, NtldvHop,
+    NtldvHopConfig, Ranging, RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, Smacof, SmacofConfig, Tpm,
+    TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
 pub use error::MapError;
 pub use fitted::{Fit, Fitted};
 pub use fitted_ml_tm::FittedMlTm;
 pub use heights::{HeightReason, SoughtHeights};
 pub use isotonic::never_rising;
+pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
 pub use metrics::{

@@ -5,9 +5,10 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::findings::Findings;
 use crate::heights::check_z_range;
 use crate::reach::heard_nodes;
 use crate::sectors::SectorSettings;
@@ -49,7 +50,7 @@ pub struct MlTmConfig {
 }
 
 /// Memory allowed for the window of one node (MB).
-const DEFAULT_MEMORY_MB: u32 = 512;
+pub(crate) const DEFAULT_MEMORY_MB: u32 = 512;
 
 /// How a reception of several packets counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -138,6 +139,11 @@ impl MlTm {
     pub fn with_profile(&self, profile: ReceptionProfile) -> Self {
         let grid_step_m = self.grid_step_m.min(profile.range_m());
         Self { grid_step_m, profile, ..self.clone() }
+    }
+
+    /// How sectors are used.
+    pub(crate) fn sectors(&self) -> &SectorSettings {
+        &self.sectors
     }
 
     /// The same algorithm on another grid.
@@ -259,7 +265,7 @@ impl MlTm {
         self.sectors.check_widths(table, self.profile.range_m(), self.grid_step_m)
     }
 
-    fn solver<'a>(
+    pub(crate) fn solver<'a>(
         &'a self,
         lattice: &'a Lattice,
         log: &'a ReceptionLog,
@@ -278,51 +284,18 @@ impl MlTm {
     ) -> (Option<Estimate>, u64) {
         let receptions = log.of(node);
         let lattice = solver.lattice();
-        let mut peak = Peak::default();
-        let (search, moments) = match self.estimate {
-            EstimateKind::Argmax => (solver.search(scratch, receptions, 0.0, &mut peak), None),
+        let (search, findings) = match self.estimate {
+            EstimateKind::Argmax => {
+                let mut peak = Peak::default();
+                (solver.search(scratch, receptions, 0.0, &mut peak), Findings { peak, moments: None })
+            }
             EstimateKind::PosteriorMean => {
-                let mut both = (peak, Moments::new(lattice));
+                let mut both = (Peak::default(), Moments::new(lattice));
                 let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut both);
-                peak = both.0;
-                (search, Some(both.1))
+                (search, Findings { peak: both.0, moments: Some(both.1) })
             }
         };
-        let estimate = peak.vertices().first().map(|&(first, _)| Estimate {
-            position: match &moments {
-                Some(moments) => moments.mean(),
-                None => self.place(lattice, &peak, first),
-            },
-            log_likelihood: Some(peak.highest()),
-            ties: u32::try_from(peak.vertices().len()).unwrap_or(u32::MAX),
-            covariance: moments.map(|moments| moments.covariance()),
-            infeasible: search.infeasible,
-        });
-        (estimate, search.evaluated)
-    }
-
-    /// The place for several vertices of highest likelihood; `first` is the one with the lowest index.
-    fn place(&self, lattice: &Lattice, peak: &Peak, first: u64) -> Position {
-        let place = |index| lattice.position(lattice.vertex(index));
-        let vertices = peak.vertices();
-        if self.ties == TieRule::First || vertices.len() == 1 {
-            return place(first);
-        }
-        let share = 1.0 / vertices.len() as f64;
-        let offset = vertices.iter().fold(Position::ORIGIN, |sum, &(index, _)| sum + (place(index) - place(first)));
-        let mean = place(first) + offset * share;
-        let half_step_m = 0.5 * lattice.step_m() * (1.0 + 1e-9);
-        let mut nearest = (first, f64::INFINITY);
-        let mut is_one_of_them = false;
-        for &(index, _) in vertices {
-            let offset: [f64; 3] = (place(index) - mean).into();
-            is_one_of_them |= offset.iter().all(|along| along.abs() <= half_step_m);
-            let distance_m = place(index).distance_m(mean);
-            if distance_m < nearest.1 - 1e-9 * lattice.step_m() {
-                nearest = (index, distance_m);
-            }
-        }
-        if is_one_of_them { mean } else { place(nearest.0) }
+        (findings.estimate(lattice, self.ties, search.infeasible), search.evaluated)
     }
 }
 

@@ -36,8 +36,8 @@ use evidence::Evidence;
 use rows::Rows;
 pub(crate) use score::Survivors;
 use score::{Admission, Scorer};
-pub(crate) use sink::{Moments, Peak, Sink};
-use wedges::Wedges;
+pub(crate) use sink::{Contenders, Moments, Peak, Sink};
+pub(crate) use wedges::{Edges, Wedges};
 
 /// A survey that is prepared for the search of its nodes.
 #[derive(Debug)]
@@ -137,6 +137,24 @@ impl<'a> Solver<'a> {
                 search.infeasible = true;
                 search.evaluated += self.admit_outliers(evidence, rows, survivors, margin, sink);
             }
+        }
+        evidence.clear(receptions);
+        search
+    }
+
+    /// The same as if no vertex explained all receptions.
+    pub(crate) fn search_outliers(
+        &self,
+        scratch: &mut Scratch,
+        receptions: Receptions<'_>,
+        margin: f64,
+        sink: &mut impl Sink,
+    ) -> Search {
+        let Scratch { evidence, rows, survivors } = scratch;
+        let mut search = Search { infeasible: true, evaluated: 0 };
+        evidence.read(receptions, self.stops, self.wedges.as_ref());
+        if evidence.heard_packets() > 0 {
+            search.evaluated = self.admit_outliers(evidence, rows, survivors, margin, sink);
         }
         evidence.clear(receptions);
         search

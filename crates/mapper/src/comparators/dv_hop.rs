@@ -77,8 +77,11 @@ impl DvHop {
         check_table(Self::NAME, what, [nodes, anchors.len()], 4)?;
         let from = anchors.iter().map(|anchor| anchor.node.index());
         let hops = graph.hops_from_each(from, Self::NAME, watch)?;
-        let lengths_m: Vec<Option<f64>> =
-            hops.iter().zip(anchors).map(|(hops, anchor)| self.length_m(anchor, hops, anchors)).collect();
+        let lengths_m: Vec<Option<f64>> = hops
+            .iter()
+            .zip(anchors)
+            .map(|(hops, anchor)| hop_length_m(self.hop_length, anchor, hops, anchors))
+            .collect();
         let known = knowledge.known_places();
         let place = |node: usize| {
             known[node].or_else(|| {
@@ -96,24 +99,23 @@ impl DvHop {
         let places = node_by_node(Self::NAME, nodes, operations, watch, place)?;
         Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
     }
+}
 
-    /// Length of a hop as computed by `anchor`, from which `hops` are counted (m); `None` if it reaches no other
-    /// anchor.
-    fn length_m(&self, anchor: &Anchor, hops: &[u32], anchors: &[Anchor]) -> Option<f64> {
-        let (mut above, mut below) = (0.0, 0.0);
-        for other in anchors.iter().filter(|other| other.node != anchor.node) {
-            let count = hops[other.node.index()];
-            if count == UNREACHED {
-                continue;
-            }
-            let (distance_m, count) = (anchor.position.distance_m(other.position), f64::from(count));
-            let weight = match self.hop_length {
-                HopLength::Mean => 1.0,
-                HopLength::LeastSquares => count,
-            };
-            above += weight * distance_m;
-            below += weight * count;
+/// Length of a hop as computed by `anchor`, from which `hops` are counted (m); `None` if it reaches no other anchor.
+pub(super) fn hop_length_m(rule: HopLength, anchor: &Anchor, hops: &[u32], anchors: &[Anchor]) -> Option<f64> {
+    let (mut above, mut below) = (0.0, 0.0);
+    for other in anchors.iter().filter(|other| other.node != anchor.node) {
+        let count = hops[other.node.index()];
+        if count == UNREACHED {
+            continue;
         }
-        (below > 0.0).then(|| above / below)
+        let (distance_m, count) = (anchor.position.distance_m(other.position), f64::from(count));
+        let weight = match rule {
+            HopLength::Mean => 1.0,
+            HopLength::LeastSquares => count,
+        };
+        above += weight * distance_m;
+        below += weight * count;
     }
+    (below > 0.0).then(|| above / below)
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{CoordinateFrame, Knowledge, MapError, TopologyMap};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// What a map without a frame of its own is aligned to, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -21,6 +21,14 @@ pub enum FrameConfig {
 }
 
 impl FrameConfig {
+    /// The kinds of knowledge that a map of ranges between neighbours uses.
+    pub(super) fn uses_ranges(self) -> &'static [KnowledgeKind] {
+        match self {
+            Self::Anchors => &[KnowledgeKind::NeighbourRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss],
+            Self::Relative => &[KnowledgeKind::NeighbourRssi, KnowledgeKind::PathLoss],
+        }
+    }
+
     /// Least number of anchors for a map.
     pub(super) fn least_anchors(self, dimensions: usize) -> usize {
         match self {

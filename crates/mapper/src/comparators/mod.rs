@@ -2,14 +2,17 @@
 
 mod apit;
 mod centroid;
+mod dr_mds;
 mod dv_hop;
 mod eigenpairs;
 mod frame;
 mod graph;
 mod heard_anchors;
+mod hop_distance;
 mod landmarks;
 mod mds;
 mod mds_map;
+mod ntldv_hop;
 mod ranging;
 mod rss_grid;
 mod rss_ml;
@@ -24,10 +27,12 @@ use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 pub use apit::{Apit, ApitConfig};
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};
+pub use dr_mds::{DrMds, DrMdsConfig};
 pub use dv_hop::{DvHop, DvHopConfig, HopLength};
 pub use frame::FrameConfig;
 pub use landmarks::{CountConfig, ExtremeConfig, LandmarksConfig};
 pub use mds_map::{MdsMap, MdsMapConfig};
+pub use ntldv_hop::{NtldvHop, NtldvHopConfig};
 pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{RssGrid, RssGridConfig};
 pub use rss_ml::{RssMl, RssMlConfig};
@@ -49,8 +54,12 @@ pub enum Comparator {
     WeightedCentroid(WeightedCentroid),
     /// Hops to anchors times the length of a hop.
     DvHop(DvHop),
+    /// Hops to anchors times the length of a hop, with anchors that are not flat.
+    NtldvHop(NtldvHop),
     /// Classical scaling of hops.
     MdsMap(MdsMap),
+    /// Classical scaling of ranges that are straight over two hops.
+    DrMds(DrMds),
     /// Stress majorisation of ranges.
     Smacof(Smacof),
     /// Triangles of anchors, judged by neighbours.
@@ -71,7 +80,9 @@ impl Comparator {
             Self::Centroid(_) => Centroid::NAME,
             Self::WeightedCentroid(_) => WeightedCentroid::NAME,
             Self::DvHop(_) => DvHop::NAME,
+            Self::NtldvHop(_) => NtldvHop::NAME,
             Self::MdsMap(_) => MdsMap::NAME,
+            Self::DrMds(_) => DrMds::NAME,
             Self::Smacof(_) => Smacof::NAME,
             Self::Apit(_) => Apit::NAME,
             Self::RssMl(_) => RssMl::NAME,
@@ -88,7 +99,9 @@ impl Comparator {
             Self::Centroid(_) => Centroid::USES,
             Self::WeightedCentroid(_) => WeightedCentroid::USES,
             Self::DvHop(_) => DvHop::USES,
+            Self::NtldvHop(_) => NtldvHop::USES,
             Self::MdsMap(mds_map) => mds_map.uses(),
+            Self::DrMds(dr_mds) => dr_mds.uses(),
             Self::Smacof(smacof) => smacof.uses(),
             Self::Apit(_) => Apit::USES,
             Self::RssMl(_) => RssMl::USES,
@@ -102,8 +115,9 @@ impl Comparator {
         match self {
             Self::Tpm(tpm) => tpm.least_anchors(dimensions),
             Self::MdsMap(mds_map) => mds_map.least_anchors(dimensions),
+            Self::DrMds(dr_mds) => dr_mds.least_anchors(dimensions),
             Self::Smacof(smacof) => smacof.least_anchors(dimensions),
-            Self::TriangleCentroid(_) | Self::DvHop(_) | Self::RssMl(_) => dimensions + 1,
+            Self::TriangleCentroid(_) | Self::DvHop(_) | Self::NtldvHop(_) | Self::RssMl(_) => dimensions + 1,
             Self::Apit(_) => 3,
             Self::RssGrid(_) => 0,
             Self::Centroid(_) | Self::WeightedCentroid(_) => 1,
@@ -122,7 +136,9 @@ impl Comparator {
             Self::Centroid(centroid) => centroid.map(knowledge, watch),
             Self::WeightedCentroid(centroid) => centroid.map(knowledge, watch),
             Self::DvHop(dv_hop) => dv_hop.map(knowledge, watch),
+            Self::NtldvHop(ntldv_hop) => ntldv_hop.map(knowledge, watch),
             Self::MdsMap(mds_map) => mds_map.map(knowledge, watch),
+            Self::DrMds(dr_mds) => dr_mds.map(knowledge, watch),
             Self::Smacof(smacof) => smacof.map(knowledge, watch),
             Self::Apit(apit) => apit.map(knowledge, watch),
             Self::RssMl(rss_ml) => rss_ml.map(knowledge, watch),

@@ -86,10 +86,7 @@ impl Smacof {
     /// The kinds of knowledge that it uses.
     #[must_use]
     pub fn uses(&self) -> &'static [KnowledgeKind] {
-        match self.frame {
-            FrameConfig::Anchors => &[KnowledgeKind::NeighbourRssi, KnowledgeKind::Anchors, KnowledgeKind::PathLoss],
-            FrameConfig::Relative => &[KnowledgeKind::NeighbourRssi, KnowledgeKind::PathLoss],
-        }
+        self.frame.uses_ranges()
     }
 
     /// Least number of anchors for a map.
@@ -107,48 +104,73 @@ impl Smacof {
         let graph = Graph::of(log, self.link_share);
         let dimensions = self.dimensions.of(knowledge);
         let map = |part: &[usize]| {
-            let dissimilarities = self.dissimilarities(log, &graph, part);
+            let dissimilarities = neighbour_ranges(&self.ranging, log, &graph, part);
             let mut places = matrix(&scaled(&graph, part, Self::NAME, dimensions, watch)?, dimensions);
             fit_scale(&mut places, &dissimilarities);
             let Some(places) = majorised(places, &dissimilarities, self.rounds, self.tolerance, watch)? else {
                 return Ok(None);
             };
-            let z = |row: usize| if dimensions == 3 { places[(row, 2)] } else { 0.0 };
-            Ok(Some((0..part.len()).map(|i| Position::new(places[(i, 0)], places[(i, 1)], z(i))).collect()))
+            Ok(Some(positions(&places)))
         };
         let relative = of_parts(&graph, Self::NAME, dimensions, map)?;
         self.frame.map(Self::NAME, relative, knowledge, dimensions)
     }
+}
 
-    /// The pairs of neighbours in `part`, by place in it, with their distances.
-    fn dissimilarities(&self, log: &NeighbourLog, graph: &Graph, part: &[usize]) -> Vec<Dissimilarity> {
-        let mut pairs = Vec::new();
-        for (a, &node) in part.iter().enumerate() {
-            for &other in graph.neighbours(node).iter().filter(|&&other| other as usize > node) {
-                let Ok(b) = part.binary_search(&(other as usize)) else { continue };
-                let (from, to) = (NodeId::from_index(node), NodeId(other));
-                let (mut sum_dbm, mut packets) = (0.0, 0.0);
-                for link in [log.link(from, to), log.link(to, from)].into_iter().flatten() {
-                    if let Some(rssi_dbm) = link.rssi_dbm {
-                        sum_dbm += f64::from(link.received) * rssi_dbm;
-                        packets += f64::from(link.received);
-                    }
-                }
-                if packets > 0.0 {
-                    pairs.push(Dissimilarity { a, b, distance_m: self.ranging.distance_m(sum_dbm / packets) });
+/// The pairs of neighbours in `part`, by place in it, with their distances.
+pub(super) fn neighbour_ranges(
+    ranging: &Ranging,
+    log: &NeighbourLog,
+    graph: &Graph,
+    part: &[usize],
+) -> Vec<Dissimilarity> {
+    let mut pairs = Vec::new();
+    for (a, &node) in part.iter().enumerate() {
+        for &other in graph.neighbours(node).iter().filter(|&&other| other as usize > node) {
+            let Ok(b) = part.binary_search(&(other as usize)) else { continue };
+            let (from, to) = (NodeId::from_index(node), NodeId(other));
+            let (mut sum_dbm, mut packets) = (0.0, 0.0);
+            for link in [log.link(from, to), log.link(to, from)].into_iter().flatten() {
+                if let Some(rssi_dbm) = link.rssi_dbm {
+                    sum_dbm += f64::from(link.received) * rssi_dbm;
+                    packets += f64::from(link.received);
                 }
             }
+            if packets > 0.0 {
+                pairs.push(Dissimilarity { a, b, distance_m: ranging.distance_m(sum_dbm / packets) });
+            }
         }
-        pairs
     }
+    pairs
+}
+
+/// `places` after at most `rounds` rounds of majorisation; `None` if the pairs do not connect them.
+pub(super) fn refined(
+    places: &[Position],
+    pairs: &[Dissimilarity],
+    rounds: u32,
+    dimensions: usize,
+    watch: &dyn Watch,
+) -> Result<Option<Vec<Position>>, Interrupted> {
+    let places = majorised(matrix(places, dimensions), pairs, rounds, REFINED, watch)?;
+    Ok(places.map(|places| positions(&places)))
 }
 
 /// The measured distance of two nodes. All pairs have the same weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Dissimilarity {
-    a: usize,
-    b: usize,
-    distance_m: f64,
+pub(super) struct Dissimilarity {
+    pub(super) a: usize,
+    pub(super) b: usize,
+    pub(super) distance_m: f64,
+}
+
+/// A refinement ends when a round lowers the stress by less than this share.
+const REFINED: f64 = 1e-9;
+
+/// The places in the rows of a matrix; heights are 0 in the plane.
+fn positions(places: &DMatrix<f64>) -> Vec<Position> {
+    let z = |row: usize| if places.ncols() == 3 { places[(row, 2)] } else { 0.0 };
+    (0..places.nrows()).map(|row| Position::new(places[(row, 0)], places[(row, 1)], z(row))).collect()
 }
 
 fn matrix(places: &[Position], dimensions: usize) -> DMatrix<f64> {

@@ -6,6 +6,7 @@ use sextant_kernel::NodeId;
 use super::belief::Belief;
 use super::receivers;
 use crate::TableProfile;
+use crate::directions::{Directions, covers};
 use crate::isotonic::never_rising;
 use crate::lattice::whole;
 
@@ -51,7 +52,12 @@ pub(super) struct FittedCurve {
 
 impl FittedCurve {
     /// The curve for the first beliefs; `None` if there are none.
-    pub(super) fn first(log: &ReceptionLog, nodes: &[NodeId], beliefs: &[Belief]) -> Option<Self> {
+    pub(super) fn first(
+        log: &ReceptionLog,
+        nodes: &[NodeId],
+        beliefs: &[Belief],
+        directions: Option<&Directions>,
+    ) -> Option<Self> {
         let mut distances: Vec<f64> = Vec::new();
         for (&node, belief) in nodes.iter().zip(beliefs) {
             distances.extend(receivers(log, node).map(|(place, _)| place.distance_m(belief.mean)));
@@ -76,6 +82,9 @@ impl FittedCurve {
             for (index, stop) in (0_u32..).zip(log.stops()) {
                 let entry = entries.next_if(|entry| entry.stop == index);
                 let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
+                if received == 0 && !covers(directions, belief.mean - stop.position) {
+                    continue;
+                }
                 let bin = empty.bin(stop.position.distance_m(belief.mean));
                 counts.bins[bin][0] += f64::from(sent);
                 counts.bins[bin][1] += f64::from(received);

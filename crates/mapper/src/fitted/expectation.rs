@@ -5,6 +5,7 @@ use sextant_kernel::{NodeId, Watch};
 
 use super::belief::Belief;
 use super::curve::{Counts, FittedCurve};
+use crate::directions::{Directions, covers};
 use crate::heights::Heights;
 use crate::lattice::whole;
 use crate::local_posterior::{LocalPosterior, local_posterior};
@@ -20,6 +21,7 @@ const SURE: f64 = 3.0;
 pub(super) struct Round<'a> {
     pub(super) log: &'a ReceptionLog,
     pub(super) heights: Heights,
+    pub(super) directions: Option<&'a Directions>,
     pub(super) curve: &'a FittedCurve,
     pub(super) is_dead: &'a [bool],
     pub(super) watch: &'a dyn Watch,
@@ -39,6 +41,8 @@ struct Listener {
     place: Position,
     received: f64,
     missed: f64,
+    /// The sector of a reception.
+    sector: Option<u8>,
 }
 
 impl Round<'_> {
@@ -56,9 +60,12 @@ impl Round<'_> {
         };
         let mut silent: Vec<(u32, f64)> = Vec::new();
         let kept: f64 = places.iter().map(|&(_, weight)| weight).filter(|&weight| weight > SLIGHT).sum();
-        for Listener { stop, place, received, missed } in &listeners {
+        for Listener { stop, place, received, missed, .. } in &listeners {
             let mut ln_missed = 0.0;
             for &(vertex, weight) in places.iter().filter(|&&(_, weight)| weight > SLIGHT) {
+                if *received <= 0.0 && !covers(self.directions, vertex - *place) {
+                    continue;
+                }
                 let weight = weight / kept;
                 let bin = self.curve.bin(vertex.distance_m(*place));
                 if !self.is_dead[*stop as usize] {
@@ -102,9 +109,12 @@ impl Round<'_> {
             let entry = entries.next_if(|entry| entry.stop == index);
             let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
             let (received, missed) = (f64::from(received), f64::from(sent - received));
+            let sector = entry.and_then(|entry| entry.sector).filter(|_| received > 0.0);
             if stop.position.distance_m(belief.mean) <= near_m {
-                listeners.push(Listener { stop: index, place: stop.position, received, missed });
-            } else if !self.is_dead[index as usize] {
+                listeners.push(Listener { stop: index, place: stop.position, received, missed, sector });
+            } else if !self.is_dead[index as usize]
+                && (received > 0.0 || covers(self.directions, belief.mean - stop.position))
+            {
                 far[0] += received + missed;
                 far[1] += received;
             }
@@ -127,6 +137,13 @@ impl Round<'_> {
             let mut sum = 0.0;
             for listener in &live {
                 let apart = vertex - listener.place;
+                if let Some(directions) = self.directions {
+                    if listener.received > 0.0 {
+                        sum += libm::log(directions.factor(listener.sector, apart));
+                    } else if !directions.covers(apart) {
+                        continue;
+                    }
+                }
                 let along = apart.dot(apart).sqrt() * per_m;
                 let below = whole(along).min(values.len() - 1);
                 let above = (below + 1).min(values.len() - 1);

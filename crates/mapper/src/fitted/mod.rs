@@ -9,10 +9,12 @@ use rayon::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
+use crate::directions::Directions;
 use crate::heights::{Heights, SoughtHeights};
 use crate::profile::averaged_over_cell;
 use crate::reach::{heard_nodes, reach_m};
-use crate::{FittedConfig, ReceptionProfile, TableProfile};
+use crate::sectors::SectorSettings;
+use crate::{FittedConfig, MapError, ReceptionProfile, TableProfile};
 use belief::Belief;
 use curve::{Counts, FittedCurve};
 use expectation::Round;
@@ -63,7 +65,8 @@ const ROUNDS_BEFORE_TESTS: u32 = 6;
 impl Fitted {
     /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes
     /// (m). If absent, nodes are at the height of the stops if these are level, otherwise within one radio range
-    /// below and above them. The result is bit-identical for any number of threads.
+    /// below and above them. If the log has sectors with their directions, these are evidence, and a stop that heard nothing
+    /// counts only where they point. The result is bit-identical for any number of threads.
     ///
     /// # Errors
     /// If `watch` ends the work.
@@ -72,20 +75,34 @@ impl Fitted {
         log: &ReceptionLog,
         z_range_m: Option<[f64; 2]>,
         watch: &dyn Watch,
-    ) -> Result<Option<Fit>, Interrupted> {
+    ) -> Result<Option<Fit>, MapError> {
+        self.fit_with(log, z_range_m, &SectorSettings::default(), watch)
+    }
+
+    /// The same with sectors as the settings say.
+    pub(crate) fn fit_with(
+        &self,
+        log: &ReceptionLog,
+        z_range_m: Option<[f64; 2]>,
+        sectors: &SectorSettings,
+        watch: &dyn Watch,
+    ) -> Result<Option<Fit>, MapError> {
         let heard_nodes = heard_nodes(log);
-        let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m(log, &heard_nodes));
+        let reach_m = reach_m(log, &heard_nodes);
+        let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m);
         let Some(heights) = heights.map(SoughtHeights::heights) else { return Ok(None) };
+        let directions = Directions::of(log, sectors, reach_m, heights)?;
+        let directions = directions.as_ref();
         let heard: Vec<NodeId> = heard_nodes.iter().map(|heard| heard.node).collect();
         let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];
         let sample: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
         let mut beliefs: Vec<Belief> = sample.iter().map(|&node| Belief::first(log, node, heights)).collect();
-        let Some(mut curve) = FittedCurve::first(log, &sample, &beliefs) else { return Ok(None) };
+        let Some(mut curve) = FittedCurve::first(log, &sample, &beliefs, directions) else { return Ok(None) };
         let mut is_dead = vec![false; log.stops().len()];
         let (mut rounds, mut converged) = (0, false);
         watch.begin(self.work(log, sample.len(), heights));
         while rounds < self.max_rounds && !converged {
-            let round = Round { log, heights, curve: &curve, is_dead: &is_dead, watch };
+            let round = Round { log, heights, directions, curve: &curve, is_dead: &is_dead, watch };
             let mut counts = Counts::new(curve.bins());
             let mut ln_silence = vec![0.0; is_dead.len()];
             for (sample, beliefs) in sample.chunks(BLOCK).zip(beliefs.chunks_mut(BLOCK)) {
@@ -112,7 +129,7 @@ impl Fitted {
                 is_dead = found;
             }
         }
-        let round = Round { log, heights, curve: &curve, is_dead: &is_dead, watch };
+        let round = Round { log, heights, directions, curve: &curve, is_dead: &is_dead, watch };
         let outliers = heard.par_iter().flat_map_iter(|&node| round.outliers(node)).collect();
         watch.check()?;
         let dead_stops = (0..).zip(&is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();

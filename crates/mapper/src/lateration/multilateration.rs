@@ -57,10 +57,12 @@ pub fn multilaterate_linear(ranges: &[Range], dimensions: usize) -> Result<Posit
     }
     // Coordinates relative to the last anchor: its equation then has no constant.
     let relative = |range: &Range| <[f64; 3]>::from(range.anchor - last.anchor);
-    let p = DMatrix::from_fn(others.len(), dimensions, |row, column| 2.0 * relative(&others[row])[column]);
+    let root = |row: usize| others[row].weight.sqrt();
+    let p =
+        DMatrix::from_fn(others.len(), dimensions, |row, column| root(row) * (2.0 * relative(&others[row])[column]));
     let q = DVector::from_fn(others.len(), |row, _| {
         let square: f64 = relative(&others[row])[..dimensions].iter().map(|x| x * x).sum();
-        square + last.distance_m.powi(2) - others[row].distance_m.powi(2)
+        root(row) * (square + last.distance_m.powi(2) - others[row].distance_m.powi(2))
     });
     let svd = p.svd(true, true);
     if svd.singular_values.min() <= FLATNESS * svd.singular_values.max() {

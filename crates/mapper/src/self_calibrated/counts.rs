@@ -1,9 +1,10 @@
 //! The packets between a node and the stops, with an index by place.
 
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use crate::cells::CellIndex;
+use crate::directions::{Directions, covers};
 
 /// Packets between one node and one stop.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +13,8 @@ pub(super) struct Link {
     pub(super) place: Position,
     pub(super) received: u32,
     pub(super) missed: u32,
+    /// The sector of a reception.
+    pub(super) sector: Option<u8>,
 }
 
 impl Link {
@@ -21,19 +24,17 @@ impl Link {
     }
 }
 
-/// The entries of the log for one node: stop, packets received and packets missed.
+/// The entries of the log for one node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {
-    entries: Vec<(u32, u32, u32)>,
+    entries: Vec<Reception>,
 }
 
 impl Record {
-    /// Packets received and missed at a stop. One packet is missed if the log has no entry.
-    fn at(&self, stop: u32) -> (u32, u32) {
-        match self.entries.binary_search_by_key(&stop, |&(stop, ..)| stop) {
-            Ok(found) => (self.entries[found].1, self.entries[found].2),
-            Err(_) => (0, 1),
-        }
+    /// The entry for a stop, if the log has one.
+    fn at(&self, stop: u32) -> Option<&Reception> {
+        let found = self.entries.binary_search_by_key(&stop, |entry| entry.stop).ok()?;
+        Some(&self.entries[found])
     }
 }
 
@@ -41,28 +42,28 @@ impl Record {
 #[derive(Debug)]
 pub(super) struct Counts<'a> {
     pub(super) log: &'a ReceptionLog,
+    /// The sectors of the log, if they are evidence.
+    pub(super) directions: Option<Directions>,
     cells: CellIndex,
 }
 
 impl<'a> Counts<'a> {
     /// Stops will be searched for within distances of about `range_m`.
-    pub(super) fn new(log: &'a ReceptionLog, range_m: f64) -> Self {
+    pub(super) fn new(log: &'a ReceptionLog, range_m: f64, directions: Option<Directions>) -> Self {
         let places: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
-        Self { log, cells: CellIndex::new(&places, 0.25 * range_m) }
+        Self { log, directions, cells: CellIndex::new(&places, 0.25 * range_m) }
     }
 
     /// Reads the entries of the log for `node` into `record`.
     pub(super) fn read(&self, node: NodeId, record: &mut Record) {
         record.entries.clear();
-        let receptions = self.log.of(node).iter();
-        record.entries.extend(receptions.map(|entry| (entry.stop, entry.received, entry.sent - entry.received)));
+        record.entries.extend(self.log.of(node));
     }
 
     /// Calls `found` with each link to a stop within `radius_m` of `place`.
     pub(super) fn within(&self, record: &Record, place: Position, radius_m: f64, mut found: impl FnMut(Link)) {
         self.cells.within(place, radius_m, |stop| {
-            let (received, missed) = record.at(stop);
-            found(Link { stop, place: self.log.stops()[stop as usize].position, received, missed });
+            found(self.link(stop, record.at(stop)));
         });
     }
 
@@ -74,12 +75,25 @@ impl<'a> Counts<'a> {
         radius_m: f64,
         mut found: impl FnMut(Link),
     ) {
-        for &(stop, received, missed) in &record.entries {
-            let position = self.log.stops()[stop as usize].position;
-            let apart = position - place;
+        for entry in &record.entries {
+            let link = self.link(entry.stop, Some(entry));
+            let apart = link.place - place;
             if apart.dot(apart) > radius_m * radius_m {
-                found(Link { stop, place: position, received, missed });
+                found(link);
             }
         }
+    }
+
+    /// The link to a stop. One packet is missed if the log has no entry.
+    fn link(&self, stop: u32, entry: Option<&Reception>) -> Link {
+        let place = self.log.stops()[stop as usize].position;
+        let (received, sent) = entry.map_or((0, 1), |entry| (entry.received, entry.sent));
+        let sector = entry.and_then(|entry| entry.sector).filter(|_| received > 0);
+        Link { stop, place, received, missed: sent - received, sector }
+    }
+
+    /// Whether a link says something about a place: a stop that heard nothing does not where no sector points.
+    pub(super) fn tells(&self, link: &Link, place: Position) -> bool {
+        link.received > 0 || covers(self.directions.as_ref(), place - link.place)
     }
 }

@@ -51,6 +51,15 @@ impl Likelihood {
         });
     }
 
+    /// Multiplies by a factor of each place, at least 10⁻⁶.
+    pub(super) fn multiply(&mut self, window: &Window, factor: impl Fn(Position) -> f64) {
+        if self.packets >= CHUNK {
+            self.take_logarithms();
+        }
+        self.packets += 1;
+        window.each(|vertex, place| self.product[vertex] *= factor(place));
+    }
+
     /// Moves the product to the logarithms.
     pub(super) fn take_logarithms(&mut self) {
         for (sum, product) in self.logarithms.iter_mut().zip(&mut self.product) {

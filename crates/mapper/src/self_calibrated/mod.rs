@@ -13,8 +13,8 @@
 //! Obstacles are upright: the loss of a line in a cell is that of its projection on the plane, times its slant. This
 //! model does not hold if the stops have several heights. Obstacles are then not searched for, and
 //! [`Calibration::knowledge`] says so. Obstacles are used only if the absorption estimated from one half of the lines
-//! explains the other half. An open network is therefore mapped as if it were known to be open. Sectors and signal
-//! strengths are not used.
+//! explains the other half. An open network is therefore mapped as if it were known to be open. Antenna
+//! sectors are evidence of directions. Signal strengths are not used.
 
 mod absorption;
 mod algorithm;

@@ -11,6 +11,7 @@ use super::likelihood::Likelihood;
 use super::model::Model;
 use super::shadows::Shadows;
 use super::window::Window;
+use crate::directions::Directions;
 use crate::local_posterior::covariance;
 
 /// Probability above which a vertex counts.
@@ -122,7 +123,7 @@ impl Surroundings<'_> {
             let apart = link.place - before.mean;
             if link.received > 0 || apart.dot(apart) <= near_m * near_m {
                 links.push(link);
-            } else {
+            } else if self.counts.tells(&link, before.mean) {
                 let bin = self.model.bin(apart.length_m());
                 tally.sent[bin] += f64::from(link.missed) * self.model.efficiency(link.stop as usize);
             }
@@ -151,6 +152,10 @@ impl Surroundings<'_> {
                 return;
             }
             let efficiency = self.model.efficiency(link.stop as usize);
+            if let Some(directions) = &self.counts.directions {
+                self.weigh_direction(directions, window, link, likelihood);
+                continue;
+            }
             match self.obstacles.filter(|obstacles| obstacles.may_shade(window, link)) {
                 Some(obstacles) => likelihood.add(window, link, |place| {
                     let apart = place - link.place;
@@ -164,6 +169,27 @@ impl Surroundings<'_> {
         likelihood.take_logarithms();
     }
 
+    /// Multiplies by the likelihood of a link to a stop with an antenna of several sectors.
+    fn weigh_direction(&self, directions: &Directions, window: &Window, link: &Link, likelihood: &mut Likelihood) {
+        let efficiency = self.model.efficiency(link.stop as usize);
+        let obstacles = self.obstacles.filter(|obstacles| obstacles.may_shade(window, link));
+        likelihood.add(window, link, |place| {
+            let apart = place - link.place;
+            if link.received == 0 && !directions.covers(apart) {
+                return 0.0;
+            }
+            match obstacles {
+                Some(obstacles) => {
+                    self.model.shaded(efficiency, apart.length_m(), obstacles.absorbed(link.stop, apart))
+                }
+                None => self.model.clear(efficiency, apart.length_m()),
+            }
+        });
+        if link.sector.is_some() {
+            likelihood.multiply(window, |place| directions.factor(link.sector, place - link.place));
+        }
+    }
+
     /// Adds the packets of each link to the bins of its likely lengths. For the curve, packets that obstacles stop
     /// count as not sent. Shaded links are not simply left out, because that would keep the lucky ones and bias the
     /// curve.
@@ -174,6 +200,9 @@ impl Surroundings<'_> {
             let absorbed = self.obstacles.map_or(0.0, |obstacles| obstacles.map.absorbed(link.place, belief.mean));
             let mut expected = 0.0;
             for &(place, weight) in &scratch.likely {
+                if !self.counts.tells(link, place) {
+                    continue;
+                }
                 let bin = self.model.bin(link.place.distance_m(place));
                 let passed = self.model.passed(bin, absorbed);
                 tally.received[bin] += weight * received;

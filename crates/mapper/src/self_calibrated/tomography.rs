@@ -128,7 +128,8 @@ impl Tomography {
                     let distance_m = link.place.distance_m(belief.mean);
                     let lot = Seed(0).uniform(purpose::MAPPER, [u64::from(belief.node.0), u64::from(link.stop), 0]);
                     let is_silent = link.received == 0 && link.missed == 0;
-                    if is_silent || distance_m < SHORTEST * end_m || lot > share {
+                    if is_silent || !counts.tells(&link, belief.mean) || distance_m < SHORTEST * end_m || lot > share
+                    {
                         return;
                     }
                     lines.draw(

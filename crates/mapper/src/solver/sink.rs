@@ -134,6 +134,57 @@ impl Sink for Moments {
     }
 }
 
+/// The vertices within a margin below the highest likelihood.
+#[derive(Debug)]
+pub(crate) struct Contenders {
+    margin: f64,
+    highest: f64,
+    vertices: Vec<(u64, f64)>,
+    /// Number of vertices at which those that fell behind are dropped.
+    full: usize,
+}
+
+impl Contenders {
+    pub(crate) fn within(margin: f64) -> Self {
+        Self { margin, highest: f64::NEG_INFINITY, vertices: Vec::new(), full: 4096 }
+    }
+
+    pub(crate) fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    /// The vertices with their log-likelihoods, in the order of their indices.
+    pub(crate) fn into_vertices(mut self) -> Vec<(u64, f64)> {
+        self.drop_behind();
+        self.vertices.sort_unstable_by_key(|&(index, _)| index);
+        self.vertices
+    }
+
+    fn drop_behind(&mut self) {
+        let least = self.least();
+        self.vertices.retain(|&(_, value)| value >= least);
+    }
+}
+
+impl Sink for Contenders {
+    const WANTS_FEW: bool = false;
+
+    fn take(&mut self, index: u64, _: Position, value: f64) {
+        self.highest = self.highest.max(value);
+        if value >= self.least() {
+            self.vertices.push((index, value));
+            if self.vertices.len() >= self.full {
+                self.drop_behind();
+                self.full = (2 * self.vertices.len()).max(self.full);
+            }
+        }
+    }
+
+    fn least(&self) -> f64 {
+        self.highest - self.margin
+    }
+}
+
 impl<A: Sink, B: Sink> Sink for (A, B) {
     const WANTS_FEW: bool = A::WANTS_FEW && B::WANTS_FEW;
 

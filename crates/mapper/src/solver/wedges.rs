@@ -42,6 +42,23 @@ pub(crate) struct Wedges {
     covered: Option<Vec<Part>>,
 }
 
+/// How the edges of sectors are moved outwards.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edges {
+    /// By an angle (rad).
+    angle: f64,
+    /// By a distance (m).
+    tolerance_m: f64,
+    margin: Option<Margin>,
+}
+
+impl Edges {
+    /// Moved by a distance (m).
+    pub(crate) fn at_distance(tolerance_m: f64) -> Self {
+        Self { angle: 0.0, tolerance_m, margin: None }
+    }
+}
+
 /// The conditions for a vertex to be in one sector.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Test {
@@ -81,17 +98,28 @@ impl Wedges {
             SectorTolerance::Angular | SectorTolerance::AngularLiteral => libm::atan(lattice.step_m() / range_m),
             SectorTolerance::Positional | SectorTolerance::Unlimited => 0.0,
         };
-        let (tolerance_m, margin) = match settings.tolerance {
+        let edges = match settings.tolerance {
             SectorTolerance::Angular => {
                 let half_step_m = 0.5 * lattice.step_m();
-                (half_step_m, Some(Margin { angle, half_step_m }))
+                Edges { angle, tolerance_m: half_step_m, margin: Some(Margin { angle, half_step_m }) }
             }
-            SectorTolerance::AngularLiteral => (0.0, None),
-            SectorTolerance::Positional | SectorTolerance::Unlimited => (lattice.half_diagonal_m(), None),
+            SectorTolerance::AngularLiteral => Edges { angle, tolerance_m: 0.0, margin: None },
+            SectorTolerance::Positional | SectorTolerance::Unlimited => Edges::at_distance(lattice.half_diagonal_m()),
         };
-        let tolerance_m = tolerance_m + ROUNDING_M;
-        let mut wedges =
-            Self { normals: Vec::new(), tests: Vec::new(), tolerance_m, margin, wedges: Vec::new(), covered: None };
+        Self::of_table(table, edges, settings.silence, is_flat)
+    }
+
+    /// The sectors of `table` with these edges. `is_flat` says that no place is above or below a stop.
+    pub(crate) fn of_table(table: &SectorTable, edges: Edges, silence: SilenceRule, is_flat: bool) -> Self {
+        let Edges { angle, tolerance_m, margin } = edges;
+        let mut wedges = Self {
+            normals: Vec::new(),
+            tests: Vec::new(),
+            tolerance_m: tolerance_m + ROUNDING_M,
+            margin,
+            wedges: Vec::new(),
+            covered: None,
+        };
         let mut parts = Vec::new();
         for sector in table.iter() {
             if let Ok(wedge) = sector.wedge() {
@@ -104,7 +132,7 @@ impl Wedges {
                 parts.push(Part { test, wedge });
             }
         }
-        if settings.silence == SilenceRule::Covered {
+        if silence == SilenceRule::Covered {
             let of_ring = |wedge: &Wedge| Part { test: wedges.test(wedge, angle), wedge: *wedge };
             wedges.covered = Part::outside_of_which_silence_is_certain(parts, is_flat, of_ring);
         }

@@ -4,3 +4,4 @@ mod anchored;
 mod hops;
 pub(crate) mod network;
 mod ranges;
+mod reconstructed;

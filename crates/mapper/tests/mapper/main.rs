@@ -7,5 +7,6 @@ mod heights;
 mod ml_tm;
 mod mm_tm;
 mod profiles;
+mod sectored;
 mod self_calibrated;
 mod watched;

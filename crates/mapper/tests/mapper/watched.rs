@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use sextant_channel::{ObstacleField, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{Interrupted, NodeId, Purpose, RobotId, Seed, SimTime, Unwatched, Watch, Work};
 use sextant_mapper::{
-    AlgorithmConfig, ChannelProfileConfig, Knowledge, MapError, Mapper, MlTmConfig, ObstacleUse, ProfileConfig,
-    RangingConfig, RssGridConfig, RssMlConfig, SmacofConfig, TrapezoidConfig, TriangleCentroidConfig, TrueModel,
-    WeightedCentroidConfig, connectivity_error, posterior_bound_m, topology_preservation_error,
+    AlgorithmConfig, ChannelProfileConfig, DrMdsConfig, Knowledge, MapError, Mapper, MlTmConfig, ObstacleUse,
+    ProfileConfig, RangingConfig, RssGridConfig, RssMlConfig, SmacofConfig, TrapezoidConfig, TriangleCentroidConfig,
+    TrueModel, WeightedCentroidConfig, connectivity_error, posterior_bound_m, topology_preservation_error,
 };
 
 use crate::comparators::network::{Network, RANGING, lattice};
@@ -91,6 +91,8 @@ fn algorithms() -> Vec<AlgorithmConfig> {
         AlgorithmConfig::Centroid(Default::default()),
         AlgorithmConfig::WeightedCentroid(WeightedCentroidConfig { ranging, ..Default::default() }),
         AlgorithmConfig::DvHop(Default::default()),
+        AlgorithmConfig::NtldvHop(Default::default()),
+        AlgorithmConfig::DrMds(DrMdsConfig { ranging, ..Default::default() }),
         AlgorithmConfig::MdsMap(Default::default()),
         AlgorithmConfig::Smacof(SmacofConfig { ranging, ..Default::default() }),
         AlgorithmConfig::Apit(Default::default()),

@@ -1,0 +1,235 @@
+//! NTLDV-HOP (Chen et al. 2014), reconstructed: DV-Hop in space with the usual improvements.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Anchor, Position};
+use sextant_kernel::{SettingError, Watch};
+
+use super::dv_hop::{HopLength, hop_length_m};
+use super::graph::{Graph, UNREACHED};
+use super::{check_link_share, default_link_share, node_by_node};
+use crate::lateration::{Range, multilaterate_linear, refine};
+use crate::memory::check_table;
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+
+/// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct NtldvHopConfig {
+    /// How an anchor computes the length of a hop.
+    pub hop_length: HopLength,
+    /// Whether a node takes the mean length of a hop over all anchors, weighted by one over its hops to them, instead of
+    /// that of its nearest anchor.
+    pub mean_hop_length: bool,
+    /// Whether anchors are left out that only form nearly flat tetrahedra (triangles in the plane) with others.
+    pub reject_flat_anchors: bool,
+    /// Whether distances have the weight of one over their squared hops.
+    pub weigh_by_hops: bool,
+    /// Whether the linear solution is refined by Gauss-Newton steps.
+    pub refine: bool,
+    /// Whether places are moved into the box of the anchors, widened by one hop.
+    pub clamp: bool,
+    /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
+    pub link_share: f64,
+}
+
+impl Default for NtldvHopConfig {
+    fn default() -> Self {
+        Self {
+            hop_length: HopLength::LeastSquares,
+            mean_hop_length: true,
+            reject_flat_anchors: true,
+            weigh_by_hops: true,
+            refine: true,
+            clamp: true,
+            link_share: default_link_share(),
+        }
+    }
+}
+
+impl NtldvHopConfig {
+    /// DV-Hop with linear least squares: none of the improvements.
+    #[must_use]
+    pub fn plain() -> Self {
+        Self {
+            hop_length: HopLength::Mean,
+            mean_hop_length: false,
+            reject_flat_anchors: false,
+            weigh_by_hops: false,
+            refine: false,
+            clamp: false,
+            link_share: default_link_share(),
+        }
+    }
+}
+
+/// NTLDV-HOP. A node is not placed if it reaches fewer anchors than the number of dimensions plus one, or if all that it
+/// reaches are nearly in one plane (on one line) and such anchors are rejected. Anchors keep their known places. The
+/// paper was not available: this is a reconstruction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NtldvHop {
+    config: NtldvHopConfig,
+}
+
+/// Volume over mean edge of a tetrahedron, 1 if it is regular, below which it is flat.
+const FLAT: f64 = 0.1;
+/// Number of nearest anchors of which tetrahedra are made.
+const NEAREST: usize = 12;
+
+impl TryFrom<NtldvHopConfig> for NtldvHop {
+    type Error = SettingError;
+
+    fn try_from(config: NtldvHopConfig) -> Result<Self, SettingError> {
+        check_link_share(config.link_share)?;
+        Ok(Self { config })
+    }
+}
+
+/// What a node needs to know.
+struct Field<'a> {
+    anchors: &'a [Anchor],
+    /// Hops of all nodes from each anchor.
+    hops: Vec<Vec<u32>>,
+    /// Length of a hop by each anchor (m).
+    lengths_m: Vec<Option<f64>>,
+    dimensions: usize,
+}
+
+impl NtldvHop {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "ntldv-hop";
+
+    /// The kinds of knowledge that it uses.
+    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours, KnowledgeKind::Anchors];
+
+    /// The map.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] without a neighbour log; [`MapError::TooFewAnchors`] below three, in space four;
+    /// [`MapError::TooMuchMemory`]; [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        let dimensions = knowledge.dimensions();
+        let anchors = knowledge.anchors(Self::NAME, dimensions + 1)?;
+        let graph = Graph::of(knowledge.neighbours(Self::NAME)?, self.config.link_share);
+        let nodes = graph.node_count();
+        let what = || format!("the hops of {nodes} nodes to {} anchors", anchors.len());
+        check_table(Self::NAME, what, [nodes, anchors.len()], 4)?;
+        let from = anchors.iter().map(|anchor| anchor.node.index());
+        let hops = graph.hops_from_each(from, Self::NAME, watch)?;
+        let lengths_m = hops
+            .iter()
+            .zip(anchors)
+            .map(|(hops, anchor)| hop_length_m(self.config.hop_length, anchor, hops, anchors));
+        let lengths_m = lengths_m.collect();
+        let field = Field { anchors, hops, lengths_m, dimensions };
+        let known = knowledge.known_places();
+        #[expect(clippy::cast_precision_loss, reason = "a number of anchors")]
+        let operations = 100.0 * anchors.len() as f64 + 500.0;
+        let place = |node: usize| known[node].or_else(|| self.place(&field, node));
+        let places = node_by_node(Self::NAME, nodes, operations, watch, place)?;
+        Ok(TopologyMap::of_places(Self::NAME, places, CoordinateFrame::World))
+    }
+
+    fn place(&self, field: &Field<'_>, node: usize) -> Option<Position> {
+        // The nearest anchor comes last: linear least squares subtracts its equation from the others.
+        let mut reached: Vec<usize> =
+            (0..field.anchors.len()).filter(|&anchor| field.hops[anchor][node] != UNREACHED).collect();
+        reached.sort_by_key(|&anchor| std::cmp::Reverse(field.hops[anchor][node]));
+        let length_m = self.hop_length_m(field, node, &reached)?;
+        if self.config.reject_flat_anchors {
+            reached = upright(field, &reached);
+        }
+        let range = |&anchor: &usize| {
+            let hops = f64::from(field.hops[anchor][node]);
+            let weight = if self.config.weigh_by_hops { 1.0 / (hops * hops) } else { 1.0 };
+            Range { weight, ..Range::new(field.anchors[anchor].position, length_m * hops) }
+        };
+        let ranges: Vec<Range> = reached.iter().map(range).collect();
+        let linear = multilaterate_linear(&ranges, field.dimensions).ok()?;
+        let place = if self.config.refine { refine(linear, &ranges, field.dimensions) } else { linear };
+        Some(if self.config.clamp { clamped(place, field, length_m) } else { place })
+    }
+
+    /// The length of a hop for `node`, which reaches the anchors `reached`, the nearest one last (m).
+    fn hop_length_m(&self, field: &Field<'_>, node: usize, reached: &[usize]) -> Option<f64> {
+        let known =
+            || reached.iter().rev().filter_map(|&a| Some((f64::from(field.hops[a][node]), field.lengths_m[a]?)));
+        if !self.config.mean_hop_length {
+            return known().next().map(|(_, length_m)| length_m);
+        }
+        let (sum, weights) = known()
+            .fold((0.0, 0.0), |(sum, weights), (hops, length_m)| (sum + length_m / hops, weights + 1.0 / hops));
+        (weights > 0.0).then(|| sum / weights)
+    }
+}
+
+/// Those of the anchors `reached`, the nearest one last, that form a tetrahedron (a triangle in the plane) which is not
+/// nearly flat, in the same order; only the nearest few are tried.
+fn upright(field: &Field<'_>, reached: &[usize]) -> Vec<usize> {
+    let tried = &reached[reached.len().saturating_sub(NEAREST)..];
+    let place = |at: usize| field.anchors[tried[at]].position;
+    let mut is_kept = vec![false; tried.len()];
+    for a in 0..tried.len() {
+        for b in a + 1..tried.len() {
+            for c in b + 1..tried.len() {
+                if field.dimensions == 2 {
+                    if flatness(&[place(a), place(b), place(c)]) > FLAT {
+                        [a, b, c].into_iter().for_each(|at| is_kept[at] = true);
+                    }
+                    continue;
+                }
+                for d in c + 1..tried.len() {
+                    if flatness(&[place(a), place(b), place(c), place(d)]) > FLAT {
+                        [a, b, c, d].into_iter().for_each(|at| is_kept[at] = true);
+                    }
+                }
+            }
+        }
+    }
+    tried.iter().zip(is_kept).filter(|&(_, kept)| kept).map(|(&anchor, _)| anchor).collect()
+}
+
+/// How far a triangle or a tetrahedron is from being flat: its area over the squared mean edge, its volume over the cubed
+/// mean edge, each 1 for the regular one and 0 for a flat one.
+fn flatness(corners: &[Position]) -> f64 {
+    let pairs = corners.iter().enumerate().flat_map(|(i, a)| corners[i + 1..].iter().map(|b| a.distance_m(*b)));
+    let (sum_m, count) = pairs.fold((0.0, 0.0), |(sum, count), edge_m| (sum + edge_m, count + 1.0));
+    let mean_m: f64 = sum_m / count;
+    let edge = |i: usize| nalgebra::Vector3::from(<[f64; 3]>::from(corners[i] - corners[0]));
+    let across = edge(1).cross(&edge(2));
+    let measure = match corners.len() {
+        3 => across.norm() * 2.0 / (3.0_f64.sqrt() * mean_m.powi(2)),
+        _ => across.dot(&edge(3)).abs() * std::f64::consts::SQRT_2 / mean_m.powi(3),
+    };
+    if measure.is_finite() { measure } else { 0.0 }
+}
+
+/// The nearest place in the box of all anchors, widened by `margin_m`.
+fn clamped(place: Position, field: &Field<'_>, margin_m: f64) -> Position {
+    let place: [f64; 3] = place.into();
+    let along = |axis: usize| field.anchors.iter().map(move |anchor| <[f64; 3]>::from(anchor.position)[axis]);
+    [0, 1, 2]
+        .map(|axis| {
+            let low = along(axis).fold(f64::INFINITY, f64::min) - margin_m;
+            place[axis].clamp(low, along(axis).fold(f64::NEG_INFINITY, f64::max) + margin_m)
+        })
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flatness_is_one_for_regular_and_zero_for_flat_figures() {
+        let triangle = [(0.0, 0.0), (1.0, 0.0), (0.5, 0.75_f64.sqrt())].map(|(x, y)| Position::new(x, y, 0.0));
+        let top = |z: f64| Position::new(0.5, 0.75_f64.sqrt() / 3.0, z);
+        let tetrahedron = |z: f64| [triangle[0], triangle[1], triangle[2], top(z)];
+        assert!((flatness(&triangle) - 1.0).abs() < 1e-12);
+        assert!((flatness(&tetrahedron((2.0_f64 / 3.0).sqrt())) - 1.0).abs() < 1e-12);
+        assert!(flatness(&tetrahedron(0.0)) < 1e-12 && flatness(&tetrahedron(0.03)) < FLAT);
+        assert!(flatness(&[Position::ORIGIN; 4]) < 1e-12, "all in one point");
+        let line = [0.0, 1.0, 5.0].map(|x| Position::new(x, 0.0, 0.0));
+        assert!(flatness(&line) < 1e-12);
+    }
+}

@@ -1,0 +1,58 @@
+//! The sectors of a log as evidence on directions, for estimates that do not share one grid.
+
+use sextant_channel::{LogError, Position, ReceptionLog};
+
+use crate::heights::Heights;
+use crate::sectors::SectorSettings;
+use crate::solver::{Edges, Wedges};
+
+/// What a sector says about places outside it: probability of a reception there, over that inside. It is not zero, so
+/// that a wrong sector does not rule out the true place.
+const CONTRADICTED: f64 = 0.02;
+/// How far beyond the edge of a sector a place may lie, over the distance at which nodes are heard.
+const TOLERANCE: f64 = 0.025;
+
+/// The sectors of a log.
+#[derive(Debug)]
+pub(crate) struct Directions {
+    wedges: Wedges,
+}
+
+impl Directions {
+    /// The sectors of `log`; `None` if they are not evidence. Nodes are heard over about `reach_m` and sought at `heights`.
+    ///
+    /// # Errors
+    /// If a reception names a sector that is not among those of the settings.
+    pub(crate) fn of(
+        log: &ReceptionLog,
+        settings: &SectorSettings,
+        reach_m: f64,
+        heights: Heights,
+    ) -> Result<Option<Self>, LogError> {
+        let is_flat = match heights {
+            Heights::Level(z_m) => log.stops().iter().all(|stop| (stop.position.z_m - z_m).abs() <= 1e-9),
+            Heights::Between(..) => false,
+        };
+        let edges = Edges::at_distance(TOLERANCE * reach_m);
+        let wedges = settings.table(log)?.map(|table| Wedges::of_table(table, edges, settings.silence, is_flat));
+        Ok(wedges.map(|wedges| Self { wedges }))
+    }
+
+    /// The factor of the likelihood of a place at `apart` from the stop of a reception in `sector`.
+    pub(crate) fn factor(&self, sector: Option<u8>, apart: Position) -> f64 {
+        match sector {
+            Some(sector) if !self.wedges.admits(sector, apart.into()) => CONTRADICTED,
+            _ => 1.0,
+        }
+    }
+
+    /// Whether a sector points to a place at `apart` from a stop, so that silence there means something.
+    pub(crate) fn covers(&self, apart: Position) -> bool {
+        self.wedges.coverage().is_none_or(|coverage| coverage.covers(apart.into()))
+    }
+}
+
+/// Whether a stop that heard nothing says something about a place at `apart` from it.
+pub(crate) fn covers(directions: Option<&Directions>, apart: Position) -> bool {
+    directions.is_none_or(|directions| directions.covers(apart))
+}
