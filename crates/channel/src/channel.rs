@@ -14,9 +14,14 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The channel with this `law` among `obstacles`; its shadowing is drawn from `seed`.
+    /// The channel with this `law` among `obstacles`, which absorb as at the carrier of the law; its shadowing is drawn
+    /// from `seed`.
     #[must_use]
     pub fn new(law: ChannelLaw, obstacles: ObstacleField, seed: Seed) -> Self {
+        let obstacles = match law.carrier_ghz() {
+            Some(carrier_ghz) => obstacles.at_carrier(Some(carrier_ghz)),
+            None => obstacles,
+        };
         Self { law, shadowing: Shadowing::new(*law.shadowing(), seed), obstacles }
     }
 

@@ -1,5 +1,7 @@
 //! All obstacles of a world, and queries about them.
 
+use sextant_kernel::SettingError;
+
 use crate::shape::Sweep;
 use crate::span::Span;
 use crate::tree::Tree;
@@ -26,7 +28,7 @@ pub struct ObstacleField {
 }
 
 /// 10 log10(e): decibels of one neper of power.
-const DB_PER_NEPER: f64 = 10.0 * std::f64::consts::LOG10_E;
+pub(crate) const DB_PER_NEPER: f64 = 10.0 * std::f64::consts::LOG10_E;
 
 /// Smallest radius of a ball for [`ObstacleField::clearance_m`] (m).
 const LEAST_RADIUS_M: f64 = 1e-6;
@@ -37,6 +39,28 @@ impl ObstacleField {
     pub fn new(obstacles: Vec<Obstacle>) -> Self {
         let boxes = || obstacles.iter().map(|obstacle| obstacle.shape().bounds());
         Self { tree: Tree::new(boxes()), bounds: boxes().reduce(Bounds::union), obstacles }
+    }
+
+    /// The same obstacles for links at a carrier (GHz): materials absorb there what their models say. Beyond the
+    /// carriers of a model, the nearest one counts: see [`check_carrier`](Self::check_carrier). Without a carrier,
+    /// materials absorb as at 2.45 GHz.
+    #[must_use]
+    pub fn at_carrier(&self, carrier_ghz: Option<f64>) -> Self {
+        let obstacles = self.obstacles.iter().map(|obstacle| obstacle.at_carrier(carrier_ghz)).collect();
+        Self { obstacles, tree: self.tree.clone(), bounds: self.bounds }
+    }
+
+    /// Checks that the absorption of each material is known at the carrier (GHz).
+    ///
+    /// # Errors
+    /// `obstacles[i].material` if the model of a material does not hold there.
+    pub fn check_carrier(&self, carrier_ghz: f64) -> Result<(), SettingError> {
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            if let Some(material) = obstacle.material() {
+                material.check_carrier(carrier_ghz).map_err(|error| error.within(format!("obstacles[{i}]")))?;
+            }
+        }
+        Ok(())
     }
 
     /// The obstacles, in the order given.
@@ -79,22 +103,34 @@ impl ObstacleField {
     }
 
     /// Loss by absorption along the straight line from `from` to `to`: the sum of `10 α d log10(e)` over the
-    /// obstacles, d the length inside (Lambert-Bouguer law; thesis eq. 3.16).
+    /// obstacles, d the length inside (Lambert-Bouguer law; thesis eq. 3.16), and the fixed losses of those crossed.
     #[must_use]
     #[inline]
     pub fn loss(&self, from: Position, to: Position) -> Db {
         if self.obstacles.is_empty() {
             return Db(0.0);
         }
-        let nepers = |crossing: Crossing| self.obstacles[crossing.obstacle].absorption_per_m() * crossing.length_m;
-        let total = self.lengths(from, to).map(nepers).fold(0.0, |sum, part| sum + part);
-        Db(DB_PER_NEPER * total)
+        let (mut nepers, mut fixed) = (0.0, Db(0.0));
+        for Crossing { obstacle, length_m } in self.lengths(from, to) {
+            let obstacle = &self.obstacles[obstacle];
+            nepers += obstacle.absorption_per_m() * length_m;
+            fixed = fixed + obstacle.loss();
+        }
+        Db(DB_PER_NEPER * nepers) + fixed
     }
 
-    /// The first obstacle that contains `p`.
+    /// The first solid obstacle that contains `p`.
     #[must_use]
     pub fn containing(&self, p: Position) -> Option<usize> {
-        self.tree.holding(p).filter(|&obstacle| self.obstacles[obstacle].shape().contains(p)).min()
+        let contains = |obstacle: &Obstacle| obstacle.is_solid() && obstacle.shape().contains(p);
+        self.tree.holding(p).filter(|&obstacle| contains(&self.obstacles[obstacle])).min()
+    }
+
+    /// The first solid obstacle that the straight line from `from` to `to` crosses.
+    #[must_use]
+    pub fn blocking(&self, from: Position, to: Position) -> Option<usize> {
+        let lengths = self.lengths(from, to).map(|crossing| crossing.obstacle);
+        lengths.filter(|&obstacle| self.obstacles[obstacle].is_solid()).min()
     }
 
     /// What is wrong with a place where something should stand, if anything: the value found, and the values allowed.
@@ -113,7 +149,7 @@ impl ObstacleField {
     }
 
     /// How far a ball of `radius_m` with its centre at `from` can travel straight in `direction` (of any length above
-    /// 0) before it touches an obstacle (m), at most `range_m`: the range sensor of a robot.
+    /// 0) before it touches a solid obstacle (m), at most `range_m`: the range sensor of a robot.
     ///
     /// Each cast by the geometry library is checked against exact distances and, if it is wrong, replaced by
     /// bisection, so that no obstacle is missed. A ball that touches an obstacle at the start may slide along it or
@@ -134,14 +170,18 @@ impl ObstacleField {
         let span = Span::new(from, sweep.at(sweep.range_m));
         self.tree
             .along(span, radius_m)
+            .filter(|&obstacle| self.obstacles[obstacle].is_solid())
             .filter_map(|obstacle| self.obstacles[obstacle].shape().touch_m(&sweep))
             .fold(range_m, f64::min)
     }
 
-    /// Distance from `p` to the nearest obstacle (m): 0 inside an obstacle, infinite without obstacles.
+    /// Distance from `p` to the nearest solid obstacle (m): 0 inside an obstacle, infinite without obstacles.
     #[must_use]
     pub fn distance_m(&self, p: Position) -> f64 {
-        self.tree.nearest_m(p, |obstacle| self.obstacles[obstacle].shape().distance_m(p))
+        self.tree.nearest_m(p, |obstacle| {
+            let obstacle = &self.obstacles[obstacle];
+            if obstacle.is_solid() { obstacle.shape().distance_m(p) } else { f64::INFINITY }
+        })
     }
 
     /// The smallest box around all obstacles; `None` without obstacles.

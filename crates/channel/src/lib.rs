@@ -25,7 +25,7 @@
 //!         yaw_deg: 0.0,
 //!     }),
 //!     material: Some("concrete".into()),
-//!     absorption_per_m: None,
+//!     absorption_per_m: None, loss_db: None, solid: true, reflection_loss_db: None,
 //! };
 //! let obstacles = ObstacleField::new(vec![Obstacle::try_from(wall)?]);
 //! let config = ChannelConfig { environment: Some(Environment::Suburban), ..ChannelConfig::default() };

@@ -1,5 +1,10 @@
 //! Materials of obstacles.
 
+use sextant_kernel::SettingError;
+
+use crate::field::DB_PER_NEPER;
+use crate::path_loss::LIGHT_M_PER_S;
+
 /// A material with its absorption in the 2.4 GHz band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -10,7 +15,24 @@ pub struct Material {
     pub absorption_per_m: f64,
     /// How the coefficient was obtained, and from which source.
     pub source: &'static str,
+    /// Carriers for which its model holds (GHz).
+    pub range_ghz: [f64; 2],
+    model: Model,
 }
+
+/// How absorption depends on the carrier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Model {
+    /// Relative permittivity `a f^b - j 17.98 c f^d / f`, f in GHz (Recommendation ITU-R P.2040-3, eq. 27 to 29), and
+    /// a factor on the absorption.
+    Permittivity([f64; 4], f64),
+    /// Pure water at 20 °C by a single Debye relaxation.
+    Water,
+    /// Weissberger's modified exponential decay, up to 14 m deep.
+    Foliage,
+}
+
+const CONCRETE: [f64; 4] = [5.24, 0.0, 0.0462, 0.7822];
 
 const P2040: &str = "computed: α = 2 (2π f / c) |Im sqrt(η)| with η = a f^b - j 17.98 c f^d / f at f = 2.45 GHz; \
                      a, b, c, d of Recommendation ITU-R P.2040-3 (2023), Table 3";
@@ -22,32 +44,88 @@ impl Material {
             name: "concrete",
             absorption_per_m: 4.6,
             source: "chosen: 20 dB per metre (10 α log10(e) = 19.98 dB), because the thesis gives no coefficient for concrete; \
-                     light, dry concrete; see itu-concrete for dense concrete",
+                     light, dry concrete; see itu-concrete for dense concrete; at other carriers in proportion to it",
+            range_ghz: [1.0, 100.0],
+            model: Model::Permittivity(CONCRETE, 4.6 / 15.297),
         },
-        Self { name: "itu-concrete", absorption_per_m: 15.297, source: P2040 },
-        Self { name: "brick", absorption_per_m: 5.233, source: P2040 },
-        Self { name: "plasterboard", absorption_per_m: 4.497, source: P2040 },
-        Self { name: "wood", absorption_per_m: 3.280, source: P2040 },
-        Self { name: "chipboard", absorption_per_m: 10.222, source: P2040 },
-        Self { name: "glass", absorption_per_m: 1.793, source: P2040 },
-        Self { name: "marble", absorption_per_m: 1.787, source: P2040 },
-        Self { name: "metal", absorption_per_m: 622_090.0, source: P2040 },
+        Self {
+            name: "itu-concrete",
+            absorption_per_m: 15.297,
+            source: P2040,
+            range_ghz: [1.0, 100.0],
+            model: Model::Permittivity(CONCRETE, 1.0),
+        },
+        Self {
+            name: "brick",
+            absorption_per_m: 5.233,
+            source: P2040,
+            range_ghz: [1.0, 40.0],
+            model: Model::Permittivity([3.91, 0.0, 0.0238, 0.16], 1.0),
+        },
+        Self {
+            name: "plasterboard",
+            absorption_per_m: 4.497,
+            source: P2040,
+            range_ghz: [1.0, 100.0],
+            model: Model::Permittivity([2.73, 0.0, 0.0085, 0.9395], 1.0),
+        },
+        Self {
+            name: "wood",
+            absorption_per_m: 3.280,
+            source: P2040,
+            range_ghz: [0.001, 100.0],
+            model: Model::Permittivity([1.99, 0.0, 0.0047, 1.0718], 1.0),
+        },
+        Self {
+            name: "chipboard",
+            absorption_per_m: 10.222,
+            source: P2040,
+            range_ghz: [1.0, 100.0],
+            model: Model::Permittivity([2.58, 0.0, 0.0217, 0.78], 1.0),
+        },
+        Self {
+            name: "glass",
+            absorption_per_m: 1.793,
+            source: P2040,
+            range_ghz: [0.1, 100.0],
+            model: Model::Permittivity([6.31, 0.0, 0.0036, 1.3394], 1.0),
+        },
+        Self {
+            name: "marble",
+            absorption_per_m: 1.787,
+            source: P2040,
+            range_ghz: [1.0, 60.0],
+            model: Model::Permittivity([7.074, 0.0, 0.0055, 0.9262], 1.0),
+        },
+        Self {
+            name: "metal",
+            absorption_per_m: 622_090.0,
+            source: P2040,
+            range_ghz: [1.0, 100.0],
+            model: Model::Permittivity([1.0, 0.0, 1e7, 0.0], 1.0),
+        },
         Self {
             name: "wet-ground",
             absorption_per_m: 39.437,
             source: "computed as for building materials, from the row for wet ground of ITU-R P.2040-3 (2023), Table 3",
+            range_ghz: [1.0, 10.0],
+            model: Model::Permittivity([30.0, -0.4, 0.15, 1.3], 1.0),
         },
         Self {
             name: "water",
             absorption_per_m: 61.10,
             source: "computed: α = 2 (2π f / c) |Im sqrt(ε)| of pure water at 20 °C and 2.45 GHz, ε by the single Debye \
                      relaxation of Liebe, Hufford and Manabe (1991), Int. J. Infrared and Millimeter Waves 12, 659",
+            range_ghz: [0.1, 100.0],
+            model: Model::Water,
         },
         Self {
             name: "foliage",
             absorption_per_m: 0.1336,
             source: "computed: 0.45 f^0.284 dB per metre at f = 2.45 (GHz) over 4.343; modified exponential decay of \
                      Weissberger (1982), ESD-TR-81-101, dense dry trees in leaf, up to 14 m deep",
+            range_ghz: [0.23, 95.0],
+            model: Model::Foliage,
         },
     ];
 
@@ -63,10 +141,60 @@ impl Material {
         10.0 * self.absorption_per_m * std::f64::consts::LOG10_E
     }
 
+    /// Absorption coefficient α at the carrier (1/m): the listed one without a carrier. Beyond the carriers for which
+    /// the model holds, that of the nearest one for which it does.
+    #[must_use]
+    pub fn absorption_at_per_m(&self, carrier_ghz: Option<f64>) -> f64 {
+        let Some(carrier_ghz) = carrier_ghz else { return self.absorption_per_m };
+        let [low, high] = self.range_ghz;
+        self.model.absorption_per_m(carrier_ghz.clamp(low, high))
+    }
+
+    /// Whether the model holds at the carrier.
+    ///
+    /// # Errors
+    /// Otherwise, with the key `material`.
+    pub(crate) fn check_carrier(&self, carrier_ghz: f64) -> Result<(), SettingError> {
+        let [low, high] = self.range_ghz;
+        if (low..=high).contains(&carrier_ghz) {
+            return Ok(());
+        }
+        let found = format!("\"{}\" at {carrier_ghz} GHz", self.name);
+        let allowed = format!("\"{}\" from {low} to {high} GHz; or `absorption_per_m` or `loss_db`", self.name);
+        Err(SettingError::new("material", found, allowed))
+    }
+
     /// All names, for messages.
     pub(crate) fn names() -> String {
         Self::ALL.iter().map(|material| format!("\"{}\"", material.name)).collect::<Vec<_>>().join(", ")
     }
+}
+
+impl Model {
+    fn absorption_per_m(self, f_ghz: f64) -> f64 {
+        match self {
+            Self::Permittivity([a, b, c, d], factor) => {
+                let (re, im) = (a * libm::pow(f_ghz, b), 17.98 * c * libm::pow(f_ghz, d) / f_ghz);
+                factor * of_permittivity_per_m(f_ghz, re, im)
+            }
+            Self::Water => {
+                let theta = 1.0 - 300.0 / 293.15;
+                let low = 77.66 - 103.3 * theta;
+                let high = 0.0671 * low;
+                let ratio = f_ghz / (20.2 + 146.4 * theta + 316.0 * theta * theta);
+                let strength = (low - high) / (1.0 + ratio * ratio);
+                of_permittivity_per_m(f_ghz, high + strength, strength * ratio)
+            }
+            Self::Foliage => 0.45 * libm::pow(f_ghz, 0.284) / DB_PER_NEPER,
+        }
+    }
+}
+
+/// Absorption coefficient of power (1/m): `2 (2π f / c) |Im sqrt(re - j im)|`.
+fn of_permittivity_per_m(f_ghz: f64, re: f64, im: f64) -> f64 {
+    // (|ε| - re) / 2, written so that a small imaginary part is not lost.
+    let root = (im * im / (2.0 * (libm::hypot(re, im) + re))).sqrt();
+    2.0 * std::f64::consts::TAU * f_ghz * 1e9 / LIGHT_M_PER_S * root
 }
 
 #[cfg(test)]
@@ -123,5 +251,54 @@ mod tests {
         let concrete = Material::named("concrete").unwrap();
         assert!((concrete.loss_db_per_m() - 19.977_546).abs() < 1e-6);
         assert_eq!(Material::named("Concrete"), None);
+    }
+
+    #[test]
+    fn the_model_of_each_material_gives_its_listed_value_at_the_listed_carrier() {
+        for material in Material::ALL {
+            let ratio = material.absorption_at_per_m(Some(F_GHZ)) / material.absorption_per_m;
+            assert!((ratio - 1.0).abs() < 1e-3, "{}: {ratio}", material.name);
+            assert_eq!(material.absorption_at_per_m(None).to_bits(), material.absorption_per_m.to_bits());
+        }
+    }
+
+    #[test]
+    fn absorption_at_millimetre_waves_is_that_of_the_formulas() {
+        // Loss in dB per metre, computed with complex numbers from the same recommendations.
+        for (name, f_ghz, db_per_m) in [
+            ("itu-concrete", 28.0, 447.2575),
+            ("itu-concrete", 60.0, 811.9897),
+            ("itu-concrete", 73.0, 946.6522),
+            ("glass", 28.0, 203.465),
+            ("glass", 60.0, 564.6571),
+            ("glass", 73.0, 734.2612),
+            ("wood", 28.0, 193.87),
+            ("wood", 60.0, 438.7842),
+            ("wood", 73.0, 541.4182),
+            ("plasterboard", 28.0, 192.647),
+            ("plasterboard", 60.0, 394.2215),
+            ("plasterboard", 73.0, 473.9815),
+            ("metal", 28.0, 9133396.0),
+            ("metal", 60.0, 1.336992e7),
+            ("metal", 73.0, 1.474737e7),
+            ("water", 28.0, 14558.24),
+            ("water", 60.0, 26170.29),
+            ("water", 73.0, 29203.37),
+        ] {
+            let found = DB_PER_NEPER * Material::named(name).unwrap().absorption_at_per_m(Some(f_ghz));
+            assert!((found / db_per_m - 1.0).abs() < 1e-5, "{name}: {found}");
+        }
+        // Rounded by hand: 0.45 · 73^0.284.
+        assert!(
+            (DB_PER_NEPER * Material::named("foliage").unwrap().absorption_at_per_m(Some(73.0)) - 1.52).abs() < 0.005
+        );
+    }
+
+    #[test]
+    fn a_carrier_outside_the_range_of_a_model_is_refused() {
+        let brick = Material::named("brick").unwrap();
+        assert_eq!(brick.check_carrier(40.0), Ok(()));
+        let error = brick.check_carrier(73.0).unwrap_err();
+        assert!(error.found.contains("73") && error.allowed.contains("1 to 40 GHz"), "{error}");
     }
 }

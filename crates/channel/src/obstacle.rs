@@ -5,9 +5,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::{Material, Position, Shape, ShapeConfig};
+use crate::{Db, Material, Position, Shape, ShapeConfig};
 
-/// An obstacle as written in a scenario. Exactly one of `material` and `absorption_per_m` is given.
+/// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
+/// these and `loss_db`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleConfig {
@@ -22,6 +23,25 @@ pub struct ObstacleConfig {
     /// Absorption coefficient α of the Lambert-Bouguer law (1/m): 10 α log10(e) = 4.343 α dB per metre.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<f64>,
+    /// Loss of a link that crosses the obstacle, however thick it is (dB), beside absorption; `inf` lets nothing
+    /// through.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loss_db: Option<f64>,
+    /// Whether it fills its space. In a volume that is not solid, such as vegetation, nodes stand and robots drive, and
+    /// range sensors do not see it.
+    #[serde(default = "is_solid", skip_serializing_if = "is_true")]
+    pub solid: bool,
+    /// Loss of a reflection off its faces (dB); that of the channel if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reflection_loss_db: Option<f64>,
+}
+
+fn is_solid() -> bool {
+    true
+}
+
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 impl ObstacleConfig {
@@ -34,12 +54,16 @@ impl ObstacleConfig {
     }
 }
 
-/// An obstacle: a solid that absorbs radio power and stops robots.
+/// An obstacle: a solid that absorbs radio power and stops robots, or a volume that only absorbs.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
     name: Option<String>,
     shape: Shape,
+    material: Option<&'static Material>,
     absorption_per_m: f64,
+    loss: Db,
+    is_solid: bool,
+    reflection_loss: Option<Db>,
 }
 
 impl TryFrom<ObstacleConfig> for Obstacle {
@@ -57,24 +81,78 @@ impl Obstacle {
     /// # Errors
     /// If a value is invalid, the shape has no volume, or a file cannot be read.
     pub fn read(config: ObstacleConfig, folder: &Path) -> Result<Self, SettingError> {
-        let absorption_per_m = match (config.material, config.absorption_per_m) {
-            (Some(name), None) => {
-                Material::named(&name)
-                    .ok_or_else(|| SettingError::new("material", format!("{name:?}"), Material::names()))?
-                    .absorption_per_m
-            }
+        let material = match &config.material {
+            Some(name) => Some(
+                Material::named(name)
+                    .ok_or_else(|| SettingError::new("material", format!("{name:?}"), Material::names()))?,
+            ),
+            None => None,
+        };
+        let absorption_per_m = match (material, config.absorption_per_m) {
+            (Some(material), None) => material.absorption_per_m,
             (None, Some(alpha)) => SettingError::not_negative("absorption_per_m", alpha)?,
+            (None, None) if config.loss_db.is_some() => 0.0,
             (None, None) => {
-                let allowed = format!("one of {}; or give `absorption_per_m`", Material::names());
+                let allowed = format!("one of {}; or give `absorption_per_m` or `loss_db`", Material::names());
                 return Err(SettingError::new("material", "absent", allowed));
             }
-            (Some(name), Some(alpha)) => {
-                let found = format!("{alpha} beside material {name:?}");
+            (Some(material), Some(alpha)) => {
+                let found = format!("{alpha} beside material {:?}", material.name);
                 return Err(SettingError::new("absorption_per_m", found, "either `material` or `absorption_per_m`"));
             }
         };
+        let loss_db = config.loss_db.unwrap_or(0.0);
+        if loss_db.is_nan() || loss_db < 0.0 {
+            return Err(SettingError::new("loss_db", loss_db, "0 or above; inf lets nothing through"));
+        }
+        let reflection_loss = match config.reflection_loss_db {
+            Some(loss_db) => Some(Db(SettingError::not_negative("reflection_loss_db", loss_db)?)),
+            None => None,
+        };
         let shape = Shape::read(config.shape, folder).map_err(|error| error.within("shape"))?;
-        Ok(Self { name: config.name, shape, absorption_per_m })
+        Ok(Self {
+            name: config.name,
+            shape,
+            material,
+            absorption_per_m,
+            loss: Db(loss_db),
+            is_solid: config.solid,
+            reflection_loss,
+        })
+    }
+
+    /// The same obstacle for links at a carrier: a material absorbs there what its model says, an absorption coefficient
+    /// of its own stays.
+    pub(crate) fn at_carrier(&self, carrier_ghz: Option<f64>) -> Self {
+        let absorption_per_m =
+            self.material.map_or(self.absorption_per_m, |material| material.absorption_at_per_m(carrier_ghz));
+        Self { absorption_per_m, ..self.clone() }
+    }
+
+    /// Its material, if it has a known one.
+    #[must_use]
+    pub fn material(&self) -> Option<&'static Material> {
+        self.material
+    }
+
+    /// Loss of a link that crosses it, however thick it is, beside absorption.
+    #[must_use]
+    #[inline]
+    pub fn loss(&self) -> Db {
+        self.loss
+    }
+
+    /// Whether it fills its space: nothing stands or drives in it, and range sensors see it.
+    #[must_use]
+    #[inline]
+    pub fn is_solid(&self) -> bool {
+        self.is_solid
+    }
+
+    /// Loss of a reflection off its faces, if it has one of its own.
+    #[must_use]
+    pub fn reflection_loss(&self) -> Option<Db> {
+        self.reflection_loss
     }
 
     /// Its name, if it has one.
@@ -89,7 +167,7 @@ impl Obstacle {
         &self.shape
     }
 
-    /// Absorption coefficient α (1/m).
+    /// Absorption coefficient α (1/m), at 2.45 GHz unless the field of obstacles is for another carrier.
     #[must_use]
     pub fn absorption_per_m(&self) -> f64 {
         self.absorption_per_m

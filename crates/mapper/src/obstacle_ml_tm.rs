@@ -69,6 +69,7 @@ impl ObstacleMlTm {
         let log = &*self.start.counted(log);
         let start = self.start.map(log, watch)?;
         let Some(heights) = start.heights.map(SoughtHeights::heights) else { return Ok(start) };
+        let obstacles = &obstacles.at_carrier(self.link.carrier_ghz());
         watch.begin(self.work(log, &start, heights));
         let estimates: Result<Vec<Option<Estimate>>, MapError> = (start.estimates.par_iter().enumerate())
             .map(|(node, start)| {
@@ -192,6 +193,9 @@ mod tests {
             shape: ShapeConfig::Box(shape),
             material: None,
             absorption_per_m: Some(10.0),
+            loss_db: None,
+            solid: true,
+            reflection_loss_db: None,
         };
         ObstacleField::new(vec![Obstacle::try_from(config).expect("a good obstacle")])
     }

@@ -48,7 +48,15 @@ impl Trace {
 pub(crate) fn solid_field(boxes: &[([f64; 3], [f64; 3])]) -> ObstacleField {
     let obstacle = |&(center, size_m): &([f64; 3], [f64; 3])| {
         let shape = ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 0.0 });
-        let config = ObstacleConfig { name: None, shape, material: None, absorption_per_m: Some(4.6) };
+        let config = ObstacleConfig {
+            name: None,
+            shape,
+            material: None,
+            absorption_per_m: Some(4.6),
+            loss_db: None,
+            solid: true,
+            reflection_loss_db: None,
+        };
         Obstacle::try_from(config).expect("a box")
     };
     ObstacleField::new(boxes.iter().map(obstacle).collect())
@@ -58,7 +66,15 @@ pub(crate) fn field(boxes: &[([f64; 2], [f64; 2], f64)]) -> ObstacleField {
     let obstacle = |&([x, y], [width, depth], yaw_deg): &([f64; 2], [f64; 2], f64)| {
         let shape = BoxConfig { center_m: Position::new(x, y, 0.0), size_m: [width, depth, 3.0], yaw_deg };
         let shape = ShapeConfig::Box(shape);
-        let config = ObstacleConfig { name: None, shape, material: None, absorption_per_m: Some(4.6) };
+        let config = ObstacleConfig {
+            name: None,
+            shape,
+            material: None,
+            absorption_per_m: Some(4.6),
+            loss_db: None,
+            solid: true,
+            reflection_loss_db: None,
+        };
         Obstacle::try_from(config).expect("a box")
     };
     ObstacleField::new(boxes.iter().map(obstacle).collect())

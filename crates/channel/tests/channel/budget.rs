@@ -54,6 +54,9 @@ fn a_metre_of_concrete_takes_twenty_decibels() {
         shape: upright_box(at(5.0, 0.0, 0.0), [1.0, 9.0, 3.0], 0.0),
         material: material.map(Into::into),
         absorption_per_m,
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     };
     let walls = [config(Some(4.6), None), config(None, Some("concrete"))];
     for wall in walls.map(|config| Obstacle::try_from(config).unwrap()) {

@@ -8,3 +8,4 @@ mod input;
 mod lengths;
 mod shadow;
 mod solids;
+mod volumes;

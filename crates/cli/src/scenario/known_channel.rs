@@ -77,6 +77,7 @@ impl KnownChannel {
         if path_loss.gas_db_per_m() > 0.0 {
             profile.gas_db_per_km.get_or_insert(1000.0 * path_loss.gas_db_per_m());
         }
+        profile.carrier_ghz = profile.carrier_ghz.or(self.channel.carrier_ghz());
         profile.packets_per_stop.get_or_insert(self.packets_per_stop);
     }
 

@@ -41,6 +41,9 @@ pub struct ChannelProfileConfig {
     /// Loss in proportion to the distance, on top (dB/km): gases of the air; 0 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gas_db_per_km: Option<f64>,
+    /// Carrier at which known obstacles absorb (GHz); 2.45 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carrier_ghz: Option<f64>,
     /// Share of the strong enough packets that survive collisions; above 0, at most 1.
     #[serde(default = "default_delivery")]
     pub delivery: f64,
@@ -96,6 +99,7 @@ impl Default for ChannelProfileConfig {
             reference_distance_m: None,
             min_distance_m: None,
             gas_db_per_km: None,
+            carrier_ghz: None,
             delivery: default_delivery(),
             packets_per_stop: None,
             cell_average: default_cell_average(),
@@ -150,6 +154,10 @@ impl ChannelProfileConfig {
             (needed("tx_power_dbm", self.tx_power_dbm)?, needed("sensitivity_dbm", self.sensitivity_dbm)?);
         SettingError::finite("tx_power_dbm", tx)?;
         SettingError::finite("sensitivity_dbm", sensitivity)?;
+        let carrier_ghz = match self.carrier_ghz {
+            Some(carrier_ghz) => Some(SettingError::in_range("carrier_ghz", carrier_ghz, 0.1, 1000.0)?),
+            None => None,
+        };
         let delivery = above_0_to_1("delivery", self.delivery)?;
         let packets = SettingError::positive("packets_per_stop", self.packets_per_stop.unwrap_or(1.0))?;
         let default = LogDistanceConfig::default();
@@ -170,7 +178,7 @@ impl ChannelProfileConfig {
             obstacles_attenuate: false,
         };
         let law = ChannelLaw::try_from(config).map_err(flat)?;
-        Ok(KnownLink { law, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery, packets })
+        Ok(KnownLink { law, carrier_ghz, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery, packets })
     }
 }
 
@@ -178,6 +186,7 @@ impl ChannelProfileConfig {
 #[derive(Clone, Debug)]
 pub(crate) struct KnownLink {
     law: ChannelLaw,
+    carrier_ghz: Option<f64>,
     tx: Dbm,
     sensitivity: Dbm,
     delivery: f64,
@@ -193,6 +202,11 @@ impl KnownLink {
         }
         let q = self.law.reception_probability(self.tx, self.sensitivity, distance_m, loss);
         at_least_one(self.delivery * q, self.packets)
+    }
+
+    /// Carrier at which obstacles absorb (GHz).
+    pub(crate) fn carrier_ghz(&self) -> Option<f64> {
+        self.carrier_ghz
     }
 
     /// Distance beyond which almost nothing is received (m).

@@ -92,6 +92,9 @@ impl<A: Application> Engine<A> {
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
         bands::check_reception(&networks)?;
+        for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
+            world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
+        }
         let bands = bands::bands(&networks)?;
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         for (i, band) in bands.iter().enumerate() {

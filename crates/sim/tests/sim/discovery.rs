@@ -95,6 +95,9 @@ fn neighbours_behind_an_obstacle_do_not_hear_each_other() {
         }),
         material: Some("concrete".into()),
         absorption_per_m: None,
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     })
     .expect("a box");
     let places = [Position::ORIGIN, Position::new(3.0, 0.0, 0.0), Position::new(0.0, 3.0, 0.0)];

@@ -166,6 +166,9 @@ fn wall() -> ObstacleConfig {
         }),
         material: None,
         absorption_per_m: Some(1.0),
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     }
 }
 

@@ -192,6 +192,9 @@ fn range_sensors_measure_from_the_true_place_and_contacts_are_logged_where_the_r
         }),
         material: None,
         absorption_per_m: Some(1.0),
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     };
     let robot = Robot { body: network::surveyor_body(), controller: Box::new(ToTheWall { contacts: 0 }) };
     let mut setup = setup(robot, OdometryConfig { scale_error: 0.25, ..EXACT }, 1);

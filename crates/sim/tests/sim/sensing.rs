@@ -116,6 +116,9 @@ fn block(center: [f64; 3], size_m: [f64; 3]) -> Obstacle {
         shape: ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 20.0 }),
         material: Some("concrete".into()),
         absorption_per_m: None,
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     };
     Obstacle::read(config, std::path::Path::new("")).expect("a good block")
 }

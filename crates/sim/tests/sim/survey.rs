@@ -109,6 +109,9 @@ fn a_block_of_concrete_silences_the_node_behind_it() {
         }),
         material: Some("concrete".into()),
         absorption_per_m: None,
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     };
     let places = [Position::new(0.0, 5.0, 0.0), Position::new(0.0, -5.0, 0.0)];
     let robot = tour(vec![Position::new(0.0, 0.1, 0.0)], Duration::from_secs(60));
@@ -132,6 +135,9 @@ fn a_robot_stops_in_front_of_an_obstacle_and_reports_the_contact() {
         }),
         material: None,
         absorption_per_m: Some(1.0),
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
     };
     let robot = tour(vec![Position::new(9.0, 0.0, 0.0)], Duration::from_secs(1));
     let mut setup = setup(&[Position::new(1.0, 1.0, 0.0)], robot, 1);

@@ -9,7 +9,15 @@ use super::*;
 fn shed() -> ObstacleField {
     let shape = BoxConfig { center_m: Position::ORIGIN, size_m: [4.0, 6.0, 3.0], yaw_deg: 0.0 };
     let shape = ShapeConfig::Box(shape);
-    let config = ObstacleConfig { name: Some("shed".into()), shape, material: None, absorption_per_m: Some(1.0) };
+    let config = ObstacleConfig {
+        name: Some("shed".into()),
+        shape,
+        material: None,
+        absorption_per_m: Some(1.0),
+        loss_db: None,
+        solid: true,
+        reflection_loss_db: None,
+    };
     ObstacleField::new(vec![Obstacle::try_from(config).unwrap()])
 }
 

@@ -56,7 +56,6 @@ impl WaypointsConfig {
             speed_m_per_s: speed("speed_m_per_s", self.speed_m_per_s)?,
             at_end: self.at_end,
         };
-        let mut crossings = Vec::new();
         for i in 0..way.leg_count() {
             let (from, to) = way.ends(i);
             let key = format!("places_m[{}]", (i + 1) % way.places.len());
@@ -65,10 +64,9 @@ impl WaypointsConfig {
                 let found = format!("[{x}, {y}, {z}], the place before it");
                 return Err(SettingError::new(key, found, "a place that differs from the place before it"));
             }
-            obstacles.crossings(from, to, &mut crossings);
-            if let Some(crossing) = crossings.first() {
-                let obstacle = obstacles.obstacles()[crossing.obstacle].name();
-                let obstacle = obstacle.map_or_else(|| crossing.obstacle.to_string(), |name| format!("`{name}`"));
+            if let Some(crossed) = obstacles.blocking(from, to) {
+                let obstacle = obstacles.obstacles()[crossed].name();
+                let obstacle = obstacle.map_or_else(|| crossed.to_string(), |name| format!("`{name}`"));
                 let found = format!("[{x}, {y}, {z}], behind obstacle {obstacle} as seen from the place before it");
                 return Err(SettingError::new(
                     key,
