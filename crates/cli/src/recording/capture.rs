@@ -1,4 +1,5 @@
-//! Captures of frames for protocol analysers: classic pcap with timestamps in nanoseconds, link type IEEE 802.15.4 TAP.
+//! Captures of frames for protocol analysers, with timestamps in nanoseconds: IEEE 802.15.4 with TAP headers, IEEE
+//! 802.11ad with radiotap headers.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -11,14 +12,13 @@ use sextant_kernel::SimTime;
 use super::error::RecordingError;
 use crate::output::{Draft, DraftError};
 
-/// Magic number of a pcap file with timestamps in nanoseconds.
-const NANOSECOND_MAGIC: u32 = 0xA1B2_3C4D;
-/// Version of the format, major and minor.
-const VERSION: [u16; 2] = [2, 4];
-/// Maximum length of a record (octets).
-const SNAP_LENGTH: u32 = 65_535;
-/// LINKTYPE_IEEE802_15_4_TAP: each frame has a header with data of the receiver.
-const LINK_TYPE: u32 = 283;
+mod container;
+mod radiotap;
+
+use container::LinkType;
+pub use container::Technologies;
+pub use radiotap::CapturedDmgFrame;
+
 /// A link with at least this power above the sensitivity has the best quality (dB). It is the minimum range of energy
 /// detection (IEEE 802.15.4-2006, 6.9.7 and 6.9.8).
 const QUALITY_RANGE_DB: f64 = 40.0;
@@ -35,7 +35,7 @@ mod field {
 /// FCS type of a 16-bit CRC.
 const CRC_16: u8 = 1;
 
-/// A frame of a capture.
+/// A frame of IEEE 802.15.4 in a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapturedFrame<'a> {
     /// First symbol on air.
@@ -77,47 +77,37 @@ impl Signal {
 pub struct Capture<W: Write> {
     output: W,
     path: PathBuf,
+    technologies: Technologies,
+    /// Header and frame.
     record: Vec<u8>,
+    /// What is written to the file.
+    octets: Vec<u8>,
     failure: Option<RecordingError>,
 }
 
 impl<W: Write> Capture<W> {
-    /// A capture that is written to `output`; `path` is its name in errors.
+    /// A capture of frames of these technologies that is written to `output`; `path` is its name in errors.
     ///
     /// # Errors
     /// If the header cannot be written.
-    pub fn new(output: W, path: &Path) -> Result<Self, RecordingError> {
-        let record = Vec::with_capacity(256);
-        let mut capture = Self { output, path: path.to_owned(), record, failure: None };
-        let [major, minor] = VERSION;
-        capture.record.extend(NANOSECOND_MAGIC.to_le_bytes());
-        capture.record.extend(major.to_le_bytes());
-        capture.record.extend(minor.to_le_bytes());
-        // Time zone and accuracy of the timestamps, which are always zero.
-        capture.record.extend([0; 8]);
-        capture.record.extend(SNAP_LENGTH.to_le_bytes());
-        capture.record.extend(LINK_TYPE.to_le_bytes());
-        capture.write_record()?;
+    pub fn new(output: W, path: &Path, technologies: Technologies) -> Result<Self, RecordingError> {
+        let (record, octets) = (Vec::with_capacity(256), Vec::with_capacity(256));
+        let mut capture = Self { output, path: path.to_owned(), technologies, record, octets, failure: None };
+        technologies.header(&mut capture.octets);
+        capture.write_octets()?;
         Ok(capture)
     }
 
-    /// Writes a frame.
+    /// Writes a frame of IEEE 802.15.4.
     ///
     /// # Errors
     /// If a write failed, now or before.
+    ///
+    /// # Panics
+    /// If the capture is not for this technology.
     pub fn frame(&mut self, frame: &CapturedFrame<'_>) -> Result<(), RecordingError> {
-        if let Some(failure) = &self.failure {
-            return Err(failure.clone());
-        }
         let end = frame.start + frame.airtime;
-        let since_start = end - SimTime::ZERO;
         self.record.clear();
-        // A timestamp cannot hold more than 136 years.
-        self.record.extend(u32::try_from(since_start.as_secs()).unwrap_or(u32::MAX).to_le_bytes());
-        self.record.extend(since_start.subsec_nanos().to_le_bytes());
-        // The captured length and the original length, which are filled in below.
-        self.record.extend([0; 8]);
-        let tap = self.record.len();
         // Version, reserved octet, length of the TAP header.
         self.record.extend([0; 4]);
         self.field(field::FCS_TYPE, &[CRC_16]);
@@ -132,13 +122,23 @@ impl<W: Write> Capture<W> {
         if let Some(signal) = frame.signal {
             self.field(field::LINK_QUALITY, &[signal.link_quality()]);
         }
-        let header_octets = u16::try_from(self.record.len() - tap).expect("six fields of at most 12 octets");
-        self.record[tap + 2..tap + 4].copy_from_slice(&header_octets.to_le_bytes());
+        let header_octets = u16::try_from(self.record.len()).expect("six fields of at most 12 octets");
+        self.record[2..4].copy_from_slice(&header_octets.to_le_bytes());
         self.record.extend(frame.mpdu);
-        let octets = u32::try_from(self.record.len() - tap).expect("a frame has at most 127 octets");
-        self.record[tap - 8..tap - 4].copy_from_slice(&octets.to_le_bytes());
-        self.record[tap - 4..tap].copy_from_slice(&octets.to_le_bytes());
-        self.write_record()
+        self.write_record(LinkType::Tap, end)
+    }
+
+    /// Writes a frame of IEEE 802.11ad.
+    ///
+    /// # Errors
+    /// If a write failed, now or before.
+    ///
+    /// # Panics
+    /// If the capture is not for this technology.
+    pub fn dmg_frame(&mut self, frame: &CapturedDmgFrame<'_>) -> Result<(), RecordingError> {
+        self.record.clear();
+        radiotap::write(frame, &mut self.record);
+        self.write_record(LinkType::Radiotap, frame.start + frame.airtime)
     }
 
     /// A field of the TAP header: type, length, value, zeros up to a multiple of four octets.
@@ -150,8 +150,17 @@ impl<W: Write> Capture<W> {
         self.record.extend(std::iter::repeat_n(0, value.len().next_multiple_of(4) - value.len()));
     }
 
-    fn write_record(&mut self) -> Result<(), RecordingError> {
-        self.output.write_all(&self.record).map_err(|why| {
+    fn write_record(&mut self, link: LinkType, stamp: SimTime) -> Result<(), RecordingError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        self.octets.clear();
+        self.technologies.record(link, stamp, &self.record, &mut self.octets);
+        self.write_octets()
+    }
+
+    fn write_octets(&mut self) -> Result<(), RecordingError> {
+        self.output.write_all(&self.octets).map_err(|why| {
             let failure = unwritten(&self.path, why);
             self.failure = Some(failure.clone());
             failure
@@ -181,23 +190,31 @@ pub struct FileCapture {
 }
 
 impl FileCapture {
-    /// A capture for the file `path`. An existing file is replaced when the capture is
+    /// A capture of frames of these technologies for the file `path`. An existing file is replaced when the capture is
     /// finished.
     ///
     /// # Errors
     /// If the file `PATH.part` cannot be created, or `path` is a folder.
-    pub fn create(path: &Path) -> Result<Self, RecordingError> {
+    pub fn create(path: &Path, technologies: Technologies) -> Result<Self, RecordingError> {
         let draft = Draft::new(path, ".part");
-        let capture = Capture::new(draft.open()?, &draft.part)?;
+        let capture = Capture::new(draft.open()?, &draft.part, technologies)?;
         Ok(Self { capture, draft })
     }
 
-    /// Writes a frame.
+    /// Writes a frame of IEEE 802.15.4.
     ///
     /// # Errors
     /// If a write failed, now or before.
     pub fn frame(&mut self, frame: &CapturedFrame<'_>) -> Result<(), RecordingError> {
         self.capture.frame(frame)
+    }
+
+    /// Writes a frame of IEEE 802.11ad.
+    ///
+    /// # Errors
+    /// If a write failed, now or before.
+    pub fn dmg_frame(&mut self, frame: &CapturedDmgFrame<'_>) -> Result<(), RecordingError> {
+        self.capture.dmg_frame(frame)
     }
 
     /// Syncs the file to the disk, renames `PATH.part` to `PATH` and syncs the folder.

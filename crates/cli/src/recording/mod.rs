@@ -38,7 +38,7 @@ mod scan;
 mod sensation;
 mod sink;
 
-pub use capture::{Capture, CapturedFrame, FileCapture, Signal};
+pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
 pub use drawing::{GridPlane, PlacedNode, Solid};
 pub use drawn::sensing::{Detection, DrawnField, DrawnTarget, Sample};
 pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};

@@ -16,7 +16,7 @@ use super::outcome::sum_up;
 use super::request::Request;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::recording::{FileCapture, FileRecorder, GridPlane, Level, Origin, PlacedNode, Solid};
+use crate::recording::{FileCapture, FileRecorder, GridPlane, Level, Origin, PlacedNode, Solid, Technologies};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 use crate::terminal::{self, Watcher};
@@ -34,7 +34,7 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let _keeper = interrupt.keep();
     let mut recorder = FileRecorder::create(request.recording)?;
-    let mut capture = request.pcap.map(FileCapture::create).transpose()?;
+    let mut capture = request.pcap.map(|path| FileCapture::create(path, Technologies::Ieee802154)).transpose()?;
     open(&mut recorder, scenario)?;
     discoveries.record(scenario, &mut recorder)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };

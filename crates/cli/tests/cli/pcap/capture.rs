@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use sextant::recording::{Capture, CapturedFrame, Signal};
+use sextant::recording::{Capture, CapturedFrame, Signal, Technologies};
 use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
 
@@ -20,7 +20,7 @@ fn hex(text: &str) -> Vec<u8> {
 }
 
 fn captured(channel: u8, frames: &[CapturedFrame<'_>]) -> Vec<u8> {
-    let mut capture = Capture::new(Vec::new(), Path::new("a.pcap")).unwrap();
+    let mut capture = Capture::new(Vec::new(), Path::new("a.pcap"), Technologies::Ieee802154).unwrap();
     for frame in frames {
         capture.frame(&CapturedFrame { channel, ..*frame }).unwrap();
     }

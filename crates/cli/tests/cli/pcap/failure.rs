@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use sextant::recording::{Capture, CapturedFrame, FileCapture, RecordingError};
+use sextant::recording::{Capture, CapturedFrame, FileCapture, RecordingError, Technologies};
 use sextant_kernel::SimTime;
 
 use crate::failing_disk::FailingDisk;
@@ -19,14 +19,14 @@ const FRAME: CapturedFrame<'_> = CapturedFrame {
 
 #[test]
 fn every_later_call_returns_the_first_write_error() {
-    let mut capture = Capture::new(FailingDisk::new(150), Path::new("a.pcap")).unwrap();
+    let mut capture = Capture::new(FailingDisk::new(150), Path::new("a.pcap"), Technologies::Ieee802154).unwrap();
     assert_eq!(capture.frame(&FRAME), Ok(()));
     let first = capture.frame(&FRAME).unwrap_err();
     assert!(matches!(&first, RecordingError::WriteCapture { why, .. } if why == "no space left"), "{first}");
     assert!(first.is_system_error());
     assert_eq!(capture.frame(&FRAME), Err(first.clone()));
     assert_eq!(capture.into_output().err(), Some(first));
-    assert!(Capture::new(FailingDisk::new(23), Path::new("a.pcap")).is_err());
+    assert!(Capture::new(FailingDisk::new(23), Path::new("a.pcap"), Technologies::Ieee802154).is_err());
 }
 
 /// Writes to `/dev/full` fail like writes to a full disk.
@@ -37,7 +37,7 @@ fn a_full_disk_leaves_only_the_part_file() {
     let path = folder.path().join("a.pcap");
     let part = folder.path().join("a.pcap.part");
     std::os::unix::fs::symlink("/dev/full", &part).unwrap();
-    let mut capture = FileCapture::create(&path).unwrap();
+    let mut capture = FileCapture::create(&path, Technologies::Ieee802154).unwrap();
     capture.frame(&FRAME).expect("buffered");
     assert!(matches!(capture.finish(), Err(RecordingError::WriteCapture { .. })));
     assert!(part.is_symlink() && !path.exists());
@@ -47,7 +47,7 @@ fn a_full_disk_leaves_only_the_part_file() {
 fn a_file_gets_its_final_name_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.pcap");
-    let mut capture = FileCapture::create(&path).unwrap();
+    let mut capture = FileCapture::create(&path, Technologies::Ieee802154).unwrap();
     capture.frame(&FRAME).unwrap();
     assert!(!path.exists() && folder.path().join("a.pcap.part").exists());
     capture.finish().unwrap();
