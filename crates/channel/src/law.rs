@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
+use crate::reflection::{ReflectionLaw, ReflectionsConfig};
 use crate::{
     CloseInConfig, Db, Dbm, Environment, LogDistance, LogDistanceConfig, PathLossConfig, ShadowingConfig,
     ShadowingLaw,
@@ -25,6 +26,9 @@ pub struct ChannelConfig {
     /// Hard communication radius (m): the longest possible link, this length included; unlimited if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
+    /// Reflections, which add power to links; none if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reflections: Option<ReflectionsConfig>,
     /// Whether obstacles absorb power.
     #[serde(default = "obstacles_attenuate")]
     pub obstacles_attenuate: bool,
@@ -43,6 +47,7 @@ impl Default for ChannelConfig {
             path_loss: None,
             shadowing: None,
             max_range_m: None,
+            reflections: None,
             obstacles_attenuate: true,
         }
     }
@@ -55,6 +60,7 @@ pub struct ChannelLaw {
     carrier_ghz: Option<f64>,
     shadowing: ShadowingLaw,
     max_range_m: f64,
+    reflections: Option<ReflectionLaw>,
     obstacles_attenuate: bool,
 }
 
@@ -105,6 +111,12 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
                 Some(range_m) => SettingError::positive("max_range_m", range_m)?,
                 None => f64::INFINITY,
             },
+            reflections: match config.reflections {
+                Some(reflections) => {
+                    Some(ReflectionLaw::try_from(reflections).map_err(|error| error.within("reflections"))?)
+                }
+                None => None,
+            },
             obstacles_attenuate: config.obstacles_attenuate,
         })
     }
@@ -129,6 +141,12 @@ impl ChannelLaw {
     #[inline]
     pub fn carrier_ghz(&self) -> Option<f64> {
         self.carrier_ghz
+    }
+
+    /// How links are reflected, if they are.
+    #[inline]
+    pub(crate) fn reflections(&self) -> Option<&ReflectionLaw> {
+        self.reflections.as_ref()
     }
 
     /// How shadowing spreads.
@@ -156,7 +174,8 @@ impl ChannelLaw {
     /// hard radius: the range that a spatial index must search.
     #[must_use]
     pub fn reach_m(&self, tx: Dbm, floor: Dbm) -> f64 {
-        let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db());
+        let by_reflections = self.reflections.map_or(Db(0.0), |law| law.greatest_gain());
+        let budget = tx - floor + Db(4.0 * self.shadowing.sigma_db()) + by_reflections;
         self.path_loss.distance_m(budget).min(self.max_range_m)
     }
 

@@ -55,6 +55,7 @@ mod position;
 mod power;
 mod purpose;
 mod reception;
+mod reflection;
 mod sector;
 mod shadowing;
 mod shape;
@@ -82,6 +83,7 @@ pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
     Contact, Drive, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
 };
+pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::clip::{Clip, GRAZE_M};
+use super::polytope::Plane;
 use super::surface::Surface;
 use super::{LEAST_SIZE_M, place, size};
 use crate::Position;
@@ -87,6 +88,16 @@ impl Cuboid {
     pub(crate) fn distance_m(&self, p: Position) -> f64 {
         let excess = self.excess(p);
         Position::new(excess.x_m.max(0.0), excess.y_m.max(0.0), excess.z_m.max(0.0)).length_m()
+    }
+
+    /// The planes of its faces.
+    pub(crate) fn planes(&self) -> Vec<Plane> {
+        let (along, across) = (Position::new(self.cos, self.sin, 0.0), Position::new(-self.sin, self.cos, 0.0));
+        [(along, self.half.x_m), (across, self.half.y_m), (Position::new(0.0, 0.0, 1.0), self.half.z_m)]
+            .into_iter()
+            .flat_map(|(axis, half_m)| [(axis, half_m), (axis * -1.0, half_m)])
+            .map(|(normal, half_m)| Plane { normal, offset_m: normal.dot(self.center) + half_m })
+            .collect()
     }
 
     pub(crate) fn surface(&self) -> Surface {

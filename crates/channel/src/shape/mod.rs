@@ -29,6 +29,7 @@ use crate::{Bounds, Position};
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 use mesh::Mesh;
+pub(crate) use polytope::Plane;
 use polytope::Polytope;
 use sweep::ConvexSolid;
 pub(crate) use sweep::Sweep;
@@ -156,6 +157,15 @@ impl Shape {
             Form::Mesh(mesh) => mesh.surface().clone(),
         };
         (surface.vertices, surface.triangles)
+    }
+
+    /// The planes of its flat faces, if it is convex and has no others.
+    pub(crate) fn planes(&self) -> Vec<Plane> {
+        match &self.form {
+            Form::Box(cuboid) => cuboid.planes(),
+            Form::Polytope(polytope) => polytope.planes().to_vec(),
+            Form::Cylinder(_) | Form::Mesh(_) => Vec::new(),
+        }
     }
 
     /// How far the ball of `sweep` travels before it touches the shape (m); `None` if it does not within range.

@@ -51,6 +51,10 @@ impl Polytope {
         if self.planes.iter().all(|plane| plane.height_m(p) <= 0.0) { 0.0 } else { self.surface.distance_m(p) }
     }
 
+    pub(crate) fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
     pub(crate) fn surface(&self) -> &Surface {
         &self.surface
     }

@@ -195,3 +195,27 @@ fn a_good_channel_is_read_in_each_way_of_writing_it() {
         assert!(toml::from_str::<ChannelConfig>(text).is_err(), "{text}");
     }
 }
+
+#[test]
+fn bad_millimetre_wave_settings_are_rejected_with_their_key() {
+    let close_in = |text: &str| channel(&format!("path_loss.close_in = {{ {text} }}"));
+    assert!(close_in("carrier_ghz = 60, exponent = 2, gas = \"sea_level\"").is_ok());
+    assert!(channel("environment = \"office-73-nlos\"\npath_loss.close_in = { gas = \"sea_level\" }").is_ok());
+    assert_flaw(close_in("exponent = 2"), "path_loss.close_in.carrier_ghz", "absent");
+    assert_flaw(close_in("carrier_ghz = 60"), "path_loss.close_in.exponent", "absent");
+    assert_flaw(close_in("carrier_ghz = 0, exponent = 2"), "path_loss.close_in.carrier_ghz", "0.1 to 1000");
+    assert_flaw(
+        close_in("carrier_ghz = 140, exponent = 2, gas = \"sea_level\""),
+        "path_loss.close_in.gas",
+        "at most 100 GHz",
+    );
+    assert_flaw(
+        close_in("carrier_ghz = 60, exponent = 2, gas = { db_per_km = -1 }"),
+        "path_loss.close_in.gas.db_per_km",
+        "is -1",
+    );
+    let reflections = |text: &str| channel(&format!("environment = \"suburban\"\nreflections = {{ {text} }}"));
+    assert_flaw(reflections("loss_db = -1"), "reflections.loss_db", "is -1");
+    assert_flaw(reflections("loss_db = 1, ground_z_m = inf"), "reflections.ground_z_m", "inf");
+    assert_flaw(reflections("loss_db = 1, most = 0"), "reflections.most", "1 to 255");
+}

@@ -175,6 +175,7 @@ impl ChannelProfileConfig {
                 correlation: CorrelationConfig::PerPacket,
             }),
             max_range_m: self.max_range_m,
+            reflections: None,
             obstacles_attenuate: false,
         };
         let law = ChannelLaw::try_from(config).map_err(flat)?;
