@@ -24,8 +24,8 @@
 //! use sextant_kernel::{Seed, SettingError, StationId};
 //! use sextant_mac::{Phy, RadioStates, csma::CsmaSettings};
 //! use sextant_sim::{
-//!     Application, Delivery, Destination, Engine, EngineSetup, Mac, NetworkId, NetworkSetup, Payload, Port, Radio,
-//!     RadioConfig, ReceptionModel, Unobserved, World, layout::PlacedNode,
+//!     Application, Delivery, Destination, Engine, EngineSetup, Ieee802154, Mac, NetworkId, NetworkSetup, Payload, Port,
+//!     Radio, RadioConfig, ReceptionModel, Technology, Unobserved, World, layout::PlacedNode,
 //! };
 //!
 //! enum Station {
@@ -65,11 +65,14 @@
 //!     cca_threshold_dbm: None,
 //!     noise_floor_dbm: None,
 //! };
-//! let network = NetworkSetup {
-//!     channel: ChannelConfig::default().try_into()?,
+//! let links = Ieee802154 {
 //!     radio: Radio::try_from(radio)?,
 //!     reception: ReceptionModel::Ber,
 //!     mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
+//! };
+//! let network = NetworkSetup {
+//!     channel: ChannelConfig::default().try_into()?,
+//!     technology: Technology::Ieee802154(links),
 //!     radio_states: RadioStates::cc2420(),
 //!     members: None,
 //! };
@@ -111,6 +114,7 @@ pub use applications::traffic::{
 pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
 pub use link::ieee802154::{Mac, MacConfig, Radio, RadioConfig};
+pub use link::{Ieee802154, Technology};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use service::delivery::{Delivery, DriveEnd};

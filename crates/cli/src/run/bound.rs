@@ -18,7 +18,8 @@ pub(super) fn posterior_bound_m(
     watch: &dyn Watch,
 ) -> Result<Option<f64>, Interrupted> {
     let known = scenario.known_channel();
-    let beacons_come_first = matches!(scenario.network().link.mac, Mac::BeaconEnabled(_));
+    let settings = scenario.network().link.technology.ieee802154();
+    let beacons_come_first = settings.is_none_or(|settings| matches!(settings.mac, Mac::BeaconEnabled(_)));
     let places_are_known = scenario.config().robots.iter().all(|robot| robot.odometry == OdometryConfig::default());
     if !(known.is_independent() && known.is_alike_at_all_stops && places_are_known) || beacons_come_first {
         return Ok(None);

@@ -2,7 +2,9 @@
 
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{Field, FieldId, FrameOnAir, Observer, Pose, Progress, Radio, Sensed, TargetId, World};
+use sextant_sim::{
+    Field, FieldId, FrameOnAir, Ieee802154, Observer, Pose, Progress, Sensed, TargetId, Technology, World,
+};
 
 use crate::interrupt::Interrupt;
 use crate::recording::{
@@ -30,8 +32,8 @@ pub(super) struct Sniffer<'a> {
     pub(super) capture: &'a mut FileCapture,
     /// The robot whose receptions are captured; all frames on air if absent.
     pub(super) robot: Option<usize>,
-    /// The radios of each network.
-    pub(super) radios: Vec<Radio>,
+    /// The technology of each network.
+    pub(super) technologies: Vec<Technology>,
     /// The radio channel to name instead of that of the radios.
     pub(super) channel: Option<u8>,
 }
@@ -39,7 +41,9 @@ pub(super) struct Sniffer<'a> {
 impl Sniffer<'_> {
     /// Captures a frame, if it is to be captured.
     fn sniff(&mut self, frame: &FrameOnAir<'_>) -> Result<(), RecordingError> {
-        let radio = &self.radios[frame.network.index()];
+        let Some(Ieee802154 { radio, .. }) = self.technologies[frame.network.index()].ieee802154() else {
+            return Ok(());
+        };
         let signal = match self.robot {
             None => None,
             Some(robot) => match frame.heard.iter().find(|heard| heard.collector == robot) {

@@ -17,7 +17,8 @@ pub(super) fn message_energy_j(
     discoveries: &Discoveries,
 ) -> Option<f64> {
     let network = scenario.network();
-    let (radio, octets) = (&network.link.radio, network.traffic.mpdu_octets());
+    let radio = network.link.technology.ieee802154()?.radio;
+    let octets = network.traffic.mpdu_octets();
     let packet = MessageEnergy::of_packet(&network.link.radio_states, radio.tx_power(), radio.phy(), octets);
     let (nodes, anchors) = (count(scenario.world().nodes.len()), scenario.anchors().len());
     let mean = |round: &Discovered, nodes: f64| count(round.log.links().len()) / nodes;

@@ -122,7 +122,7 @@ fn gather(
     let sniffer = outputs.capture.map(|capture| Sniffer {
         capture,
         robot: scenario.captured_robot(),
-        radios: scenario.networks().iter().map(|network| network.link.radio).collect(),
+        technologies: scenario.networks().iter().map(|network| network.link.technology.clone()).collect(),
         channel: scenario.recording().pcap.channel,
     });
     let frames = scenario.recording().frames;

@@ -8,8 +8,8 @@ use sextant_kernel::SettingError;
 use sextant_mac::{EnergyConfig, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, Mac, MacConfig, NetworkId, NetworkSetup, NodesOfGroup, Radio, RadioConfig, ReceptionConfig,
-    ReceptionModel, TrafficConfig, TrafficPlan,
+    BusyNetwork, Ieee802154, Mac, MacConfig, NetworkId, NetworkSetup, NodesOfGroup, Radio, RadioConfig,
+    ReceptionConfig, ReceptionModel, Technology, TrafficConfig, TrafficPlan,
 };
 
 use super::config::ScenarioConfig;
@@ -114,9 +114,7 @@ impl<'a> NetworkTables<'a> {
         };
         let link = NetworkSetup {
             channel: channel?,
-            radio: radio?,
-            reception: reception?,
-            mac: mac?,
+            technology: Technology::Ieee802154(Ieee802154 { radio: radio?, reception: reception?, mac: mac? }),
             radio_states: radio_states?,
             members: None,
         };

@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
-use sextant_mac::{Phy, oqpsk};
+use sextant_mac::Phy;
 
 use super::setup::NetworkSetup;
-use crate::air::{AirSettings, ReceptionModel, ReceptionRules};
+use crate::air::{AirSettings, ReceptionModel};
+use crate::link::{Ieee802154, Technology};
 use crate::purpose;
 use crate::world::World;
 
@@ -24,10 +25,8 @@ const PACKETS_OF_A_BAND: u64 = 1 << 44;
 pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, SettingError> {
     let mut bands: Vec<Vec<usize>> = Vec::new();
     for (i, network) in networks.iter().enumerate() {
-        let shares = |band: &&mut Vec<usize>| {
-            let first = &networks[band[0]];
-            (first.radio.phy().band(), first.radio.channel()) == (network.radio.phy().band(), network.radio.channel())
-        };
+        let shares =
+            |band: &&mut Vec<usize>| networks[band[0]].technology.spectrum() == network.technology.spectrum();
         match bands.iter_mut().find(shares) {
             None => bands.push(vec![i]),
             Some(band) => {
@@ -47,8 +46,9 @@ pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, Settin
 /// Refuses bit errors of another physical layer than that of which they are known.
 pub(super) fn check_reception(networks: &[NetworkSetup]) -> Result<(), SettingError> {
     for (i, network) in networks.iter().enumerate() {
-        let phy = network.radio.phy();
-        if network.reception == ReceptionModel::Ber && phy != Phy::Oqpsk2450 {
+        let Some(Ieee802154 { radio, reception, .. }) = network.technology.ieee802154() else { continue };
+        let phy = radio.phy();
+        if *reception == ReceptionModel::Ber && phy != Phy::Oqpsk2450 {
             let found = format!("set for a radio with `phy = \"{}\"`", phy.name());
             let allowed = "only `phy = \"oqpsk2450\"`, whose bit error rate is known; \
                            with others `reception.sinr_threshold` or `reception.overlap`";
@@ -70,26 +70,14 @@ pub(super) fn air(
 ) -> AirSettings {
     let channel_seed =
         if band == 0 { channel_seed } else { Seed(channel_seed.bits(purpose::BAND, [band as u64, 0, 0])) };
-    let greatest = |value: fn(&NetworkSetup) -> f64| networks.iter().map(|&n| value(n)).fold(f64::MIN, f64::max);
-    let least = |value: fn(&NetworkSetup) -> f64| networks.iter().map(|&n| value(n)).fold(f64::MAX, f64::min);
+    let technologies = || networks.iter().map(|network| &network.technology);
     AirSettings {
         channel: Channel::new(networks[0].channel, world.obstacles.clone(), channel_seed),
-        power: Dbm(greatest(|network| network.radio.tx_power().0)),
-        floor: Dbm(least(|network| network.radio.noise_floor().0)) - NEGLECTED_BELOW_NOISE,
-        sensing: networks.iter().map(|network| network.radio.phy().cca()).max().unwrap_or(Duration::ZERO),
+        power: Dbm(technologies().map(|technology| technology.greatest_power().0).fold(f64::MIN, f64::max)),
+        floor: Dbm(technologies().map(|technology| technology.noise_floor().0).fold(f64::MAX, f64::min))
+            - NEGLECTED_BELOW_NOISE,
+        sensing: technologies().map(Technology::carrier_sense).max().unwrap_or(Duration::ZERO),
         first_packet: first_packet + band as u64 * PACKETS_OF_A_BAND,
         seed,
-    }
-}
-
-/// The rules of the receivers of a network.
-pub(super) fn rules(network: &NetworkSetup) -> ReceptionRules {
-    ReceptionRules {
-        model: network.reception,
-        sensitivity: network.radio.sensitivity().to_milliwatts(),
-        noise: network.radio.noise_floor().to_milliwatts(),
-        preamble: network.radio.phy().synchronisation_header() - network.radio.phy().octet(),
-        bit_rate_hz: network.radio.phy().bit_rate_per_s(),
-        bit_error_rate: oqpsk::bit_error_rate,
     }
 }

@@ -13,6 +13,7 @@ use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::link::ieee802154::{self, Mac};
 use crate::link::network::Network;
+use crate::link::{Ieee802154, Technology};
 use crate::model::log::Log;
 use crate::model::{Model, Vehicle};
 use crate::observer::{Observer, Progress};
@@ -62,7 +63,8 @@ impl<A: Application> Engine<A> {
     /// # Panics
     /// If the number of applications is not that of the stations.
     pub fn new(setup: EngineSetup, applications: Vec<A>) -> Result<Self, SettingError> {
-        if setup.networks.iter().any(|network| matches!(network.mac, Mac::BeaconEnabled(_))) {
+        let settings = |network: &NetworkSetup| network.technology.ieee802154().map(|settings| settings.mac.clone());
+        if setup.networks.iter().any(|network| matches!(settings(network), Some(Mac::BeaconEnabled(_)))) {
             let found = "set for stations with own applications, none of which sends beacons";
             return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
         }
@@ -107,21 +109,27 @@ impl<A: Application> Engine<A> {
             let id = u8::try_from(i).map(NetworkId);
             let id = id.map_err(|_| SettingError::new("networks", networks.len(), "at most 256"))?;
             let air = bands.iter().position(|band| band.contains(&i)).expect("each network is in a band");
-            let settings = ieee802154::network::Settings {
-                network: id,
-                phy: network.radio.phy(),
-                mac: &network.mac,
-                power: network.radio.tx_power(),
-                antenna: Antenna::Omnidirectional,
-                cca_threshold: network.radio.cca_threshold().to_milliwatts(),
-                radio_states: network.radio_states.clone(),
-                air,
-                first_receiver: scene.airs[air].add_receivers(bands::rules(network), &hears),
-                coordinator: coordinator.take_if(|_| i == 0),
-                keeps_delays: roll.sinks > 0,
-                members: network.members.clone(),
+            let first_receiver = scene.airs[air].add_receivers(network.technology.reception_rules(), &hears);
+            let link = match &network.technology {
+                Technology::Ieee802154(Ieee802154 { radio, mac, .. }) => {
+                    let settings = ieee802154::network::Settings {
+                        network: id,
+                        phy: radio.phy(),
+                        mac,
+                        power: radio.tx_power(),
+                        antenna: Antenna::Omnidirectional,
+                        cca_threshold: radio.cca_threshold().to_milliwatts(),
+                        radio_states: network.radio_states.clone(),
+                        air,
+                        first_receiver,
+                        coordinator: coordinator.take_if(|_| i == 0),
+                        keeps_delays: roll.sinks > 0,
+                        members: network.members.clone(),
+                    };
+                    Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone()))
+                }
             };
-            links.push(Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone())));
+            links.push(link);
         }
         let senses: Vec<bool> = applications[..roll.nodes].iter().map(Application::senses).collect();
         let sensing = Sensing::new(&world, &senses, &scene);

@@ -6,22 +6,17 @@ use sextant_channel::ChannelLaw;
 use sextant_kernel::Seed;
 use sextant_mac::RadioStates;
 
-use crate::air::ReceptionModel;
-use crate::link::ieee802154::{Mac, Radio};
+use crate::link::Technology;
 use crate::station::{RobotBody, Sink};
 use crate::world::World;
 
-/// A network of IEEE 802.15.4: its radios, and how its stations share the channel.
+/// A network: its radios, and how its stations share the channel.
 #[derive(Clone)]
 pub struct NetworkSetup {
     /// The law of the radio channel.
     pub channel: ChannelLaw,
-    /// The radios.
-    pub radio: Radio,
-    /// The rule that decides whether a frame is received.
-    pub reception: ReceptionModel,
-    /// Channel access of the nodes.
-    pub mac: Mac,
+    /// The technology of its links, with the settings of radios and channel access.
+    pub technology: Technology,
     /// Energy model of the radios.
     pub radio_states: RadioStates,
     /// Whether each station is in the network; `None` if all are.

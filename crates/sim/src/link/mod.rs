@@ -3,3 +3,6 @@
 
 pub(crate) mod ieee802154;
 pub(crate) mod network;
+mod technology;
+
+pub use technology::{Ieee802154, Technology};

@@ -163,7 +163,9 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         }
     };
     network.members = None;
-    network.mac = Mac::CsmaUnslotted(network.mac.csma().with_receiver_on());
+    if let Some(settings) = network.technology.ieee802154_mut() {
+        settings.mac = Mac::CsmaUnslotted(settings.mac.csma().with_receiver_on());
+    }
     let seed = Seed(setup.seed.bits(purpose::DISCOVERY, [number, 0, 0]));
     let source =
         Source::new(NETWORK, discovery.traffic.clone().into(), Destination::All).with_limit(discovery.packets.into());

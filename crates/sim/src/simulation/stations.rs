@@ -1,8 +1,10 @@
 //! Who is in which network, and to whom nodes send.
 
 use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_mac::Phy;
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::DataFrame;
+use sextant_mac::superframe::BeaconEnabled;
 
 use super::setup::BusyNetwork;
 use crate::applications::survey::Robot;
@@ -22,6 +24,15 @@ pub(super) struct Stations<'a> {
     pub(super) robots: &'a [Robot],
     pub(super) sinks: &'a [Sink],
     pub(super) roll: Roll,
+}
+
+/// The superframes of a network with beacons, and its physical layer.
+fn beacons(network: &BusyNetwork) -> Option<(&BeaconEnabled, Phy)> {
+    let settings = network.link.technology.ieee802154()?;
+    match &settings.mac {
+        Mac::BeaconEnabled(beacons) => Some((beacons, settings.radio.phy())),
+        Mac::CsmaUnslotted(_) => None,
+    }
 }
 
 pub(super) fn too_many(networks: usize) -> SettingError {
@@ -127,14 +138,13 @@ impl Stations<'_> {
         networks: &[BusyNetwork],
         seed: Seed,
     ) -> Result<Option<(StationId, Coordinator)>, SettingError> {
-        let has_beacons = |network: &&BusyNetwork| matches!(network.link.mac, Mac::BeaconEnabled(_));
-        if let Some(other) = networks.iter().skip(1).find(has_beacons) {
+        if let Some(other) = networks.iter().skip(1).find(|network| beacons(network).is_some()) {
             let name = other.name.as_deref().unwrap_or_default();
             let allowed = "beacons in the first network only";
             return Err(SettingError::new(format!("networks.{name}.mac"), "beacon_enabled", allowed));
         }
         let Some(network) = networks.first() else { return Ok(None) };
-        let Mac::BeaconEnabled(settings) = &network.link.mac else { return Ok(None) };
+        let Some((settings, phy)) = beacons(network) else { return Ok(None) };
         if self.roll.robots + self.roll.sinks == 0 {
             return Ok(None);
         }
@@ -156,7 +166,6 @@ impl Stations<'_> {
         let demands: Vec<_> =
             network.traffic.kinds().filter(|traffic| traffic.mpdu_octets() > 0).map(demand).collect();
         let names = self.world.nodes.iter().map(|node| &*node.name);
-        let phy = network.link.radio.phy();
         let machine = ieee802154::coordinator(settings, phy, (NetworkId::default(), seed), post, names, &demands)?;
         Ok(Some((post.station, machine)))
     }

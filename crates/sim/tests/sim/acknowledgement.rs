@@ -9,8 +9,8 @@ use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, Ended, Engine, EngineSetup, FrameId, FrameOutcome, NetworkId, NetworkSetup,
-    Packets, Payload, Port, ReceptionConfig, SendOutcome, SendReport, SinrThresholdConfig, Timer,
+    Application, Delivery, Destination, Ended, Engine, EngineSetup, FrameId, FrameOutcome, NetworkId, Packets,
+    Payload, Port, ReceptionConfig, SendOutcome, SendReport, SinrThresholdConfig, Timer,
 };
 
 use crate::network;
@@ -148,10 +148,8 @@ fn an_acknowledgement_has_no_address_so_that_only_its_sequence_number_tells_for_
     // the acknowledgement while it waits for its own.
     let places = [0.0, 0.5, -1.0].map(|x_m| Position::new(x_m, 0.0, 0.0));
     let capture = ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db: 3.0 });
-    let link = NetworkSetup {
-        reception: capture.try_into().expect("a good threshold"),
-        ..network::link(2.0, network::prompt())
-    };
+    let mut link = network::link(2.0, network::prompt());
+    network::ieee802154(&mut link).reception = capture.try_into().expect("a good threshold");
     let mut confused = 0;
     for seed in 0..1000 {
         let sender = |payload| Scripted::listener().and_sends(Duration::ZERO, to(0), payload);

@@ -203,7 +203,7 @@ impl Scene {
         applications.push(Station::Robot(self.driver));
         let mut link = setup.networks.remove(0).link;
         let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
-        link.mac = Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
+        network::ieee802154(&mut link).mac = Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
         let setup = EngineSetup {
             world: setup.world,
             robots: vec![self.robot],

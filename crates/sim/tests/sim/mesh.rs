@@ -8,9 +8,8 @@ use sextant_channel::Position;
 use sextant_kernel::{Purpose, Seed, SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, Ended, Engine, FrameId, NetworkId, NetworkSetup, Observer, Packets, Payload,
-    Port, ReceptionConfig, ReceptionModel, SendError, SendOutcome, SendReport, SinrThresholdConfig, Timer,
-    Unobserved,
+    Application, Delivery, Destination, Ended, Engine, FrameId, NetworkId, Observer, Packets, Payload, Port,
+    ReceptionConfig, ReceptionModel, SendError, SendOutcome, SendReport, SinrThresholdConfig, Timer, Unobserved,
 };
 
 use crate::network;
@@ -115,7 +114,8 @@ fn mesh(reception: ReceptionModel, seed: u64, observer: &mut impl Observer) -> E
     };
     let csma = CsmaConfig { rx_on_when_idle: true, queue_frames: 2, ..CsmaConfig::default() };
     let writers = (0..places.len()).map(writer).collect();
-    let link = NetworkSetup { reception, ..network::link(RANGE_M, csma) };
+    let mut link = network::link(RANGE_M, csma);
+    network::ieee802154(&mut link).reception = reception;
     Engine::new(network::engine(&places, link, seed), writers).expect("good settings").run(observer)
 }
 

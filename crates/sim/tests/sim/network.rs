@@ -8,9 +8,9 @@ use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Listening, Mac,
-    NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand,
-    Setup, Situation, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
+    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Ieee802154, Listening,
+    Mac, NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
+    RobotCommand, Setup, Situation, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -90,9 +90,11 @@ pub(crate) fn setup(
 ) -> Setup {
     let link = NetworkSetup {
         channel: channel.try_into().expect("good settings"),
-        radio: Radio::try_from(radio(tx_power_dbm)).expect("good settings"),
-        reception: ReceptionModel::Overlap,
-        mac: Mac::CsmaUnslotted(CsmaSettings::default()),
+        technology: Technology::Ieee802154(Ieee802154 {
+            radio: Radio::try_from(radio(tx_power_dbm)).expect("good settings"),
+            reception: ReceptionModel::Overlap,
+            mac: Mac::CsmaUnslotted(CsmaSettings::default()),
+        }),
         radio_states: RadioStates::cc2420(),
         members: None,
     };
@@ -115,6 +117,11 @@ pub(crate) fn plan(traffic: TrafficConfig, nodes: usize) -> TrafficPlan {
 pub(crate) fn with(mut setup: Setup, change: impl FnOnce(&mut BusyNetwork)) -> Setup {
     change(&mut setup.networks[0]);
     setup
+}
+
+/// The settings of IEEE 802.15.4 of a network.
+pub(crate) fn ieee802154(link: &mut NetworkSetup) -> &mut Ieee802154 {
+    link.technology.ieee802154_mut().expect("a network of IEEE 802.15.4")
 }
 
 /// Number of packets over all outcomes; must equal the number offered.
@@ -142,9 +149,11 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> NetworkSetup {
     };
     NetworkSetup {
         channel: channel.try_into().expect("good settings"),
-        radio: Radio::try_from(radio(0.0)).expect("good settings"),
-        reception: ReceptionModel::Overlap,
-        mac: Mac::CsmaUnslotted(csma.try_into().expect("good settings")),
+        technology: Technology::Ieee802154(Ieee802154 {
+            radio: Radio::try_from(radio(0.0)).expect("good settings"),
+            reception: ReceptionModel::Overlap,
+            mac: Mac::CsmaUnslotted(csma.try_into().expect("good settings")),
+        }),
         radio_states: RadioStates::cc2420(),
         members: None,
     }

@@ -24,7 +24,7 @@ fn two_networks(places: &[Position], range_m: f64, csma: CsmaConfig, channels: [
     let on = |channel| {
         let mut link = link.clone();
         let config = RadioConfig { channel: Some(channel), ..network::radio(0.0) };
-        link.radio = Radio::try_from(config).expect("a channel of the band");
+        network::ieee802154(&mut link).radio = Radio::try_from(config).expect("a channel of the band");
         link
     };
     EngineSetup { networks: channels.map(on).into(), ..network::engine(places, link.clone(), seed) }
@@ -181,7 +181,7 @@ fn two_radios_of_one_station_are_in_each_others_way_on_one_channel() {
 fn channel_access_by_beacons_is_refused_for_own_applications() {
     let mut setup = two_networks(&[Position::ORIGIN], 10.0, network::prompt(), [11, 12], 1);
     let beacons = MacConfig::BeaconEnabled(BeaconEnabledConfig::default());
-    setup.networks[1].mac = beacons.try_into().expect("good settings");
+    network::ieee802154(&mut setup.networks[1]).mac = beacons.try_into().expect("good settings");
     let refusal = Engine::new(setup, vec![Scripted::listener()]).err();
     assert_eq!(refusal.map(|error| error.key).as_deref(), Some("mac.beacon_enabled"));
 }

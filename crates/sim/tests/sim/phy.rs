@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_kernel::{SettingError, SimTime, StationId};
 use sextant_mac::Phy;
 use sextant_sim::{
-    Destination, Ended, Engine, EngineSetup, FrameOutcome, NetworkSetup, Radio, RadioConfig, ReceptionConfig,
-    ReceptionModel, SendOutcome, SinrThresholdConfig,
+    Destination, Ended, Engine, EngineSetup, FrameOutcome, Radio, RadioConfig, ReceptionConfig, ReceptionModel,
+    SendOutcome, SinrThresholdConfig,
 };
 
 use crate::network;
@@ -16,7 +16,9 @@ use crate::scripted::Scripted;
 /// Two nodes in range of each other with these radios.
 fn setup(phy: Phy, reception: ReceptionModel) -> EngineSetup {
     let radio = Radio::try_from(RadioConfig { phy, ..network::radio(0.0) }).expect("good settings");
-    let link = NetworkSetup { radio, reception, ..network::link(10.0, network::prompt()) };
+    let mut link = network::link(10.0, network::prompt());
+    let settings = network::ieee802154(&mut link);
+    (settings.radio, settings.reception) = (radio, reception);
     network::engine(&network::grid(2, 1), link, 1)
 }
 

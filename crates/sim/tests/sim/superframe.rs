@@ -60,7 +60,7 @@ fn periodic(interval_s: f64) -> TrafficConfig {
 fn setup(nodes: usize, mac: BeaconEnabledConfig, traffic: TrafficConfig, seed: u64) -> Setup {
     let setup = network::setup(&network::cluster(nodes), -20.0, ChannelConfig::default(), traffic, seed);
     let mac = Mac::BeaconEnabled(BeaconEnabled::try_from(mac).expect("good settings"));
-    let setup = network::with(setup, |network| network.link.mac = mac);
+    let setup = network::with(setup, |network| network::ieee802154(&mut network.link).mac = mac);
     Setup { robots: vec![robot(vec![Position::ORIGIN], Duration::from_millis(250))], ..setup }
 }
 
@@ -278,7 +278,7 @@ fn every_packet_is_counted_once_and_the_same_seed_gives_the_same_survey() {
             node.position = Position::new((i % 6) as f64, (i / 6) as f64, 0.0);
         }
         setup.networks[0].link.channel = setup.networks[0].link.channel.within_m(3.0);
-        setup.networks[0].link.reception = ReceptionModel::SinrThreshold { least: 2.0 };
+        network::ieee802154(&mut setup.networks[0].link).reception = ReceptionModel::SinrThreshold { least: 2.0 };
         let places = (0..6).map(|i| Position::new(f64::from(i), 2.5, 0.0)).collect();
         setup.robots = vec![robot(places, Duration::from_secs(1))];
         run(setup).0
