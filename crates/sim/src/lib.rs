@@ -103,7 +103,7 @@ mod simulation;
 mod station;
 mod world;
 
-pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, SinrThresholdConfig};
+pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use applications::survey::Robot;
@@ -113,8 +113,9 @@ pub use applications::traffic::{
 };
 pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
+pub use link::ieee80211ad::{Antennas, AntennasConfig, DmgRadio, HeadingsConfig};
 pub use link::ieee802154::{Mac, MacConfig, Radio, RadioConfig};
-pub use link::{Ieee802154, Technology};
+pub use link::{Ieee80211ad, Ieee802154, Technology};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use service::delivery::{Delivery, DriveEnd};
@@ -122,6 +123,7 @@ pub use service::network_id::NetworkId;
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
+pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::setup::{BusyNetwork, Setup};

@@ -27,5 +27,9 @@ pub(crate) const TARGETS: Purpose = Purpose::new(13);
 pub(crate) const SENSING: Purpose = Purpose::new(14);
 /// Traffic in the networks after the first one.
 pub(crate) const NETWORK: Purpose = Purpose::new(15);
+/// Headings of the antennas of nodes.
+pub(crate) const HEADING: Purpose = Purpose::new(17);
+/// Answers to a steered antenna that has moved on.
+pub(crate) const MISALIGNMENT: Purpose = Purpose::new(18);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);

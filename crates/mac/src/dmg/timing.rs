@@ -29,6 +29,12 @@ pub const AIR_PROPAGATION: Duration = Duration::from_nanos(100);
 /// A receiver notices the preamble of a control PHY frame within this time (21.4.3.2).
 pub const CCA_DETECTION: Duration = Duration::from_micros(3);
 
+/// Preamble of a control PHY frame: short training field and channel estimation field (21.4.3.1).
+pub const PREAMBLE: Duration = chips(PREAMBLE_CHIPS);
+
+/// Chips of the preamble of a control PHY frame.
+const PREAMBLE_CHIPS: u64 = 7552;
+
 /// Chips of the single carrier and control PHY per second.
 pub const CHIPS_PER_S: u64 = 1_760_000_000;
 
@@ -57,15 +63,18 @@ pub const SSW_ACK_TIMEOUT: Duration = Duration::from_nanos(2 * (18_255 + 100 + 9
 /// If there are fewer than 6 octets.
 #[must_use]
 pub const fn control_airtime(octets: u16) -> Duration {
-    const PREAMBLE_CHIPS: u64 = 7552;
     const CHIPS_PER_BIT: u64 = 32;
     const CODEWORD_BITS: u64 = 168;
     const FIRST_BITS: u64 = 88;
     assert!(octets >= 6, "the first codeword holds 6 octets");
     let further_bits = (octets as u64 - 6) * 8;
     let codewords = 1 + further_bits.div_ceil(CODEWORD_BITS);
-    let chips = PREAMBLE_CHIPS + (FIRST_BITS + further_bits + CODEWORD_BITS * codewords) * CHIPS_PER_BIT;
-    Duration::from_nanos((chips * 1_000_000_000 + CHIPS_PER_S / 2) / CHIPS_PER_S)
+    chips(PREAMBLE_CHIPS + (FIRST_BITS + further_bits + CODEWORD_BITS * codewords) * CHIPS_PER_BIT)
+}
+
+/// Time of so many chips.
+const fn chips(count: u64) -> Duration {
+    Duration::from_nanos((count * 1_000_000_000 + CHIPS_PER_S / 2) / CHIPS_PER_S)
 }
 
 /// Time for the sweep of a responder in an A-BFT slot (aSSDuration) with `frames` SSW frames, 1 to 16.
@@ -107,6 +116,7 @@ mod tests {
 
     #[test]
     fn frames_of_the_control_phy_have_the_airtimes_of_the_standard() {
+        assert_eq!(PREAMBLE, Duration::from_nanos(4_291));
         for (octets, ns) in [(26, 14_909), (28, 18_255), (14, 13_164)] {
             assert_eq!(control_airtime(octets), Duration::from_nanos(ns), "{octets} octets");
         }

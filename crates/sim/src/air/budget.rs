@@ -1,26 +1,34 @@
 //! The power of signals between stations: what does not change from packet to packet is worked out once.
 
+use std::ops::Range;
+
 use sextant_channel::{Channel, Dbm, Milliwatts, Position};
 use sextant_kernel::StationId;
 
-use super::signal::{Emission, Signal};
+use super::medium::Listener;
+use super::mounts::Mounts;
+use super::signal::{Aim, Emission, Signal};
 
 /// Number of links that are remembered: a power of two.
 const LINKS: usize = 1 << 18;
 
-/// The power between pairs of stations. That between two stations that stand is remembered. A link that is not remembered, or was forgotten because another one
-/// took its slot, is worked out again, with the same result.
+/// The power between pairs of stations. That between two stations that stand is remembered, and that between a station
+/// that moves and another as long as both are in their places. A link that is not remembered, or was forgotten because
+/// another one took its slot, is worked out again, with the same result.
 pub(super) struct Budget {
     channel: Channel,
+    mounts: Mounts,
     /// What the remembered links are sent with.
     emission: Emission,
     /// Whether shadowing changes with each packet.
     is_per_packet: bool,
     /// Number of stations, which address the slots.
-    stations: u64,
+    stations: usize,
     /// The stations that may move.
-    mobile: std::ops::Range<u32>,
+    mobile: Range<u32>,
     links: Vec<Remembered>,
+    /// By station that moves, then by other station.
+    mobile_links: Vec<RememberedMobile>,
 }
 
 /// A remembered link, in a quarter of a cache line.
@@ -28,76 +36,166 @@ pub(super) struct Budget {
 struct Remembered {
     /// One plus the address of the link; zero if there is none.
     link: u64,
-    /// Mean power (dBm) if each packet has a shadowing of its own, or else the power (mW). Not a number beyond the radius
-    /// of communication.
+    /// Mean power (dBm) if each packet has a shadowing of its own or antennas have sectors, or else the power (mW). Not a
+    /// number beyond the radius of communication.
+    power: f64,
+}
+
+/// A remembered link of a station that moves.
+#[derive(Clone, Copy, Debug)]
+struct RememberedMobile {
+    /// Where the two stations were.
+    places: [Position; 2],
+    /// Mean power if each packet has a shadowing of its own, or else the power, without antennas (dBm). Not a number
+    /// beyond the radius of communication.
     power: f64,
 }
 
 impl Budget {
     /// The budget of `stations` stations, of which `mobile` may move.
-    pub(super) fn new(channel: Channel, emission: Emission, stations: usize, mobile: std::ops::Range<u32>) -> Self {
+    pub(super) fn new(channel: Channel, emission: Emission, stations: usize, mobile: Range<u32>) -> Self {
         let is_per_packet = channel.law().shadowing().is_per_packet();
         let slots = if stations.saturating_mul(stations) < LINKS { stations * stations } else { LINKS };
         let links = vec![Remembered::default(); slots];
-        Self { channel, emission, is_per_packet, stations: stations as u64, mobile, links }
+        let nowhere = Position::new(f64::NAN, f64::NAN, f64::NAN);
+        let unknown = RememberedMobile { places: [nowhere; 2], power: f64::NAN };
+        let mobile_links = vec![unknown; mobile.len() * stations];
+        let mounts = Mounts::default();
+        Self { channel, mounts, emission, is_per_packet, stations, mobile, links, mobile_links }
     }
 
     pub(super) fn channel(&self) -> &Channel {
         &self.channel
     }
 
-    /// Power of a signal at a station; `None` beyond the radius of communication.
+    /// The antennas, to mount more of them before the first signal.
+    pub(super) fn mounts_mut(&mut self) -> &mut Mounts {
+        &mut self.mounts
+    }
+
+    /// Whether radios have antennas with sectors.
     #[inline]
-    pub(super) fn power_at(&mut self, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
-        let moves = self.mobile.contains(&signal.source.0) || self.mobile.contains(&station.0);
-        if moves || signal.emission != self.emission {
+    pub(super) fn has_antennas(&self) -> bool {
+        !self.mounts.is_empty()
+    }
+
+    /// Power of a signal at a listener; `None` beyond the radius of communication.
+    #[inline]
+    pub(super) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
+        let &Listener { station, place, .. } = listener;
+        if signal.emission.power != self.emission.power {
             let mean = self.mean(signal, place)?;
-            return Some(self.with_shadowing(mean, signal, station, place).to_milliwatts());
+            return Some(self.received(mean, signal, listener).to_milliwatts());
         }
-        let address = u64::from(station.0) * self.stations + u64::from(signal.source.0);
+        if let Some(mobile) = self.mobile_of(signal.source, station) {
+            let known = self.mobile_power(mobile, signal, listener);
+            if known.is_nan() {
+                return None;
+            }
+            let shadowed =
+                if self.is_per_packet { self.with_shadowing(Dbm(known), signal, listener) } else { Dbm(known) };
+            return Some(self.with_gains(shadowed, signal, listener).to_milliwatts());
+        }
+        let address = station.index() * self.stations + signal.source.index();
         let slot = self.slot(address);
         let mut remembered = self.links[slot];
-        if remembered.link != address + 1 {
-            remembered = Remembered { link: address + 1, power: self.lasting(signal, station, place) };
+        if remembered.link != address as u64 + 1 {
+            remembered = Remembered { link: address as u64 + 1, power: self.lasting(signal, listener) };
             self.links[slot] = remembered;
         }
         if remembered.power.is_nan() {
             return None;
         }
         if self.is_per_packet {
-            let mean = Dbm(remembered.power);
-            return Some(self.with_shadowing(mean, signal, station, place).to_milliwatts());
+            return Some(self.received(Dbm(remembered.power), signal, listener).to_milliwatts());
+        }
+        if self.has_antennas() {
+            return Some(self.with_gains(Dbm(remembered.power), signal, listener).to_milliwatts());
         }
         Some(Milliwatts(remembered.power))
     }
 
     /// The slot of a link: its own if there is one for each, or else one that other links may take.
-    fn slot(&self, address: u64) -> usize {
-        #[expect(clippy::cast_possible_truncation, reason = "below the number of slots")]
+    fn slot(&self, address: usize) -> usize {
         if self.links.len() < LINKS {
-            address as usize
+            address
         } else {
             // Fibonacci hashing (Knuth 1998, section 6.4).
-            (address.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - LINKS.trailing_zeros())) as usize
+            #[expect(clippy::cast_possible_truncation, reason = "below the number of slots")]
+            let slot =
+                ((address as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - LINKS.trailing_zeros())) as usize;
+            slot
         }
     }
 
     /// What is the same for all packets of a link.
     #[cold]
-    fn lasting(&self, signal: &Signal, station: StationId, place: Position) -> f64 {
-        match self.mean(signal, place) {
+    fn lasting(&self, signal: &Signal, listener: &Listener<Position>) -> f64 {
+        match self.mean(signal, listener.place) {
             None => f64::NAN,
             Some(mean) if self.is_per_packet => mean.0,
-            Some(mean) => self.with_shadowing(mean, signal, station, place).to_milliwatts().0,
+            Some(mean) if self.has_antennas() => self.with_shadowing(mean, signal, listener).0,
+            Some(mean) => self.received(mean, signal, listener).to_milliwatts().0,
         }
+    }
+
+    /// The place of a link among those of stations that move: the one that moves, and the other.
+    #[inline]
+    fn mobile_of(&self, source: StationId, listener: StationId) -> Option<usize> {
+        let of = |moving: StationId, other: StationId| {
+            let moving = moving.0.checked_sub(self.mobile.start)?;
+            Some(moving as usize * self.stations + other.index())
+        };
+        if self.mobile.contains(&listener.0) {
+            of(listener, source)
+        } else if self.mobile.contains(&source.0) {
+            of(source, listener)
+        } else {
+            None
+        }
+    }
+
+    /// What is the same for all packets of a link of a station that moves, while both stand: see [`RememberedMobile`]. It
+    /// is the same in both directions.
+    fn mobile_power(&mut self, link: usize, signal: &Signal, listener: &Listener<Position>) -> f64 {
+        let (source, place) = (signal.position, listener.place);
+        let known = self.mobile_links[link];
+        if known.places == [source, place] || known.places == [place, source] {
+            return known.power;
+        }
+        let power = match self.mean(signal, place) {
+            None => f64::NAN,
+            Some(mean) if self.is_per_packet => mean.0,
+            Some(mean) => self.with_shadowing(mean, signal, listener).0,
+        };
+        self.mobile_links[link] = RememberedMobile { places: [source, place], power };
+        power
     }
 
     fn mean(&self, signal: &Signal, place: Position) -> Option<Dbm> {
         self.channel.mean_power(signal.emission.power, signal.position, place)
     }
 
-    fn with_shadowing(&self, mean: Dbm, signal: &Signal, station: StationId, place: Position) -> Dbm {
-        let shadowing = self.channel.shadowing(signal.source, signal.position, station, place, signal.packet);
-        mean + shadowing + signal.emission.antenna.gain(place - signal.position)
+    /// The power at the listener, from the mean on the way.
+    fn received(&self, mean: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
+        self.with_gains(self.with_shadowing(mean, signal, listener), signal, listener)
+    }
+
+    fn with_shadowing(&self, mean: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
+        let &Listener { station, place, .. } = listener;
+        mean + self.channel.shadowing(signal.source, signal.position, station, place, signal.packet)
+    }
+
+    /// The power with the gains of both antennas.
+    #[inline]
+    fn with_gains(&self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
+        if !self.has_antennas() {
+            return power;
+        }
+        let apart = listener.place - signal.position;
+        let length_m = apart.length_m();
+        let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
+        let gain = self.mounts.transmit_gain(signal.sender, aim, apart * (1.0 / length_m));
+        power + gain + self.mounts.receive_gain(listener.receiver)
     }
 }

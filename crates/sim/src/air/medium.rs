@@ -8,6 +8,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::budget::Budget;
 use super::cells::Cells;
+use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
 use super::signal::Signal;
 use crate::station::Motion;
@@ -46,8 +47,8 @@ pub(crate) struct Medium {
 }
 
 impl Medium {
-    /// An empty medium for stations that stay near `places` and transmit with at most the power of `budget`; signals
-    /// below `floor` may be neglected.
+    /// An empty medium for stations that stay near `places` and transmit with at most `power`, the gains of both
+    /// antennas included; signals below `floor` may be neglected.
     pub(crate) fn new(
         budget: Budget,
         places: impl Iterator<Item = Position> + Clone,
@@ -68,6 +69,17 @@ impl Medium {
         }
     }
 
+    /// The antennas, to mount more of them before the first signal.
+    pub(crate) fn mounts_mut(&mut self) -> &mut Mounts {
+        self.budget.mounts_mut()
+    }
+
+    /// Whether radios have antennas with sectors.
+    #[inline]
+    pub(crate) fn has_antennas(&self) -> bool {
+        self.budget.has_antennas()
+    }
+
     /// Starts a signal.
     pub(crate) fn begin(&mut self, signal: Signal) {
         let forgotten = signal.start.saturating_sub(self.memory);
@@ -80,8 +92,8 @@ impl Medium {
 
     /// Power of a signal at a station; `None` beyond the radius of communication.
     #[inline]
-    pub(crate) fn power_at(&mut self, signal: &Signal, station: StationId, place: Position) -> Option<Milliwatts> {
-        self.budget.power_at(signal, station, place)
+    pub(crate) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
+        self.budget.power_at(signal, listener)
     }
 
     /// Mean power that a radio hears from others during `[from, to)`.
@@ -100,7 +112,7 @@ impl Medium {
             if is_far || signal.sender == receiver || signal.start >= to || signal.end <= from {
                 return;
             }
-            if let Some(power) = budget.power_at(signal, station, place) {
+            if let Some(power) = budget.power_at(signal, &Listener { receiver, station, place }) {
                 let overlap = signal.end.min(to).saturating_since(signal.start.max(from));
                 energy += power.0 * overlap.as_secs_f64();
             }

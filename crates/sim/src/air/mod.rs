@@ -3,6 +3,7 @@
 mod budget;
 mod cells;
 mod medium;
+mod mounts;
 mod outcome;
 mod receiver;
 mod receiver_id;
@@ -11,20 +12,21 @@ mod signal;
 
 use std::time::Duration;
 
-use sextant_channel::{Channel, Dbm, Milliwatts, Position};
+use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
 use sextant_kernel::{Seed, SimTime, StationId};
 
 use crate::purpose;
 use crate::station::{Motion, Roll};
 use budget::Budget;
 use medium::{Listener, Medium};
-use receiver::Receiver;
+use receiver::{Heard, Receiver};
 
+pub(crate) use mounts::Mount;
 pub use outcome::FrameOutcome;
-pub(crate) use receiver::ReceptionRules;
+pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
 pub(crate) use receiver_id::ReceiverId;
-pub use reception_model::{ReceptionConfig, ReceptionModel, SinrThresholdConfig};
-pub(crate) use signal::{Antenna, Emission, Signal};
+pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
+pub(crate) use signal::{Aim, Emission, Signal};
 
 /// A transmission under way.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +43,16 @@ pub(crate) struct Transmission {
 pub(crate) struct Arrival {
     pub(crate) station: StationId,
     pub(crate) power: Milliwatts,
+    /// Smallest ratio of signal to interference and noise while the frame was followed, as a factor.
+    pub(crate) sinr: f64,
     pub(crate) outcome: FrameOutcome,
+}
+
+/// The channel became busy or idle at a receiver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CarrierChange {
+    pub(crate) station: StationId,
+    pub(crate) is_busy: bool,
 }
 
 /// The air of one band. The audience of a network are the stations whose applications look at what is delivered to
@@ -59,6 +70,10 @@ pub(crate) struct Air {
     packets: u64,
     seed: Seed,
     near: Vec<Listener<Position>>,
+    /// With antennas, signals below it are not even interference.
+    floor: Milliwatts,
+    /// Changes of the carrier that nobody has taken yet.
+    carrier_changes: Vec<CarrierChange>,
 }
 
 /// Settings of the air.
@@ -66,6 +81,8 @@ pub(crate) struct AirSettings {
     pub(crate) channel: Channel,
     /// Largest transmit power.
     pub(crate) power: Dbm,
+    /// Largest gain of both antennas of a link together.
+    pub(crate) gain: Db,
     /// Signals below it may be neglected.
     pub(crate) floor: Dbm,
     /// Window of carrier sense.
@@ -77,13 +94,13 @@ pub(crate) struct AirSettings {
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, floor, sensing, first_packet, seed } = settings;
+        let AirSettings { channel, power, gain, floor, sensing, first_packet, seed } = settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
-        let emission = Emission { power, antenna: Antenna::Omnidirectional };
+        let emission = Emission { power, aim: Aim::Omnidirectional };
         let budget = Budget::new(channel, emission, roll.len(), mobile);
         Self {
-            medium: Medium::new(budget, places, power, floor, sensing),
+            medium: Medium::new(budget, places, power + gain, floor, sensing),
             receivers: Vec::new(),
             in_audience: Vec::new(),
             rules: Vec::new(),
@@ -92,6 +109,8 @@ impl Air {
             packets: first_packet,
             seed,
             near: Vec::new(),
+            floor: floor.to_milliwatts(),
+            carrier_changes: Vec::new(),
         }
     }
 
@@ -142,12 +161,41 @@ impl Air {
         }
         let on_air = self.medium.on_air(now, place);
         self.receivers[receiver.index()].start(now);
+        let rules = *self.rules(receiver);
         for signal in on_air.iter().filter(|signal| signal.sender != receiver) {
-            if let Some(power) = self.medium.power_at(signal, station, place) {
-                let rules = *self.rules(receiver);
+            if let Some(power) = self.medium.power_at(signal, &Listener { receiver, station, place })
+                && !self.is_negligible(power)
+            {
                 self.receivers[receiver.index()].begin(now, signal.packet, power, false, &rules);
             }
         }
+        self.note_carrier(receiver, station, &rules);
+    }
+
+    /// Mounts the antenna of a radio.
+    pub(crate) fn mount(&mut self, receiver: ReceiverId, mount: Mount) {
+        self.medium.mounts_mut().add(receiver, mount);
+    }
+
+    /// The changes of the carrier since the last call, in their order; `changes` is emptied first.
+    pub(crate) fn take_carrier_changes(&mut self, changes: &mut Vec<CarrierChange>) {
+        changes.clear();
+        std::mem::swap(changes, &mut self.carrier_changes);
+    }
+
+    /// Notes whether the channel became busy or idle at a receiver.
+    #[inline]
+    fn note_carrier(&mut self, receiver: ReceiverId, station: StationId, rules: &ReceptionRules) {
+        if rules.carrier.is_some()
+            && let Some(is_busy) = self.receivers[receiver.index()].carrier_change(rules)
+        {
+            self.carrier_changes.push(CarrierChange { station, is_busy });
+        }
+    }
+
+    #[inline]
+    fn is_negligible(&self, power: Milliwatts) -> bool {
+        power < self.floor && self.medium.has_antennas()
     }
 
     /// A station that listens, or not, moves differently from now on.
@@ -205,15 +253,19 @@ impl Air {
         };
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(&signal, &mut near);
-        for &Listener { receiver, station, place } in &near {
-            if let Some(power) = self.medium.power_at(&signal, station, place) {
+        for listener in &near {
+            if let Some(power) = self.medium.power_at(&signal, listener) {
+                let &Listener { receiver, station, .. } = listener;
                 let is_for = match to {
                     Some(to) => receiver == to,
                     None => self.in_audience[receiver.index()] && self.network(receiver) == network,
                 };
                 listening -= usize::from(is_for);
-                let rules = *self.rules(receiver);
-                self.receivers[receiver.index()].begin(now, signal.packet, power, true, &rules);
+                if !self.is_negligible(power) {
+                    let rules = *self.rules(receiver);
+                    self.receivers[receiver.index()].begin(now, signal.packet, power, true, &rules);
+                    self.note_carrier(receiver, station, &rules);
+                }
             }
         }
         self.near = near;
@@ -231,10 +283,13 @@ impl Air {
             let seed = self.seed;
             let luck = || seed.uniform(purpose::RECEPTION, [signal.packet, receiver.0.into(), 0]);
             let rules = *self.rules(receiver);
-            if let Some((power, outcome)) = self.receivers[receiver.index()].end(now, signal.packet, &rules, luck)
-                && self.network(receiver) == network
+            if let Some(Heard { power, sinr, outcome }) =
+                self.receivers[receiver.index()].end(now, signal.packet, &rules, luck)
             {
-                arrivals.push(Arrival { station, power, outcome });
+                self.note_carrier(receiver, station, &rules);
+                if self.network(receiver) == network {
+                    arrivals.push(Arrival { station, power, sinr, outcome });
+                }
             }
         }
         self.near = near;

@@ -1,8 +1,8 @@
 //! One radio that listens: the signals at its antenna, the signal that it follows, and the outcome.
 //!
 //! Rules of the receiver: a signal above the sensitivity that starts while the radio is free is tracked. At the end of
-//! its preamble, if the radio is still free and the ratio of signal to interference and noise is above -5 dB, the radio
-//! locks on to the signal until its end. All other signals are interference. Interference is constant between changes,
+//! its preamble, if the radio is still free and the ratio of signal to interference and noise is above the lock
+//! threshold, the radio locks on to the signal until its end. All other signals are interference. Interference is constant between changes,
 //! so the receiver updates its state only at changes.
 //!
 //! `lr-wpan` of ns-3 3.44 locks at the first symbol instead, so a stronger frame that begins within the preamble of a
@@ -11,13 +11,10 @@
 
 use std::time::Duration;
 
-use sextant_channel::{Db, Milliwatts};
+use sextant_channel::Milliwatts;
 use sextant_kernel::SimTime;
 
 use super::{FrameOutcome, ReceptionModel};
-
-/// Minimum ratio of signal to interference and noise at the end of the preamble.
-const LOCK_THRESHOLD: Db = Db(-5.0);
 
 /// Rules of all receivers of a simulation.
 #[derive(Clone, Copy, Debug)]
@@ -26,10 +23,23 @@ pub(crate) struct ReceptionRules {
     pub(crate) sensitivity: Milliwatts,
     pub(crate) noise: Milliwatts,
     pub(crate) preamble: Duration,
+    /// Minimum ratio of signal to interference and noise at the end of the preamble, as a factor.
+    pub(crate) lock: f64,
+    /// When the channel is busy, if the radios say when that changes.
+    pub(crate) carrier: Option<CarrierThresholds>,
     /// Bits per second on air.
     pub(crate) bit_rate_hz: f64,
     /// Probability of a bit error by the ratio of signal to interference and noise, as a factor.
     pub(crate) bit_error_rate: fn(f64) -> f64,
+}
+
+/// From which power on the channel is busy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CarrierThresholds {
+    /// Power of one signal.
+    pub(crate) signal: Milliwatts,
+    /// Power of all signals together.
+    pub(crate) energy: Milliwatts,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +55,8 @@ struct Incoming {
     disturbed: bool,
     /// Smallest ratio of signal to interference and noise so far, as a factor.
     least_sinr: f64,
+    /// The same without noise.
+    least_sir: f64,
     /// Natural logarithm of the probability that no bit is wrong so far.
     log_intact: f64,
 }
@@ -56,6 +68,17 @@ pub(crate) struct Receiver {
     signals: Vec<Incoming>,
     locked: Option<u64>,
     settled: SimTime,
+    /// Whether the channel was busy when the radio last said so.
+    is_busy: bool,
+}
+
+/// A frame at the end of its time at a receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Heard {
+    pub(crate) power: Milliwatts,
+    /// Smallest ratio of signal to interference and noise while it was followed, as a factor.
+    pub(crate) sinr: f64,
+    pub(crate) outcome: FrameOutcome,
 }
 
 impl Receiver {
@@ -90,7 +113,7 @@ impl Receiver {
         let audible = power >= rules.sensitivity;
         let counts = |other: Milliwatts| match rules.model {
             ReceptionModel::Overlap => audible && other >= rules.sensitivity,
-            ReceptionModel::SinrThreshold { .. } | ReceptionModel::Ber => true,
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } | ReceptionModel::Ber => true,
         };
         let mut disturbed = false;
         for other in &mut self.signals {
@@ -106,19 +129,29 @@ impl Receiver {
             whole,
             disturbed,
             least_sinr: f64::INFINITY,
+            least_sir: f64::INFINITY,
             log_intact: 0.0,
         });
     }
 
-    /// The signal of `packet` ends at `now`: returns its power and its outcome, or `None` if it was never at the
-    /// antenna while the radio listened. `luck` is uniform in (0, 1).
+    /// Whether the channel became busy (`true`) or idle (`false`) since the radio last said so.
+    pub(crate) fn carrier_change(&mut self, rules: &ReceptionRules) -> Option<bool> {
+        let CarrierThresholds { signal, energy } = rules.carrier?;
+        let is_busy = self.listening
+            && (self.signals.iter().any(|incoming| incoming.power >= signal)
+                || self.signals.iter().map(|incoming| incoming.power).sum::<Milliwatts>() >= energy);
+        (std::mem::replace(&mut self.is_busy, is_busy) != is_busy).then_some(is_busy)
+    }
+
+    /// The signal of `packet` ends at `now`: returns how it was heard, or `None` if it was never at the antenna while
+    /// the radio listened. `luck` is uniform in (0, 1).
     pub(crate) fn end(
         &mut self,
         now: SimTime,
         packet: u64,
         rules: &ReceptionRules,
         luck: impl FnOnce() -> f64,
-    ) -> Option<(Milliwatts, FrameOutcome)> {
+    ) -> Option<Heard> {
         let place = self.signals.iter().position(|signal| signal.packet == packet)?;
         self.settle(now, rules);
         let signal = self.signals.remove(place);
@@ -141,12 +174,18 @@ impl Receiver {
                     FrameOutcome::Received
                 }
                 ReceptionModel::SinrThreshold { least } => drowned(least),
+                ReceptionModel::SirThreshold { least } if locked && signal.least_sir >= least => {
+                    FrameOutcome::Received
+                }
+                ReceptionModel::SirThreshold { .. } if signal.disturbed => FrameOutcome::Collided,
+                ReceptionModel::SirThreshold { .. } => FrameOutcome::Weak,
                 ReceptionModel::Ber if locked && luck() < libm::exp(signal.log_intact) => FrameOutcome::Received,
                 ReceptionModel::Ber if signal.disturbed => FrameOutcome::Collided,
                 ReceptionModel::Ber => FrameOutcome::Weak,
             }
         };
-        Some((signal.power, fate))
+        let alone = signal.power.ratio(rules.noise);
+        Some(Heard { power: signal.power, sinr: signal.least_sinr.min(alone), outcome: fate })
     }
 
     /// Updates all tracked signals until `now`, with the signals present until now.
@@ -164,7 +203,7 @@ impl Receiver {
         for i in 0..self.signals.len() {
             let Incoming { packet, power, preamble_end, tracked, .. } = self.signals[i];
             if tracked && self.locked.is_none() && preamble_end <= now {
-                if sinr(power) > LOCK_THRESHOLD.to_factor() {
+                if sinr(power) > rules.lock {
                     self.locked = Some(packet);
                 } else {
                     self.signals[i].tracked = false;
@@ -180,6 +219,11 @@ impl Receiver {
             if signal.tracked {
                 let ratio = sinr(signal.power);
                 signal.least_sinr = signal.least_sinr.min(ratio);
+                if matches!(rules.model, ReceptionModel::SirThreshold { .. }) {
+                    let mut interference = total;
+                    interference -= signal.power;
+                    signal.least_sir = signal.least_sir.min(sir(signal.power, interference));
+                }
                 if matches!(rules.model, ReceptionModel::Ber) {
                     let span = now.saturating_since(since.max(signal.preamble_end));
                     let bits = span.as_secs_f64() * rules.bit_rate_hz;
@@ -190,10 +234,15 @@ impl Receiver {
     }
 }
 
+/// Ratio of signal to interference, as a factor; what is left of rounding counts as none.
+fn sir(power: Milliwatts, interference: Milliwatts) -> f64 {
+    if interference.0 > 1e-9 * power.0 { power.ratio(interference) } else { f64::INFINITY }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sextant_channel::Dbm;
+    use sextant_channel::{Db, Dbm};
 
     fn rules(model: ReceptionModel) -> ReceptionRules {
         ReceptionRules {
@@ -201,6 +250,8 @@ mod tests {
             sensitivity: Dbm(-90.0).to_milliwatts(),
             noise: Dbm(-90.403).to_milliwatts(),
             preamble: Duration::from_micros(128),
+            lock: Db(-5.0).to_factor(),
+            carrier: None,
             bit_rate_hz: 250_000.0,
             bit_error_rate: sextant_mac::oqpsk::bit_error_rate,
         }
@@ -227,8 +278,8 @@ mod tests {
             if begins {
                 receiver.begin(at(us), packet, Dbm(frame.1).to_milliwatts(), true, &rules);
             } else {
-                let (_, fate) = receiver.end(at(us), packet, &rules, || luck).expect("it began");
-                fates[usize::try_from(packet).unwrap()] = fate;
+                let heard = receiver.end(at(us), packet, &rules, || luck).expect("it began");
+                fates[usize::try_from(packet).unwrap()] = heard.outcome;
             }
         }
         fates
@@ -302,8 +353,14 @@ mod tests {
         receiver.start(at(100));
         receiver.begin(at(100), 7, Dbm(-50.0).to_milliwatts(), false, &rules);
         receiver.begin(at(200), 8, Dbm(-50.0).to_milliwatts(), true, &rules);
-        assert_eq!(receiver.end(at(800), 7, &rules, || 0.5).map(|(_, fate)| fate), Some(FrameOutcome::NotListened));
-        assert_eq!(receiver.end(at(1032), 8, &rules, || 0.5).map(|(_, fate)| fate), Some(FrameOutcome::Collided));
+        assert_eq!(
+            receiver.end(at(800), 7, &rules, || 0.5).map(|heard| heard.outcome),
+            Some(FrameOutcome::NotListened)
+        );
+        assert_eq!(
+            receiver.end(at(1032), 8, &rules, || 0.5).map(|heard| heard.outcome),
+            Some(FrameOutcome::Collided)
+        );
         receiver.begin(at(2000), 9, Dbm(-50.0).to_milliwatts(), true, &rules);
         receiver.stop();
         assert_eq!(receiver.end(at(2832), 9, &rules, || 0.5), None);

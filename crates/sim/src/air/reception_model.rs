@@ -14,17 +14,20 @@ pub enum ReceptionConfig {
     Overlap {},
     /// The ratio of signal to interference and noise stays at or above a threshold during the whole frame
     /// (capture).
-    SinrThreshold(SinrThresholdConfig),
+    SinrThreshold(ThresholdConfig),
+    /// The ratio of signal to interference, without noise, stays at or above a threshold during the whole frame: for
+    /// spread signals, whose sensitivity lies below the noise.
+    SirThreshold(ThresholdConfig),
     /// Bit errors occur at the rate of O-QPSK with DSSS (IEEE 802.15.4-2006 annex E); the frame is received with
     /// the probability that it has no bit error. Only with the physical layer `oqpsk2450`.
     Ber {},
 }
 
-/// A capture threshold, as written in a scenario.
+/// A threshold of capture, as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SinrThresholdConfig {
-    /// Minimum ratio of signal to interference and noise (dB).
+pub struct ThresholdConfig {
+    /// Minimum ratio (dB).
     #[serde(default = "default_threshold_db")]
     pub threshold_db: f64,
 }
@@ -35,7 +38,7 @@ fn default_threshold_db() -> f64 {
 
 impl Default for ReceptionConfig {
     fn default() -> Self {
-        Self::SinrThreshold(SinrThresholdConfig { threshold_db: default_threshold_db() })
+        Self::SinrThreshold(ThresholdConfig { threshold_db: default_threshold_db() })
     }
 }
 
@@ -49,6 +52,11 @@ pub enum ReceptionModel {
         /// Minimum ratio, as a factor.
         least: f64,
     },
+    /// Received if the ratio of signal to interference never falls below a threshold.
+    SirThreshold {
+        /// Minimum ratio, as a factor.
+        least: f64,
+    },
     /// Received with the probability that no bit is wrong.
     Ber,
 }
@@ -59,9 +67,13 @@ impl TryFrom<ReceptionConfig> for ReceptionModel {
     fn try_from(config: ReceptionConfig) -> Result<Self, SettingError> {
         Ok(match config {
             ReceptionConfig::Overlap {} => Self::Overlap,
-            ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db }) => {
+            ReceptionConfig::SinrThreshold(ThresholdConfig { threshold_db }) => {
                 let threshold_db = SettingError::in_range("sinr_threshold.threshold_db", threshold_db, -30.0, 60.0)?;
                 Self::SinrThreshold { least: Db(threshold_db).to_factor() }
+            }
+            ReceptionConfig::SirThreshold(ThresholdConfig { threshold_db }) => {
+                let threshold_db = SettingError::in_range("sir_threshold.threshold_db", threshold_db, -30.0, 60.0)?;
+                Self::SirThreshold { least: Db(threshold_db).to_factor() }
             }
             ReceptionConfig::Ber {} => Self::Ber,
         })

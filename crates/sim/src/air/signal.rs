@@ -1,32 +1,24 @@
 //! A signal on air.
 
-use sextant_channel::{Db, Dbm, Position};
+use sextant_channel::{Dbm, Position};
 use sextant_kernel::{SimTime, StationId};
 
 use super::receiver_id::ReceiverId;
 
-/// An antenna as it points now.
+/// How an antenna points now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Antenna {
+pub(crate) enum Aim {
     /// The same gain in all directions, which the transmit power includes.
     Omnidirectional,
-}
-
-impl Antenna {
-    /// Gain in `direction` (any length above zero).
-    #[inline]
-    pub(crate) fn gain(self, _direction: Position) -> Db {
-        match self {
-            Self::Omnidirectional => Db(0.0),
-        }
-    }
+    /// Along this sector of the antenna that is mounted at the receiver of the same radio.
+    Sector(u8),
 }
 
 /// What a transmitter radiates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Emission {
     pub(crate) power: Dbm,
-    pub(crate) antenna: Antenna,
+    pub(crate) aim: Aim,
 }
 
 /// A frame on air: `[start, end)`, in the band of its air.

@@ -10,6 +10,7 @@ use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
+use crate::service::sweep::{Announcement, SweepAnswer};
 
 /// What runs on a station. It is told of what happens, and acts through its [`Port`]. By default an application does
 /// nothing.
@@ -48,6 +49,12 @@ pub trait Application {
 
     /// A drive is over that [`Port::drive`], [`Port::drive_arc`] or [`Port::steer`] began.
     fn drive_ended(&mut self, _end: DriveEnd, _port: &mut Port<'_>) {}
+
+    /// The sector sweep is over that [`Port::sweep`] began; `answers` are by station.
+    fn swept(&mut self, _network: NetworkId, _answers: &[SweepAnswer], _port: &mut Port<'_>) {}
+
+    /// A frame was received of a sweep with which another station says that it is there.
+    fn announced(&mut self, _announcement: &Announcement, _port: &mut Port<'_>) {}
 
     /// The time to listen is over that [`Port::listen`] began.
     fn listened(&mut self, _network: NetworkId, _port: &mut Port<'_>) {}

@@ -12,6 +12,7 @@ use crate::service::delivery::DriveEnd;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sensed::{FieldId, TargetId};
+use crate::service::sweep::{SweepError, SweepKind};
 use crate::station::{Curve, Kind, Pose, RangeSensors};
 
 /// What the application of one station can know and do.
@@ -133,6 +134,15 @@ impl Port<'_> {
     /// The power of a frame is that where the robot is when the frame begins.
     pub fn listen(&mut self, network: NetworkId, span: Duration) {
         self.model.networks[network.index()].listen(self.station, span, &mut self.model.scene);
+    }
+
+    /// Begins a sector sweep; [`Application::swept`](super::Application::swept) is called at its end. A steered antenna
+    /// sweeps at one tilt after the other.
+    ///
+    /// # Errors
+    /// If a sweep of this station or its answer to another sweep is under way, or the network has no sector sweeps.
+    pub fn sweep(&mut self, network: NetworkId, kind: SweepKind) -> Result<(), SweepError> {
+        self.model.networks[network.index()].sweep(self.station, kind, &mut self.model.scene)
     }
 
     /// Where the station is and where it looks; for a robot, by its odometry.

@@ -73,7 +73,8 @@ pub(super) fn air(
     let technologies = || networks.iter().map(|network| &network.technology);
     AirSettings {
         channel: Channel::new(networks[0].channel, world.obstacles.clone(), channel_seed),
-        power: Dbm(technologies().map(|technology| technology.greatest_power().0).fold(f64::MIN, f64::max)),
+        power: Dbm(technologies().map(|technology| technology.tx_power().0).fold(f64::MIN, f64::max)),
+        gain: Db(technologies().map(|technology| technology.greatest_gain().0).fold(0.0, f64::max)),
         floor: Dbm(technologies().map(|technology| technology.noise_floor().0).fold(f64::MAX, f64::min))
             - NEGLECTED_BELOW_NOISE,
         sensing: technologies().map(Technology::carrier_sense).max().unwrap_or(Duration::ZERO),

@@ -8,9 +8,10 @@ mod setup;
 use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
-use crate::air::{Air, Antenna};
+use crate::air::{Aim, Air};
 use crate::application::{Application, Port};
 use crate::event::Event;
+use crate::link::ieee80211ad;
 use crate::link::ieee802154::{self, Mac};
 use crate::link::network::Network;
 use crate::link::{Ieee802154, Technology};
@@ -109,7 +110,12 @@ impl<A: Application> Engine<A> {
             let id = u8::try_from(i).map(NetworkId);
             let id = id.map_err(|_| SettingError::new("networks", networks.len(), "at most 256"))?;
             let air = bands.iter().position(|band| band.contains(&i)).expect("each network is in a band");
-            let first_receiver = scene.airs[air].add_receivers(network.technology.reception_rules(), &hears);
+            // Sweeps are for all stations, whatever their applications.
+            let audience = match network.technology {
+                Technology::Ieee802154(_) => hears.clone(),
+                Technology::Ieee80211ad(_) => vec![true; roll.len()],
+            };
+            let first_receiver = scene.airs[air].add_receivers(network.technology.reception_rules(), &audience);
             let link = match &network.technology {
                 Technology::Ieee802154(Ieee802154 { radio, mac, .. }) => {
                     let settings = ieee802154::network::Settings {
@@ -117,7 +123,7 @@ impl<A: Application> Engine<A> {
                         phy: radio.phy(),
                         mac,
                         power: radio.tx_power(),
-                        antenna: Antenna::Omnidirectional,
+                        aim: Aim::Omnidirectional,
                         cca_threshold: radio.cca_threshold().to_milliwatts(),
                         radio_states: network.radio_states.clone(),
                         air,
@@ -127,6 +133,18 @@ impl<A: Application> Engine<A> {
                         members: network.members.clone(),
                     };
                     Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone()))
+                }
+                Technology::Ieee80211ad(links) => {
+                    let settings = ieee80211ad::network::Settings {
+                        network: id,
+                        links,
+                        radio_states: network.radio_states.clone(),
+                        air,
+                        first_receiver,
+                        members: network.members.clone(),
+                    };
+                    let link = ieee80211ad::network::Network::new(settings, &mut scene, hears.clone());
+                    Network::Ieee80211ad(Box::new(link))
                 }
             };
             links.push(link);
@@ -257,8 +275,7 @@ impl<A: Application> Engine<A> {
         let mut upcalls = std::mem::take(&mut self.model.scene.upcalls);
         let (frame, payload) = self.model.networks[network.index()].take_payload();
         for upcall in upcalls.drain(..) {
-            let (Upcall::Delivered { station, .. } | Upcall::Sent { station, .. } | Upcall::Listened { station }) =
-                upcall;
+            let station = upcall.station();
             let mut port = Port { model: &mut self.model, station };
             let application = &mut self.applications[station.index()];
             match upcall {
@@ -269,6 +286,11 @@ impl<A: Application> Engine<A> {
                 }
                 Upcall::Sent { report, .. } => application.sent(network, &report, &mut port),
                 Upcall::Listened { .. } => application.listened(network, &mut port),
+                Upcall::Swept { .. } => {
+                    let answers = port.model.networks[network.index()].take_answers(station);
+                    application.swept(network, &answers, &mut port);
+                }
+                Upcall::Announced { announcement, .. } => application.announced(&announcement, &mut port),
             }
         }
         self.model.networks[network.index()].give_back(frame);

@@ -2,13 +2,15 @@
 
 use sextant_mac::Class;
 
-use super::ieee802154;
+use super::{ieee80211ad, ieee802154};
 
 /// An event of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LinkEvent {
     /// Of a link of IEEE 802.15.4.
     Ieee802154(ieee802154::Event),
+    /// Of a link of IEEE 802.11ad.
+    Ieee80211ad(ieee80211ad::Event),
 }
 
 impl LinkEvent {
@@ -17,6 +19,7 @@ impl LinkEvent {
     pub(crate) const fn class(self) -> Class {
         match self {
             Self::Ieee802154(event) => event.class(),
+            Self::Ieee80211ad(event) => event.class(),
         }
     }
 }

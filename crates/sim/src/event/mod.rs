@@ -1,5 +1,6 @@
 //! Events of a simulation.
 
+pub(crate) mod ieee80211ad;
 pub(crate) mod ieee802154;
 pub(crate) mod link;
 

@@ -5,16 +5,19 @@ use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
 
+use super::ieee80211ad::network as ieee80211ad;
 use super::ieee802154::network as ieee802154;
 use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::packets::NetworkRecord;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 
 /// A network, of any technology.
 pub(crate) enum Network {
     Ieee802154(ieee802154::Network),
+    Ieee80211ad(Box<ieee80211ad::Network>),
 }
 
 impl Network {
@@ -22,6 +25,7 @@ impl Network {
     pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
         match self {
             Self::Ieee802154(network) => network.begin(station, scene),
+            Self::Ieee80211ad(network) => network.begin(station, scene),
         }
     }
 
@@ -29,6 +33,7 @@ impl Network {
     pub(crate) fn begin_schedule(&mut self, scene: &mut Scene) {
         match self {
             Self::Ieee802154(network) => network.begin_beacons(scene),
+            Self::Ieee80211ad(_) => {}
         }
     }
 
@@ -44,6 +49,12 @@ impl Network {
             (Self::Ieee802154(network), LinkEvent::Ieee802154(event)) => {
                 network.handle(station, event, scene, observer)
             }
+            (Self::Ieee80211ad(network), LinkEvent::Ieee80211ad(event)) => {
+                network.handle(station, event, scene, observer);
+            }
+            (Self::Ieee802154(_), LinkEvent::Ieee80211ad(_)) | (Self::Ieee80211ad(_), LinkEvent::Ieee802154(_)) => {
+                unreachable!("a network has events of its own technology")
+            }
         }
     }
 
@@ -58,6 +69,23 @@ impl Network {
     ) -> Result<FrameId, SendError> {
         match self {
             Self::Ieee802154(network) => network.offer(station, to, payload, scene),
+            Self::Ieee80211ad(_) => Err(SendError::NoData),
+        }
+    }
+
+    /// Begins a sector sweep of a station.
+    pub(crate) fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {
+        match self {
+            Self::Ieee802154(_) => Err(SweepError::NoSectors),
+            Self::Ieee80211ad(network) => network.sweep(station, kind, scene),
+        }
+    }
+
+    /// The answers to the sweep of a station that has just ended.
+    pub(crate) fn take_answers(&mut self, station: StationId) -> Vec<SweepAnswer> {
+        match self {
+            Self::Ieee802154(_) => Vec::new(),
+            Self::Ieee80211ad(network) => network.take_answers(station),
         }
     }
 
@@ -65,6 +93,7 @@ impl Network {
     pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
         match self {
             Self::Ieee802154(network) => network.listen(station, span, scene),
+            Self::Ieee80211ad(network) => network.listen(station, span, scene),
         }
     }
 
@@ -72,6 +101,7 @@ impl Network {
     pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
         match self {
             Self::Ieee802154(network) => network.moves(station, scene),
+            Self::Ieee80211ad(network) => network.moves(station, scene),
         }
     }
 
@@ -79,6 +109,7 @@ impl Network {
     pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
         match self {
             Self::Ieee802154(network) => network.take_payload(),
+            Self::Ieee80211ad(_) => (Vec::new(), 0..0),
         }
     }
 
@@ -86,6 +117,7 @@ impl Network {
     pub(crate) fn give_back(&mut self, frame: Vec<u8>) {
         match self {
             Self::Ieee802154(network) => network.give_back(frame),
+            Self::Ieee80211ad(_) => {}
         }
     }
 
@@ -93,6 +125,7 @@ impl Network {
     pub(crate) fn finish(self, now: SimTime) -> NetworkRecord {
         match self {
             Self::Ieee802154(network) => network.finish(now),
+            Self::Ieee80211ad(network) => network.finish(now),
         }
     }
 }

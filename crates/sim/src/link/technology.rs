@@ -2,17 +2,27 @@
 
 use std::time::Duration;
 
-use sextant_channel::Dbm;
+use sextant_channel::{Db, Dbm};
+use sextant_mac::dmg::timing::PREAMBLE;
 use sextant_mac::{Band, oqpsk};
 
+use super::ieee80211ad::Ieee80211ad;
 use super::ieee802154::{Mac, Radio};
-use crate::air::{ReceptionModel, ReceptionRules};
+use crate::air::{CarrierThresholds, ReceptionModel, ReceptionRules};
+
+/// Minimum ratio of signal to interference and noise at which a radio of IEEE 802.15.4 locks on to a frame.
+const LOCK_THRESHOLD: Db = Db(-5.0);
+
+/// The same for the control PHY of IEEE 802.11ad: its sensitivity of -78 dBm over a noise of -71.5 dBm.
+const DMG_LOCK_THRESHOLD: Db = Db(-6.5);
 
 /// The technology of the links of a network, with its settings.
 #[derive(Clone, Debug)]
 pub enum Technology {
     /// IEEE 802.15.4.
     Ieee802154(Ieee802154),
+    /// Sector sweeps of IEEE 802.11ad.
+    Ieee80211ad(Box<Ieee80211ad>),
 }
 
 /// Links of IEEE 802.15.4.
@@ -31,6 +41,8 @@ pub struct Ieee802154 {
 pub(crate) enum Spectrum {
     /// A channel of a band of IEEE 802.15.4.
     Ieee802154(Band, u8),
+    /// A channel of IEEE 802.11ad.
+    Ieee80211ad(u8),
 }
 
 impl Technology {
@@ -39,6 +51,7 @@ impl Technology {
     pub fn ieee802154(&self) -> Option<&Ieee802154> {
         match self {
             Self::Ieee802154(settings) => Some(settings),
+            Self::Ieee80211ad(_) => None,
         }
     }
 
@@ -46,6 +59,34 @@ impl Technology {
     pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
         match self {
             Self::Ieee802154(settings) => Some(settings),
+            Self::Ieee80211ad(_) => None,
+        }
+    }
+
+    /// The settings of IEEE 802.11ad, if that is the technology.
+    #[must_use]
+    pub fn ieee80211ad(&self) -> Option<&Ieee80211ad> {
+        match self {
+            Self::Ieee802154(_) => None,
+            Self::Ieee80211ad(settings) => Some(settings),
+        }
+    }
+
+    /// Transmit power, without antennas.
+    #[must_use]
+    pub fn tx_power(&self) -> Dbm {
+        match self {
+            Self::Ieee802154(settings) => settings.radio.tx_power(),
+            Self::Ieee80211ad(settings) => settings.radio.tx_power(),
+        }
+    }
+
+    /// Minimum power of a frame that can be received.
+    #[must_use]
+    pub fn sensitivity(&self) -> Dbm {
+        match self {
+            Self::Ieee802154(settings) => settings.radio.sensitivity(),
+            Self::Ieee80211ad(settings) => settings.radio.sensitivity(),
         }
     }
 
@@ -53,13 +94,15 @@ impl Technology {
     pub(crate) fn spectrum(&self) -> Spectrum {
         match self {
             Self::Ieee802154(Ieee802154 { radio, .. }) => Spectrum::Ieee802154(radio.phy().band(), radio.channel()),
+            Self::Ieee80211ad(settings) => Spectrum::Ieee80211ad(settings.radio.channel()),
         }
     }
 
-    /// Largest transmit power, antennas included.
-    pub(crate) fn greatest_power(&self) -> Dbm {
+    /// Largest gain of both antennas of a link together.
+    pub(crate) fn greatest_gain(&self) -> Db {
         match self {
-            Self::Ieee802154(settings) => settings.radio.tx_power(),
+            Self::Ieee802154(_) => Db(0.0),
+            Self::Ieee80211ad(settings) => settings.antennas.greatest_gain(),
         }
     }
 
@@ -67,13 +110,15 @@ impl Technology {
     pub(crate) fn noise_floor(&self) -> Dbm {
         match self {
             Self::Ieee802154(settings) => settings.radio.noise_floor(),
+            Self::Ieee80211ad(settings) => settings.radio.noise_floor(),
         }
     }
 
-    /// How far back carrier sense looks.
+    /// How far back carrier sense looks; zero if radios say when the carrier changes.
     pub(crate) fn carrier_sense(&self) -> Duration {
         match self {
             Self::Ieee802154(settings) => settings.radio.phy().cca(),
+            Self::Ieee80211ad(_) => Duration::ZERO,
         }
     }
 
@@ -84,9 +129,25 @@ impl Technology {
                 model: *reception,
                 sensitivity: radio.sensitivity().to_milliwatts(),
                 noise: radio.noise_floor().to_milliwatts(),
+                lock: LOCK_THRESHOLD.to_factor(),
+                carrier: None,
                 preamble: radio.phy().synchronisation_header() - radio.phy().octet(),
                 bit_rate_hz: radio.phy().bit_rate_per_s(),
                 bit_error_rate: oqpsk::bit_error_rate,
+            },
+            Self::Ieee80211ad(settings) => ReceptionRules {
+                model: settings.reception,
+                sensitivity: settings.radio.sensitivity().to_milliwatts(),
+                noise: settings.radio.noise_floor().to_milliwatts(),
+                lock: DMG_LOCK_THRESHOLD.to_factor(),
+                carrier: Some(CarrierThresholds {
+                    signal: settings.radio.cca_threshold().to_milliwatts(),
+                    energy: settings.radio.energy_threshold().to_milliwatts(),
+                }),
+                preamble: PREAMBLE,
+                // No bit errors are worked out: their rate is not known, and such settings are refused.
+                bit_rate_hz: 0.0,
+                bit_error_rate: |_| 0.0,
             },
         }
     }

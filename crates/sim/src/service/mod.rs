@@ -5,4 +5,5 @@ pub(crate) mod network_id;
 pub(crate) mod packets;
 pub(crate) mod report;
 pub(crate) mod sensed;
+pub(crate) mod sweep;
 pub(crate) mod upcall;

@@ -44,6 +44,9 @@ pub enum SendError {
     /// The station is not in this network, or has no means to send: with beacons, only nodes send data.
     #[error("this station sends no data in this network")]
     ReceivesOnly,
+    /// The links of the network sweep sectors; they carry no data.
+    #[error("this network sweeps sectors and carries no data")]
+    NoData,
 }
 
 /// How a frame ended.

@@ -4,6 +4,7 @@ use sextant_channel::Milliwatts;
 use sextant_kernel::StationId;
 
 use super::report::SendReport;
+use super::sweep::Announcement;
 
 /// What a link says to the application of a station.
 #[derive(Clone, Copy, Debug)]
@@ -14,4 +15,20 @@ pub(crate) enum Upcall {
     Sent { station: StationId, report: SendReport },
     /// The station has listened long enough, and nothing that it must answer is under way.
     Listened { station: StationId },
+    /// The sweep of the station is over. The answers are still in the network.
+    Swept { station: StationId },
+    /// The station heard another one that says that it is there.
+    Announced { station: StationId, announcement: Announcement },
+}
+
+impl Upcall {
+    /// The station to whose application it goes.
+    pub(crate) fn station(&self) -> StationId {
+        let (Self::Delivered { station, .. }
+        | Self::Sent { station, .. }
+        | Self::Listened { station }
+        | Self::Swept { station }
+        | Self::Announced { station, .. }) = *self;
+        station
+    }
 }

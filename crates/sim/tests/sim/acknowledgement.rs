@@ -10,7 +10,7 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, Delivery, Destination, Ended, Engine, EngineSetup, FrameId, FrameOutcome, NetworkId, Packets,
-    Payload, Port, ReceptionConfig, SendOutcome, SendReport, SinrThresholdConfig, Timer,
+    Payload, Port, ReceptionConfig, SendOutcome, SendReport, ThresholdConfig, Timer,
 };
 
 use crate::network;
@@ -147,7 +147,7 @@ fn an_acknowledgement_has_no_address_so_that_only_its_sequence_number_tells_for_
     // Both others send to the first station at the same instant; it receives the nearer one, and the farther one hears
     // the acknowledgement while it waits for its own.
     let places = [0.0, 0.5, -1.0].map(|x_m| Position::new(x_m, 0.0, 0.0));
-    let capture = ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db: 3.0 });
+    let capture = ReceptionConfig::SinrThreshold(ThresholdConfig { threshold_db: 3.0 });
     let mut link = network::link(2.0, network::prompt());
     network::ieee802154(&mut link).reception = capture.try_into().expect("a good threshold");
     let mut confused = 0;

@@ -9,7 +9,7 @@ use sextant_kernel::{Purpose, Seed, SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, Delivery, Destination, Ended, Engine, FrameId, NetworkId, Observer, Packets, Payload, Port,
-    ReceptionConfig, ReceptionModel, SendError, SendOutcome, SendReport, SinrThresholdConfig, Timer, Unobserved,
+    ReceptionConfig, ReceptionModel, SendError, SendOutcome, SendReport, ThresholdConfig, Timer, Unobserved,
 };
 
 use crate::network;
@@ -175,7 +175,7 @@ fn in_200_busy_meshes_each_letter_has_one_end_and_arrives_once_if_it_was_acknowl
 
 #[test]
 fn with_capture_more_letters_arrive_and_one_answer_to_another_station_is_mistaken() {
-    let capture = ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db: 3.0 });
+    let capture = ReceptionConfig::SinrThreshold(ThresholdConfig { threshold_db: 3.0 });
     let (all, mistaken) = check_200(capture.try_into().expect("a good threshold"));
     assert_eq!(mistaken, 1);
     let outcomes = [all.offered, all.received, all.lost_collision, all.lost_channel_access, all.lost_queue];

@@ -6,7 +6,7 @@ use sextant_kernel::{SettingError, SimTime, StationId};
 use sextant_mac::Phy;
 use sextant_sim::{
     Destination, Ended, Engine, EngineSetup, FrameOutcome, Radio, RadioConfig, ReceptionConfig, ReceptionModel,
-    SendOutcome, SinrThresholdConfig,
+    SendOutcome, ThresholdConfig,
 };
 
 use crate::network;
@@ -32,7 +32,7 @@ fn carry(phy: Phy, reception: ReceptionModel, payload: &[u8]) -> (Ended<Scripted
 
 #[test]
 fn each_physical_layer_carries_frames_of_all_sizes_at_its_own_rate() {
-    let capture = ReceptionModel::try_from(ReceptionConfig::SinrThreshold(SinrThresholdConfig { threshold_db: 3.0 }));
+    let capture = ReceptionModel::try_from(ReceptionConfig::SinrThreshold(ThresholdConfig { threshold_db: 3.0 }));
     for phy in Phy::ALL {
         for payload in [&[][..], &[9; 20], &[9; 116]] {
             for reception in [ReceptionModel::Overlap, capture.clone().expect("a good threshold")] {

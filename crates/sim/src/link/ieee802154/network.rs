@@ -40,7 +40,7 @@ pub(crate) struct Settings<'a> {
     pub(crate) phy: Phy,
     pub(crate) mac: &'a Mac,
     pub(crate) power: Dbm,
-    pub(crate) antenna: crate::air::Antenna,
+    pub(crate) aim: crate::air::Aim,
     pub(crate) cca_threshold: Milliwatts,
     pub(crate) radio_states: RadioStates,
     /// Number of the air of its band.
@@ -95,7 +95,7 @@ pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationI
 impl Network {
     /// The links of all stations of `scene`; `hears` tells whose application looks at what is delivered to it.
     pub(crate) fn new(settings: Settings<'_>, scene: &Scene, hears: Vec<bool>) -> Self {
-        let Settings { network, phy, mac, power, antenna, cca_threshold, radio_states, air, first_receiver, .. } =
+        let Settings { network, phy, mac, power, aim, cca_threshold, radio_states, air, first_receiver, .. } =
             settings;
         let pan = pan(network);
         let stations = || scene.roll.stations();
@@ -106,14 +106,7 @@ impl Network {
         };
         Self {
             pan,
-            radios: Radios {
-                network,
-                phy,
-                emission: Emission { power, antenna },
-                cca_threshold,
-                air,
-                first_receiver,
-            },
+            radios: Radios { network, phy, emission: Emission { power, aim }, cca_threshold, air, first_receiver },
             macs: stations()
                 .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
                 .collect(),

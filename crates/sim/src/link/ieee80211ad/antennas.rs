@@ -1,0 +1,159 @@
+//! The antennas of a network of IEEE 802.11ad: those of its nodes, and those of its robots and sinks.
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorTable};
+use sextant_kernel::{Seed, SettingError, StationId};
+use sextant_mac::dmg::SectorLayout;
+
+use crate::air::Mount;
+use crate::purpose;
+use crate::station::{Kind, Roll};
+
+/// The antennas of a network with sector sweeps, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AntennasConfig {
+    /// The antenna of each node.
+    pub nodes: AntennaConfig,
+    /// The antenna of each robot and each sink. Robots have a compass: their antennas keep their directions in the world
+    /// while they turn.
+    pub robots: AntennaConfig,
+    /// How the antennas of nodes are turned.
+    #[serde(default)]
+    pub node_headings: HeadingsConfig,
+    /// Probability that an answer to a sweep of a steered antenna is lost because the antenna has moved on; 0 leaves only
+    /// the losses of the link (Gunathillake 2018, chapter 4: 0.6).
+    #[serde(default)]
+    pub misalignment_loss: f64,
+}
+
+/// How the antennas of nodes are turned, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum HeadingsConfig {
+    /// Each node by an angle of its own about the vertical, which nobody knows: nodes have no compass.
+    #[default]
+    Random,
+    /// All alike: sector 0 points along x.
+    Aligned,
+}
+
+impl AntennasConfig {
+    /// The files that it names, with their keys.
+    pub fn files_mut(&mut self) -> impl Iterator<Item = (String, &mut PathBuf)> {
+        let Self { nodes, robots, .. } = self;
+        let nodes = nodes.file_mut().map(|(key, file)| (format!("nodes.{key}"), file));
+        let robots = robots.file_mut().map(|(key, file)| (format!("robots.{key}"), file));
+        nodes.into_iter().chain(robots)
+    }
+}
+
+/// The antennas of a network with sector sweeps.
+#[derive(Clone, Debug)]
+pub struct Antennas {
+    nodes: Arc<Antenna>,
+    robots: Arc<Antenna>,
+    headings: HeadingsConfig,
+    misalignment_loss: f64,
+}
+
+impl Antennas {
+    /// The antennas that `config` describes; its file paths are relative to `folder`.
+    ///
+    /// # Errors
+    /// If a value is invalid, a file has a flaw, or a sweep of a robot has more sectors than frames can name.
+    pub fn read(config: &AntennasConfig, folder: &Path) -> Result<Self, SettingError> {
+        let antenna = |key: &str, config| -> Result<Arc<Antenna>, SettingError> {
+            let antenna = Antenna::read(config, folder).map_err(|error| error.within(key))?;
+            layout(&antenna).map_err(|error| error.within(key))?;
+            Ok(Arc::new(antenna))
+        };
+        let nodes = antenna("nodes", &config.nodes)?;
+        if nodes.sweeps() > 1 {
+            let found = "a steered antenna";
+            return Err(SettingError::new("nodes.sectors.vertical", found, "\"array\": nodes answer with one sweep"));
+        }
+        let robots = antenna("robots", &config.robots)?;
+        let misalignment_loss = SettingError::in_range("misalignment_loss", config.misalignment_loss, 0.0, 1.0)?;
+        Ok(Self { nodes, robots, headings: config.node_headings, misalignment_loss })
+    }
+
+    /// The antenna of each node.
+    #[must_use]
+    pub fn nodes(&self) -> &Antenna {
+        &self.nodes
+    }
+
+    /// The antenna of each robot and each sink.
+    #[must_use]
+    pub fn robots(&self) -> &Antenna {
+        &self.robots
+    }
+
+    /// The directions of the sectors of a robot, in the world.
+    #[must_use]
+    pub fn robot_sectors(&self) -> SectorTable {
+        self.robots.sectors()
+    }
+
+    /// The heading of the antenna of each of `nodes` nodes, counterclockwise from x (rad).
+    #[must_use]
+    pub fn node_headings_rad(&self, seed: Seed, nodes: usize) -> Vec<f64> {
+        (0..nodes).map(|node| self.heading_rad(seed, StationId::from_index(node))).collect()
+    }
+
+    fn heading_rad(&self, seed: Seed, node: StationId) -> f64 {
+        match self.headings {
+            HeadingsConfig::Random => TAU * seed.uniform(purpose::HEADING, [node.0.into(), 0, 0]),
+            HeadingsConfig::Aligned => 0.0,
+        }
+    }
+
+    /// Probability that an answer to a sweep of a steered antenna is lost.
+    pub(crate) fn misalignment_loss(&self) -> f64 {
+        if self.robots.sweeps() > 1 { self.misalignment_loss } else { 0.0 }
+    }
+
+    /// Largest gain of both antennas of a link together.
+    pub(crate) fn greatest_gain(&self) -> Db {
+        let greatest = |antenna: &Antenna| antenna.greatest_gain().0;
+        Db(2.0 * greatest(&self.nodes).max(greatest(&self.robots)))
+    }
+
+    pub(crate) fn of(&self, kind: Kind) -> &Arc<Antenna> {
+        match kind {
+            Kind::Node(_) => &self.nodes,
+            Kind::Robot(_) | Kind::Sink(_) => &self.robots,
+        }
+    }
+
+    /// The antenna of a station as it is mounted.
+    pub(crate) fn mount(&self, roll: &Roll, station: StationId, seed: Seed) -> Mount {
+        let kind = roll.kind(station);
+        let antenna = Arc::clone(self.of(kind));
+        let orientation = match kind {
+            Kind::Node(_) => Orientation::heading(self.heading_rad(seed, station)),
+            Kind::Robot(_) | Kind::Sink(_) => Orientation::heading(0.0),
+        };
+        Mount { ripple: antenna.ripple(seed, station), antenna, orientation }
+    }
+}
+
+/// The sectors of one sweep of an antenna, by DMG antenna.
+///
+/// # Errors
+/// If there are more than frames can name.
+pub(super) fn layout(antenna: &Antenna) -> Result<SectorLayout, SettingError> {
+    let mut counts = Vec::new();
+    for sector in antenna.sectors_of_sweep(0) {
+        let dmg_antenna = usize::from(antenna.address(sector).dmg_antenna);
+        counts.resize(counts.len().max(dmg_antenna + 1), 0_u8);
+        counts[dmg_antenna] += 1;
+    }
+    SectorLayout::new(&counts)
+}

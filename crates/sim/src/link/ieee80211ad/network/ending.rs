@@ -1,0 +1,140 @@
+//! The end of a frame: who has received it, and what became of the answer that it belongs to.
+
+use sextant_channel::Db;
+use sextant_kernel::StationId;
+use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
+
+use super::Network;
+use crate::air::{FrameOutcome, Transmission};
+use crate::link::ieee80211ad::stack::Role;
+use crate::observer::{FrameOnAir, HeardFrame, Observer};
+use crate::scene::Scene;
+use crate::service::sweep::Announcement;
+use crate::service::upcall::Upcall;
+
+impl Network {
+    /// A frame ends: finds its outcome, and passes it to the machines that have received it.
+    pub(super) fn end_frame(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
+        let (transmission, frame) =
+            self.stacks[station.index()].radio.on_air.take().expect("only a frame on air ends");
+        scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        if let SweepBody::Rss { .. } = frame.body {
+            let outcome = self.outcome(&transmission, frame.to.station());
+            let stack = &mut self.stacks[station.index()];
+            stack.outcome = stack.outcome.max(outcome);
+            stack.frames += 1;
+        }
+        if observer.wants_frames() {
+            self.tell_frame(&transmission, &frame, scene, observer);
+        }
+        for i in 0..self.arrivals.len() {
+            if self.arrivals[i].outcome == FrameOutcome::Received && self.has(self.arrivals[i].station) {
+                self.receive(i, station, &frame, scene);
+            }
+        }
+    }
+
+    /// The station of arrival number `i` has received a frame of `sender`.
+    fn receive(&mut self, i: usize, sender: StationId, frame: &SweepFrame, scene: &mut Scene) {
+        let arrival = self.arrivals[i];
+        let (now, station) = (scene.now, arrival.station);
+        let sinr = Db(10.0 * libm::log10(arrival.sinr));
+        match frame.body {
+            SweepBody::Rss { .. } => {
+                if let Some(gathered) = self.sweeps.get_mut(&station) {
+                    let power = gathered.powers.entry(sender).or_insert(arrival.power);
+                    power.0 = power.0.max(arrival.power.0);
+                }
+            }
+            SweepBody::Iss { sector, rx_antennas: 0, .. } if self.hears[station.index()] => {
+                let sector = self.first_sectors(sender)[usize::from(sector.antenna)] + sector.sector;
+                let (network, rssi) = (self.radios.network, arrival.power.to_dbm());
+                let announcement = Announcement { network, from: sender, sector, snr: sinr, rssi };
+                scene.upcalls.push(Upcall::Announced { station, announcement });
+            }
+            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
+        }
+        if self.has_initiator(station) {
+            let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
+            if let Some(report) = initiator.receive(now, frame, sinr, &mut radio) {
+                self.end_sweep(station, report, scene);
+            }
+        }
+        if self.roll.is_node(station) {
+            let (mut radio, _, responder) = self.transceiver(station, Role::Responder, scene);
+            if let Some(report) = responder.receive(now, frame, sinr, &mut radio) {
+                self.note_answer(station, report, scene);
+            }
+        }
+    }
+
+    /// Counts an answer that begins or has ended.
+    pub(super) fn note_answer(&mut self, station: StationId, report: ResponderReport, scene: &mut Scene) {
+        let (stack, packets) = (&mut self.stacks[station.index()], &mut self.packets[station.index()]);
+        match report {
+            ResponderReport::Heard(_) => {
+                (stack.outcome, stack.frames) = (FrameOutcome::NotListened, 0);
+                packets.offered += 1;
+                scene.offered += 1;
+            }
+            ResponderReport::Answered { outcome, sweeps, .. } => {
+                packets.transmissions += std::mem::take(&mut stack.frames);
+                packets.channel_access_failures += u64::from(outcome == ResponderOutcome::WindowOver);
+                packets.unacknowledged += u64::from(outcome == ResponderOutcome::NoFeedback);
+                if sweeps == 0 {
+                    packets.lost_channel_access += 1;
+                    return;
+                }
+                packets.sent += 1;
+                *match stack.outcome {
+                    FrameOutcome::Received => &mut packets.received,
+                    FrameOutcome::Collided => &mut packets.lost_collision,
+                    FrameOutcome::Weak => &mut packets.lost_signal,
+                    FrameOutcome::OutOfRange => &mut packets.out_of_range,
+                    FrameOutcome::NotListened => &mut packets.not_listened,
+                } += 1;
+            }
+        }
+    }
+
+    /// The outcome of a frame at the station that it is for, or the best one if it is for all.
+    fn outcome(&self, transmission: &Transmission, to: Option<StationId>) -> FrameOutcome {
+        let arrivals = self.arrivals.iter().filter(|arrival| to.is_none_or(|to| arrival.station == to));
+        arrivals.map(|arrival| arrival.outcome).max().unwrap_or(transmission.missed())
+    }
+
+    /// Tells the observer of a frame that ends now.
+    fn tell_frame(
+        &mut self,
+        transmission: &Transmission,
+        frame: &SweepFrame,
+        scene: &Scene,
+        observer: &mut impl Observer,
+    ) {
+        self.octets.clear();
+        frame.write(&mut self.octets);
+        let to = frame.to.station();
+        let outcome = self.outcome(transmission, to);
+        let is_best = |station: StationId, found| to.is_none_or(|to| station == to) && found == outcome;
+        let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));
+        self.told.clear();
+        self.told.extend(
+            (self.arrivals.iter())
+                .filter(|arrival| !scene.roll.is_node(arrival.station) && arrival.outcome == FrameOutcome::Received)
+                .map(|arrival| HeardFrame {
+                    collector: arrival.station.index() - scene.roll.nodes,
+                    power: arrival.power.to_dbm(),
+                }),
+        );
+        observer.framed(FrameOnAir {
+            network: self.radios.network,
+            start: transmission.start(),
+            airtime: scene.now - transmission.start(),
+            source: transmission.source(),
+            bytes: &self.octets,
+            outcome,
+            power: best.map(|arrival| arrival.power.to_dbm()),
+            heard: &self.told,
+        });
+    }
+}

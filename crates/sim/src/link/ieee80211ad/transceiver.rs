@@ -1,0 +1,117 @@
+//! The radio of one station, as its protocol machines see it.
+
+use std::time::Duration;
+
+use sextant_channel::Dbm;
+use sextant_kernel::{EventKey, StationId};
+use sextant_mac::RadioState;
+use sextant_mac::dmg::{self, MacAddress, SweepFrame};
+
+use super::stack::{RadioStack, Role};
+use crate::air::{Aim, Emission, ReceiverId};
+use crate::event::Event as EngineEvent;
+use crate::event::ieee80211ad::Event;
+use crate::event::link::LinkEvent;
+use crate::purpose;
+use crate::scene::Scene;
+use crate::service::network_id::NetworkId;
+
+/// What all radios of a network have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Radios {
+    pub(super) network: NetworkId,
+    pub(super) power: Dbm,
+    /// Number of the air of its band.
+    pub(super) air: usize,
+    /// Number of the first station's receiver.
+    pub(super) first_receiver: u32,
+}
+
+impl Radios {
+    pub(super) fn receiver(&self, station: StationId) -> ReceiverId {
+        ReceiverId(self.first_receiver + station.0)
+    }
+}
+
+/// The radio of one station, as one of its machines sees it.
+pub(super) struct Transceiver<'a> {
+    pub(super) radios: &'a Radios,
+    pub(super) stack: &'a mut RadioStack,
+    pub(super) scene: &'a mut Scene,
+    pub(super) station: StationId,
+    pub(super) role: Role,
+    /// Number of the first sector of the sweep among those of the antenna, and of the sectors of each DMG antenna.
+    pub(super) first_sectors: [u8; 4],
+}
+
+impl Transceiver<'_> {
+    fn schedule(&mut self, span: Duration, event: dmg::Event) -> EventKey {
+        let event = match self.role {
+            Role::Initiator => Event::initiator(event),
+            Role::Responder => Event::responder(event),
+        };
+        let event = EngineEvent::Link(self.station, self.radios.network, LinkEvent::Ieee80211ad(event));
+        self.scene.after(span, event)
+    }
+
+    /// Brings the receiver in line with the state of the radio.
+    pub(super) fn tune(&mut self) {
+        let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
+        self.stack.meter.enter(self.stack.state, now);
+        let is_receiving = self.stack.state == RadioState::Receive;
+        if is_receiving == self.stack.is_tuned {
+            return;
+        }
+        self.stack.is_tuned = is_receiving;
+        let motion = &self.scene.motions[self.station.index()];
+        let air = &mut self.scene.airs[self.radios.air];
+        if is_receiving {
+            air.listen(now, receiver, self.station, motion);
+        } else {
+            air.deafen(receiver, self.station, motion.at(now));
+        }
+    }
+}
+
+impl dmg::Radio for Transceiver<'_> {
+    fn slots(&mut self, max_inclusive: u32) -> u32 {
+        self.stack.draws += 1;
+        let place = [self.station.0.into(), self.stack.draws, self.radios.network.0.into()];
+        let bits = self.scene.seed.bits(purpose::BACKOFF, place);
+        // The upper 32 bits scaled to the range: exact for 2^n equally likely numbers.
+        u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
+    }
+
+    fn after(&mut self, span: Duration, event: dmg::Event) {
+        self.stack.timers[self.role as usize] = Some(self.schedule(span, event));
+    }
+
+    fn cancel_timer(&mut self) {
+        if let Some(key) = self.stack.timers[self.role as usize].take() {
+            self.scene.queue.cancel(key);
+        }
+    }
+
+    fn enter(&mut self, state: RadioState) {
+        self.stack.state = state;
+        self.tune();
+    }
+
+    fn aim(&mut self, aim: dmg::Aim) {
+        self.stack.aim = match aim {
+            dmg::Aim::QuasiOmni => Aim::Omnidirectional,
+            dmg::Aim::Sector(sector) => Aim::Sector(self.first_sectors[usize::from(sector.antenna)] + sector.sector),
+        };
+    }
+
+    fn start_transmission(&mut self, frame: SweepFrame, airtime: Duration) {
+        let (now, place) = (self.scene.now, self.scene.place(self.station));
+        let sender = (self.radios.receiver(self.station), self.station);
+        let to = (frame.to != MacAddress::BROADCAST).then(|| frame.to.station()).flatten();
+        let to = to.map(|to| self.radios.receiver(to));
+        let emission = Emission { power: self.radios.power, aim: self.stack.aim };
+        let transmission = self.scene.airs[self.radios.air].begin(now, sender, to, place, emission, airtime);
+        self.stack.on_air = Some((transmission, frame));
+        self.schedule(airtime, dmg::Event::TransmissionEnded);
+    }
+}

@@ -1,0 +1,56 @@
+//! Sector sweeps: why a station sweeps, and what it learns.
+
+use sextant_channel::{Db, Dbm};
+use sextant_kernel::StationId;
+
+use super::network_id::NetworkId;
+
+/// Who answers a sector sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SweepKind {
+    /// All nodes that hear it.
+    Gather,
+    /// Nobody: the station says that it is there.
+    Announce,
+}
+
+/// What one node answered to a sector sweep of this station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepAnswer {
+    /// The node.
+    pub from: StationId,
+    /// The sector of this station that the node heard best, by its number among all sectors of the antenna.
+    pub sector: u8,
+    /// Signal-to-noise ratio at which the node heard it, as its frame reports it: in steps of 0.25 dB, -13 to 50.75 dB.
+    pub snr: Db,
+    /// Power of the node's best frame at this station.
+    pub rssi: Dbm,
+    /// The sector of the node from which it sent that frame.
+    pub node_sector: u8,
+}
+
+/// A frame of a sweep with which another station says that it is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Announcement {
+    /// The network in which it was received.
+    pub network: NetworkId,
+    /// The station that sweeps.
+    pub from: StationId,
+    /// The sector from which it sent the frame.
+    pub sector: u8,
+    /// Signal-to-noise ratio of the frame.
+    pub snr: Db,
+    /// Power of the frame.
+    pub rssi: Dbm,
+}
+
+/// Why a sweep cannot begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SweepError {
+    /// A sweep of this station, or its answer to another one, is under way.
+    #[error("a sweep is under way")]
+    Busy,
+    /// The station is not in this network, or the network has no sector sweeps.
+    #[error("this station has no sector sweeps in this network")]
+    NoSectors,
+}
