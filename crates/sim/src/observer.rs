@@ -61,8 +61,9 @@ pub trait Observer {
     /// A robot met an obstacle.
     fn met(&mut self, _contact: Contact) {}
 
-    /// A robot has listened at stop `index` of the log, from `stop.time` until `end`, and heard `receptions`.
-    fn stopped(&mut self, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
+    /// A robot has listened at stop `index` of the log of `network`, from `stop.time` until `end`, and heard
+    /// `receptions`.
+    fn stopped(&mut self, _network: NetworkId, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
 
     /// A target is at `position` at `time`: the start or the end of a leg, or the end of the simulation.
     fn target_moved(&mut self, _target: TargetId, _time: SimTime, _position: Position) {}
@@ -138,8 +139,8 @@ impl Observer for Told<'_> {
         self.observer.met(contact);
     }
 
-    fn stopped(&mut self, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
-        self.observer.stopped(index, stop, end, receptions);
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
+        self.observer.stopped(network, index, stop, end, receptions);
     }
 
     fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {

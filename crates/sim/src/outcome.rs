@@ -5,14 +5,17 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
+use crate::service::network_id::NetworkId;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::sensed::Sensations;
 
 /// The result of a simulation: everything that robots heard, and the outcomes of the packets.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    /// The log of the robots: everything that a mapper may know.
+    /// The log of the robots in the first network that they survey: everything that a mapper may know.
     pub log: ReceptionLog,
+    /// Their logs in the other networks that they survey.
+    pub other_logs: Vec<(NetworkId, ReceptionLog)>,
     /// A record of each robot.
     pub robots: Vec<RobotRecord>,
     /// The outcomes of the packets.

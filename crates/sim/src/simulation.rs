@@ -25,6 +25,8 @@ use stations::{Stations, too_many};
 pub struct Simulation {
     engine: Engine<Standard>,
     nodes: usize,
+    /// The networks that robots survey; the first one if there are no robots.
+    surveyed: Vec<NetworkId>,
 }
 
 impl Simulation {
@@ -54,6 +56,12 @@ impl Simulation {
         let coordinator = stations.coordinator(&networks, seed)?;
         let links = networks.into_iter().enumerate().map(|(i, network)| stations.joined(i, network)).collect();
         let bodies = robots.iter().map(|robot| robot.body.clone()).collect();
+        let mut surveyed: Vec<NetworkId> = robots.iter().flat_map(|robot| robot.body.networks.clone()).collect();
+        surveyed.sort_unstable();
+        surveyed.dedup();
+        if surveyed.is_empty() {
+            surveyed.push(NetworkId::default());
+        }
         let one_or_more = |mut sources: Vec<Source>| match sources.len() {
             1 => Standard::Source(sources.remove(0)),
             _ => Standard::Sources(sources.into()),
@@ -64,7 +72,7 @@ impl Simulation {
             .collect();
         let setup = EngineSetup { world, robots: bodies, sinks, networks: links, duration, seed };
         let extras = Extras { first_packet: 0, channel_seed: seed, coordinator };
-        Ok(Self { engine: Engine::with(setup, applications, extras)?, nodes: roll.nodes })
+        Ok(Self { engine: Engine::with(setup, applications, extras)?, nodes: roll.nodes, surveyed })
     }
 
     /// Runs until the last robot has finished, or the time is over, or the observer ends the simulation.
@@ -75,8 +83,8 @@ impl Simulation {
     /// The same for any observer: one engine for all, compiled here and not wherever an observer is declared.
     fn run_told(self, observer: &mut dyn Observer) -> Survey {
         let observer = &mut Told::new(observer);
-        let Self { engine, nodes } = self;
-        let Ended { applications, log, path_lengths_m, networks, end, events, sensed, interrupted } =
+        let Self { engine, nodes, surveyed } = self;
+        let Ended { applications, logs, path_lengths_m, networks, end, events, sensed, interrupted } =
             engine.run(observer);
         let surveys = applications.into_iter().filter_map(|application| match application {
             Standard::Survey(survey) => Some(survey.into_record()),
@@ -98,6 +106,9 @@ impl Simulation {
             network.energy[..nodes].iter().for_each(|&spent| energy += spent);
             packets += network.packets[..nodes].iter().copied().sum();
         }
-        Survey { log, robots, packets, energy, networks, sensed, end, events, interrupted }
+        let mut logs = (0..).map(NetworkId).zip(logs).filter(|(network, _)| surveyed.contains(network));
+        let (_, log) = logs.next().expect("a network is surveyed");
+        let other_logs = logs.collect();
+        Survey { log, other_logs, robots, packets, energy, networks, sensed, end, events, interrupted }
     }
 }

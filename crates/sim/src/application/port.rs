@@ -136,6 +136,12 @@ impl Port<'_> {
         self.model.networks[network.index()].listen(self.station, span, &mut self.model.scene);
     }
 
+    /// Whether the links of a network sweep sectors.
+    #[must_use]
+    pub fn has_sectors(&self, network: NetworkId) -> bool {
+        self.model.networks[network.index()].has_sectors()
+    }
+
     /// Begins a sector sweep; [`Application::swept`](super::Application::swept) is called at its end. A steered antenna
     /// sweeps at one tilt after the other.
     ///
@@ -250,11 +256,11 @@ impl Port<'_> {
         self.model.notes.push(Note::Met(Contact { robot, time, position }));
     }
 
-    /// Writes a stop of this robot into the log: it has listened at `position` from `since` until now. The number of
+    /// Writes a stop of this robot into the log of a network: it has listened at `position` from `since` until now. The number of
     /// the stop in the receptions is filled in.
-    pub fn log_stop(&mut self, since: SimTime, position: Position, receptions: Vec<Reception>) {
+    pub fn log_stop(&mut self, network: NetworkId, since: SimTime, position: Position, receptions: Vec<Reception>) {
         let robot = self.model.robot(self.station);
-        self.model.notes.push(Note::Stopped(Stop { robot, time: since, position }, receptions));
+        self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position }, receptions));
     }
 
     /// The targets that are within `reach_m` of the station now, by number: what it can touch.

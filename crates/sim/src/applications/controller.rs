@@ -18,6 +18,18 @@ pub struct Heard {
     pub rssi_dbm: f64,
 }
 
+impl Heard {
+    /// Adds what was heard of the same node in another network; returns `true`.
+    pub(crate) fn add(&mut self, other: &Self) -> bool {
+        let packets = self.packets + other.packets;
+        let sum_dbm = |heard: &Self| f64::from(heard.packets) * heard.rssi_dbm;
+        self.rssi_dbm = (sum_dbm(self) + sum_dbm(other)) / f64::from(packets);
+        self.sent += other.sent;
+        self.packets = packets;
+        true
+    }
+}
+
 /// How the last command ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CommandOutcome<'a> {

@@ -1,23 +1,30 @@
 //! A robot on its survey: it drives, stops, listens for a slot, and goes on, as its controller says. It may also listen
-//! while it drives.
+//! while it drives. In a network with sector sweeps it sweeps in the slot.
+
+mod tally;
 
 use std::time::Duration;
 
-use sextant_channel::{Dbm, Position, Reception};
-use sextant_kernel::{NodeId, SimTime};
+use sextant_channel::{Position, Reception};
+use sextant_kernel::SimTime;
 
 use super::controller::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 use crate::application::{Application, DriveAhead, Driving, Port};
 use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
+use crate::service::sweep::{SweepAnswer, SweepKind};
 use crate::station::{Listening, RobotBody};
+use tally::Tally;
 
 /// Largest number of commands in a row that take no time; a controller that gives more is stuck.
 const IDLE_COMMANDS: u32 = 1000;
 
 /// The timer of the start.
 const START: Timer = Timer(0);
+
+/// The timer of the next sweep in the first network; those of the others follow.
+const FIRST_SWEEP: u16 = 1;
 
 /// A robot: a body and what drives it. A copy starts afresh from where this one is.
 #[derive(Clone)]
@@ -36,17 +43,28 @@ pub(crate) struct Survey {
     slot: Option<ListeningSlot>,
     /// How a drive ended whose last slot is not over.
     drive_end: Option<DriveEnd>,
-    tally: Tally,
+    /// What it does in each of its networks.
+    networks: Vec<Surveyed>,
     stops: usize,
     ending: Option<(Ending, SimTime)>,
 }
 
+/// What a robot does in one network.
+struct Surveyed {
+    network: NetworkId,
+    tally: Tally,
+    /// Sector sweeps that are still to be made in the slot, the one under way included.
+    sweeps_left: u32,
+    /// Whether the time to listen is not over.
+    is_listening: bool,
+}
+
 /// What a survey leaves behind.
-pub(crate) struct Surveyed {
+pub(crate) struct SurveyRecord {
     pub(crate) name: String,
     pub(crate) stops: usize,
     pub(crate) ending: Option<(Ending, SimTime)>,
-    /// Number of packets of each node.
+    /// Number of packets of each node, in all networks.
     pub(crate) packets: Vec<u32>,
 }
 
@@ -67,32 +85,15 @@ enum During {
     Drive,
 }
 
-/// Packets heard in a slot, by node.
-struct Tally {
-    slot: Vec<Slot>,
-    heard: Vec<NodeId>,
-    /// Number of packets of all earlier slots.
-    total: Vec<u32>,
-}
-
-/// Packets heard of one node in a slot.
-#[derive(Clone, Copy, Debug, Default)]
-struct Slot {
-    packets: u32,
-    /// Packets that the node sent from the first to the last one heard, by their sequence numbers.
-    sent: u32,
-    rssi_sum_dbm: f64,
-    last_sequence: u8,
-}
-
 impl Survey {
     pub(crate) fn new(robot: Robot, nodes: usize) -> Self {
+        let surveyed = |&network| Surveyed { network, tally: Tally::new(nodes), sweeps_left: 0, is_listening: false };
         Self {
             controller: robot.controller,
+            networks: robot.body.networks.iter().map(surveyed).collect(),
             body: robot.body,
             slot: None,
             drive_end: None,
-            tally: Tally { slot: vec![Slot::default(); nodes], heard: Vec::new(), total: vec![0; nodes] },
             stops: 0,
             ending: None,
         }
@@ -139,7 +140,67 @@ impl Survey {
         let since = port.now();
         let place = port.pose_at(since + span / 2).position;
         self.slot = Some(ListeningSlot { since, span, place, during });
-        port.listen(self.body.network, span);
+        for number in 0..self.networks.len() {
+            let surveyed = &mut self.networks[number];
+            surveyed.is_listening = true;
+            port.listen(surveyed.network, span);
+            if port.has_sectors(surveyed.network) {
+                surveyed.sweeps_left = self.body.sweeps_per_stop;
+                self.sweep(number, port);
+            }
+        }
+    }
+
+    /// Begins the next sweep in a network.
+    fn sweep(&mut self, number: usize, port: &mut Port<'_>) {
+        let surveyed = &mut self.networks[number];
+        if port.sweep(surveyed.network, SweepKind::Gather).is_err() {
+            // A robot answers no sweeps, and its last one is over.
+            surveyed.sweeps_left = 0;
+        }
+    }
+
+    /// A sweep in a network is over: the next one begins when it is due, in equal intervals.
+    fn sweep_on(&mut self, number: usize, port: &mut Port<'_>) {
+        let Some(ListeningSlot { since, span, .. }) = self.slot else { return };
+        let surveyed = &mut self.networks[number];
+        surveyed.sweeps_left = surveyed.sweeps_left.saturating_sub(1);
+        if surveyed.sweeps_left == 0 {
+            self.end_slot(port);
+            return;
+        }
+        let made = self.body.sweeps_per_stop - surveyed.sweeps_left;
+        let due = since + span * made / self.body.sweeps_per_stop;
+        let number = u16::try_from(number).expect("at most 256 networks");
+        port.after(due.saturating_since(port.now()), Timer(FIRST_SWEEP + number));
+    }
+
+    /// Writes the stop, once nothing is under way in any network, and goes on.
+    fn end_slot(&mut self, port: &mut Port<'_>) {
+        if self.networks.iter().any(|surveyed| surveyed.is_listening || surveyed.sweeps_left > 0) {
+            return;
+        }
+        let Some(ListeningSlot { since, span, place, during }) = self.slot.take() else { return };
+        self.stops += 1;
+        let mut heard: Vec<Heard> = Vec::new();
+        for surveyed in &mut self.networks {
+            let receptions = surveyed.tally.take();
+            heard.extend(receptions.iter().map(heard_of));
+            port.log_stop(surveyed.network, since, place, receptions);
+        }
+        if self.networks.len() > 1 {
+            heard.sort_by_key(|heard| heard.node);
+            heard.dedup_by(|later, earlier| later.node == earlier.node && earlier.add(later));
+        }
+        match during {
+            During::Stop => self.decide(CommandOutcome::Listened(&heard), port),
+            During::Drive => self.listen_on(span, port),
+        }
+    }
+
+    /// The number of a network among those that the robot surveys.
+    fn number(&self, network: NetworkId) -> Option<usize> {
+        self.networks.iter().position(|surveyed| surveyed.network == network)
     }
 
     /// A slot on a drive is over: the next one begins if it ends before the drive does.
@@ -156,8 +217,14 @@ impl Survey {
         port.finish();
     }
 
-    pub(crate) fn into_record(self) -> Surveyed {
-        Surveyed { name: self.body.name, stops: self.stops, ending: self.ending, packets: self.tally.total }
+    pub(crate) fn into_record(self) -> SurveyRecord {
+        let totals = self.networks.into_iter().map(|surveyed| surveyed.tally.total);
+        let sum = |mut sum: Vec<u32>, total: Vec<u32>| {
+            sum.iter_mut().zip(total).for_each(|(sum, packets)| *sum += packets);
+            sum
+        };
+        let packets = totals.reduce(sum).unwrap_or_default();
+        SurveyRecord { name: self.body.name, stops: self.stops, ending: self.ending, packets }
     }
 }
 
@@ -187,14 +254,18 @@ impl Application for Survey {
         port.after(Duration::ZERO, START);
     }
 
-    fn timed(&mut self, _timer: Timer, port: &mut Port<'_>) {
-        port.tell_start();
-        self.decide(CommandOutcome::Started, port);
+    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
+        if timer == START {
+            port.tell_start();
+            self.decide(CommandOutcome::Started, port);
+        } else {
+            self.sweep(usize::from(timer.0 - FIRST_SWEEP), port);
+        }
     }
 
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
-        if let Some(node) = port.node(delivery.from) {
-            self.tally.note(node, delivery.sequence, delivery.rssi);
+        if let (Some(node), Some(number)) = (port.node(delivery.from), self.number(delivery.network)) {
+            self.networks[number].tally.note(node, delivery.sequence, delivery.rssi);
         }
     }
 
@@ -206,51 +277,23 @@ impl Application for Survey {
         }
     }
 
-    fn listened(&mut self, _network: NetworkId, port: &mut Port<'_>) {
-        let Some(ListeningSlot { since, span, place, during }) = self.slot.take() else { return };
-        self.stops += 1;
-        let heard = self.tally.take();
-        let reception = |heard: &Heard| Reception {
-            node: heard.node,
-            stop: 0,
-            received: heard.packets,
-            sent: heard.sent,
-            sector: None,
-            rssi_dbm: Some(heard.rssi_dbm),
-            snr_db: None,
-        };
-        port.log_stop(since, place, heard.iter().map(reception).collect());
-        match during {
-            During::Stop => self.decide(CommandOutcome::Listened(&heard), port),
-            During::Drive => self.listen_on(span, port),
+    fn listened(&mut self, network: NetworkId, port: &mut Port<'_>) {
+        if let Some(number) = self.number(network) {
+            self.networks[number].is_listening = false;
+            self.end_slot(port);
+        }
+    }
+
+    fn swept(&mut self, network: NetworkId, answers: &[SweepAnswer], port: &mut Port<'_>) {
+        if let Some(number) = self.number(network) {
+            let of_nodes = answers.iter().filter_map(|&answer| Some((port.node(answer.from)?, answer)));
+            self.networks[number].tally.note_sweep(of_nodes);
+            self.sweep_on(number, port);
         }
     }
 }
 
-impl Tally {
-    /// Counts the packet `sequence` of `node`, which was received in this slot.
-    fn note(&mut self, node: NodeId, sequence: u8, rssi: Dbm) {
-        let slot = &mut self.slot[node.index()];
-        if slot.packets == 0 {
-            self.heard.push(node);
-            slot.sent = 1;
-        } else {
-            // Sequence numbers are modulo 256: a gap of 256 packets or more looks shorter.
-            slot.sent += u32::from(sequence.wrapping_sub(slot.last_sequence)).max(1);
-        }
-        slot.packets += 1;
-        slot.rssi_sum_dbm += rssi.0;
-        slot.last_sequence = sequence;
-    }
-
-    /// Returns what was heard, by node, and empties the tally.
-    fn take(&mut self) -> Vec<Heard> {
-        self.heard.sort_unstable();
-        let heard = self.heard.drain(..).map(|node| {
-            let Slot { packets, sent, rssi_sum_dbm, .. } = std::mem::take(&mut self.slot[node.index()]);
-            self.total[node.index()] += packets;
-            Heard { node, packets, sent, rssi_dbm: rssi_sum_dbm / f64::from(packets) }
-        });
-        heard.collect()
-    }
+fn heard_of(reception: &Reception) -> Heard {
+    let &Reception { node, received, sent, rssi_dbm, .. } = reception;
+    Heard { node, packets: received, sent, rssi_dbm: rssi_dbm.unwrap_or(f64::NAN) }
 }

@@ -11,8 +11,8 @@ use crate::service::sensed::Sensations;
 pub struct Ended<A> {
     /// The applications, by station.
     pub applications: Vec<A>,
-    /// What the robots wrote into the log.
-    pub log: ReceptionLog,
+    /// What the robots wrote into the log of each network.
+    pub logs: Vec<ReceptionLog>,
     /// Length of the path of each robot (m).
     pub path_lengths_m: Vec<f64>,
     /// What became of the packets in each network, and of the energy.

@@ -15,7 +15,7 @@ use crate::link::ieee80211ad;
 use crate::link::ieee802154::{self, Mac};
 use crate::link::network::Network;
 use crate::link::{Ieee802154, Technology};
-use crate::model::log::Log;
+use crate::model::log::Logs;
 use crate::model::{Model, Vehicle};
 use crate::observer::{Observer, Progress};
 use crate::scene::Scene;
@@ -36,7 +36,7 @@ const LOOK: u64 = 1000;
 pub struct Engine<A> {
     model: Model,
     applications: Vec<A>,
-    log: Log,
+    logs: Logs,
     end: Option<SimTime>,
     /// Whether the end comes when all tasks are done.
     ends_with_tasks: bool,
@@ -166,7 +166,7 @@ impl<A: Application> Engine<A> {
                 unfinished,
             },
             applications,
-            log: Log::new(roll.nodes),
+            logs: Logs::new(networks.len(), roll.nodes),
             end: duration.map(|duration| SimTime::ZERO + duration),
             ends_with_tasks: unfinished > 0,
             events: 0,
@@ -201,7 +201,7 @@ impl<A: Application> Engine<A> {
         for robot in 0..self.model.vehicles.len() {
             self.model.halt(self.model.scene.roll.robot(robot));
         }
-        self.model.tell(&mut self.log, observer);
+        self.model.tell(&mut self.logs, observer);
         self.tell_targets(observer);
         self.finish(interrupted)
     }
@@ -209,8 +209,8 @@ impl<A: Application> Engine<A> {
     fn progress(&self) -> Progress {
         Progress {
             time: self.model.scene.now,
-            stops: self.log.stops.len(),
-            nodes_heard: self.log.nodes_heard,
+            stops: self.logs.stops(),
+            nodes_heard: self.logs.nodes_heard,
             nodes: self.model.scene.roll.nodes,
             packets_offered: self.model.scene.offered,
         }
@@ -228,7 +228,7 @@ impl<A: Application> Engine<A> {
             network.begin_schedule(&mut self.model.scene);
         }
         self.model.sensing.begin(&mut self.model.scene);
-        self.model.tell(&mut self.log, observer);
+        self.model.tell(&mut self.logs, observer);
     }
 
     /// Handles an event; returns whether the simulation goes on.
@@ -259,7 +259,7 @@ impl<A: Application> Engine<A> {
         if self.model.notes.is_empty() {
             return true;
         }
-        let stopped = self.model.tell(&mut self.log, observer);
+        let stopped = self.model.tell(&mut self.logs, observer);
         !stopped || observer.goes_on(self.progress())
     }
 
@@ -301,11 +301,16 @@ impl<A: Application> Engine<A> {
 
     fn finish(self, interrupted: bool) -> Ended<A> {
         let now = self.model.scene.now;
-        let names = self.model.world.nodes.into_iter().map(|node| node.name).collect();
-        let robots = self.model.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
+        let names: Vec<String> = self.model.world.nodes.into_iter().map(|node| node.name).collect();
+        let robots: Vec<String> = self.model.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
+        let logs = self.logs.build(&names, &robots).into_iter().zip(&self.model.networks);
+        let logs = logs.map(|(log, network)| match network.robot_sectors() {
+            None => log,
+            Some(sectors) => log.with_sectors(sectors).expect("robots log sectors of their antenna"),
+        });
         Ended {
             applications: self.applications,
-            log: self.log.build(names, robots),
+            logs: logs.collect(),
             path_lengths_m: self.model.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
             networks: self.model.networks.into_iter().map(|network| network.finish(now)).collect(),
             end: now,

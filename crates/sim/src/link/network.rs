@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use sextant_channel::SectorTable;
 use sextant_kernel::{SimTime, StationId};
 
 use super::ieee80211ad::network as ieee80211ad;
@@ -70,6 +71,19 @@ impl Network {
         match self {
             Self::Ieee802154(network) => network.offer(station, to, payload, scene),
             Self::Ieee80211ad(_) => Err(SendError::NoData),
+        }
+    }
+
+    /// Whether its links sweep sectors.
+    pub(crate) fn has_sectors(&self) -> bool {
+        matches!(self, Self::Ieee80211ad(_))
+    }
+
+    /// The directions of the sectors of robots; `None` if the links do not sweep.
+    pub(crate) fn robot_sectors(&self) -> Option<SectorTable> {
+        match self {
+            Self::Ieee802154(_) => None,
+            Self::Ieee80211ad(network) => network.robot_sectors(),
         }
     }
 

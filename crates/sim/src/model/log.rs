@@ -3,46 +3,67 @@
 use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::NodeId;
 
-/// What robots heard and met, as it grows.
+use crate::service::network_id::NetworkId;
+
+/// What robots heard in each network, and what they met, as it grows.
 #[derive(Default)]
-pub(crate) struct Log {
-    pub(crate) stops: Vec<Stop>,
-    pub(crate) receptions: ReceptionLogBuilder,
+pub(crate) struct Logs {
+    networks: Vec<Log>,
     pub(crate) contacts: Vec<Contact>,
+    /// Whether each node was heard, in any network.
     heard: Vec<bool>,
     pub(crate) nodes_heard: usize,
 }
 
-impl Log {
-    pub(crate) fn new(nodes: usize) -> Self {
-        Self { heard: vec![false; nodes], ..Self::default() }
+/// What robots heard in one network.
+#[derive(Default)]
+struct Log {
+    stops: Vec<Stop>,
+    receptions: ReceptionLogBuilder,
+}
+
+impl Logs {
+    pub(crate) fn new(networks: usize, nodes: usize) -> Self {
+        let networks = (0..networks).map(|_| Log::default()).collect();
+        Self { networks, heard: vec![false; nodes], ..Self::default() }
+    }
+
+    /// Number of stops so far, in the network with the most.
+    pub(crate) fn stops(&self) -> usize {
+        self.networks.iter().map(|log| log.stops.len()).max().unwrap_or(0)
     }
 
     /// Adds a stop with what was heard there, which is numbered now, and passes it to `tell` with its number.
     pub(crate) fn stop(
         &mut self,
+        network: NetworkId,
         stop: Stop,
         mut receptions: Vec<Reception>,
         tell: impl FnOnce(u32, &Stop, &[Reception]),
     ) {
-        let index = NodeId::from_index(self.stops.len()).0;
+        let log = &mut self.networks[network.index()];
+        let index = NodeId::from_index(log.stops.len()).0;
         for reception in &mut receptions {
             reception.stop = index;
             let known = &mut self.heard[reception.node.index()];
             self.nodes_heard += usize::from(!std::mem::replace(known, true));
         }
         tell(index, &stop, &receptions);
-        self.stops.push(stop);
-        self.receptions.extend(receptions);
+        log.stops.push(stop);
+        log.receptions.extend(receptions);
     }
 
-    /// The whole log of nodes and robots with these names.
+    /// The whole log of each network, of nodes and robots with these names.
     ///
     /// # Panics
     /// If a robot logged a node twice at a stop.
-    pub(crate) fn build(self, nodes: Vec<String>, robots: Vec<String>) -> ReceptionLog {
-        let log = self.receptions.build(nodes, self.stops, self.contacts);
-        let log = log.expect("a robot logs each node at most once a stop");
-        log.with_robots(robots).expect("each stop and contact is of a robot")
+    pub(crate) fn build(self, nodes: &[String], robots: &[String]) -> Vec<ReceptionLog> {
+        let contacts = self.contacts;
+        let build = |Log { stops, receptions }: Log| {
+            let log = receptions.build(nodes.to_vec(), stops, contacts.clone());
+            let log = log.expect("a robot logs each node at most once a stop");
+            log.with_robots(robots.to_vec()).expect("each stop and contact is of a robot")
+        };
+        self.networks.into_iter().map(build).collect()
     }
 }

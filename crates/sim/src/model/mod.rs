@@ -11,6 +11,7 @@ use crate::link::network::Network;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::sensing::Sensing;
+use crate::service::network_id::NetworkId;
 use crate::service::sensed::FieldId;
 use crate::station::{Kind, Pose};
 use crate::world::World;
@@ -45,7 +46,7 @@ pub(crate) enum Note {
     /// A robot meets an obstacle.
     Met(Contact),
     /// A robot has listened.
-    Stopped(Stop, Vec<Reception>),
+    Stopped(NetworkId, Stop, Vec<Reception>),
     /// A source of a field was removed.
     SourceRemoved(FieldId, usize),
 }
@@ -64,7 +65,7 @@ impl Model {
 
     /// Tells the observer what is to be told, and keeps what belongs into the log. Returns whether a stop was among
     /// it.
-    pub(crate) fn tell(&mut self, log: &mut log::Log, observer: &mut impl Observer) -> bool {
+    pub(crate) fn tell(&mut self, logs: &mut log::Logs, observer: &mut impl Observer) -> bool {
         let now = self.scene.now;
         let mut stopped = false;
         for note in self.notes.drain(..) {
@@ -74,13 +75,13 @@ impl Model {
                 Note::Believed(robot, pose) => observer.believed(robot.index(), now, pose),
                 Note::Met(contact) => {
                     observer.met(contact);
-                    log.contacts.push(contact);
+                    logs.contacts.push(contact);
                 }
                 Note::SourceRemoved(field, source) => observer.source_removed(field, source, now),
-                Note::Stopped(stop, receptions) => {
+                Note::Stopped(network, stop, receptions) => {
                     stopped = true;
-                    log.stop(stop, receptions, |index, stop, receptions| {
-                        observer.stopped(index, stop, now, receptions)
+                    logs.stop(network, stop, receptions, |index, stop, receptions| {
+                        observer.stopped(network, index, stop, now, receptions);
                     });
                 }
             }

@@ -19,8 +19,9 @@ pub enum SweepKind {
 pub struct SweepAnswer {
     /// The node.
     pub from: StationId,
-    /// The sector of this station that the node heard best, by its number among all sectors of the antenna.
-    pub sector: u8,
+    /// The sector of this station that the node heard best, by its number among all sectors of the antenna; `None` if
+    /// the antenna has no sectors.
+    pub sector: Option<u8>,
     /// Signal-to-noise ratio at which the node heard it, as its frame reports it: in steps of 0.25 dB, -13 to 50.75 dB.
     pub snr: Db,
     /// Power of the node's best frame at this station.

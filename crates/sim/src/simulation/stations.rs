@@ -101,12 +101,16 @@ impl Stations<'_> {
 
     /// The numbers of the robots in a network.
     fn robots_in(&self, id: NetworkId) -> impl Iterator<Item = usize> {
-        self.robots.iter().enumerate().filter(move |(_, robot)| robot.body.network == id).map(|(robot, _)| robot)
+        self.robots
+            .iter()
+            .enumerate()
+            .filter(move |(_, robot)| robot.body.networks.contains(&id))
+            .map(|(robot, _)| robot)
     }
 
     /// Name and station of each robot and each sink in a network.
     fn collectors(&self, id: NetworkId) -> impl Iterator<Item = (&str, StationId)> {
-        let robots = self.robots.iter().map(move |robot| (&*robot.body.name, robot.body.network == id));
+        let robots = self.robots.iter().map(move |robot| (&*robot.body.name, robot.body.networks.contains(&id)));
         let sinks = self.sinks.iter().map(move |sink| (&*sink.name, sink.is_in(id)));
         let nodes = self.roll.nodes;
         robots
@@ -119,14 +123,14 @@ impl Stations<'_> {
     /// The links of network number `number`, with its members.
     pub(super) fn joined(&self, number: usize, network: BusyNetwork) -> NetworkSetup {
         let is_all = network.nodes.is_none()
-            && self.robots.iter().all(|robot| usize::from(robot.body.network.0) == number)
+            && self.robots.iter().all(|robot| robot.body.networks.iter().any(|id| id.index() == number))
             && self.sinks.iter().all(|sink| sink.networks.is_none());
         if is_all {
             return network.link;
         }
         let in_number = |id: NetworkId| id.index() == number;
         let nodes = network.nodes.unwrap_or_else(|| vec![true; self.roll.nodes]);
-        let robots = self.robots.iter().map(|robot| in_number(robot.body.network));
+        let robots = self.robots.iter().map(|robot| robot.body.networks.iter().any(|&id| in_number(id)));
         let is_in = |sink: &Sink| sink.networks.as_ref().is_none_or(|ids| ids.iter().any(|&id| in_number(id)));
         let sinks = self.sinks.iter().map(is_in);
         NetworkSetup { members: Some(nodes.into_iter().chain(robots).chain(sinks).collect()), ..network.link }

@@ -30,6 +30,12 @@ pub struct RobotConfig<C> {
     /// Name of the network whose nodes it surveys; the first one if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub network: Option<String>,
+    /// Names of several networks whose nodes it surveys at the same stops, instead of `network`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub networks: Vec<String>,
+    /// Number of sector sweeps at each stop, in equal intervals, in networks that have them; 1 to 10000.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub sweeps_per_stop: u32,
     /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
     /// each is a stop of the log, at the time of its start and the place in its middle.
     #[serde(default)]
@@ -39,6 +45,14 @@ pub struct RobotConfig<C> {
     pub odometry: OdometryConfig,
     /// What drives it.
     pub controller: C,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn is_one(count: &u32) -> bool {
+    *count == 1
 }
 
 fn default_speed_m_per_s() -> f64 {
@@ -66,8 +80,10 @@ pub struct RobotBody {
     pub radius_m: f64,
     /// How long it listens at each stop.
     pub listen: Duration,
-    /// The network whose nodes it surveys.
-    pub network: NetworkId,
+    /// The networks whose nodes it surveys: at least one.
+    pub networks: Vec<NetworkId>,
+    /// Number of sector sweeps at each stop: at least one.
+    pub sweeps_per_stop: u32,
     /// When it listens.
     pub listening: Listening,
     /// Where it believes to be.
@@ -95,10 +111,20 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
             speed_m_per_s: SettingError::in_range("speed_m_per_s", config.speed_m_per_s, 1e-3, 1e3)?,
             radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
             listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),
-            network: NetworkId::default(),
+            networks: vec![NetworkId::default()],
+            sweeps_per_stop: sweeps_per_stop(config.sweeps_per_stop)?,
             listening: if config.listen_while_driving { Listening::AlsoWhileDriving } else { Listening::AtStops },
             odometry: Odometry::try_from(config.odometry).map_err(|error| error.within("odometry"))?,
         })
+    }
+}
+
+/// Refuses a stop without sweeps, and numbers that are certain to be a mistake.
+fn sweeps_per_stop(count: u32) -> Result<u32, SettingError> {
+    if (1..=10_000).contains(&count) {
+        Ok(count)
+    } else {
+        Err(SettingError::new("sweeps_per_stop", count, "1 to 10000"))
     }
 }
 

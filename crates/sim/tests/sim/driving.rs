@@ -340,7 +340,7 @@ fn a_robot_that_halts_is_where_it_was_at_that_time() {
         Scene { obstacles: field(vec![wall()]), ..Scene::of(&[Command::Straight(Position::new(9.0, 0.0, 0.0))]) };
     scene.driver.halts = Halting::At(Duration::from_secs(1));
     let (driver, ended) = scene.run(&mut Unobserved);
-    assert_eq!((driver.ends.len(), ended.log.contacts().len()), (0, 0));
+    assert_eq!((driver.ends.len(), ended.logs[0].contacts().len()), (0, 0));
     assert_near(driver.poses[1].position, [1.0, 0.0, 0.0], 1e-9);
 }
 

@@ -52,7 +52,8 @@ pub(crate) fn surveyor_body() -> RobotBody {
         listen: Duration::from_secs(1),
         listening: Listening::AtStops,
         odometry: Odometry::default(),
-        network: NetworkId::default(),
+        networks: vec![NetworkId::default()],
+        sweeps_per_stop: 1,
     }
 }
 
@@ -179,7 +180,8 @@ pub(crate) fn body(name: &str, start: Position) -> RobotBody {
         speed_m_per_s: 0.5,
         radius_m: 0.2,
         listen: Duration::from_secs(1),
-        network: NetworkId::default(),
+        networks: vec![NetworkId::default()],
+        sweeps_per_stop: 1,
         listening: Listening::AtStops,
         odometry: Odometry::default(),
     }

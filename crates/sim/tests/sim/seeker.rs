@@ -103,7 +103,7 @@ impl Seeker {
             rssi_dbm: Some(sum_dbm / f64::from(frames)),
             snr_db: None,
         });
-        port.log_stop(self.listening_since, port.pose().position, receptions.collect());
+        port.log_stop(NetworkId(0), self.listening_since, port.pose().position, receptions.collect());
         let strongest = heard.iter().map(mean).max_by(|a, b| a.1.0.total_cmp(&b.1.0));
         // Means of equal powers differ by rounding.
         let is_better = match (strongest, self.best) {
@@ -202,7 +202,7 @@ fn a_robot_ends_at_the_place_of_its_grid_that_is_nearest_to_a_single_node() {
     assert_eq!(seeker.best.map(|(node, _)| node), Some(0));
     // The start, five steps and a sixth in vain, three steps and a fourth in vain, and the other three directions.
     assert_eq!(seeker.stops, 1 + 5 + 1 + 3 + 1 + 3);
-    assert_eq!(ended.log.stops().len(), 14);
+    assert_eq!(ended.logs[0].stops().len(), 14);
     // Eight steps, and five in vain there and back.
     assert!((ended.path_lengths_m[0] - (8.0 + 2.0 * 5.0)).abs() < 1e-9);
     // 14 times 0.6 s and 18 m at 0.5 m/s.
@@ -235,7 +235,7 @@ fn a_robot_goes_along_a_wall_that_is_in_its_way() {
     };
     let (ended, seeker) = seek(&[Position::new(4.2, 4.1, 0.0)], vec![wall.try_into().expect("a wall")]);
     assert_eq!(seeker.base, Position::new(4.0, 4.0, 0.0));
-    assert_eq!(ended.log.contacts().len(), 1);
+    assert_eq!(ended.logs[0].contacts().len(), 1);
 }
 
 proptest! {

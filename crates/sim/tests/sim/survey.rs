@@ -7,8 +7,8 @@ use sextant_channel::{
 };
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    Ending, FrameOnAir, Observer, OnceConfig, PeriodicConfig, Progress, Radio, ReceptionModel, Robot, Setup,
-    Simulation, Survey, TrafficConfig, Unobserved,
+    Ending, FrameOnAir, NetworkId, Observer, OnceConfig, PeriodicConfig, Progress, Radio, ReceptionModel, Robot,
+    Setup, Simulation, Survey, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -160,7 +160,14 @@ fn a_robot_stops_in_front_of_an_obstacle_and_reports_the_contact() {
 struct Impatient(Vec<SimTime>);
 
 impl Observer for Impatient {
-    fn stopped(&mut self, index: u32, _stop: &Stop, end: SimTime, receptions: &[sextant_channel::Reception]) {
+    fn stopped(
+        &mut self,
+        _network: NetworkId,
+        index: u32,
+        _stop: &Stop,
+        end: SimTime,
+        receptions: &[sextant_channel::Reception],
+    ) {
         assert!(receptions.iter().all(|reception| reception.stop == index));
         self.0.push(end);
     }

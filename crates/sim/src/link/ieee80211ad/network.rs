@@ -6,7 +6,7 @@ mod sweeping;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use sextant_channel::Milliwatts;
+use sextant_channel::{Milliwatts, SectorTable};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorLayout};
 use sextant_mac::{EnergySpent, RadioStates};
@@ -182,6 +182,12 @@ impl Network {
         gathered.map_or_else(Vec::new, |gathered| gathered.answers.into_values().collect())
     }
 
+    /// The directions of the sectors of robots; `None` if their antenna has no sectors.
+    pub(crate) fn robot_sectors(&self) -> Option<SectorTable> {
+        let antenna = self.antennas.robots();
+        (!antenna.is_omnidirectional()).then(|| antenna.sectors())
+    }
+
     /// A station listens for `span` from now, instead of what is left of an earlier time to listen. Its receiver is on
     /// anyway.
     pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
@@ -293,8 +299,9 @@ impl Network {
     }
 }
 
-/// What an answer says to the station that swept; `sector` is the number of its sector that the answer names.
-fn read(answer: &Answer, sector: u8, rssi: Milliwatts, from: StationId) -> SweepAnswer {
+/// What an answer says to the station that swept; `sector` is the number of its sector that the answer names, if it has
+/// sectors.
+fn read(answer: &Answer, sector: Option<u8>, rssi: Milliwatts, from: StationId) -> SweepAnswer {
     SweepAnswer {
         from,
         sector,

@@ -47,6 +47,7 @@ impl Network {
     fn gather(&mut self, station: StationId, scene: &Scene) {
         let first_sectors = self.first_sectors(station);
         let loss = self.antennas.misalignment_loss();
+        let has_sectors = !self.antennas.of(self.roll.kind(station)).is_omnidirectional();
         let Some(Gathered { answers, powers, .. }) = self.sweeps.get_mut(&station) else { return };
         let stack = &self.stacks[station.index()];
         for answer in stack.initiator.answers() {
@@ -59,7 +60,7 @@ impl Network {
             let TxSector { antenna, sector } = answer.select;
             let Some(first) = first_sectors.get(usize::from(antenna)) else { continue };
             let rssi = powers.get(&from).copied().unwrap_or(Milliwatts(0.0));
-            let found = read(answer, first + sector, rssi, from);
+            let found = read(answer, has_sectors.then_some(first + sector), rssi, from);
             let best = answers.entry(from).or_insert(found);
             if found.snr > best.snr {
                 *best = found;

@@ -1,0 +1,89 @@
+//! What a robot heard in a slot in one network, by node.
+
+use sextant_channel::{Dbm, Reception};
+use sextant_kernel::NodeId;
+
+use crate::service::sweep::SweepAnswer;
+
+/// What a robot heard in a slot in one network, by node.
+pub(super) struct Tally {
+    slot: Vec<Slot>,
+    heard: Vec<NodeId>,
+    /// Number of sector sweeps in the slot.
+    sweeps: u32,
+    /// Number of packets of all earlier slots.
+    pub(super) total: Vec<u32>,
+}
+
+/// Packets heard of one node in a slot.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slot {
+    packets: u32,
+    /// Packets that the node sent from the first to the last one heard, by their sequence numbers.
+    sent: u32,
+    rssi_sum_dbm: f64,
+    last_sequence: u8,
+    /// The sector of the robot that the node heard best, and its signal-to-noise ratio there (dB).
+    best: Option<(Option<u8>, f64)>,
+}
+
+impl Tally {
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { slot: vec![Slot::default(); nodes], heard: Vec::new(), sweeps: 0, total: vec![0; nodes] }
+    }
+
+    /// The slot of a node that was heard.
+    fn of(&mut self, node: NodeId) -> &mut Slot {
+        let slot = &mut self.slot[node.index()];
+        if slot.packets == 0 {
+            self.heard.push(node);
+        }
+        slot.packets += 1;
+        slot
+    }
+
+    /// Counts the packet `sequence` of `node`, which was received in this slot.
+    pub(super) fn note(&mut self, node: NodeId, sequence: u8, rssi: Dbm) {
+        let slot = self.of(node);
+        if slot.packets == 1 {
+            slot.sent = 1;
+        } else {
+            // Sequence numbers are modulo 256: a gap of 256 packets or more looks shorter.
+            slot.sent += u32::from(sequence.wrapping_sub(slot.last_sequence)).max(1);
+        }
+        slot.rssi_sum_dbm += rssi.0;
+        slot.last_sequence = sequence;
+    }
+
+    /// Counts one more sector sweep, with the answers of these nodes.
+    pub(super) fn note_sweep(&mut self, answers: impl Iterator<Item = (NodeId, SweepAnswer)>) {
+        self.sweeps += 1;
+        for (node, SweepAnswer { sector, snr, rssi, .. }) in answers {
+            let slot = self.of(node);
+            slot.rssi_sum_dbm += rssi.0;
+            if slot.best.is_none_or(|(_, best_db)| snr.0 > best_db) {
+                slot.best = Some((sector, snr.0));
+            }
+        }
+    }
+
+    /// Returns what was heard, by node, and empties the tally. The stops of the receptions are filled in by the log.
+    pub(super) fn take(&mut self) -> Vec<Reception> {
+        self.heard.sort_unstable();
+        let sweeps = std::mem::take(&mut self.sweeps);
+        let heard = self.heard.drain(..).map(|node| {
+            let Slot { packets, sent, rssi_sum_dbm, best, .. } = std::mem::take(&mut self.slot[node.index()]);
+            self.total[node.index()] += packets;
+            Reception {
+                node,
+                stop: 0,
+                received: packets,
+                sent: if sweeps > 0 { sweeps } else { sent },
+                sector: best.and_then(|(sector, _)| sector),
+                rssi_dbm: Some(rssi_sum_dbm / f64::from(packets)),
+                snr_db: best.map(|(_, snr_db)| snr_db),
+            }
+        });
+        heard.collect()
+    }
+}
