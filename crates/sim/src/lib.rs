@@ -114,8 +114,8 @@ pub use applications::traffic::{
 pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
 pub use link::ieee80211ad::{Antennas, AntennasConfig, DmgRadio, HeadingsConfig};
-pub use link::ieee802154::{Mac, MacConfig, Radio, RadioConfig};
-pub use link::{Ieee80211ad, Ieee802154, Technology};
+pub use link::ieee802154::{Mac, Radio};
+pub use link::{Ieee80211ad, Ieee802154, MacConfig, RadioConfig, Technology};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use service::delivery::{Delivery, DriveEnd};

@@ -36,6 +36,7 @@ impl Simulation {
     /// If the frames are too small for the addresses, there are several robots but frames are sent to one of them,
     /// or the superframes do not fit the world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
+        let surveyed = setup.surveyed();
         let Setup { world, networks, robots, sinks, duration, seed } = setup;
         let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
         if networks.is_empty() {
@@ -56,12 +57,6 @@ impl Simulation {
         let coordinator = stations.coordinator(&networks, seed)?;
         let links = networks.into_iter().enumerate().map(|(i, network)| stations.joined(i, network)).collect();
         let bodies = robots.iter().map(|robot| robot.body.clone()).collect();
-        let mut surveyed: Vec<NetworkId> = robots.iter().flat_map(|robot| robot.body.networks.clone()).collect();
-        surveyed.sort_unstable();
-        surveyed.dedup();
-        if surveyed.is_empty() {
-            surveyed.push(NetworkId::default());
-        }
         let one_or_more = |mut sources: Vec<Source>| match sources.len() {
             1 => Standard::Source(sources.remove(0)),
             _ => Standard::Sources(sources.into()),

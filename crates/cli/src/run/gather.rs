@@ -3,7 +3,7 @@
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    Field, FieldId, FrameOnAir, Ieee802154, Observer, Pose, Progress, Sensed, TargetId, Technology, World,
+    Field, FieldId, FrameOnAir, Ieee802154, NetworkId, Observer, Pose, Progress, Sensed, TargetId, Technology, World,
 };
 
 use crate::interrupt::Interrupt;
@@ -21,6 +21,8 @@ pub(super) struct Gathering<'a> {
     progress: terminal::Progress,
     robots: Vec<Track>,
     world: &'a World,
+    /// The network whose log is recorded.
+    surveyed: NetworkId,
     /// The fields, with the sources that were removed so far.
     fields: Vec<Field>,
     failure: Option<RecordingError>,
@@ -74,11 +76,11 @@ impl<'a> Gathering<'a> {
         interrupt: &'a Interrupt,
         progress: terminal::Progress,
         names: impl Iterator<Item = String>,
-        world: &'a World,
+        (world, surveyed): (&'a World, NetworkId),
     ) -> Self {
         let robots = names.map(|name| Track { name, places: Vec::new(), heading_rad: 0.0 }).collect();
         let fields = world.fields.clone();
-        Self { recorder, frames, sniffer, interrupt, progress, robots, world, fields, failure: None }
+        Self { recorder, frames, sniffer, interrupt, progress, robots, world, surveyed, fields, failure: None }
     }
 
     /// The paths of the robots and the fields as they were, or the first failure to record.
@@ -129,8 +131,10 @@ impl Observer for Gathering<'_> {
         self.record(|recorder, robots| recorder.contact(&robots[contact.robot.index()].name, &contact));
     }
 
-    fn stopped(&mut self, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
-        self.record(|recorder, robots| recorder.stop(&robots[stop.robot.index()].name, index, stop, receptions));
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
+        if network == self.surveyed {
+            self.record(|recorder, robots| recorder.stop(&robots[stop.robot.index()].name, index, stop, receptions));
+        }
     }
 
     fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {

@@ -126,8 +126,15 @@ fn gather(
         channel: scenario.recording().pcap.channel,
     });
     let frames = scenario.recording().frames;
-    let mut gathering =
-        Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names, scenario.world());
+    let mut gathering = Gathering::new(
+        outputs.recorder,
+        frames,
+        sniffer,
+        interrupt,
+        progress,
+        names,
+        (scenario.world(), scenario.surveyed()[0]),
+    );
     let survey = simulation.run(&mut gathering);
     let (tracks, fields) = gathering.finish()?;
     Ok((survey, tracks, fields))

@@ -1,5 +1,6 @@
 //! Checks a scenario and builds everything that a run needs, before anything runs.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -7,7 +8,9 @@ use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::{Anchor, Bounds, ChannelLaw, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mapper::{MapConfig, Mapper};
-use sextant_sim::{BusyNetwork, Discovery, Robot, RobotBody, RobotConfig, Sensors, Setup, Simulation, Sink, World};
+use sextant_sim::{
+    BusyNetwork, Discovery, NetworkId, Robot, RobotBody, RobotConfig, Sensors, Setup, Simulation, Sink, World,
+};
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
@@ -15,6 +18,7 @@ use super::error::ScenarioErrors;
 use super::errors::Errors;
 use super::known_channel::KnownChannel;
 use super::layers;
+use super::network_config::NetworkConfig;
 use super::networks::{self, NetworkTables};
 use super::survey_identity::SurveyIdentity;
 use crate::text::counted;
@@ -69,6 +73,17 @@ impl Scenario {
             .filter_map(|(name, network)| Some((format!("networks.{name}.traffic"), network.traffic.as_mut()?)));
         for (table, traffic) in of_traffic.chain(of_networks) {
             for (key, file) in traffic.files_mut() {
+                document.rebase(&format!("{table}.{key}"), file, folder);
+                named_files.push(folder.join(file));
+            }
+        }
+        let of_antennas = config.antenna.iter_mut().map(|antenna| ("antenna".to_owned(), antenna));
+        let of_networks = config
+            .networks
+            .iter_mut()
+            .filter_map(|(name, network)| Some((format!("networks.{name}.antenna"), network.antenna.as_mut()?)));
+        for (table, antenna) in of_antennas.chain(of_networks) {
+            for (key, file) in antenna.files_mut() {
                 document.rebase(&format!("{table}.{key}"), file, folder);
                 named_files.push(folder.join(file));
             }
@@ -131,7 +146,7 @@ impl Scenario {
     /// Never for a scenario that was checked.
     pub fn known_channel(&self) -> KnownChannel {
         let known = known_channel(&self.config, self.network().link.channel);
-        known.expect("a checked scenario has radios and traffic")
+        known.expect("a checked scenario has radios")
     }
 
     /// Its first network: the one that maps may know.
@@ -144,6 +159,12 @@ impl Scenario {
     #[must_use]
     pub fn networks(&self) -> &[BusyNetwork] {
         &self.parts.setup.networks
+    }
+
+    /// The networks that robots survey, in their order: at least one.
+    #[must_use]
+    pub fn surveyed(&self) -> Vec<NetworkId> {
+        self.parts.setup.surveyed()
     }
 
     /// The maps to compute.
@@ -314,7 +335,7 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
             continue;
         }
         let robot = robot(i, robot_config, obstacles, Seed(config.seed)).and_then(|mut robot| {
-            robot.body.network = networks::number("network", robot_config.network.as_deref(), &config.networks)?;
+            robot.body.networks = surveyed(robot_config, &config.networks)?;
             Ok(robot)
         });
         let Some(robot) = errors.take(&table, robot) else {
@@ -329,11 +350,34 @@ fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Err
     robots
 }
 
+/// The networks whose nodes a robot surveys.
+fn surveyed(
+    robot: &RobotConfig<ControllerConfig>,
+    networks: &BTreeMap<String, NetworkConfig>,
+) -> Result<Vec<NetworkId>, SettingError> {
+    if robot.networks.is_empty() {
+        return Ok(vec![networks::number("network", robot.network.as_deref(), networks)?]);
+    }
+    if let Some(name) = &robot.network {
+        return Err(SettingError::new("network", format!("`{name}`, beside `networks`"), "one of the two keys"));
+    }
+    let mut numbers = Vec::new();
+    for (i, name) in robot.networks.iter().enumerate() {
+        let key = format!("networks[{i}]");
+        let number = networks::number(&key, Some(name), networks)?;
+        if numbers.contains(&number) {
+            return Err(SettingError::new(key, format!("`{name}`, which is listed before"), "each network once"));
+        }
+        numbers.push(number);
+    }
+    Ok(numbers)
+}
+
 /// What maps may know of the channel of the first network.
 fn known_channel(config: &ScenarioConfig, channel: ChannelLaw) -> Option<KnownChannel> {
     let tables = NetworkTables::all(config);
     let network = tables.first()?;
-    Some(KnownChannel::new(*network.radio.value?, channel, network.traffic.value?, &config.robots))
+    Some(KnownChannel::new(*network.radio.value?, channel, network.traffic.value, &config.robots))
 }
 
 /// The sinks, with names of their own.

@@ -11,8 +11,8 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::MapConfig;
 use sextant_sim::{
-    AnchorsConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig,
-    TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig,
+    SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
@@ -46,14 +46,18 @@ pub struct ScenarioConfig {
     /// What the nodes send, and when; required unless each of `networks` has its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traffic: Option<TrafficConfig>,
-    /// Which frames are received; those with an SINR of at least 3 dB if absent.
-    #[serde(default)]
-    pub reception: ReceptionConfig,
+    /// Which frames are received; those with an SINR of at least 3 dB if absent, with sector sweeps those with a ratio of
+    /// signal to interference of at least 3 dB.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reception: Option<ReceptionConfig>,
+    /// The antennas of a network with sector sweeps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub antenna: Option<AntennasConfig>,
     /// The radio chip whose energy is counted.
     #[serde(default)]
     pub energy: EnergyConfig,
-    /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception` and `energy` of its
-    /// own; one network with the tables of the scenario if absent.
+    /// Several networks by name, each with tables `radio`, `channel`, `mac`, `traffic`, `reception`, `antenna` and `energy`
+    /// of its own; one network with the tables of the scenario if absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub networks: BTreeMap<String, NetworkConfig>,
     /// When the simulation ends (s); if absent, when the last robot has finished.

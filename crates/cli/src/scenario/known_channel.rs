@@ -22,21 +22,25 @@ impl KnownChannel {
     pub(super) fn new(
         radio: RadioConfig,
         channel: ChannelLaw,
-        traffic: &TrafficConfig,
+        traffic: Option<&TrafficConfig>,
         robots: &[RobotConfig<ControllerConfig>],
     ) -> Self {
         let packets = |robot: &RobotConfig<ControllerConfig>| match traffic {
-            TrafficConfig::Beacon(periodic) | TrafficConfig::Periodic(periodic) => {
-                robot.listen_s / periodic.interval_s
-            }
-            TrafficConfig::Poisson(poisson) => robot.listen_s * poisson.rate_per_s,
-            // A rate that is not known, or differs between nodes, counts as one packet.
-            TrafficConfig::Query(_)
-            | TrafficConfig::Once(_)
-            | TrafficConfig::Saturated(_)
-            | TrafficConfig::Trace(_)
-            | TrafficConfig::Groups(_)
-            | TrafficConfig::Silent(_) => 1.0,
+            // The answers to all sweeps of a stop share its shadowing, so they count as one packet.
+            None => 1.0,
+            Some(traffic) => match traffic {
+                TrafficConfig::Beacon(periodic) | TrafficConfig::Periodic(periodic) => {
+                    robot.listen_s / periodic.interval_s
+                }
+                TrafficConfig::Poisson(poisson) => robot.listen_s * poisson.rate_per_s,
+                // A rate that is not known, or differs between nodes, counts as one packet.
+                TrafficConfig::Query(_)
+                | TrafficConfig::Once(_)
+                | TrafficConfig::Saturated(_)
+                | TrafficConfig::Trace(_)
+                | TrafficConfig::Groups(_)
+                | TrafficConfig::Silent(_) => 1.0,
+            },
         };
         // Slots on a drive are longer.
         let stands = robots.iter().all(|robot| !robot.listen_while_driving);

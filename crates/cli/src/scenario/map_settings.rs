@@ -106,12 +106,10 @@ impl MapSettings {
         }
         let config: MapSettingsConfig = deserialize(&document)?;
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let channel = match (config.radio, config.traffic) {
-            (Some(radio), Some(traffic)) => errors
-                .take("channel", ChannelLaw::try_from(config.channel))
-                .map(|channel| KnownChannel::new(radio, channel, &traffic, &config.robots)),
-            _ => None,
-        };
+        let channel = config.radio.and_then(|radio| {
+            let channel = errors.take("channel", ChannelLaw::try_from(config.channel))?;
+            Some(KnownChannel::new(radio, channel, config.traffic.as_ref(), &config.robots))
+        });
         let maps = check_maps(&config.maps, channel, &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
-use sextant_sim::{MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig};
+use sextant_sim::{AntennasConfig, MacConfig, NodesOfGroup, RadioConfig, ReceptionConfig, TrafficConfig};
 
 /// One of several networks, as written in a scenario. A table that is absent is that of the scenario.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,6 +28,9 @@ pub struct NetworkConfig {
     /// When a frame that arrives is received.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reception: Option<ReceptionConfig>,
+    /// The antennas, with sector sweeps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub antenna: Option<AntennasConfig>,
     /// The radio chip whose energy is counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyConfig>,

@@ -5,11 +5,13 @@ use std::path::Path;
 
 use sextant_channel::{ChannelConfig, ChannelLaw};
 use sextant_kernel::SettingError;
+use sextant_mac::dmg::{SweepConfig, SweepSettings};
 use sextant_mac::{EnergyConfig, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, Ieee802154, Mac, MacConfig, NetworkId, NetworkSetup, NodesOfGroup, Radio, RadioConfig,
-    ReceptionConfig, ReceptionModel, Technology, TrafficConfig, TrafficPlan,
+    Antennas, AntennasConfig, BusyNetwork, DmgRadio, Ieee80211ad, Ieee802154, Mac, MacConfig, NetworkId,
+    NetworkSetup, NodesOfGroup, Radio, RadioConfig, ReceptionConfig, ReceptionModel, SilentConfig, Technology,
+    ThresholdConfig, TrafficConfig, TrafficPlan,
 };
 
 use super::config::ScenarioConfig;
@@ -19,18 +21,23 @@ use super::network_config::NetworkConfig;
 /// The tables of one network, and the key of each.
 pub(super) struct NetworkTables<'a> {
     pub(super) name: Option<&'a str>,
+    /// Whether it is the only network, with the tables of the scenario.
+    is_alone: bool,
     nodes: Option<&'a NodesOfGroup>,
     pub(super) radio: Keyed<Option<&'a RadioConfig>>,
     pub(super) channel: Keyed<&'a ChannelConfig>,
     pub(super) mac: Keyed<&'a MacConfig>,
     pub(super) traffic: Keyed<Option<&'a TrafficConfig>>,
-    reception: Keyed<&'a ReceptionConfig>,
+    reception: Keyed<Option<&'a ReceptionConfig>>,
+    antenna: Keyed<Option<&'a AntennasConfig>>,
     energy: Keyed<&'a EnergyConfig>,
 }
 
 /// A value and the key of its table.
 pub(super) struct Keyed<T> {
     key: String,
+    /// Whether the network has the table itself, and not the scenario for all.
+    is_own: bool,
     pub(super) value: T,
 }
 
@@ -51,23 +58,25 @@ impl<'a> NetworkTables<'a> {
         macro_rules! pick {
             ($table:ident, $whole:expr) => {{
                 let own = network.and_then(|(_, network)| network.$table.as_ref());
-                Keyed { key: keyed(stringify!($table), own.is_some()), value: own.or($whole) }
+                Keyed { key: keyed(stringify!($table), own.is_some()), is_own: own.is_some(), value: own.or($whole) }
             }};
         }
         macro_rules! pick_or_default {
             ($table:ident) => {{
                 let picked = pick!($table, Some(&config.$table));
-                Keyed { key: picked.key, value: picked.value.unwrap_or(&config.$table) }
+                Keyed { key: picked.key, is_own: picked.is_own, value: picked.value.unwrap_or(&config.$table) }
             }};
         }
         Self {
             name: network.map(|(name, _)| name.as_str()),
+            is_alone: network.is_none(),
             nodes: network.and_then(|(_, network)| network.nodes.as_ref()),
             radio: pick!(radio, config.radio.as_ref()),
             channel: pick_or_default!(channel),
             mac: pick_or_default!(mac),
             traffic: pick!(traffic, config.traffic.as_ref()),
-            reception: pick_or_default!(reception),
+            reception: pick!(reception, config.reception.as_ref()),
+            antenna: pick!(antenna, config.antenna.as_ref()),
             energy: pick_or_default!(energy),
         }
     }
@@ -85,25 +94,27 @@ impl<'a> NetworkTables<'a> {
         folder: &Path,
         errors: &mut Errors<'_>,
     ) -> Option<BusyNetwork> {
-        let missing = |table: &str| {
-            let place = self.name.map_or(String::new(), |name| format!("networks.{name}."));
-            SettingError::new(format!("{place}{table}"), "no such table", format!("a table `[{place}{table}]`"))
-        };
-        let radio = match self.radio.value {
-            Some(radio) => errors.take(&self.radio.key, Radio::try_from(*radio)),
-            None => errors.take("", Err(missing("radio"))),
-        };
         let channel = self.law(errors);
-        let mac = errors.take(&self.mac.key, Mac::try_from(self.mac.value.clone()));
-        let reception = errors.take(&self.reception.key, ReceptionModel::try_from(*self.reception.value));
+        let technology = match self.mac.value {
+            MacConfig::SectorSweep(sweep) => self.ieee80211ad(*sweep, folder, errors),
+            mac => self.ieee802154(mac, errors),
+        };
         let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
-        let traffic = match (self.traffic.value, nodes) {
-            (Some(traffic), nodes) => {
+        let silent = TrafficConfig::Silent(SilentConfig {});
+        let traffic = match (self.traffic.value, self.mac.value, nodes) {
+            (Some(_), MacConfig::SectorSweep(_), _) if self.is_alone || self.traffic.is_own => {
+                let allowed = "no table: nodes answer sector sweeps, and send nothing else";
+                errors.take("", Err(SettingError::new(&self.traffic.key, "a table", allowed)))
+            }
+            (_, MacConfig::SectorSweep(_), nodes) => {
+                nodes.and_then(|nodes| TrafficPlan::new(&silent, nodes, folder).ok())
+            }
+            (Some(traffic), _, nodes) => {
                 let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), folder);
                 // Names of nodes are not known without a world.
                 nodes.and_then(|_| errors.take(&self.traffic.key, plan))
             }
-            (None, _) => errors.take("", Err(missing("traffic"))),
+            (None, ..) => errors.take("", Err(self.missing("traffic"))),
         };
         let members = match (self.nodes, nodes) {
             (Some(chosen), Some(nodes)) => {
@@ -112,13 +123,51 @@ impl<'a> NetworkTables<'a> {
             }
             _ => None,
         };
-        let link = NetworkSetup {
-            channel: channel?,
-            technology: Technology::Ieee802154(Ieee802154 { radio: radio?, reception: reception?, mac: mac? }),
-            radio_states: radio_states?,
-            members: None,
-        };
+        let link =
+            NetworkSetup { channel: channel?, technology: technology?, radio_states: radio_states?, members: None };
         Some(BusyNetwork { name: self.name.map(str::to_owned), link, traffic: traffic?, nodes: members })
+    }
+
+    /// Links of IEEE 802.15.4.
+    fn ieee802154(&self, mac: &MacConfig, errors: &mut Errors<'_>) -> Option<Technology> {
+        let radio = match self.radio.value {
+            Some(radio) => errors.take(&self.radio.key, Radio::try_from(*radio)),
+            None => errors.take("", Err(self.missing("radio"))),
+        };
+        let mac = errors.take(&self.mac.key, Mac::try_from(mac.clone()));
+        let reception = self.reception.value.copied().unwrap_or_default();
+        let reception = errors.take(&self.reception.key, ReceptionModel::try_from(reception));
+        if self.antenna.is_own || self.is_alone && self.antenna.value.is_some() {
+            let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
+            errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
+        }
+        Some(Technology::Ieee802154(Ieee802154 { radio: radio?, reception: reception?, mac: mac? }))
+    }
+
+    /// Links of IEEE 802.11ad.
+    fn ieee80211ad(&self, sweep: SweepConfig, folder: &Path, errors: &mut Errors<'_>) -> Option<Technology> {
+        let radio = match self.radio.value {
+            Some(radio) => errors.take(&self.radio.key, DmgRadio::try_from(*radio)),
+            None => errors.take("", Err(self.missing("radio"))),
+        };
+        let antennas = match self.antenna.value {
+            Some(antennas) => errors.take(&self.antenna.key, Antennas::read(antennas, folder)),
+            None => errors.take("", Err(self.missing("antenna"))),
+        };
+        let sweep = SweepSettings::try_from(sweep).map_err(|error| error.within("sector_sweep"));
+        let sweep = errors.take(&self.mac.key, sweep);
+        let reception =
+            self.reception.value.copied().unwrap_or(ReceptionConfig::SirThreshold(ThresholdConfig::default()));
+        let reception = errors.take(&self.reception.key, ReceptionModel::try_from(reception));
+        let (sweep, antennas) = (sweep?, antennas?);
+        errors.take(&self.mac.key, antennas.check_answers(&sweep).map_err(|error| error.within("sector_sweep")))?;
+        let links = Ieee80211ad { radio: radio?, reception: reception?, sweep, antennas };
+        Some(Technology::Ieee80211ad(Box::new(links)))
+    }
+
+    fn missing(&self, table: &str) -> SettingError {
+        let place = self.name.map_or(String::new(), |name| format!("networks.{name}."));
+        SettingError::new(format!("{place}{table}"), "no such table", format!("a table `[{place}{table}]`"))
     }
 }
 

@@ -7,7 +7,8 @@ use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
-    MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AntennasConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig,
+    WorldConfig,
 };
 use sha2::{Digest, Sha256};
 
@@ -28,7 +29,8 @@ struct SurveySettings<'a> {
     channel: &'a ChannelConfig,
     mac: &'a MacConfig,
     traffic: &'a Option<TrafficConfig>,
-    reception: &'a ReceptionConfig,
+    reception: &'a Option<ReceptionConfig>,
+    antenna: &'a Option<AntennasConfig>,
     energy: &'a EnergyConfig,
     networks: &'a BTreeMap<String, NetworkConfig>,
     duration_s: &'a Option<f64>,
@@ -52,6 +54,7 @@ impl SurveyIdentity {
             mac,
             traffic,
             reception,
+            antenna,
             energy,
             networks,
             duration_s,
@@ -74,6 +77,7 @@ impl SurveyIdentity {
             mac,
             traffic,
             reception,
+            antenna,
             energy,
             networks,
             duration_s,

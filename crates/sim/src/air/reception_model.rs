@@ -32,6 +32,12 @@ pub struct ThresholdConfig {
     pub threshold_db: f64,
 }
 
+impl Default for ThresholdConfig {
+    fn default() -> Self {
+        Self { threshold_db: default_threshold_db() }
+    }
+}
+
 fn default_threshold_db() -> f64 {
     3.0
 }

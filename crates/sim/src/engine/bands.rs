@@ -30,6 +30,11 @@ pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, Settin
         match bands.iter_mut().find(shares) {
             None => bands.push(vec![i]),
             Some(band) => {
+                if matches!(network.technology, Technology::Ieee80211ad(_)) {
+                    let found = format!("sector sweeps on the radio channel of network {}", band[0]);
+                    let allowed = "a radio channel of its own for each network with sector sweeps";
+                    return Err(SettingError::new(format!("networks[{i}].radio.channel"), found, allowed));
+                }
                 if networks[band[0]].channel != network.channel {
                     let found =
                         format!("another channel than that of network {}, on the same radio channel", band[0]);
@@ -46,12 +51,17 @@ pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, Settin
 /// Refuses bit errors of another physical layer than that of which they are known.
 pub(super) fn check_reception(networks: &[NetworkSetup]) -> Result<(), SettingError> {
     for (i, network) in networks.iter().enumerate() {
-        let Some(Ieee802154 { radio, reception, .. }) = network.technology.ieee802154() else { continue };
-        let phy = radio.phy();
-        if *reception == ReceptionModel::Ber && phy != Phy::Oqpsk2450 {
-            let found = format!("set for a radio with `phy = \"{}\"`", phy.name());
+        let (reception, radio) = match &network.technology {
+            Technology::Ieee802154(Ieee802154 { radio, reception, .. }) if radio.phy() != Phy::Oqpsk2450 => {
+                (reception, format!("a radio with `phy = \"{}\"`", radio.phy().name()))
+            }
+            Technology::Ieee802154(_) => continue,
+            Technology::Ieee80211ad(settings) => (&settings.reception, "sector sweeps".to_owned()),
+        };
+        if *reception == ReceptionModel::Ber {
+            let found = format!("set for {radio}");
             let allowed = "only `phy = \"oqpsk2450\"`, whose bit error rate is known; \
-                           with others `reception.sinr_threshold` or `reception.overlap`";
+                           with others `reception.sinr_threshold`, `reception.sir_threshold` or `reception.overlap`";
             let refusal = SettingError::new("reception.ber", found, allowed);
             return Err(if i == 0 { refusal } else { refusal.within(format!("networks[{i}]")) });
         }

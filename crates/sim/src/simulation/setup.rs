@@ -7,6 +7,7 @@ use sextant_kernel::{NodeId, Seed};
 use crate::applications::survey::Robot;
 use crate::applications::traffic::TrafficPlan;
 use crate::engine::NetworkSetup;
+use crate::service::network_id::NetworkId;
 use crate::station::Sink;
 use crate::world::World;
 
@@ -49,6 +50,19 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// The networks that robots survey, in their order; the first network if there are no robots.
+    #[must_use]
+    pub fn surveyed(&self) -> Vec<NetworkId> {
+        let mut surveyed: Vec<NetworkId> =
+            self.robots.iter().flat_map(|robot| robot.body.networks.iter().copied()).collect();
+        surveyed.sort_unstable();
+        surveyed.dedup();
+        if surveyed.is_empty() {
+            surveyed.push(NetworkId::default());
+        }
+        surveyed
+    }
+
     /// The first network: the only one, unless the scenario names several.
     ///
     /// # Panics

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorTable};
 use sextant_kernel::{Seed, SettingError, StationId};
-use sextant_mac::dmg::SectorLayout;
+use sextant_mac::dmg::{SectorLayout, SweepSettings};
 
 use crate::air::Mount;
 use crate::purpose;
@@ -81,6 +81,14 @@ impl Antennas {
         let robots = antenna("robots", &config.robots)?;
         let misalignment_loss = SettingError::in_range("misalignment_loss", config.misalignment_loss, 0.0, 1.0)?;
         Ok(Self { nodes, robots, headings: config.node_headings, misalignment_loss })
+    }
+
+    /// Whether nodes can answer sweeps in this way.
+    ///
+    /// # Errors
+    /// If the sectors of a node do not fit in a slot.
+    pub fn check_answers(&self, sweep: &SweepSettings) -> Result<(), SettingError> {
+        sweep.check_responder(&layout(&self.nodes)?)
     }
 
     /// The antenna of each node.

@@ -4,7 +4,7 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::SettingError;
 use sextant_mac::Phy;
 
-use crate::link::ieee802154::RadioConfig;
+use crate::link::config::RadioConfig;
 
 /// Noise of 1.76 GHz at 290 K with a noise figure of 10 dB.
 const NOISE_FLOOR: Dbm = Dbm(-71.5);

@@ -1,30 +1,13 @@
 //! How the nodes share the channel.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, SimTime, StationId};
-use sextant_mac::csma::{self, Csma, CsmaConfig, CsmaSettings, OutgoingFrame, Report};
+use sextant_mac::csma::{self, Csma, CsmaSettings, OutgoingFrame, Report};
 use sextant_mac::device::{self, Device};
 use sextant_mac::frame::{Address, Beacon};
-use sextant_mac::superframe::{BeaconEnabled, BeaconEnabledConfig};
+use sextant_mac::superframe::BeaconEnabled;
 use sextant_mac::{Phy, RadioState};
 
-/// How nodes share the channel, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum MacConfig {
-    /// Unslotted CSMA-CA of IEEE 802.15.4 at 2.4 GHz (O-QPSK).
-    CsmaUnslotted(CsmaConfig),
-    /// The first robot, or the first sink if there is no robot, is the coordinator: it sends beacons, and nodes that heard one answer by slotted CSMA-CA or in
-    /// guaranteed slots (IEEE 802.15.4 at 2.4 GHz).
-    BeaconEnabled(BeaconEnabledConfig),
-}
-
-impl Default for MacConfig {
-    fn default() -> Self {
-        Self::CsmaUnslotted(CsmaConfig::default())
-    }
-}
+use crate::link::config::MacConfig;
 
 /// How nodes share the channel.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,6 +29,10 @@ impl TryFrom<MacConfig> for Mac {
             MacConfig::BeaconEnabled(beacons) => BeaconEnabled::try_from(beacons)
                 .map(Self::BeaconEnabled)
                 .map_err(|error| error.within("beacon_enabled")),
+            MacConfig::SectorSweep(_) => {
+                let allowed = "`csma_unslotted` or `beacon_enabled`, the channel access of IEEE 802.15.4";
+                Err(SettingError::new("sector_sweep", "set for IEEE 802.15.4", allowed))
+            }
         }
     }
 }

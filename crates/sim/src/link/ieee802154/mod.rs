@@ -8,6 +8,6 @@ mod radio;
 mod stack;
 mod transceiver;
 
-pub use mac::{Mac, MacConfig};
+pub use mac::Mac;
 pub(crate) use plan::{Demand, Post, coordinator};
-pub use radio::{Radio, RadioConfig};
+pub use radio::Radio;

@@ -1,41 +1,13 @@
 //! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::SettingError;
 use sextant_mac::{Phy, oqpsk};
 
+use crate::link::config::RadioConfig;
+
 /// Threshold of carrier sense above the sensitivity (IEEE 802.15.4-2006, 6.9.9: at most 10 dB).
 const CCA_MARGIN: Db = Db(10.0);
-
-/// The radios of all stations, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RadioConfig {
-    /// Physical layer: band, modulation and bit rate; 2450 MHz, O-QPSK, 250 kb/s if absent.
-    #[serde(default, skip_serializing_if = "is_default")]
-    pub phy: Phy,
-    /// Number of the radio channel: 0 at 868 MHz, 1 to 10 at 915 MHz, 11 to 26 at 2450 MHz; the lowest one if absent.
-    /// Networks on one channel disturb each other, those on different channels do not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub channel: Option<u8>,
-    /// Transmit power (dBm). With a path loss of 0 dB at the reference distance it is the power there.
-    pub tx_power_dbm: f64,
-    /// Minimum power of a frame that can be received (dBm).
-    pub sensitivity_dbm: f64,
-    /// Mean power over the window of carrier sense at or above which the channel is busy (dBm);
-    /// 10 dB above the sensitivity if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cca_threshold_dbm: Option<f64>,
-    /// Noise in the bandwidth of the receiver (dBm); 0.403 dB below the sensitivity if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub noise_floor_dbm: Option<f64>,
-}
-
-fn is_default(phy: &Phy) -> bool {
-    *phy == Phy::default()
-}
 
 /// The radios of all stations.
 #[derive(Clone, Copy, Debug, PartialEq)]
