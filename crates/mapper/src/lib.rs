@@ -51,6 +51,7 @@ mod profile;
 mod purpose;
 mod reach;
 mod region;
+mod sector_errors;
 mod sectors;
 mod self_calibrated;
 mod solver;
@@ -87,7 +88,7 @@ pub use profile::{
     TrapezoidConfig, at_least_one,
 };
 pub use region::Region;
-pub use sectors::{SectorLayoutConfig, SectorTolerance, SectorsConfig, SilenceRule};
+pub use sectors::{SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig};
 pub use self_calibrated::{
     AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
 };

@@ -11,6 +11,7 @@ use sextant_kernel::{NodeId, SettingError, Watch, Work};
 use crate::findings::Findings;
 use crate::heights::check_z_range;
 use crate::reach::heard_nodes;
+use crate::sector_errors::likeliest_sigma_db;
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
 use crate::{
@@ -272,7 +273,15 @@ impl MlTm {
         watch: &'a dyn Watch,
     ) -> Result<Solver<'a>, MapError> {
         let sectors = self.sectors.table(log)?.map(|table| (table, &self.sectors));
-        Ok(Solver::new(lattice, log.stops(), &self.profile, sectors, watch))
+        let with = |sigma_db| Solver::new(lattice, log.stops(), &self.profile, sectors, sigma_db, watch);
+        let sigma_db = match self.sectors.soft.filter(|_| sectors.is_some()) {
+            Some(soft) => {
+                let fitted = || likeliest_sigma_db(lattice, log, |sigma_db| with(Some(sigma_db)));
+                Some(soft.sigma_db.unwrap_or_else(fitted))
+            }
+            None => None,
+        };
+        Ok(with(sigma_db))
     }
 
     fn estimate(

@@ -20,6 +20,38 @@ pub struct SectorsConfig {
     /// What a stop that heard nothing says about places to which no sector points.
     #[serde(default)]
     pub silence: SilenceRule,
+    /// How likely a node names a sector, given the direction to it.
+    #[serde(default)]
+    pub model: SectorModel,
+}
+
+/// How likely a node names a sector, given the direction to it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SectorModel {
+    /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
+    #[default]
+    Wedge,
+    /// By the gains of all sectors: the node names the one that it hears best.
+    Soft(SoftSectorsConfig),
+}
+
+/// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
+/// elliptical: its half-power widths are those of the sector.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SoftSectorsConfig {
+    /// Standard deviation of the error of the strength of a sector (dB); estimated from the log if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_db: Option<f64>,
+    /// How far side lobes are below the peak of a sector (dB).
+    pub side_lobe_db: f64,
+}
+
+impl Default for SoftSectorsConfig {
+    fn default() -> Self {
+        Self { sigma_db: None, side_lobe_db: 30.0 }
+    }
 }
 
 /// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
@@ -68,6 +100,8 @@ pub(crate) struct SectorSettings {
     pub(crate) tolerance: SectorTolerance,
     layout: Option<SectorTable>,
     pub(crate) silence: SilenceRule,
+    /// If the probabilities of sectors count.
+    pub(crate) soft: Option<SoftSectorsConfig>,
 }
 
 impl SectorSettings {
@@ -108,7 +142,7 @@ impl SectorSettings {
 impl TryFrom<SectorsConfig> for SectorSettings {
     type Error = SettingError;
 
-    fn try_from(SectorsConfig { tolerance, layout, silence }: SectorsConfig) -> Result<Self, SettingError> {
+    fn try_from(SectorsConfig { tolerance, layout, silence, model }: SectorsConfig) -> Result<Self, SettingError> {
         let layout = match layout {
             None => None,
             Some(SectorLayoutConfig::Even(even)) => {
@@ -119,6 +153,17 @@ impl TryFrom<SectorsConfig> for SectorSettings {
                 Some(list.map_err(|error| SettingError { key: format!("layout.list{}", error.key), ..error })?)
             }
         };
-        Ok(Self { tolerance, layout, silence })
+        let soft = match model {
+            SectorModel::Wedge => None,
+            SectorModel::Soft(soft) => {
+                let within = |error: SettingError| error.within("model.soft");
+                if let Some(sigma_db) = soft.sigma_db {
+                    SettingError::positive("sigma_db", sigma_db).map_err(within)?;
+                }
+                SettingError::positive("side_lobe_db", soft.side_lobe_db).map_err(within)?;
+                Some(soft)
+            }
+        };
+        Ok(Self { tolerance, layout, silence, soft })
     }
 }

@@ -22,6 +22,7 @@ mod score;
 mod screen;
 mod single;
 mod sink;
+mod soft;
 mod wedges;
 
 use sextant_channel::{Position, Receptions, SectorTable, Stop};
@@ -37,6 +38,7 @@ use rows::Rows;
 pub(crate) use score::Survivors;
 use score::{Admission, Scorer};
 pub(crate) use sink::{Contenders, Moments, Peak, Sink};
+use soft::SoftSectors;
 pub(crate) use wedges::{Edges, Wedges};
 
 /// A survey that is prepared for the search of its nodes.
@@ -51,6 +53,8 @@ pub(crate) struct Solver<'a> {
     clamped: Curve,
     /// Sectors, if they are evidence.
     wedges: Option<Wedges>,
+    /// How likely each sector is, if it is not just possible or impossible.
+    soft: Option<SoftSectors>,
     watch: &'a dyn Watch,
 }
 
@@ -72,20 +76,28 @@ pub(crate) struct Search {
 }
 
 impl<'a> Solver<'a> {
+    /// The solver for a log with these stops. `sigma_db` is the error of the strengths by which nodes name sectors, if the
+    /// settings ask for their probabilities (dB).
     pub(crate) fn new(
         lattice: &'a Lattice,
         stops: &'a [Stop],
         profile: &ReceptionProfile,
         sectors: Option<(&SectorTable, &SectorSettings)>,
+        sigma_db: Option<f64>,
         watch: &'a dyn Watch,
     ) -> Self {
         let curve = Curve::new(profile);
         let places: Vec<Position> = stops.iter().map(|stop| stop.position).collect();
         let cells = CellIndex::new(&places, 0.25 * profile.range_m());
         let is_flat = is_flat(lattice, &places);
+        let range_m = profile.range_m();
+        let soft = sectors.zip(sigma_db).and_then(|((table, settings), sigma_db)| {
+            let side_lobe_db = settings.soft?.side_lobe_db;
+            Some(SoftSectors::new(table, sigma_db, side_lobe_db, lattice, range_m))
+        });
         let wedges =
-            sectors.map(|(table, settings)| Wedges::new(table, settings, lattice, profile.range_m(), is_flat));
-        Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges, watch }
+            sectors.map(|(table, settings)| Wedges::new(table, settings, soft.as_ref(), lattice, range_m, is_flat));
+        Self { lattice, stops, cells, clamped: curve.clamped(), curve, wedges, soft, watch }
     }
 
     pub(crate) fn lattice(&self) -> &'a Lattice {
@@ -201,6 +213,7 @@ impl<'a> Solver<'a> {
             curve,
             admission,
             wedges: self.wedges.as_ref(),
+            soft: self.soft.as_ref(),
             evidence,
             survivors,
             watch: self.watch,

@@ -10,6 +10,7 @@ use super::curve::Curve;
 use super::evidence::{Count, Evidence};
 use super::receiver::Receiver;
 use super::screen::{Scene, Screen};
+use super::soft::SoftSectors;
 use super::wedges::Wedges;
 use super::{Row, Sink};
 use crate::Lattice;
@@ -53,6 +54,7 @@ pub(crate) struct Scorer<'s> {
     pub(crate) curve: &'s Curve,
     pub(crate) admission: Admission,
     pub(crate) wedges: Option<&'s Wedges>,
+    pub(crate) soft: Option<&'s SoftSectors>,
     pub(crate) evidence: &'s Evidence,
     pub(crate) survivors: &'s mut Survivors,
     pub(crate) watch: &'s dyn Watch,
@@ -142,6 +144,9 @@ impl Scorer<'_> {
         match self.wedges.filter(|_| self.admission == Admission::WithinAny && self.evidence.is_sectored()) {
             Some(wedges) => lanes.multiply_sectors(self.curve, self.evidence, wedges),
             None => lanes.multiply_entries(self.curve, self.evidence, coverage, self.admission),
+        }
+        if let (Some(wedges), Some(soft)) = (self.wedges, self.soft) {
+            lanes.multiply_names(self.evidence, wedges, soft);
         }
         // Missed packets can only lower a likelihood.
         if lanes.highest() + constant < sink.least() {
@@ -240,6 +245,20 @@ impl<'v> Lanes<'v> {
         self.multiply(curve, &evidence.heard, |square| curve.at(square));
         for count in &evidence.counts {
             self.multiply_count(curve, count, coverage);
+        }
+    }
+
+    /// Multiplies by the probabilities of the sectors that the node named. A sector that contradicts a vertex counts as a
+    /// reception from beyond R already.
+    fn multiply_names(&mut self, evidence: &Evidence, wedges: &Wedges, soft: &SoftSectors) {
+        for &Receiver { place, sector, .. } in evidence.receptions() {
+            let Some(sector) = sector else { continue };
+            for lane in 0..LANES {
+                let apart = self.apart(place, lane);
+                if wedges.admits(sector, apart) {
+                    self.logarithm[lane] += soft.ln_probability(sector, apart);
+                }
+            }
         }
     }
 

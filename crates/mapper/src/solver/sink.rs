@@ -92,6 +92,11 @@ impl Moments {
         }
     }
 
+    /// The logarithm of the sum of all likelihoods.
+    pub(crate) fn ln_sum(&self) -> f64 {
+        self.highest + libm::log(self.weight)
+    }
+
     pub(crate) fn mean(&self) -> Position {
         let [x, y, z] = self.sum.map(|sum| sum / self.weight);
         self.reference.unwrap_or(self.fallback) + Position::new(x, y, z)

@@ -19,6 +19,7 @@ use super::coverage::{Coverage, Part};
 use super::margin::Margin;
 use super::receiver::Receiver;
 use super::single::single;
+use super::soft::SoftSectors;
 use crate::sectors::SectorSettings;
 use crate::{Lattice, SectorTolerance, SilenceRule};
 
@@ -40,6 +41,8 @@ pub(crate) struct Wedges {
     wedges: Vec<Option<Wedge>>,
     /// The parts of the sphere that sectors cover, if they do not cover all of it and silence elsewhere says nothing.
     covered: Option<Vec<Part>>,
+    /// The sectors that say what is covered, if others.
+    covering: Option<Box<Wedges>>,
 }
 
 /// How the edges of sectors are moved outwards.
@@ -90,6 +93,7 @@ impl Wedges {
     pub(crate) fn new(
         table: &SectorTable,
         settings: &SectorSettings,
+        soft: Option<&SoftSectors>,
         lattice: &Lattice,
         range_m: f64,
         is_flat: bool,
@@ -106,7 +110,15 @@ impl Wedges {
             SectorTolerance::AngularLiteral => Edges { angle, tolerance_m: 0.0, margin: None },
             SectorTolerance::Positional | SectorTolerance::Unlimited => Edges::at_distance(lattice.half_diagonal_m()),
         };
-        Self::of_table(table, edges, settings.silence, is_flat)
+        let hard = Self::of_table(table, edges, settings.silence, is_flat);
+        match soft {
+            // A sector may be named where it does not point, but it covers no more.
+            Some(soft) => {
+                let possible = Self::of_table(&soft.possible(table), edges, SilenceRule::Everywhere, is_flat);
+                Self { covering: Some(Box::new(hard)), ..possible }
+            }
+            None => hard,
+        }
     }
 
     /// The sectors of `table` with these edges. `is_flat` says that no place is above or below a stop.
@@ -119,6 +131,7 @@ impl Wedges {
             margin,
             wedges: Vec::new(),
             covered: None,
+            covering: None,
         };
         let mut parts = Vec::new();
         for sector in table.iter() {
@@ -248,7 +261,8 @@ impl Wedges {
 
     /// What sectors cover, if this is not every direction and silence elsewhere says nothing.
     pub(crate) fn coverage(&self) -> Option<Coverage<'_>> {
-        self.covered.as_deref().map(|parts| Coverage { wedges: self, parts })
+        let wedges = self.covering.as_deref().unwrap_or(self);
+        wedges.covered.as_deref().map(|parts| Coverage { wedges, parts })
     }
 
     /// Collects the conditions of all receptions: the tightest half-space of each direction, as a normal and the

@@ -4,7 +4,7 @@ use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, Sect
 use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
 use sextant_mapper::{
     AlgorithmConfig, ChannelProfileConfig, MapError, Mapper, MlTm, MlTmConfig, MmTm, ObstacleUse, ProfileConfig,
-    SectorTolerance, SectorsConfig, SilenceRule, TopologyMap, TrapezoidConfig,
+    SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig, TopologyMap, TrapezoidConfig,
 };
 
 /// A log of one node, heard at the stops with a sector.
@@ -191,7 +191,8 @@ fn a_stop_that_heard_nothing_rules_out_only_places_that_its_sectors_cover() {
     // Elevation 45 degrees from both ends: the node is at (0, 0, 2).
     let log = log(&stops, &[(0, 0), (2, 4)], Some(table));
     let with = |silence| {
-        let sectors = Some(SectorsConfig { silence, tolerance: SectorTolerance::AngularLiteral, layout: None });
+        let sectors =
+            Some(SectorsConfig { silence, tolerance: SectorTolerance::AngularLiteral, ..SectorsConfig::default() });
         let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.95, 3.5, 7.0));
         let config = MlTmConfig { sectors, z_range_m: Some([0.0, 3.0]), profile, ..config(0.2) };
         let ml_tm = MlTm::try_from(config.clone()).unwrap();
@@ -211,4 +212,47 @@ fn a_stop_that_heard_nothing_rules_out_only_places_that_its_sectors_cover() {
     // Both stops heard it with 0.95 each; the one below says nothing, or has missed a packet with 0.95.
     assert!((above - 2.0 * 0.95_f64.ln()).abs() < 1e-5, "{above}");
     assert!((above_everywhere - (2.0 * 0.95_f64.ln() + 0.05_f64.ln())).abs() < 1e-5, "{above_everywhere}");
+}
+
+#[test]
+fn a_soft_sector_adds_the_logarithm_of_its_probability() {
+    // One stop, eight sectors of 45 degrees. With normal errors of 2 dB, the probability is near exp(G/β)/Σ exp(G/β).
+    let log = log(&[Position::ORIGIN], &[(0, 1)], Some(even(8, vec![WHOLE])));
+    let soft = SoftSectorsConfig { sigma_db: Some(2.0), ..SoftSectorsConfig::default() };
+    let with = |model| {
+        let sectors =
+            Some(SectorsConfig { model, tolerance: SectorTolerance::Positional, ..SectorsConfig::default() });
+        let ml_tm = MlTm::try_from(MlTmConfig { sectors, ..config(0.1) }).unwrap();
+        ml_tm.surface(&log, NodeId(0), &Unwatched).unwrap()
+    };
+    let surface = with(SectorModel::Soft(soft));
+    let beta_db = 2.0 * 2.0_f64.sqrt() / 1.702;
+    let ln_probability = |azimuth_deg: f64| {
+        let weight = |sector: f64| {
+            let off = (azimuth_deg - 45.0 * sector + 180.0).rem_euclid(360.0) - 180.0;
+            (-(12.0 * (off / 45.0).powi(2)).min(30.0) / beta_db).exp()
+        };
+        (weight(1.0) / (0..8).map(|sector| weight(f64::from(sector))).sum::<f64>()).ln()
+    };
+    let mut compared = 0;
+    for (index, &value) in (0..).zip(&surface.log_likelihood) {
+        let vertex = surface.lattice.position(surface.lattice.vertex(index));
+        let expected = ln_probability(vertex.y_m.atan2(vertex.x_m).to_degrees());
+        if (4.0..6.8).contains(&vertex.length_m()) && expected > -7.0 {
+            compared += 1;
+            let reception = (0.9 * (7.0 - vertex.length_m()) / 6.0).ln();
+            assert!((value - reception - expected).abs() < 0.12, "{vertex}: {value}, {reception} and {expected}");
+        }
+    }
+    assert!(compared > 1000, "{compared}");
+    // What the edges admit is a part of it.
+    let finite = |surface: &sextant_mapper::Surface| surface.log_likelihood.iter().filter(|v| v.is_finite()).count();
+    assert!(finite(&surface) > finite(&with(SectorModel::Wedge)));
+    for (soft, key) in [
+        (SoftSectorsConfig { sigma_db: Some(0.0), ..soft }, "sectors.model.soft.sigma_db"),
+        (SoftSectorsConfig { side_lobe_db: -1.0, ..soft }, "sectors.model.soft.side_lobe_db"),
+    ] {
+        let sectors = Some(SectorsConfig { model: SectorModel::Soft(soft), ..SectorsConfig::default() });
+        assert_eq!(MlTm::try_from(MlTmConfig { sectors, ..config(0.25) }).unwrap_err().key, key);
+    }
 }

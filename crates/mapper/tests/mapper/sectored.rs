@@ -3,7 +3,7 @@
 mod estimates;
 mod joint;
 
-use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, SectorTable, Stop};
+use sextant_channel::{EvenSectorsConfig, Position, Reception, ReceptionLog, SectorConfig, SectorTable, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
 use sextant_mapper::{MapError, TopologyMap};
 
@@ -23,12 +23,15 @@ struct Radio {
     sectors: u8,
     /// Standard deviation of the direction from which a node seems to be heard (degrees).
     noise_deg: f64,
+    /// Standard deviation of the error of each sector's strength (dB). If above 0, a node names the strongest sector.
+    sigma_db: f64,
     /// Rings of sectors.
     rings_deg: &'static [[f64; 2]],
 }
 
-const RF: Radio = Radio { range_m: 9.0, packets: 1, sectors: 0, noise_deg: 0.0, rings_deg: &[] };
-const ARRAY: Radio = Radio { range_m: 7.0, packets: 1, sectors: 16, noise_deg: 3.0, rings_deg: &RINGS_DEG };
+const RF: Radio = Radio { range_m: 9.0, packets: 1, sectors: 0, noise_deg: 0.0, sigma_db: 0.0, rings_deg: &[] };
+const ARRAY: Radio =
+    Radio { range_m: 7.0, packets: 1, sectors: 16, noise_deg: 3.0, sigma_db: 0.0, rings_deg: &RINGS_DEG };
 
 impl Radio {
     /// Probability that a packet is received: no trapezoid.
@@ -44,6 +47,27 @@ impl Radio {
             elevations_deg: self.rings_deg.to_vec(),
         };
         (self.sectors > 0).then(|| SectorTable::try_from(config).expect("sound sectors"))
+    }
+
+    /// The sector of highest gain, plus an error for each sector, to a node at `apart` from the robot.
+    fn strongest(&self, apart: Position, error: impl Fn(u8) -> f64) -> Option<u8> {
+        let azimuth_deg = apart.y_m.atan2(apart.x_m).to_degrees();
+        let elevation_deg = apart.z_m.atan2(apart.x_m.hypot(apart.y_m)).to_degrees();
+        let strength_dbi = |sector: &SectorConfig| {
+            let widths_deg = [
+                sector.azimuth_to_deg - sector.azimuth_from_deg,
+                sector.elevation_to_deg - sector.elevation_from_deg,
+            ];
+            let across = azimuth_deg - sector.azimuth_from_deg - 0.5 * widths_deg[0];
+            let across = (across + 180.0).rem_euclid(360.0) - 180.0;
+            let up = elevation_deg - sector.elevation_from_deg - 0.5 * widths_deg[1];
+            let loss_db = 12.0 * ((across / widths_deg[0]).powi(2) + (up / widths_deg[1]).powi(2));
+            let peak_dbi = 10.0 * (41_253.0 / (widths_deg[0] * widths_deg[1])).log10();
+            peak_dbi - loss_db.min(30.0) + self.sigma_db * error(sector.sector)
+        };
+        let table = self.table()?;
+        let strengths = table.iter().map(|sector| (sector.sector, strength_dbi(sector)));
+        strengths.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(sector, _)| sector)
     }
 
     /// The sector in which a node at `apart` from the robot is heard; `None` if no sector points there.
@@ -68,7 +92,11 @@ impl Radio {
         for (node, &place) in (0_u32..).zip(nodes) {
             for (stop, &at) in (0_u32..).zip(stops) {
                 let address = |what: u64| [u64::from(node), u64::from(stop), what];
-                let sector = self.sector(place - at, [normal(address(0)), normal(address(1))]);
+                let sector = if self.sigma_db > 0.0 {
+                    self.strongest(place - at, |sector| normal(address(100 + u64::from(sector))))
+                } else {
+                    self.sector(place - at, [normal(address(0)), normal(address(1))])
+                };
                 let p =
                     if self.sectors > 0 && sector.is_none() { 0.0 } else { self.probability(place.distance_m(at)) };
                 let packets = (0..self.packets).filter(|&packet| draw(address(u64::from(packet))) < p).count();

@@ -18,7 +18,7 @@ fn agrees_with_the_literal_product(case: Case) -> Result<(), TestCaseError> {
     }
     let config = MlTmConfig {
         ties: TieRule::First,
-        sectors: Some(SectorsConfig { tolerance: case.tolerance, layout: None, silence: case.silence }),
+        sectors: Some(SectorsConfig { tolerance: case.tolerance, silence: case.silence, ..SectorsConfig::default() }),
         ..MlTmConfig::new(case.step_m, ProfileConfig::Trapezoid(case.profile.clone()))
     };
     let mut argmax = ml_tm(config.clone());
