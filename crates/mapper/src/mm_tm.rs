@@ -36,6 +36,17 @@ impl MmTm {
         }
     }
 
+    /// ML-TM with the same likelihood, for the surface of a node: under the profile of the settings, or under a fitted one,
+    /// to which the part of the log that is [evidence](Fit::evidence) belongs.
+    #[must_use]
+    pub fn ml_tm(&self, fit: Option<&Fit>) -> Option<MlTm> {
+        match (&self.0, fit) {
+            (Likelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
+            (Likelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
+            (Likelihood::Fitted(_), None) => None,
+        }
+    }
+
     /// The map of the nodes in `log`, and the profile that it was made with if it was fitted.
     ///
     /// # Errors

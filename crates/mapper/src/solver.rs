@@ -12,9 +12,11 @@
 //! how many receptions the best vertex can contradict, and the same box and rows, relaxed by that number,
 //! hold every vertex that can be as good. A coarse-to-fine branch and bound was slower wherever it was tried.
 
+mod conditions;
 mod coverage;
 mod curve;
 mod evidence;
+mod lanes;
 mod margin;
 mod receiver;
 mod rows;

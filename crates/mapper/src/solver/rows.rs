@@ -5,8 +5,9 @@ use std::ops::Range;
 use sextant_channel::Position;
 
 use super::Row;
+use super::conditions::{Plane, Residual};
 use super::receiver::Receiver;
-use super::wedges::{Plane, Residual, Wedges};
+use super::wedges::Wedges;
 use crate::Lattice;
 
 /// A factor on R² that is larger than the rounding error of squared distances, so that no vertex in range is dropped.
