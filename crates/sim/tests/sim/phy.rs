@@ -82,7 +82,7 @@ fn bit_errors_are_refused_for_physical_layers_other_than_that_of_their_rate() {
             continue;
         }
         let allowed = "only `phy = \"oqpsk2450\"`, whose bit error rate is known; with others \
-                       `reception.sinr_threshold` or `reception.overlap`";
+                       `reception.sinr_threshold`, `reception.sir_threshold` or `reception.overlap`";
         let expected =
             SettingError::new("reception.ber", format!("set for a radio with `phy = \"{}\"`", phy.name()), allowed);
         assert_eq!(found, Some(expected));
