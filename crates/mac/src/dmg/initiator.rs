@@ -374,14 +374,15 @@ impl Initiator {
     }
 
     /// When to look whether the window is over. Without feedback it is over once no station can still be contending: the
-    /// channel was idle for AIFS and the largest backoff, and the time to notice a signal. A station that gets no
+    /// channel was idle for AIFS and the largest backoff, the time to notice a signal, and a sweep whose frames point
+    /// elsewhere but for the last. A station that gets no
     /// feedback contends again with a larger backoff, so then only the end of the window counts.
     fn check(&self, window: Window, now: SimTime) -> SimTime {
         if self.settings.contention() != Contention::Csma {
             return window.closes;
         }
         let category = self.settings.access_category();
-        let idle = category.aifs() + SLOT * category.cw_min() + CCA_DETECTION;
+        let idle = category.aifs() + SLOT * category.cw_min() + CCA_DETECTION + self.settings.longest_answer();
         let since = if self.carrier.is_busy() { now } else { self.carrier.free_from().max(window.opens) };
         window.closes.min(since + idle)
     }

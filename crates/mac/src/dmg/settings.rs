@@ -143,9 +143,23 @@ pub struct SweepSettings {
     contention: Contention,
     window: Duration,
     access_category: AccessCategory,
+    longest_answer: Duration,
 }
 
 impl SweepSettings {
+    /// The same for responders whose sweep lasts `span` at most. An initiator hears only those of its frames that point
+    /// at it, so it must expect one after so long a silence.
+    #[must_use]
+    pub const fn with_longest_answer(self, span: Duration) -> Self {
+        Self { longest_answer: span, ..self }
+    }
+
+    /// The longest sweep of a responder; zero if not known.
+    #[must_use]
+    pub const fn longest_answer(&self) -> Duration {
+        self.longest_answer
+    }
+
     /// How responders share the channel.
     #[must_use]
     pub const fn contention(&self) -> Contention {
@@ -200,6 +214,7 @@ impl Default for SweepSettings {
             contention: Contention::Csma,
             window: Duration::from_millis(5),
             access_category: AccessCategory::BestEffort,
+            longest_answer: Duration::ZERO,
         }
     }
 }
@@ -213,7 +228,8 @@ impl TryFrom<SweepConfig> for SweepSettings {
         if !(window_ms > 0.0 && window_ms <= MAX_WINDOW_MS) {
             return Err(SettingError::new("window_ms", window_ms, format!("above 0, at most {MAX_WINDOW_MS}")));
         }
-        Ok(Self { contention, window: Duration::from_secs_f64(1e-3 * window_ms), access_category })
+        let window = Duration::from_secs_f64(1e-3 * window_ms);
+        Ok(Self { contention, window, access_category, longest_answer: Duration::ZERO })
     }
 }
 

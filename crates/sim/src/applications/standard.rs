@@ -7,6 +7,7 @@ use crate::event::Timer;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
+use crate::service::sweep::SweepAnswer;
 
 /// One of the applications that every scenario needs.
 pub(crate) enum Standard {
@@ -83,6 +84,12 @@ impl Application for Standard {
     fn listened(&mut self, network: NetworkId, port: &mut Port<'_>) {
         if let Self::Survey(survey) = self {
             survey.listened(network, port);
+        }
+    }
+
+    fn swept(&mut self, network: NetworkId, answers: &[SweepAnswer], port: &mut Port<'_>) {
+        if let Self::Survey(survey) = self {
+            survey.swept(network, answers, port);
         }
     }
 }

@@ -21,6 +21,7 @@ mod seeker;
 mod sensing;
 mod superframe;
 mod survey;
+mod sweeps;
 mod tasks;
 mod timers;
 mod tree;

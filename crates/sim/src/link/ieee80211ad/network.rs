@@ -84,13 +84,14 @@ impl Network {
             let mount = links.antennas.mount(&roll, station, scene.seed);
             scene.airs[air].mount(radios.receiver(station), mount);
         }
+        let sweep = links.sweep.with_longest_answer(layouts[0].sweep_duration());
         let stack = |station: StationId| {
             let address = MacAddress::of(station);
             let layout = layouts[usize::from(!roll.is_node(station))];
             // Only nodes answer, and their sectors were checked against the slots.
-            let responder = Responder::new(address, layouts[0], links.sweep).expect("the antennas were checked");
+            let responder = Responder::new(address, layouts[0], sweep).expect("the antennas were checked");
             Stack {
-                initiator: Initiator::new(address, layout, links.sweep),
+                initiator: Initiator::new(address, layout, sweep),
                 responder,
                 radio: RadioStack::new(),
                 tilt: 0,

@@ -1,0 +1,200 @@
+//! Sector sweeps over the air: exact instants of one answer, the sectors that nodes name, contention.
+
+use std::path::Path;
+use std::time::Duration;
+
+use sextant_channel::{AntennaConfig, ChannelConfig, LogDistanceConfig, PathLossConfig, Position, Reception};
+use sextant_kernel::{NodeId, Seed, StationId};
+use sextant_mac::RadioStates;
+use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
+use sextant_sim::{
+    Antennas, AntennasConfig, BusyNetwork, DmgRadio, FrameOnAir, FrameOutcome, HeadingsConfig, Ieee80211ad,
+    NetworkSetup, Observer, ReceptionModel, Setup, SilentConfig, Simulation, Survey, Technology, TrafficConfig,
+    Unobserved, World,
+};
+
+use crate::network;
+
+/// Nodes with `node_sectors` sectors and a robot with `robot_sectors` in one ring that sweeps `sweeps` times at the
+/// origin. Without shadowing; 0 dBi at the boresights reach 7 m.
+struct Scene {
+    places: Vec<Position>,
+    node_sectors: u8,
+    robot_sectors: u8,
+    sweeps: u32,
+    contention: ContentionConfig,
+    reception: ReceptionModel,
+    seed: u64,
+}
+
+impl Scene {
+    fn of(places: Vec<Position>) -> Self {
+        let reception = ReceptionModel::SirThreshold { least: 2.0 };
+        Self {
+            places,
+            node_sectors: 8,
+            robot_sectors: 16,
+            sweeps: 1,
+            contention: ContentionConfig::Csma,
+            reception,
+            seed: 1,
+        }
+    }
+
+    fn setup(&self) -> Setup {
+        let sectors = |count: u8| -> AntennaConfig {
+            let text = format!("sectors = {{ azimuth_sectors = {count}, boresight_gain_dbi = 0.0 }}");
+            toml::from_str(&text).expect("an antenna")
+        };
+        let antennas = AntennasConfig {
+            nodes: sectors(self.node_sectors),
+            robots: sectors(self.robot_sectors),
+            node_headings: HeadingsConfig::Random,
+            misalignment_loss: 0.0,
+        };
+        let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
+        let channel = ChannelConfig {
+            environment: None,
+            path_loss: Some(PathLossConfig::LogDistance(law)),
+            ..ChannelConfig::default()
+        };
+        let config = SweepConfig { contention: self.contention, ..SweepConfig::default() };
+        let radio =
+            sextant_sim::RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
+        let links = Ieee80211ad {
+            radio: DmgRadio::try_from(radio).expect("good levels"),
+            reception: self.reception,
+            sweep: config.try_into().expect("good settings"),
+            antennas: Antennas::read(&antennas, Path::new("")).expect("good antennas"),
+        };
+        let link = NetworkSetup {
+            channel: channel.try_into().expect("a good channel"),
+            technology: Technology::Ieee80211ad(Box::new(links)),
+            radio_states: RadioStates::mmwave_60_ghz(),
+            members: None,
+        };
+        let traffic = network::plan(TrafficConfig::Silent(SilentConfig {}), self.places.len());
+        let mut robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(100));
+        robot.body.sweeps_per_stop = self.sweeps;
+        Setup {
+            world: World { nodes: network::nodes(&self.places), ..World::default() },
+            networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+            robots: vec![robot],
+            sinks: Vec::new(),
+            duration: None,
+            seed: Seed(self.seed),
+        }
+    }
+
+    fn run(&self, observer: &mut impl Observer) -> Survey {
+        Simulation::new(self.setup()).expect("a good setup").run(observer)
+    }
+}
+
+/// A frame: start and end (ns), and what it says.
+type Sent = (u64, u64, StationId, SweepFrame, FrameOutcome);
+
+#[derive(Default)]
+struct OnAir(Vec<Sent>);
+
+impl Observer for OnAir {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
+        let read = SweepFrame::parse(frame.bytes).expect("a frame of a sweep");
+        let end = frame.start + frame.airtime;
+        self.0.push((frame.start.as_nanos(), end.as_nanos(), frame.source, read, frame.outcome));
+    }
+}
+
+fn receptions(survey: &Survey, node: u32) -> Vec<Reception> {
+    survey.log.of(NodeId(node)).to_vec()
+}
+
+#[test]
+fn a_lone_node_answers_after_its_backoff_with_the_sector_that_points_at_it() {
+    let azimuth_rad = 100.0_f64.to_radians();
+    let place = Position::new(4.0 * azimuth_rad.cos(), 4.0 * azimuth_rad.sin(), 0.0);
+    let mut on_air = OnAir::default();
+    let survey = Scene::of(vec![place]).run(&mut on_air);
+    let (iss, rss): (Vec<&Sent>, Vec<&Sent>) =
+        on_air.0.iter().partition(|(_, _, _, frame, _)| matches!(frame.body, SweepBody::Iss { .. }));
+    assert_eq!((iss.len(), rss.len()), (16, 8));
+    // 16 frames of 14 909 ns, 1 us apart.
+    assert_eq!(iss[15].1 - iss[0].0, 253_544);
+    // MBIFS, AIFS and whole slots after the end of the sweep.
+    let waited = rss[0].0 - iss[15].1 - 9_000 - 18_000;
+    assert_eq!((waited % 5_000, waited / 5_000 <= 15), (0, true), "{waited} ns");
+    assert_eq!(rss[7].1 - rss[0].0, 126_272);
+    assert_eq!(rss[0].3.to, MacAddress::of(StationId(1)));
+    // 100 degrees is in the sector from 78.75 to 101.25 degrees.
+    let [Reception { received: 1, sent: 1, sector: Some(4), snr_db: Some(snr_db), rssi_dbm: Some(_), .. }] =
+        receptions(&survey, 0)[..]
+    else {
+        panic!("{:?}", receptions(&survey, 0))
+    };
+    // The power at 4 m, 10 degrees off the boresight of a beam of 22.5 degrees, over a noise of -71.5 dBm.
+    let power_dbm = -60.0 + 20.0 * (7.0_f64 / 4.0).log10() - 3.01 * (2.0_f64 * 10.0 / 22.5).powi(2);
+    assert!((snr_db - (power_dbm + 71.5)).abs() <= 0.13, "{snr_db} dB, not {}", power_dbm + 71.5);
+    assert_eq!(survey.networks[0].packets[0].received, 1);
+    assert!(survey.log.sectors().is_some_and(|table| table.len() == 16));
+}
+
+#[test]
+fn every_sweep_of_a_stop_is_answered_by_a_lone_node() {
+    let scene = Scene { sweeps: 7, ..Scene::of(vec![Position::new(3.0, 0.0, 0.0)]) };
+    let survey = scene.run(&mut Unobserved);
+    let [Reception { received: 7, sent: 7, sector: Some(0), .. }] = receptions(&survey, 0)[..] else {
+        panic!("{:?}", receptions(&survey, 0))
+    };
+    assert_eq!((survey.log.stops().len(), survey.networks[0].packets[1].sent), (1, 7));
+    // The stop lasts as long as it should.
+    assert_eq!(survey.end.as_nanos(), 100_000_000);
+}
+
+#[test]
+fn nodes_beyond_the_reach_of_every_sector_do_not_answer() {
+    // On a boresight and on an edge between two sectors, where 3 dB are missing: a factor of 0.707 in distance.
+    let at = |range_m: f64, azimuth_deg: f64| {
+        Position::new(range_m * azimuth_deg.to_radians().cos(), range_m * azimuth_deg.to_radians().sin(), 0.0)
+    };
+    let heard = |place| {
+        let scene = Scene { node_sectors: 1, ..Scene::of(vec![place]) };
+        let survey = scene.run(&mut Unobserved);
+        survey.networks[0].packets[0].offered
+    };
+    assert_eq!([heard(at(6.99, 45.0)), heard(at(7.01, 45.0))], [1, 0]);
+    assert_eq!([heard(at(4.93, 56.25)), heard(at(4.97, 56.25))], [1, 0]);
+}
+
+#[test]
+fn contention_of_nodes_that_hear_each_other_loses_only_equal_backoffs() {
+    // Overlapping frames are lost, and two of all nodes collide only if they draw the same of 16 slots.
+    let (rounds, nodes) = (400, 4);
+    let places: Vec<Position> = (0..nodes).map(|i| Position::new(0.2, 0.05 * f64::from(i), 0.0)).collect();
+    let mut received = 0;
+    for seed in 0..rounds {
+        let reception = ReceptionModel::Overlap;
+        let scene = Scene { reception, node_sectors: 1, seed, ..Scene::of(places.clone()) };
+        let survey = scene.run(&mut Unobserved);
+        received += survey.networks[0].packets[..4].iter().map(|packets| packets.received).sum::<u64>();
+        assert!(survey.networks[0].packets[..4].iter().all(|packets| packets.offered == 1 && packets.pending == 0));
+    }
+    let share = received as f64 / (rounds as f64 * f64::from(nodes));
+    let expected = (15.0_f64 / 16.0).powi(3);
+    // Four standard errors; the nodes of a round are not independent, so of whole rounds.
+    assert!((share - expected).abs() < 4.0 * (expected * (1.0 - expected) / rounds as f64).sqrt(), "{share}");
+}
+
+#[test]
+fn the_same_scene_gives_the_same_survey() {
+    let places: Vec<Position> =
+        (0..30).map(|i| Position::new(1.0 + 0.15 * f64::from(i), 0.3 * f64::from(i % 7), 0.0)).collect();
+    let scene = Scene { sweeps: 3, ..Scene::of(places) };
+    let (first, second) = (scene.run(&mut Unobserved), scene.run(&mut OnAir::default()));
+    assert_eq!(first.log, second.log);
+    assert_eq!(first.packets, second.packets);
+    assert!(first.packets.received > 30, "{:?}", first.packets);
+}
