@@ -16,6 +16,8 @@ const TOLERANCE: f64 = 0.025;
 #[derive(Debug)]
 pub(crate) struct Directions {
     wedges: Wedges,
+    /// The same without a tolerance: many packets missed at a place near an edge weigh more than one reception there.
+    covering: Wedges,
 }
 
 impl Directions {
@@ -33,9 +35,10 @@ impl Directions {
             Heights::Level(z_m) => log.stops().iter().all(|stop| (stop.position.z_m - z_m).abs() <= 1e-9),
             Heights::Between(..) => false,
         };
-        let edges = Edges::at_distance(TOLERANCE * reach_m);
-        let wedges = settings.table(log)?.map(|table| Wedges::of_table(table, edges, settings.silence, is_flat));
-        Ok(wedges.map(|wedges| Self { wedges }))
+        let table = settings.table(log)?;
+        let wedges =
+            |table, tolerance_m| Wedges::of_table(table, Edges::at_distance(tolerance_m), settings.silence, is_flat);
+        Ok(table.map(|table| Self { wedges: wedges(table, TOLERANCE * reach_m), covering: wedges(table, 0.0) }))
     }
 
     /// The factor of the likelihood of a place at `apart` from the stop of a reception in `sector`.
@@ -48,7 +51,7 @@ impl Directions {
 
     /// Whether a sector points to a place at `apart` from a stop, so that silence there means something.
     pub(crate) fn covers(&self, apart: Position) -> bool {
-        self.wedges.coverage().is_none_or(|coverage| coverage.covers(apart.into()))
+        self.covering.coverage().is_none_or(|coverage| coverage.covers(apart.into()))
     }
 }
 

@@ -8,7 +8,7 @@ use super::belief::Belief;
 use super::bounds::Bounds;
 use super::counts::{Counts, Link, Record};
 use super::likelihood::Likelihood;
-use super::model::Model;
+use super::model::{FLOOR, Model};
 use super::shadows::Shadows;
 use super::window::Window;
 use crate::directions::Directions;
@@ -176,7 +176,7 @@ impl Surroundings<'_> {
         likelihood.add(window, link, |place| {
             let apart = place - link.place;
             if link.received == 0 && !directions.covers(apart) {
-                return 0.0;
+                return FLOOR;
             }
             match obstacles {
                 Some(obstacles) => {

@@ -65,6 +65,17 @@ fn a_self_calibrated_map_uses_sectors() {
 }
 
 #[test]
+fn many_packets_missed_where_no_sector_points_say_nothing() {
+    let many = Radio { packets: 60, noise_deg: 0.0, rings_deg: &[[0.0, 35.0]], ..ARRAY };
+    let nodes = nodes(2, 12);
+    let log = many.log(4, &nodes, &lanes(1.5));
+    let config = SelfCalibratedConfig { z_range_m: Some([0.0, 2.5]), ..SelfCalibratedConfig::default() };
+    let map = SelfCalibrated::try_from(config).expect("good settings").map(&log, &Unwatched).map(|(map, _)| map);
+    let (error_m, unmapped) = mean_error_m(&map, &nodes);
+    assert!(error_m < 0.5 && unmapped == 0, "{error_m} m");
+}
+
+#[test]
 fn probabilities_of_sectors_place_nodes_better_than_their_edges() {
     let noisy = Radio { sigma_db: 3.0, sectors: 32, ..ARRAY };
     let nodes = nodes(31, 80);
