@@ -10,7 +10,7 @@ use super::mounts::Mounts;
 use super::signal::{Aim, Emission, Signal};
 
 /// Number of links that are remembered: a power of two.
-const LINKS: usize = 1 << 18;
+const LINKS: usize = 1 << 20;
 
 /// The power between pairs of stations. That between two stations that stand is remembered, and that between a station
 /// that moves and another as long as both are in their places. A link that is not remembered, or was forgotten because
@@ -20,6 +20,8 @@ pub(super) struct Budget {
     mounts: Mounts,
     /// What the remembered links are sent with.
     emission: Emission,
+    /// With antennas, a power below it counts as none.
+    floor: Dbm,
     /// Whether shadowing changes with each packet.
     is_per_packet: bool,
     /// Number of stations, which address the slots.
@@ -53,7 +55,7 @@ struct RememberedMobile {
 
 impl Budget {
     /// The budget of `stations` stations, of which `mobile` may move.
-    pub(super) fn new(channel: Channel, emission: Emission, stations: usize, mobile: Range<u32>) -> Self {
+    pub(super) fn new(channel: Channel, emission: Emission, floor: Dbm, stations: usize, mobile: Range<u32>) -> Self {
         let is_per_packet = channel.law().shadowing().is_per_packet();
         let slots = if stations.saturating_mul(stations) < LINKS { stations * stations } else { LINKS };
         let links = vec![Remembered::default(); slots];
@@ -61,7 +63,7 @@ impl Budget {
         let unknown = RememberedMobile { places: [nowhere; 2], power: f64::NAN };
         let mobile_links = vec![unknown; mobile.len() * stations];
         let mounts = Mounts::default();
-        Self { channel, mounts, emission, is_per_packet, stations, mobile, links, mobile_links }
+        Self { channel, mounts, emission, floor, is_per_packet, stations, mobile, links, mobile_links }
     }
 
     pub(super) fn channel(&self) -> &Channel {
@@ -85,7 +87,7 @@ impl Budget {
         let &Listener { station, place, .. } = listener;
         if signal.emission.power != self.emission.power {
             let mean = self.mean(signal, place)?;
-            return Some(self.received(mean, signal, listener).to_milliwatts());
+            return Some(self.milliwatts(self.with_shadowing(mean, signal, listener), signal, listener));
         }
         if let Some(mobile) = self.mobile_of(signal.source, station) {
             let known = self.mobile_power(mobile, signal, listener);
@@ -94,7 +96,7 @@ impl Budget {
             }
             let shadowed =
                 if self.is_per_packet { self.with_shadowing(Dbm(known), signal, listener) } else { Dbm(known) };
-            return Some(self.with_gains(shadowed, signal, listener).to_milliwatts());
+            return Some(self.milliwatts(shadowed, signal, listener));
         }
         let address = station.index() * self.stations + signal.source.index();
         let slot = self.slot(address);
@@ -107,10 +109,11 @@ impl Budget {
             return None;
         }
         if self.is_per_packet {
-            return Some(self.received(Dbm(remembered.power), signal, listener).to_milliwatts());
+            let shadowed = self.with_shadowing(Dbm(remembered.power), signal, listener);
+            return Some(self.milliwatts(shadowed, signal, listener));
         }
         if self.has_antennas() {
-            return Some(self.with_gains(Dbm(remembered.power), signal, listener).to_milliwatts());
+            return Some(self.milliwatts(Dbm(remembered.power), signal, listener));
         }
         Some(Milliwatts(remembered.power))
     }
@@ -135,7 +138,7 @@ impl Budget {
             None => f64::NAN,
             Some(mean) if self.is_per_packet => mean.0,
             Some(mean) if self.has_antennas() => self.with_shadowing(mean, signal, listener).0,
-            Some(mean) => self.received(mean, signal, listener).to_milliwatts().0,
+            Some(mean) => self.with_shadowing(mean, signal, listener).to_milliwatts().0,
         }
     }
 
@@ -176,9 +179,14 @@ impl Budget {
         self.channel.mean_power(signal.emission.power, signal.position, place)
     }
 
-    /// The power at the listener, from the mean on the way.
-    fn received(&self, mean: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
-        self.with_gains(self.with_shadowing(mean, signal, listener), signal, listener)
+    /// The power at the listener, with the gains of both antennas if there are any; zero if it is negligible then.
+    #[inline]
+    fn milliwatts(&self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
+        if !self.has_antennas() {
+            return power.to_milliwatts();
+        }
+        let power = self.with_gains(power, signal, listener);
+        if power < self.floor { Milliwatts(0.0) } else { power.to_milliwatts() }
     }
 
     fn with_shadowing(&self, mean: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
@@ -187,11 +195,7 @@ impl Budget {
     }
 
     /// The power with the gains of both antennas.
-    #[inline]
     fn with_gains(&self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
-        if !self.has_antennas() {
-            return power;
-        }
         let apart = listener.place - signal.position;
         let length_m = apart.length_m();
         let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };

@@ -74,12 +74,6 @@ impl Medium {
         self.budget.mounts_mut()
     }
 
-    /// Whether radios have antennas with sectors.
-    #[inline]
-    pub(crate) fn has_antennas(&self) -> bool {
-        self.budget.has_antennas()
-    }
-
     /// Starts a signal.
     pub(crate) fn begin(&mut self, signal: Signal) {
         let forgotten = signal.start.saturating_sub(self.memory);
@@ -173,9 +167,18 @@ impl Medium {
                 found.push(Listener { receiver, station, place: place.at(signal.start) });
             }
         }
+        let (has_antennas, reach_m) = (self.budget.has_antennas(), self.reach_m);
         if self.standing_count > 0 {
             self.standing.near(signal.position, |cell| {
-                found.extend(cell.iter().filter(|listener| listener.receiver != signal.sender));
+                let is_other = |listener: &&Listener<Position>| listener.receiver != signal.sender;
+                if has_antennas {
+                    // Many frames of a sweep go to few stations: most of those in the cells are too far.
+                    let is_near =
+                        |listener: &&Listener<Position>| listener.place.distance_m(signal.position) <= reach_m;
+                    found.extend(cell.iter().filter(is_other).filter(is_near));
+                } else {
+                    found.extend(cell.iter().filter(is_other));
+                }
             });
         }
         if found.len() > 1 {

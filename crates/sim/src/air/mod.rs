@@ -70,8 +70,6 @@ pub(crate) struct Air {
     packets: u64,
     seed: Seed,
     near: Vec<Listener<Position>>,
-    /// With antennas, signals below it are not even interference.
-    floor: Milliwatts,
     /// Changes of the carrier that nobody has taken yet.
     carrier_changes: Vec<CarrierChange>,
 }
@@ -98,7 +96,7 @@ impl Air {
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
-        let budget = Budget::new(channel, emission, roll.len(), mobile);
+        let budget = Budget::new(channel, emission, floor, roll.len(), mobile);
         Self {
             medium: Medium::new(budget, places, power + gain, floor, sensing),
             receivers: Vec::new(),
@@ -109,7 +107,6 @@ impl Air {
             packets: first_packet,
             seed,
             near: Vec::new(),
-            floor: floor.to_milliwatts(),
             carrier_changes: Vec::new(),
         }
     }
@@ -164,7 +161,7 @@ impl Air {
         let rules = *self.rules(receiver);
         for signal in on_air.iter().filter(|signal| signal.sender != receiver) {
             if let Some(power) = self.medium.power_at(signal, &Listener { receiver, station, place })
-                && !self.is_negligible(power)
+                && power.0 > 0.0
             {
                 self.receivers[receiver.index()].begin(now, signal.packet, power, false, &rules);
             }
@@ -191,11 +188,6 @@ impl Air {
         {
             self.carrier_changes.push(CarrierChange { station, is_busy });
         }
-    }
-
-    #[inline]
-    fn is_negligible(&self, power: Milliwatts) -> bool {
-        power < self.floor && self.medium.has_antennas()
     }
 
     /// A station that listens, or not, moves differently from now on.
@@ -261,7 +253,8 @@ impl Air {
                     None => self.in_audience[receiver.index()] && self.network(receiver) == network,
                 };
                 listening -= usize::from(is_for);
-                if !self.is_negligible(power) {
+                // A negligible power is not even interference.
+                if power.0 > 0.0 {
                     let rules = *self.rules(receiver);
                     self.receivers[receiver.index()].begin(now, signal.packet, power, true, &rules);
                     self.note_carrier(receiver, station, &rules);
