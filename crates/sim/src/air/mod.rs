@@ -5,6 +5,7 @@ mod cells;
 mod medium;
 mod mounts;
 mod outcome;
+mod reached;
 mod receiver;
 mod receiver_id;
 mod reception_model;
@@ -19,6 +20,7 @@ use crate::purpose;
 use crate::station::{Motion, Roll};
 use budget::Budget;
 use medium::{Listener, Medium};
+use reached::Reached;
 use receiver::{Heard, Receiver};
 
 pub(crate) use mounts::Mount;
@@ -70,6 +72,7 @@ pub(crate) struct Air {
     packets: u64,
     seed: Seed,
     near: Vec<Listener<Position>>,
+    reached: Reached,
     /// Changes of the carrier that nobody has taken yet.
     carrier_changes: Vec<CarrierChange>,
 }
@@ -107,6 +110,7 @@ impl Air {
             packets: first_packet,
             seed,
             near: Vec::new(),
+            reached: Reached::default(),
             carrier_changes: Vec::new(),
         }
     }
@@ -164,6 +168,7 @@ impl Air {
                 && power.0 > 0.0
             {
                 self.receivers[receiver.index()].begin(now, signal.packet, power, false, &rules);
+                self.reached.join(signal.packet, receiver, station);
             }
         }
         self.note_carrier(receiver, station, &rules);
@@ -245,6 +250,7 @@ impl Air {
         };
         let mut near = std::mem::take(&mut self.near);
         self.medium.listeners(&signal, &mut near);
+        let mut reached = self.reached.spare();
         for listener in &near {
             if let Some(power) = self.medium.power_at(&signal, listener) {
                 let &Listener { receiver, station, .. } = listener;
@@ -258,9 +264,11 @@ impl Air {
                     let rules = *self.rules(receiver);
                     self.receivers[receiver.index()].begin(now, signal.packet, power, true, &rules);
                     self.note_carrier(receiver, station, &rules);
+                    reached.push((receiver, station));
                 }
             }
         }
+        self.reached.begin(signal.packet, reached);
         self.near = near;
         Transmission { signal, network, beyond: listening > 0 }
     }
@@ -269,10 +277,9 @@ impl Air {
     /// the radios of other networks in the band it was only a disturbance.
     pub(crate) fn end(&mut self, now: SimTime, transmission: &Transmission, arrivals: &mut Vec<Arrival>) {
         let &Transmission { signal, network, .. } = transmission;
-        let mut near = std::mem::take(&mut self.near);
-        self.medium.listeners(&signal, &mut near);
+        let reached = self.reached.end(signal.packet);
         arrivals.clear();
-        for &Listener { receiver, station, .. } in &near {
+        for &(receiver, station) in &reached {
             let seed = self.seed;
             let luck = || seed.uniform(purpose::RECEPTION, [signal.packet, receiver.0.into(), 0]);
             let rules = *self.rules(receiver);
@@ -285,7 +292,7 @@ impl Air {
                 }
             }
         }
-        self.near = near;
+        self.reached.give_back(reached);
     }
 }
 
