@@ -95,7 +95,8 @@ mod tests {
     use super::Declaration;
 
     fn declarations() -> impl Iterator<Item = &'static Declaration> {
-        messages::DECLARATIONS.iter().chain(messages::sensing::DECLARATIONS)
+        let own = [messages::DECLARATIONS, messages::networks::DECLARATIONS, messages::sensing::DECLARATIONS];
+        own.into_iter().flatten()
     }
 
     #[test]

@@ -43,8 +43,10 @@ macro_rules! recorded {
     };
 }
 
+pub(super) mod networks;
 pub(super) mod sensing;
 
+pub use networks::{NetworksMessage, SectorMessage};
 pub use sensing::{SensedMessage, SensorsMessage};
 
 /// Names of the nodes that the robot knows, heard or not, without positions.
@@ -186,6 +188,9 @@ pub struct FrameMessage {
     /// Received power at that station (dBm), if it was measured.
     #[prost(double, optional, tag = "6")]
     pub power_dbm: Option<f64>,
+    /// Name of the network in which it was sent; empty if there is one network without a name.
+    #[prost(string, tag = "7")]
+    pub network: String,
 }
 
 /// One value of a time series.
@@ -216,7 +221,7 @@ recorded! {
     ContactMessage = "Contact": ["time_ns" = 1 Uint64, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
     FrameMessage = "Frame": [
         "start_ns" = 1 Uint64, "airtime_ns" = 2 Uint64, "source" = 3 Uint32, "mpdu" = 4 Bytes, "outcome" = 5 String,
-        "power_dbm" = 6 OptionalDouble,
+        "power_dbm" = 6 OptionalDouble, "network" = 7 String,
     ];
     MetricMessage = "Metric": ["time_ns" = 1 Uint64, "name" = 2 String, "value" = 3 Double];
     LinkMessage = "Link": [

@@ -14,7 +14,7 @@
 //! recorder.nodes(&["a".to_owned(), "b".to_owned()])?;
 //! let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0) };
 //! let heard = Reception { node: NodeId(1), stop: 0, received: 3, sent: 5, sector: None, rssi_dbm: None, snr_db: None };
-//! recorder.stop("surveyor", 0, &stop, &[heard])?;
+//! recorder.stop(None, "surveyor", 0, &stop, &[heard])?;
 //! recorder.finish()?;
 //!
 //! assert_eq!(read_log(&path)?.log.receptions(), [heard]);

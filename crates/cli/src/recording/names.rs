@@ -1,5 +1,7 @@
 //! Names of topics, attachments and metadata records.
 
+use std::borrow::Cow;
+
 /// Name of the attachment with the text of the scenario.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 /// Name of the attachment with the summary.
@@ -26,3 +28,35 @@ pub(super) const WORLD_NODES_TOPIC: &str = "/world/nodes";
 pub(super) const WORLD_SINKS_TOPIC: &str = "/world/sinks";
 /// Name of the metadata record of a recovered recording.
 pub(super) const RECOVERED_METADATA: &str = "recovered";
+/// Topic of the names of the surveyed networks.
+pub(super) const NETWORKS_TOPIC: &str = "/networks";
+/// Start of the topics of networks; their names follow.
+const NETWORKS_TOPICS: &str = "/networks/";
+/// Topics of a reception log.
+const STOPS_TOPIC: &str = "/stops";
+const RECEPTIONS_TOPIC: &str = "/receptions";
+const SECTORS_TOPIC: &str = "/sectors";
+
+/// The topics of the reception log of one network.
+pub(super) struct LogTopics {
+    pub(super) stops: Cow<'static, str>,
+    pub(super) receptions: Cow<'static, str>,
+    pub(super) sectors: Cow<'static, str>,
+}
+
+impl LogTopics {
+    /// The topics of the first surveyed network, or those of the `other` one.
+    pub(super) fn new(other: Option<&str>) -> Self {
+        let topic = |topic: &'static str| match other {
+            None => Cow::Borrowed(topic),
+            Some(name) => Cow::Owned(format!("{NETWORKS_TOPICS}{name}{topic}")),
+        };
+        Self { stops: topic(STOPS_TOPIC), receptions: topic(RECEPTIONS_TOPIC), sectors: topic(SECTORS_TOPIC) }
+    }
+
+    /// Name of the network to whose log `topic` belongs; `None` for the first one.
+    pub(super) fn network(topic: &str) -> Option<&str> {
+        let rest = topic.strip_prefix(NETWORKS_TOPICS)?;
+        [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC].iter().find_map(|end| rest.strip_suffix(end))
+    }
+}

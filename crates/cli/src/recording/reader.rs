@@ -6,24 +6,30 @@ use std::path::Path;
 use crate::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
-use sextant_channel::{Contact, Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
+use sextant_channel::{
+    Contact, LogError, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorConfig, SectorTable, Stop,
+};
 use sextant_kernel::{NodeId, SimTime};
 
 use super::drawing;
 use super::error::RecordingError;
 use super::messages;
-use super::names::WORLD_NODES_TOPIC;
+use super::names::{LogTopics, WORLD_NODES_TOPIC};
 use super::scan::{Piece, scan};
 
 /// The reception log of a recording, with its metadata and attachments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedRun {
-    /// The reception log.
+    /// The reception log, of the first network if robots surveyed several.
     pub log: ReceptionLog,
+    /// Name of the network of `log`, if robots surveyed several.
+    pub network: Option<String>,
+    /// The logs of the other networks, by name.
+    pub other_logs: Vec<(String, ReceptionLog)>,
     /// The paths of the robots, by name; empty if the recording is incomplete.
     pub paths: Vec<(String, Vec<Position>)>,
-    /// Number of ignored stops, 0 or 1. Receptions of the last stop of a recovered recording may be missing, and a
-    /// missing reception would mean that nothing was heard.
+    /// Number of ignored stops, 0 or 1 in each log. Receptions of the last stop of a recovered recording may be missing, and
+    /// a missing reception would mean that nothing was heard.
     pub cut_stops: usize,
     /// Metadata records by name. A recording of `run` has [`super::ORIGIN_METADATA`].
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
@@ -74,7 +80,7 @@ pub fn read_run(path: &Path) -> Result<RecordedRun, RecordingError> {
 
 /// Reads a recording, and the topics in it.
 fn read(path: &Path) -> Result<(RecordedRun, Vec<String>), RecordingError> {
-    let mut draft = LogDraft::default();
+    let mut draft = RunDraft::default();
     let mut topics = Vec::new();
     let mut metadata = BTreeMap::new();
     let mut attachments = Vec::new();
@@ -101,13 +107,11 @@ fn read(path: &Path) -> Result<(RecordedRun, Vec<String>), RecordingError> {
         }
         Ok(())
     })?;
-    let cut_stops = draft.cut_last_stop();
-    let log = draft
-        .receptions
-        .build(draft.names, draft.stops, draft.contacts)
-        .and_then(|log| log.with_robots(draft.robots.into_vec()))
-        .map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
-    Ok((RecordedRun { log, paths: draft.paths, cut_stops, metadata, attachments }, topics))
+    let cut_stops = draft.cut_last_stops();
+    let paths = std::mem::take(&mut draft.paths);
+    let network = draft.networks.first().cloned();
+    let (log, other_logs) = draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
+    Ok((RecordedRun { log, network, other_logs, paths, cut_stops, metadata, attachments }, topics))
 }
 
 /// Reads the true positions of the nodes of the recording `path`, by name (m); `None` if it does not have them.
@@ -115,7 +119,7 @@ fn read(path: &Path) -> Result<(RecordedRun, Vec<String>), RecordingError> {
 /// # Errors
 /// If the file cannot be read or is damaged.
 pub fn read_truth(path: &Path) -> Result<Option<BTreeMap<String, Position>>, RecordingError> {
-    let mut names = LogDraft::default();
+    let mut names = RunDraft::default();
     let mut places: Option<Vec<(NodeId, Position)>> = None;
     sound(path, &mut |piece| {
         let Piece::Message { channel, data, .. } = piece else {
@@ -161,26 +165,53 @@ pub(super) fn sound(
     }
 }
 
-/// A reception log that is being read.
+/// The reception logs that are being read.
 #[derive(Default)]
-struct LogDraft {
+struct RunDraft {
     names: Vec<String>,
     robots: RobotNames,
-    stops: Vec<Stop>,
-    receptions: ReceptionLogBuilder,
+    /// The names of the surveyed networks, if there are several.
+    networks: Vec<String>,
+    log: LogDraft,
+    /// The logs of the other networks, by name.
+    others: Vec<(String, LogDraft)>,
     contacts: Vec<Contact>,
     paths: Vec<(String, Vec<Position>)>,
+}
+
+/// The reception log of one network that is being read.
+#[derive(Default)]
+struct LogDraft {
+    stops: Vec<Stop>,
+    receptions: ReceptionLogBuilder,
+    /// The sectors; `None` if there are none.
+    sectors: Option<SectorTable>,
     /// Number of receptions of the last stop that are still missing.
     owed: u32,
 }
 
-impl LogDraft {
+impl RunDraft {
     /// Adds a message of the given schema, if it is part of a reception log. Returns an error message if it is invalid.
     fn add(&mut self, topic: &str, schema: &str, data: &[u8]) -> Result<(), String> {
         match schema {
             "sextant.Nodes" => self.add_nodes(decode(data)?),
-            "sextant.Stop" => self.add_stop(&decode(data)?),
-            "sextant.Reception" => self.add_reception(&decode(data)?),
+            "sextant.Networks" => {
+                let messages::NetworksMessage { names } = decode(data)?;
+                names.iter().skip(1).for_each(|name| {
+                    self.of(Some(name));
+                });
+                self.networks = names;
+                Ok(())
+            }
+            "sextant.Stop" => {
+                let message: messages::StopMessage = decode(data)?;
+                let robot = self.robots.id(&message.robot);
+                let position = Position::new(message.x_m, message.y_m, message.z_m);
+                let stop = Stop { robot, time: SimTime::from_nanos(message.time_ns), position };
+                self.of(LogTopics::network(topic)).add_stop(&message, stop)
+            }
+            "sextant.Reception" => self.of(LogTopics::network(topic)).add_reception(&decode(data)?),
+            "sextant.Sector" => self.of(LogTopics::network(topic)).add_sector(decode(data)?),
             "foxglove.PosesInFrame" => {
                 if let Some(name) = drawing::robot_of_path(topic) {
                     self.paths.push((name.to_owned(), drawing::path_of(data)?));
@@ -199,6 +230,16 @@ impl LogDraft {
         }
     }
 
+    /// The log of the first network, or of the one called `other`.
+    fn of(&mut self, other: Option<&str>) -> &mut LogDraft {
+        let Some(other) = other else { return &mut self.log };
+        let at = self.others.iter().position(|(name, _)| name == other).unwrap_or_else(|| {
+            self.others.push((other.to_owned(), LogDraft::default()));
+            self.others.len() - 1
+        });
+        &mut self.others[at].1
+    }
+
     fn add_nodes(&mut self, message: messages::NodesMessage) -> Result<(), String> {
         if message.first as usize != self.names.len() {
             return Err(format!("names begin at node {}; expected: node {}", message.first, self.names.len()));
@@ -207,15 +248,43 @@ impl LogDraft {
         Ok(())
     }
 
-    fn add_stop(&mut self, message: &messages::StopMessage) -> Result<(), String> {
+    /// Removes the last stop of each log where it is incomplete. Returns the number of removed stops.
+    fn cut_last_stops(&mut self) -> usize {
+        let others = self.others.iter_mut().map(|(_, log)| log);
+        std::iter::once(&mut self.log).chain(others).map(LogDraft::cut_last_stop).sum()
+    }
+
+    /// The log of the first network, and those of the others by name.
+    fn build(self) -> Result<(ReceptionLog, Vec<(String, ReceptionLog)>), LogError> {
+        let (names, robots, contacts) = (self.names, self.robots.into_vec(), self.contacts);
+        let build = |LogDraft { stops, receptions, sectors, .. }: LogDraft| {
+            let log = receptions.build(names.clone(), stops, contacts.clone())?.with_robots(robots.clone())?;
+            match sectors {
+                Some(sectors) => log.with_sectors(sectors),
+                None => Ok(log),
+            }
+        };
+        let others = self.others.into_iter().map(|(name, log)| Ok((name, build(log)?)));
+        let others = others.collect::<Result<_, _>>()?;
+        Ok((build(self.log)?, others))
+    }
+}
+
+impl LogDraft {
+    fn add_stop(&mut self, message: &messages::StopMessage, stop: Stop) -> Result<(), String> {
         self.settled()?;
         if message.stop as usize != self.stops.len() {
             return Err(format!("found stop {}; expected: stop {}", message.stop, self.stops.len()));
         }
         self.owed = message.receptions;
-        let position = Position::new(message.x_m, message.y_m, message.z_m);
-        let robot = self.robots.id(&message.robot);
-        self.stops.push(Stop { robot, time: SimTime::from_nanos(message.time_ns), position });
+        self.stops.push(stop);
+        Ok(())
+    }
+
+    fn add_sector(&mut self, message: messages::SectorMessage) -> Result<(), String> {
+        let known = self.sectors.take().unwrap_or_default();
+        let sectors = known.iter().cloned().chain([SectorConfig::try_from(message)?]);
+        self.sectors = Some(SectorTable::new(sectors).map_err(|why| why.to_string())?);
         Ok(())
     }
 

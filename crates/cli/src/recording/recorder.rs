@@ -11,15 +11,15 @@ use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
-use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
+use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, SectorTable, Stop};
 use sextant_kernel::SimTime;
 
 use super::drawing::{self, GridPlane, PlacedNode, Solid};
 use super::error::RecordingError;
 use super::messages;
 use super::names::{
-    ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT,
-    WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ANCHORS_TOPIC, BEACONS_TOPIC, LogTopics, NEIGHBOURS_TOPIC, NETWORKS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT,
+    SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
 use super::sink::Sink;
 use crate::output::Draft;
@@ -191,8 +191,27 @@ impl<W: Write> Recorder<W> {
         })
     }
 
-    /// Writes a stop and all receptions there. Stops are numbered from 0 in the order of the calls, and `receptions`
-    /// refer to that number. A chunk never ends within a stop, so that a crash loses complete stops only.
+    /// Writes the names of the networks that robots survey, if there are several: the log of the first one has the topics
+    /// of a log of one network.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn networks(&mut self, names: &[String]) -> Result<(), RecordingError> {
+        self.write(SimTime::ZERO, NETWORKS_TOPIC, &messages::NetworksMessage { names: names.to_vec() })
+    }
+
+    /// Writes the directions of the sectors of the robots, in the log of the first network or of the one called `other`.
+    /// Call it once, before the first stop.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn sectors(&mut self, other: Option<&str>, sectors: &SectorTable) -> Result<(), RecordingError> {
+        let topic = LogTopics::new(other).sectors;
+        sectors.iter().try_for_each(|sector| self.write(SimTime::ZERO, &topic, &messages::SectorMessage::from(sector)))
+    }
+
+    /// Writes a stop and all receptions there, in the log of the first network or of the one called `other`. The stops of
+    /// a log are numbered from 0 in the order of the calls, and `receptions` refer to that number. A chunk never ends within a stop, so that a crash loses complete stops only.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -201,12 +220,14 @@ impl<W: Write> Recorder<W> {
     /// If there are 2³² receptions.
     pub fn stop(
         &mut self,
+        other: Option<&str>,
         robot: &str,
         index: u32,
         stop: &Stop,
         receptions: &[Reception],
     ) -> Result<(), RecordingError> {
         let Position { x_m, y_m, z_m } = stop.position;
+        let topics = LogTopics::new(other);
         let message = messages::StopMessage {
             stop: index,
             time_ns: stop.time.as_nanos(),
@@ -216,7 +237,7 @@ impl<W: Write> Recorder<W> {
             robot: robot.to_owned(),
             receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
         };
-        self.append(stop.time, "/stops", &message)?;
+        self.append(stop.time, &topics.stops, &message)?;
         for &Reception { node, stop: at, received, sent, sector, rssi_dbm, snr_db } in receptions {
             let message = messages::ReceptionMessage {
                 node: node.0,
@@ -227,7 +248,7 @@ impl<W: Write> Recorder<W> {
                 rssi_dbm,
                 snr_db,
             };
-            self.append(stop.time, "/receptions", &message)?;
+            self.append(stop.time, &topics.receptions, &message)?;
         }
         self.stops_in_chunk += 1;
         if self.stops_in_chunk >= STOPS_PER_CHUNK {
@@ -247,7 +268,7 @@ impl<W: Write> Recorder<W> {
         self.write(contact.time, &format!("/robot/{robot}/contacts"), &message)
     }
 
-    /// Writes a complete reception log: names, stops with receptions, contacts.
+    /// Writes a complete reception log: names, sectors, stops with receptions, contacts.
     ///
     /// # Errors
     /// If any write failed, now or before.
@@ -256,13 +277,16 @@ impl<W: Write> Recorder<W> {
     /// If the log has 2³² stops.
     pub fn log(&mut self, log: &ReceptionLog) -> Result<(), RecordingError> {
         self.nodes(log.names())?;
+        if let Some(sectors) = log.sectors() {
+            self.sectors(None, sectors)?;
+        }
         let mut by_stop = log.receptions().to_vec();
         by_stop.sort_by_key(|reception| (reception.stop, reception.node));
         let mut rest = by_stop.as_slice();
         for (index, stop) in log.stops().iter().enumerate() {
             let index = u32::try_from(index).expect("fewer than 2^32 stops");
             let (here, later) = rest.split_at(rest.partition_point(|reception| reception.stop <= index));
-            self.stop(&log.robot_name(stop.robot), index, stop, here)?;
+            self.stop(None, &log.robot_name(stop.robot), index, stop, here)?;
             rest = later;
         }
         log.contacts().iter().try_for_each(|contact| self.contact(&log.robot_name(contact.robot), contact))

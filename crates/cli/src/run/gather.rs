@@ -10,6 +10,7 @@ use crate::interrupt::Interrupt;
 use crate::recording::{
     CapturedFrame, FileCapture, FileRecorder, Level, RecordingError, Sensation, Signal, messages,
 };
+use crate::scenario::Scenario;
 use crate::terminal;
 
 /// Records a simulation while it runs, shows its progress, and stops it if the user interrupts or a write fails.
@@ -21,8 +22,10 @@ pub(super) struct Gathering<'a> {
     progress: terminal::Progress,
     robots: Vec<Track>,
     world: &'a World,
-    /// The network whose log is recorded.
-    surveyed: NetworkId,
+    /// The surveyed networks whose logs have topics of their own, by name: all but the first.
+    others: Vec<(NetworkId, String)>,
+    /// The name of each network, if it has one.
+    network_names: Vec<String>,
     /// The fields, with the sources that were removed so far.
     fields: Vec<Field>,
     failure: Option<RecordingError>,
@@ -68,7 +71,7 @@ pub(super) struct Track {
 }
 
 impl<'a> Gathering<'a> {
-    /// A gathering by the robots `names` in `world`. If `frames` is set, every frame is recorded.
+    /// A gathering by the robots `names` of `scenario`. If `frames` is set, every frame is recorded.
     pub(super) fn new(
         recorder: &'a mut FileRecorder,
         frames: bool,
@@ -76,11 +79,28 @@ impl<'a> Gathering<'a> {
         interrupt: &'a Interrupt,
         progress: terminal::Progress,
         names: impl Iterator<Item = String>,
-        (world, surveyed): (&'a World, NetworkId),
+        scenario: &'a Scenario,
     ) -> Self {
+        let world = scenario.world();
+        let network_names = scenario.networks().iter().map(|network| network.name.clone().unwrap_or_default());
+        let network_names: Vec<String> = network_names.collect();
+        let others = scenario.surveyed().into_iter().skip(1);
+        let others = others.map(|network| (network, network_names[network.index()].clone())).collect();
         let robots = names.map(|name| Track { name, places: Vec::new(), heading_rad: 0.0 }).collect();
         let fields = world.fields.clone();
-        Self { recorder, frames, sniffer, interrupt, progress, robots, world, surveyed, fields, failure: None }
+        Self {
+            recorder,
+            frames,
+            sniffer,
+            interrupt,
+            progress,
+            robots,
+            world,
+            others,
+            network_names,
+            fields,
+            failure: None,
+        }
     }
 
     /// The paths of the robots and the fields as they were, or the first failure to record.
@@ -132,9 +152,10 @@ impl Observer for Gathering<'_> {
     }
 
     fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
-        if network == self.surveyed {
-            self.record(|recorder, robots| recorder.stop(&robots[stop.robot.index()].name, index, stop, receptions));
-        }
+        let other = self.others.iter().find(|(other, _)| *other == network).map(|(_, name)| name.clone());
+        self.record(|recorder, robots| {
+            recorder.stop(other.as_deref(), &robots[stop.robot.index()].name, index, stop, receptions)
+        });
     }
 
     fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
@@ -170,6 +191,7 @@ impl Observer for Gathering<'_> {
             mpdu: frame.bytes.to_vec(),
             outcome: frame.outcome.name().to_owned(),
             power_dbm: frame.power.map(|power| power.0),
+            network: self.network_names[frame.network.index()].clone(),
         };
         self.record(|recorder, _| recorder.frame(&message));
     }

@@ -80,6 +80,7 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     recorder.scenario(scenario.text())?;
     let names: Vec<_> = world.nodes.iter().map(|node| node.name.clone()).collect();
     recorder.nodes(&names)?;
+    open_logs(recorder, scenario)?;
     let solids: Vec<_> =
         world.obstacles.obstacles().iter().enumerate().map(|(i, obstacle)| Solid::of(obstacle, i)).collect();
     if !solids.is_empty() {
@@ -96,6 +97,22 @@ fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure>
     let sensors = &scenario.config().sensors;
     if *sensors != SensorsConfig::default() {
         recorder.sensors(sensors)?;
+    }
+    Ok(())
+}
+
+/// Records which networks are surveyed, and the sectors of the robots in each.
+fn open_logs(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Failure> {
+    let surveyed: Vec<_> = scenario.surveyed().iter().map(|network| &scenario.networks()[network.index()]).collect();
+    let names: Vec<String> = surveyed.iter().filter_map(|network| network.name.clone()).collect();
+    if surveyed.len() > 1 {
+        recorder.networks(&names)?;
+    }
+    for (i, network) in surveyed.iter().enumerate() {
+        if let Some(links) = network.link.technology.ieee80211ad() {
+            let other = network.name.as_deref().filter(|_| i > 0);
+            recorder.sectors(other, &links.antennas.robot_sectors())?;
+        }
     }
     Ok(())
 }
@@ -133,7 +150,7 @@ fn gather(
         interrupt,
         progress,
         names,
-        (scenario.world(), scenario.surveyed()[0]),
+        scenario,
     );
     let survey = simulation.run(&mut gathering);
     let (tracks, fields) = gathering.finish()?;

@@ -124,7 +124,7 @@ fn two_robots_share_one_numbering_of_stops() {
     recorder.nodes(log.names()).unwrap();
     for (index, stop) in (0..).zip(log.stops()) {
         let here: Vec<_> = log.receptions().iter().filter(|r| r.stop == index).collect();
-        recorder.stop(&log.robot_name(stop.robot), index, stop, &here).unwrap();
+        recorder.stop(None, &log.robot_name(stop.robot), index, stop, &here).unwrap();
     }
     log.contacts().iter().for_each(|contact| recorder.contact(&log.robot_name(contact.robot), contact).unwrap());
     recorder.finish().unwrap();
