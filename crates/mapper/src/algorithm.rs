@@ -6,9 +6,10 @@ use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
     ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DrMdsConfig, DvHopConfig, Fit, FittedMlTm,
-    Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig, ObstacleMlTm,
-    ObstacleUse, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig, SelfCalibrated,
-    SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig, WeightedCentroidConfig,
+    JointConfig, JointMlTm, Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig,
+    ObstacleMlTm, ObstacleUse, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig,
+    SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig,
+    WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -18,6 +19,10 @@ pub struct MapConfig {
     /// Name of the map in tables and recordings; the algorithm's name if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Name of the network whose log is mapped; the first one that robots survey if absent. Joint maps name their networks
+    /// themselves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<String>,
     /// How the map is computed.
     pub algorithm: AlgorithmConfig,
 }
@@ -30,6 +35,8 @@ pub enum AlgorithmConfig {
     MlTm(MlTmConfig),
     /// Maximum likelihood on a grid from an antenna array: the log must have sectors and their directions.
     Mmtm(MlTmConfig),
+    /// Maximum likelihood on a grid from the logs of several networks of the same nodes.
+    Joint(JointConfig),
     /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibratedConfig),
     /// A topology-preserving map of hop counts.
@@ -58,13 +65,33 @@ pub enum AlgorithmConfig {
     RssGrid(RssGridConfig),
 }
 
+/// A reception profile in the settings of an algorithm.
+#[derive(Debug, PartialEq)]
+pub struct ProfileSetting<'a> {
+    /// Its key within `algorithm`.
+    pub key: String,
+    /// Name of the network that it is for; `None` for that of the map.
+    pub network: Option<String>,
+    /// The profile.
+    pub profile: &'a mut ProfileConfig,
+}
+
 impl AlgorithmConfig {
-    /// The reception profile in the settings, if the algorithm has one, and its key.
-    pub fn profile_mut(&mut self) -> Option<(&'static str, &mut ProfileConfig)> {
+    /// The reception profiles in the settings: none for algorithms without one, several for a joint map.
+    pub fn profiles_mut(&mut self) -> Vec<ProfileSetting<'_>> {
+        let one =
+            |key: &str, config| ProfileSetting { key: format!("{key}.profile"), network: None, profile: config };
         match self {
-            Self::MlTm(config) => Some(("ml_tm.profile", &mut config.profile)),
-            Self::Mmtm(config) => Some(("mmtm.profile", &mut config.profile)),
-            _ => None,
+            Self::MlTm(config) => vec![one("ml_tm", &mut config.profile)],
+            Self::Mmtm(config) => vec![one("mmtm", &mut config.profile)],
+            Self::Joint(config) => (config.networks.iter_mut().enumerate())
+                .map(|(i, member)| ProfileSetting {
+                    key: format!("joint.networks[{i}].profile"),
+                    network: Some(member.network.clone()),
+                    profile: &mut member.profile,
+                })
+                .collect(),
+            _ => Vec::new(),
         }
     }
 
@@ -90,6 +117,8 @@ pub enum Mapper {
     MlTm(MlTm),
     /// Maximum likelihood on a grid from an antenna array.
     MmTm(MmTm),
+    /// Maximum likelihood on a grid from the logs of several networks.
+    Joint(JointMlTm),
     /// Maximum likelihood on a grid under a profile estimated from the log.
     FittedMlTm(FittedMlTm),
     /// Maximum likelihood under a known channel among known obstacles.
@@ -106,6 +135,8 @@ pub enum Mapper {
 pub enum Learned {
     /// A reception profile.
     Profile(Fit),
+    /// The reception profile of each network for which it was not given, by name.
+    Profiles(Vec<(String, Fit)>),
     /// A reception curve, the efficiency of each stop, and the obstacles.
     Calibration(Calibration),
 }
@@ -117,6 +148,7 @@ impl Mapper {
         match self {
             Self::MlTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) => MlTm::NAME,
             Self::MmTm(_) => MmTm::NAME,
+            Self::Joint(_) => JointMlTm::NAME,
             Self::SelfCalibrated(_) => SelfCalibrated::NAME,
             Self::Comparator(comparator) => comparator.name(),
         }
@@ -128,6 +160,9 @@ impl Mapper {
         match self {
             Self::MlTm(ml_tm) => used_with(Some(ml_tm.profile())),
             Self::MmTm(mm_tm) => used_with(mm_tm.profile()),
+            Self::Joint(joint) => {
+                used_with(joint.profiles().find(|profile| matches!(profile, ReceptionProfile::Table(_))))
+            }
             Self::FittedMlTm(_) => used_with(None),
             Self::ObstacleMlTm(_) => {
                 &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
@@ -141,9 +176,12 @@ impl Mapper {
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
         match self {
-            Self::MlTm(_) | Self::MmTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) | Self::SelfCalibrated(_) => {
-                0
-            }
+            Self::MlTm(_)
+            | Self::MmTm(_)
+            | Self::Joint(_)
+            | Self::FittedMlTm(_)
+            | Self::ObstacleMlTm(_)
+            | Self::SelfCalibrated(_) => 0,
             Self::Comparator(comparator) => comparator.least_anchors(dimensions),
         }
     }
@@ -171,6 +209,14 @@ impl Mapper {
         match self {
             Self::MlTm(ml_tm) => ml_tm.map(knowledge.log, watch).map(|map| (map, None)),
             Self::MmTm(mm_tm) => mm_tm.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile))),
+            Self::Joint(joint) => {
+                let logs: Result<Vec<_>, MapError> =
+                    joint.networks().map(|network| knowledge.log_of(network)).collect();
+                let (map, fits) = joint.map(&logs?, watch)?;
+                let fitted = joint.networks().zip(fits).filter_map(|(name, fit)| Some((name.to_owned(), fit?)));
+                let fitted: Vec<_> = fitted.collect();
+                Ok((map, (!fitted.is_empty()).then_some(Learned::Profiles(fitted))))
+            }
             Self::FittedMlTm(fitted) => {
                 fitted.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile)))
             }
@@ -201,6 +247,9 @@ impl TryFrom<AlgorithmConfig> for Mapper {
             .map_err(|error| error.within("ml_tm")),
             AlgorithmConfig::Mmtm(config) => {
                 MmTm::try_from(config).map(Self::MmTm).map_err(|error| error.within("mmtm"))
+            }
+            AlgorithmConfig::Joint(config) => {
+                JointMlTm::try_from(config).map(Self::Joint).map_err(|error| error.within("joint"))
             }
             AlgorithmConfig::SelfCalibrated(config) => SelfCalibrated::try_from(config)
                 .map(Self::SelfCalibrated)

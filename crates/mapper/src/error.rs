@@ -63,6 +63,14 @@ pub enum MapError {
         /// Memory allowed (octets).
         allowed_bytes: u64,
     },
+    /// There is no log of a network.
+    #[error("the map needs the log of network `{network}`; there are: {known}")]
+    NoLog {
+        /// The network.
+        network: String,
+        /// The networks that have a log.
+        known: String,
+    },
     /// A joint map needs one log for each of its networks.
     #[error("a joint map of {networks} networks was given {logs} logs; allowed: one for each network")]
     Networks {

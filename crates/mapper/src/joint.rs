@@ -15,7 +15,7 @@ use crate::reach::heard_nodes;
 use crate::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
 use crate::{
     CoordinateFrame, CountRule, Estimate, EstimateKind, Fit, FittedConfig, FittedMlTm, Lattice, MapError, MlTm,
-    MlTmConfig, ProfileConfig, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
+    MlTmConfig, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
 };
 
 /// A joint map as written in a scenario.
@@ -109,6 +109,14 @@ impl JointMlTm {
     /// The names of the networks, in the order in which their logs are given to [`map`](Self::map).
     pub fn networks(&self) -> impl ExactSizeIterator<Item = &str> {
         self.members.iter().map(|member| member.network.as_str())
+    }
+
+    /// The profiles that are given, not fitted.
+    pub(crate) fn profiles(&self) -> impl Iterator<Item = &ReceptionProfile> {
+        self.members.iter().filter_map(|member| match &member.likelihood {
+            Likelihood::Given(ml_tm) => Some(ml_tm.profile()),
+            Likelihood::Fitted(_) => None,
+        })
     }
 
     /// The map of the nodes in the first of `logs`, one log for each network, and the profiles that were fitted. Nodes have

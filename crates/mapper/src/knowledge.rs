@@ -12,6 +12,8 @@ use crate::MapError;
 pub struct Knowledge<'a> {
     /// What the robots recorded.
     pub log: &'a ReceptionLog,
+    /// What they recorded in each network by name, if there are several, for maps from several logs.
+    pub logs: &'a [(&'a str, &'a ReceptionLog)],
     /// What the nodes heard of each other's hello packets.
     pub neighbours: Option<&'a NeighbourLog>,
     /// What the nodes heard of the anchors' packets.
@@ -27,7 +29,7 @@ pub struct Knowledge<'a> {
 impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
     /// Only the log is known.
     fn from(log: &'a ReceptionLog) -> Self {
-        Self { log, neighbours: None, beacons: None, anchors: &[], obstacles: None, seed: Seed(1) }
+        Self { log, logs: &[], neighbours: None, beacons: None, anchors: &[], obstacles: None, seed: Seed(1) }
     }
 }
 
@@ -99,6 +101,16 @@ impl<'a> Knowledge<'a> {
             share_one_height(anchors)
         };
         if is_planar { 2 } else { 3 }
+    }
+
+    /// What the robots recorded in the network called `name`.
+    pub(crate) fn log_of(&self, name: &str) -> Result<&'a ReceptionLog, MapError> {
+        let found = self.logs.iter().find(|(other, _)| *other == name).map(|(_, log)| *log);
+        found.ok_or_else(|| {
+            let known: Vec<String> = self.logs.iter().map(|(name, _)| format!("`{name}`")).collect();
+            let known = if known.is_empty() { "one log without a name".to_owned() } else { known.join(", ") };
+            MapError::NoLog { network: name.to_owned(), known }
+        })
     }
 
     /// What the nodes heard of each other.

@@ -58,7 +58,7 @@ mod solver;
 mod surface;
 mod topology_map;
 
-pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper};
+pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper, ProfileSetting};
 pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,

@@ -58,7 +58,12 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let scenario = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("scenario"));
-    let source = Source { title: scenario.map_or(&*stem, String::as_str), log: &run.log, drawn: &drawn };
+    let source = Source {
+        title: scenario.map_or(&*stem, String::as_str),
+        log: &run.log,
+        drawn: &drawn,
+        sector_displacements: &run.sector_displacements(),
+    };
     write(&figure::all(&source), arguments, interrupt)
 }
 

@@ -26,6 +26,10 @@ pub struct Arguments {
     /// folder it is `fitted`
     #[arg(long, value_name = "PROFILE")]
     pub profile: Option<String>,
+    /// Map the log of this network, if the robots surveyed several; the default is the network that each map names, or the
+    /// first one
+    #[arg(long, value_name = "NAME")]
+    pub network: Option<String>,
     /// Compute one map with this algorithm and its default settings, instead of the maps of the recorded scenario
     #[arg(long, value_enum, value_name = "ALGORITHM")]
     pub algorithm: Option<AlgorithmName>,
@@ -51,11 +55,19 @@ pub struct Arguments {
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
-    let mut input = Input::read(&arguments.log)?;
+    let network = arguments.network.as_deref();
+    let mut input = Input::read(&arguments.log, network)?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| (name.as_str(), text));
     let set = &arguments.overrides.set;
-    let settings = MapSettings::new(scenario, arguments.algorithm, arguments.profile.as_deref(), set)?;
+    let settings = MapSettings::new(scenario, arguments.algorithm, (arguments.profile.as_deref(), network), set)?;
+    if let Some(name) = network
+        && input.network.is_none()
+        && settings.maps.iter().all(|map| map.network.is_none())
+    {
+        let problem = format!("`--network` is `{name}`, but the log is of one network without a name");
+        return Err(Failure::bad_input_with_help(problem, "leave out `--network`"));
+    }
     if let Some(path) = &arguments.truth {
         input.truth = Some(robot_log::read_truth(path)?);
     }

@@ -5,14 +5,15 @@ use std::collections::BTreeSet;
 use super::distribution::{self, NodeError};
 use super::file::Figure;
 use super::source::Source;
-use super::{field, likelihood, map, network, targets};
+use super::{displacement, field, likelihood, map, network, sectors, targets};
 
-/// All figures of a recording: `network`, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
+/// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
 /// field, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
-/// positions are known, and `likelihood-NAME-NODE` for each likelihood surface.
+/// positions are known, `sector-displacement` if nodes have sectors, and `likelihood-NAME-NODE` for each likelihood surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
     let mut figures = vec![("network".to_owned(), network::draw(source))];
+    figures.extend(sectors::draw(source).map(|picture| ("sectors".to_owned(), picture)));
     figures.extend(targets::draw(source).map(|picture| ("targets".to_owned(), picture)));
     for instant in &source.drawn.fields {
         let name = format!("field-{}-{}s", instant.name, instant.time.as_secs_f64());
@@ -24,6 +25,7 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
     for (name, what) in [("error-cdf", NodeError::Position), ("connectivity-cdf", NodeError::Connectivity)] {
         figures.extend(distribution::draw(source, what).map(|picture| (name.to_owned(), picture)));
     }
+    figures.extend(displacement::draw(source).map(|picture| ("sector-displacement".to_owned(), picture)));
     for surface in &source.drawn.likelihoods {
         let name = format!("likelihood-{}-{}", surface.map, surface.node);
         figures.push((name, likelihood::draw(source, surface)));

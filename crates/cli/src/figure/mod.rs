@@ -1,7 +1,7 @@
 //! Figures of a recording as SVG or PNG files, for papers and web pages.
 //!
-//! There is one [`Figure`] of the network with the survey, one of the targets, one of each recorded instant of a field, one
-//! of each map, one of the distribution of each kind of error, and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
+//! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, one of the targets, one of each recorded instant of a field, one
+//! of each map, one of the distribution of each kind of error, one of the sector displacement, and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
 //! ```no_run
@@ -11,7 +11,7 @@
 //!
 //! let recording = Path::new("circular.mcap");
 //! let (run, drawn) = (read_log(recording)?, read_drawn(recording)?);
-//! for figure in figure::all(&Source { title: "circular", log: &run.log, drawn: &drawn }) {
+//! for figure in figure::all(&Source { title: "circular", log: &run.log, drawn: &drawn, sector_displacements: &[] }) {
 //!     figure.write(Path::new("."), FileFormat::Svg)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -20,6 +20,7 @@
 mod axes;
 mod cells;
 mod curves;
+mod displacement;
 mod distribution;
 mod field;
 mod file;
@@ -30,6 +31,7 @@ mod network;
 mod paint;
 mod palette;
 mod picture;
+mod sectors;
 mod sheet;
 mod silhouette;
 mod source;

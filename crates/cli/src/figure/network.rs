@@ -57,7 +57,7 @@ pub(super) fn draw(source: &Source<'_>) -> Picture {
 }
 
 fn sheet(source: &Source<'_>, bar: &ColourBar, radius: f64, side: f64) -> Sheet {
-    let Source { title, log, drawn } = *source;
+    let Source { title, log, drawn, .. } = *source;
     let mut legend = Vec::new();
     if !drawn.nodes.is_empty() {
         legend.push(Entry { symbol: Symbol::Disc { radius, fill: NODE }, text: "node".to_owned() });

@@ -19,6 +19,8 @@ pub struct Source<'a> {
     pub log: &'a ReceptionLog,
     /// Everything with a position.
     pub drawn: &'a Drawn,
+    /// Shares of the nodes by sector displacement, of each map that has them, by name.
+    pub sector_displacements: &'a [(String, Vec<f64>)],
 }
 
 /// A smaller error (m) means that the map was given the position.

@@ -6,6 +6,7 @@ use std::path::Path;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::Seed;
 
+use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
 use crate::robot_log;
@@ -13,8 +14,12 @@ use crate::robot_log;
 /// A reception log and what is known with it.
 #[derive(Debug)]
 pub struct Input {
-    /// The reception log.
+    /// The reception log to map.
     pub log: ReceptionLog,
+    /// Name of its network, if robots surveyed several.
+    pub network: Option<String>,
+    /// The logs of the other networks, by name.
+    pub other_logs: Vec<(String, ReceptionLog)>,
     /// The known paths of robots, by name.
     pub paths: Vec<(String, Vec<Position>)>,
     /// The scenario of the log, if it is from a recording.
@@ -30,16 +35,19 @@ pub struct Input {
 }
 
 impl Input {
-    /// Reads a recording of `run`, or a folder of CSV files.
+    /// Reads a recording of `run`, or a folder of CSV files. If robots surveyed several networks, the log to map is that of
+    /// `network`, or of the first one.
     ///
     /// # Errors
-    /// If it cannot be read.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    /// If it cannot be read, or robots did not survey `network`.
+    pub fn read(path: &Path, network: Option<&str>) -> Result<Self, Failure> {
         if path.is_dir() {
             let log = robot_log::read(path)?;
             let known = Known::default();
             return Ok(Self {
                 log,
+                network: None,
+                other_logs: Vec::new(),
                 paths: Vec::new(),
                 scenario: None,
                 truth: None,
@@ -48,7 +56,13 @@ impl Input {
                 notes: Vec::new(),
             });
         }
-        let run = recording::read_log(path)?;
+        let mut run = recording::read_log(path)?;
+        if let Some(name) = network
+            && let Err(known) = run.put_first(name)
+        {
+            let problem = format!("`--network` is `{name}`, but `{}` has the logs of {known}", path.display());
+            return Err(Failure::bad_input(problem));
+        }
         let scenario = run.attachment(SCENARIO_ATTACHMENT);
         let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
         let mut notes = Vec::new();
@@ -63,7 +77,23 @@ impl Input {
         let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
         let known = recording::read_known(path, run.log.node_count())?;
         let truth = recording::read_truth(path)?;
-        Ok(Self { log: run.log, paths: run.paths, scenario, truth, known, seed: Seed(seed.unwrap_or(1)), notes })
+        Ok(Self {
+            log: run.log,
+            network: run.network,
+            other_logs: run.other_logs,
+            paths: run.paths,
+            scenario,
+            truth,
+            known,
+            seed: Seed(seed.unwrap_or(1)),
+            notes,
+        })
+    }
+
+    /// The logs by network.
+    pub(super) fn logs(&self) -> NetworkLogs<'_> {
+        let others = self.other_logs.iter().map(|(name, log)| (name.as_str(), log));
+        NetworkLogs::new((self.network.as_deref(), &self.log), others)
     }
 
     /// The true position of each node of the log; `None` if any is unknown, because then the maps cannot be measured.

@@ -1,7 +1,9 @@
 //! The pipeline of `map`: computes maps from a recording or from the log of a real robot.
 
 mod input;
+mod logs;
 mod pipeline;
 
 pub use input::Input;
+pub use logs::NetworkLogs;
 pub use pipeline::map;

@@ -28,23 +28,25 @@ pub fn map(
     let truth = input.true_places();
     let map_start = Stopwatch::start();
     let mut summaries: Vec<MapSummary> = Vec::new();
-    let knowledge = Knowledge {
+    let logs = input.logs();
+    let knowledge = |named| Knowledge {
         neighbours: input.known.neighbours.as_ref(),
         beacons: input.known.beacons.as_ref(),
         anchors: &input.known.anchors,
         obstacles: settings.obstacles.as_ref(),
         seed: input.seed,
-        ..Knowledge::from(&input.log)
+        ..logs.knowledge(named)
     };
     let mut interrupted = false;
     for named in &settings.maps {
-        let made = named.mapper.map_and_learn(knowledge, watch).map_err(Failure::from).and_then(|(map, learned)| {
-            let (map, alignment) = in_world(map, truth.as_deref());
-            let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
-            let learned = learned.as_ref();
-            let summary = measure(named, &map, learned, input.log.names(), truth, &settings.metrics, watch)?;
-            Ok((map, alignment, summary))
-        });
+        let made =
+            named.mapper.map_and_learn(knowledge(named), watch).map_err(Failure::from).and_then(|(map, learned)| {
+                let (map, alignment) = in_world(map, truth.as_deref());
+                let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
+                let learned = learned.as_ref();
+                let summary = measure(named, &map, learned, input.log.names(), truth, &settings.metrics, watch)?;
+                Ok((map, alignment, summary))
+            });
         let (map, alignment, summary) = match made {
             Err(Failure::Interrupted) => {
                 interrupted = true;

@@ -4,4 +4,4 @@ mod outline;
 mod truth;
 
 pub use outline::outline;
-pub use truth::{Truth, in_world, measure};
+pub use truth::{NodeSectors, Truth, displacement, in_world, measure};

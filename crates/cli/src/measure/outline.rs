@@ -1,21 +1,29 @@
 //! The properties of a map in the summary, without the truth.
 
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, ObstacleKnowledge, PositionError,
-    SoughtHeights, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, Mapper, ObstacleKnowledge,
+    PositionError, SoughtHeights, TopologyMap,
 };
 
 use crate::scenario::NamedMap;
 use crate::summary::{
     CalibrationSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary, MapSummary,
+    NetworkProfileSummary,
 };
 
 /// The properties of a map of nodes with these `names`, without the truth.
 #[must_use]
 pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
     let mut at_bound = Vec::new();
+    let mut fitted_profiles = Vec::new();
     let (fitted_profile, calibration) = match learned {
         Some(Learned::Profile(fit)) => (Some(fit.into()), None),
+        Some(Learned::Profiles(fits)) => {
+            let of_network =
+                |(name, fit): &(String, Fit)| NetworkProfileSummary { network: name.clone(), profile: fit.into() };
+            fitted_profiles.extend(fits.iter().map(of_network));
+            (None, None)
+        }
         Some(Learned::Calibration(calibration)) => {
             at_bound.extend(calibration.at_bound.iter().map(|node| names[node.index()].clone()));
             (None, Some(calibration.into()))
@@ -28,7 +36,12 @@ pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>, n
         name: (name != map.algorithm).then(|| name.to_owned()),
         algorithm: map.algorithm.to_owned(),
         knowledge: named.mapper.uses().to_vec(),
+        networks: match &named.mapper {
+            Mapper::Joint(joint) => joint.networks().map(str::to_owned).collect(),
+            _ => named.network.iter().cloned().collect(),
+        },
         fitted_profile,
+        fitted_profiles,
         calibration,
         at_bound,
         heights: map.heights.map(HeightsSummary::from),
@@ -96,7 +109,7 @@ impl From<SoughtHeights> for HeightsSummary {
 }
 
 impl From<PositionError> for ErrorSummary {
-    fn from(PositionError { mean, median, p90, p95, max, .. }: PositionError) -> Self {
-        Self { mean, median, p90, p95, max }
+    fn from(PositionError { mean, median, p80, p90, p95, max }: PositionError) -> Self {
+        Self { mean, median, p80, p90, p95, max }
     }
 }

@@ -4,7 +4,8 @@ use sextant_channel::{Anchor, Position};
 use sextant_kernel::{Interrupted, NodeId, Watch};
 use sextant_mapper::{
     ConnectivityError, CoordinateFrame, KnowledgeKind, Learned, NeighbourhoodRule, PositionError, Reflection, Region,
-    Similarity, TopologyMap, connectivity_error, topology_preservation_error,
+    SectorDisplacement, SectorDisplacementRule, Similarity, TopologyMap, connectivity_error, sector_displacement,
+    topology_preservation_error,
 };
 
 use super::outline::outline;
@@ -80,6 +81,32 @@ pub fn measure(
         connectivity_errors,
         ..outline(named, map, learned, names)
     })
+}
+
+/// The antennas of nodes, all with as many sectors of equal width.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeSectors<'a> {
+    /// Number of sectors round the circle.
+    pub sectors: u32,
+    /// Azimuth of the middle of sector 0 of each node (rad).
+    pub headings_rad: &'a [f64],
+}
+
+/// How far the sectors that a map suggests are from those that point to the neighbours; `None` if there are fewer than two
+/// sectors.
+#[must_use]
+pub fn displacement(
+    truth: &[Position],
+    map: &TopologyMap,
+    antennas: NodeSectors<'_>,
+    metrics: &MetricsConfig,
+) -> Option<SectorDisplacement> {
+    let rule = SectorDisplacementRule {
+        radius_m: metrics.sector_neighbourhood_m,
+        of_node: metrics.sector_displacement_of_node,
+        ..SectorDisplacementRule::new(antennas.sectors)
+    };
+    sector_displacement(truth, &map.positions(), antennas.headings_rad, &rule).ok()
 }
 
 /// Share of the nodes with a 95 % region whose true position is inside it.

@@ -14,7 +14,7 @@ use sextant_kernel::{NodeId, SimTime};
 use super::drawing;
 use super::error::RecordingError;
 use super::messages;
-use super::names::{LogTopics, WORLD_NODES_TOPIC};
+use super::names::{LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use super::scan::{Piece, scan};
 
 /// The reception log of a recording, with its metadata and attachments.
@@ -38,6 +38,50 @@ pub struct RecordedRun {
 }
 
 impl RecordedRun {
+    /// Makes the log of the network `name` the first one. A log without other networks is that of any network.
+    ///
+    /// # Errors
+    /// The names of the networks, if robots did not survey this one.
+    pub fn put_first(&mut self, name: &str) -> Result<(), String> {
+        let Some(first) = self.network.as_mut().filter(|first| *first != name) else { return Ok(()) };
+        match self.other_logs.iter_mut().find(|(other, _)| other == name) {
+            Some((other, log)) => {
+                std::mem::swap(first, other);
+                std::mem::swap(&mut self.log, log);
+                Ok(())
+            }
+            None => {
+                let others = self.other_logs.iter().map(|(name, _)| name);
+                let names: Vec<String> =
+                    std::iter::once(&*first).chain(others).map(|name| format!("`{name}`")).collect();
+                Err(names.join(", "))
+            }
+        }
+    }
+
+    /// Shares of the nodes by sector displacement, of each map in the summary that has them, by its name.
+    #[must_use]
+    pub fn sector_displacements(&self) -> Vec<(String, Vec<f64>)> {
+        #[derive(serde::Deserialize)]
+        struct RecordedSummary {
+            #[serde(default)]
+            maps: Vec<RecordedMap>,
+        }
+        #[derive(serde::Deserialize)]
+        struct RecordedMap {
+            name: Option<String>,
+            algorithm: String,
+            #[serde(default)]
+            sector_displacement: Vec<f64>,
+        }
+        let summary = self.attachment(SUMMARY_ATTACHMENT).map(|attachment| &attachment.data);
+        let summary = summary.and_then(|data| serde_json::from_slice::<RecordedSummary>(data).ok());
+        let maps = summary.map(|summary| summary.maps).unwrap_or_default().into_iter();
+        maps.filter(|map| !map.sector_displacement.is_empty())
+            .map(|map| (map.name.unwrap_or(map.algorithm), map.sector_displacement))
+            .collect()
+    }
+
     /// The last attachment with this `name`.
     #[must_use]
     pub fn attachment(&self, name: &str) -> Option<&Attachment> {

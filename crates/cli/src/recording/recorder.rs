@@ -207,7 +207,9 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn sectors(&mut self, other: Option<&str>, sectors: &SectorTable) -> Result<(), RecordingError> {
         let topic = LogTopics::new(other).sectors;
-        sectors.iter().try_for_each(|sector| self.write(SimTime::ZERO, &topic, &messages::SectorMessage::from(sector)))
+        sectors
+            .iter()
+            .try_for_each(|sector| self.write(SimTime::ZERO, &topic, &messages::SectorMessage::from(sector)))
     }
 
     /// Writes a stop and all receptions there, in the log of the first network or of the one called `other`. The stops of

@@ -29,8 +29,11 @@ pub fn write_pictures(names: &[&str], scenarios: &Path, out: &Path, interrupt: &
         if interrupt.is_requested() {
             return Err(Failure::Interrupted);
         }
-        let (log, drawn) = (read_log(&recording)?.log, read_drawn(&recording)?);
-        for figure in figure::all(&Source { title: scenario.name(), log: &log, drawn: &drawn }) {
+        let (run, drawn) = (read_log(&recording)?, read_drawn(&recording)?);
+        let displacements = run.sector_displacements();
+        let source =
+            Source { title: scenario.name(), log: &run.log, drawn: &drawn, sector_displacements: &displacements };
+        for figure in figure::all(&source) {
             figure.write(&folder, FileFormat::Svg).map_err(|error| Failure::unwritable(&folder, &error))?;
         }
         Ok(())

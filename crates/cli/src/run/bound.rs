@@ -3,7 +3,7 @@
 use sextant_channel::{Channel, Dbm, Position};
 use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{TrueModel, at_least_one};
-use sextant_sim::{Mac, OdometryConfig, Survey};
+use sextant_sim::{Mac, OdometryConfig, Packets, Survey};
 
 use crate::scenario::Scenario;
 
@@ -18,7 +18,8 @@ pub(super) fn posterior_bound_m(
     watch: &dyn Watch,
 ) -> Result<Option<f64>, Interrupted> {
     let known = scenario.known_channel();
-    let settings = scenario.network().link.technology.ieee802154();
+    let network = scenario.surveyed()[0];
+    let settings = scenario.networks()[network.index()].link.technology.ieee802154();
     let beacons_come_first = settings.is_none_or(|settings| matches!(settings.mac, Mac::BeaconEnabled(_)));
     let places_are_known = scenario.config().robots.iter().all(|robot| robot.odometry == OdometryConfig::default());
     if !(known.is_independent() && known.is_alike_at_all_stops && places_are_known) || beacons_come_first {
@@ -27,7 +28,8 @@ pub(super) fn posterior_bound_m(
     let obstacles = scenario.world().obstacles.clone();
     let channel = Channel::new(known.channel, obstacles, scenario.seed());
     let (tx, sensitivity) = (Dbm(known.radio.tx_power_dbm), Dbm(known.radio.sensitivity_dbm));
-    let packets = survey.packets;
+    let of_nodes = &survey.networks[network.index()].packets[..truth.len()];
+    let packets: Packets = of_nodes.iter().copied().sum();
     let delivery = packets.received as f64 / (packets.received + packets.lost_collision).max(1) as f64;
     let law = channel.law();
     let stops = survey.log.stops();

@@ -3,11 +3,12 @@
 use sextant_kernel::{NodeId, Watch};
 use sextant_mac::EnergySpent;
 use sextant_mapper::{Knowledge, KnowledgeKind};
-use sextant_sim::{Discovered, DiscoveryError, Round, Survey, discover};
+use sextant_sim::{Discovered, DiscoveryError, Round, discover};
 
 use crate::diagnostic::Failure;
+use crate::mapping::NetworkLogs;
 use crate::recording::{FileRecorder, RecordingError};
-use crate::scenario::Scenario;
+use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
 
 /// The results of discovery before the survey.
@@ -46,16 +47,21 @@ impl Discoveries {
         })
     }
 
-    /// Everything that the maps of `scenario` may use of `survey`.
+    /// Everything that `map` of `scenario` may use of the `logs` of its survey.
     #[must_use]
-    pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, survey: &'a Survey) -> Knowledge<'a> {
+    pub fn knowledge<'a>(
+        &'a self,
+        scenario: &'a Scenario,
+        logs: &'a NetworkLogs<'a>,
+        map: &NamedMap,
+    ) -> Knowledge<'a> {
         Knowledge {
             neighbours: self.neighbours.as_ref().map(|round| &round.log),
             beacons: self.beacons.as_ref().map(|round| &round.log),
             anchors: scenario.anchors(),
             obstacles: Some(&scenario.world().obstacles),
             seed: scenario.seed(),
-            ..Knowledge::from(&survey.log)
+            ..logs.knowledge(map)
         }
     }
 

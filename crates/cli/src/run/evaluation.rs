@@ -2,14 +2,15 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{KnowledgeKind, Learned, TopologyMap};
-use sextant_sim::Survey;
+use sextant_mapper::{KnowledgeKind, Learned, SectorDisplacement, TopologyMap};
+use sextant_sim::{NetworkId, Survey};
 
 use super::bound;
 use super::discovery::Discoveries;
 use super::message_energy::message_energy_j;
 use crate::diagnostic::Failure;
-use crate::measure::{Truth, in_world, measure};
+use crate::mapping::NetworkLogs;
+use crate::measure::{NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::MapSummary;
 
@@ -36,18 +37,42 @@ pub fn evaluate(
     bound_m: Option<f64>,
     watch: &dyn Watch,
 ) -> Result<Evaluation, Failure> {
-    let knowledge = discoveries.knowledge(scenario, survey);
+    let logs = logs(scenario, survey);
+    let networks = scenario.networks_of(named);
+    let knowledge = discoveries.knowledge(scenario, &logs, named);
     let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
     let truth = truth(scenario);
     let (map, alignment) = in_world(map, Some(&truth));
+    let displacement = sector_displacement(scenario, &networks, &map, &truth);
     let truth = Truth { places: &truth, anchors: scenario.anchors() };
     let summary = MapSummary {
         alignment: Some(alignment),
-        message_energy_j: message_energy_j(scenario, &named.mapper, survey, discoveries),
-        posterior_bound_m: bound_m.filter(|_| named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)),
-        ..measure(named, &map, learned.as_ref(), survey.log.names(), Some(truth), scenario.metrics(), watch)?
+        sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),
+        sector_displacement_of_pairs: displacement.as_ref().map(SectorDisplacement::pair_shares).unwrap_or_default(),
+        message_energy_j: message_energy_j(scenario, named, survey, discoveries),
+        posterior_bound_m: bound_m.filter(|_| {
+            let is_of_first = networks == scenario.surveyed()[..1];
+            is_of_first && named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)
+        }),
+        ..measure(named, &map, learned.as_ref(), logs.of(named).names(), Some(truth), scenario.metrics(), watch)?
     };
     Ok(Evaluation { map, learned, summary })
+}
+
+/// The sector displacement of a map from the logs of `networks`; `None` if the nodes have no sectors in any of them.
+fn sector_displacement(
+    scenario: &Scenario,
+    networks: &[NetworkId],
+    map: &TopologyMap,
+    truth: &[Position],
+) -> Option<SectorDisplacement> {
+    let mut technologies = networks.iter().map(|network| &scenario.networks()[network.index()].link.technology);
+    let antennas = &technologies.find_map(|technology| technology.ieee80211ad())?.antennas;
+    let nodes = antennas.nodes();
+    let headings_rad = antennas.node_headings_rad(scenario.seed(), truth.len());
+    let sectors = u32::from(nodes.sector_count() / nodes.rings());
+    let antennas = NodeSectors { sectors, headings_rad: &headings_rad };
+    displacement(truth, map, antennas, scenario.metrics())
 }
 
 /// The posterior bound for all maps of `survey` (m); `None` if the scenario has no maps or the bound does not apply.
@@ -59,6 +84,13 @@ pub fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Resul
         return Ok(None);
     }
     bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
+}
+
+/// The logs of a survey by network.
+pub(super) fn logs<'a>(scenario: &'a Scenario, survey: &'a Survey) -> NetworkLogs<'a> {
+    let name = |network: NetworkId| scenario.networks()[network.index()].name.as_deref();
+    let others = survey.other_logs.iter().map(move |(network, log)| (name(*network).unwrap_or_default(), log));
+    NetworkLogs::new((name(scenario.surveyed()[0]), &survey.log), others)
 }
 
 /// The true positions of the nodes.

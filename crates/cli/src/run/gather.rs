@@ -3,12 +3,13 @@
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    Field, FieldId, FrameOnAir, Ieee802154, NetworkId, Observer, Pose, Progress, Sensed, TargetId, Technology, World,
+    BusyNetwork, Field, FieldId, FrameOnAir, Ieee802154, NetworkId, Observer, Pose, Progress, Sensed, TargetId,
+    Technology, World,
 };
 
 use crate::interrupt::Interrupt;
 use crate::recording::{
-    CapturedFrame, FileCapture, FileRecorder, Level, RecordingError, Sensation, Signal, messages,
+    CapturedDmgFrame, CapturedFrame, FileCapture, FileRecorder, Level, RecordingError, Sensation, Signal, messages,
 };
 use crate::scenario::Scenario;
 use crate::terminal;
@@ -37,29 +38,50 @@ pub(super) struct Sniffer<'a> {
     pub(super) capture: &'a mut FileCapture,
     /// The robot whose receptions are captured; all frames on air if absent.
     pub(super) robot: Option<usize>,
-    /// The technology of each network.
-    pub(super) technologies: Vec<Technology>,
-    /// The radio channel to name instead of that of the radios.
+    /// The networks.
+    pub(super) networks: Vec<Sniffed>,
+    /// The radio channel of IEEE 802.15.4 to name instead of that of the radios.
     pub(super) channel: Option<u8>,
+}
+
+/// A network whose frames are captured.
+pub(super) struct Sniffed {
+    technology: Technology,
+    /// Carrier frequency that its channel names; that of the radios if absent (Hz).
+    carrier_hz: Option<f64>,
+}
+
+impl From<&BusyNetwork> for Sniffed {
+    fn from(network: &BusyNetwork) -> Self {
+        let carrier_hz = network.link.channel.carrier_ghz().map(|carrier_ghz| 1e9 * carrier_ghz);
+        Self { technology: network.link.technology.clone(), carrier_hz }
+    }
 }
 
 impl Sniffer<'_> {
     /// Captures a frame, if it is to be captured.
     fn sniff(&mut self, frame: &FrameOnAir<'_>) -> Result<(), RecordingError> {
-        let Some(Ieee802154 { radio, .. }) = self.technologies[frame.network.index()].ieee802154() else {
-            return Ok(());
-        };
-        let signal = match self.robot {
+        let power = match self.robot {
             None => None,
             Some(robot) => match frame.heard.iter().find(|heard| heard.collector == robot) {
                 None => return Ok(()),
-                Some(heard) => Some(Signal { power: heard.power, sensitivity: radio.sensitivity() }),
+                Some(heard) => Some(heard.power),
             },
         };
-        let FrameOnAir { start, airtime, bytes: mpdu, .. } = *frame;
-        let channel = self.channel.unwrap_or(radio.channel());
-        let page = radio.phy().page();
-        self.capture.frame(&CapturedFrame { start, airtime, mpdu, channel, page, signal })
+        let FrameOnAir { start, airtime, bytes, .. } = *frame;
+        let Sniffed { technology, carrier_hz } = &self.networks[frame.network.index()];
+        match technology {
+            Technology::Ieee802154(Ieee802154 { radio, .. }) => {
+                let signal = power.map(|power| Signal { power, sensitivity: radio.sensitivity() });
+                let channel = self.channel.unwrap_or(radio.channel());
+                let page = radio.phy().page();
+                self.capture.frame(&CapturedFrame { start, airtime, mpdu: bytes, channel, page, signal })
+            }
+            Technology::Ieee80211ad(links) => {
+                let carrier_hz = carrier_hz.unwrap_or(links.radio.carrier_hz());
+                self.capture.dmg_frame(&CapturedDmgFrame { start, airtime, octets: bytes, carrier_hz, power })
+            }
+        }
     }
 }
 

@@ -1,26 +1,65 @@
 //! The energy that a map costs the nodes, by the message count of the thesis.
 
+use sextant_kernel::NodeId;
 use sextant_mac::MessageEnergy;
 use sextant_mapper::{Comparator, KnowledgeKind, Mapper};
-use sextant_sim::{Discovered, Survey};
+use sextant_sim::{Discovered, Ieee80211ad, Ieee802154, NetworkId, Survey, Technology};
 
 use super::discovery::Discoveries;
-use crate::scenario::Scenario;
+use crate::scenario::{NamedMap, Scenario};
 
-/// Energy of the messages that `mapper` needs from the nodes (J; thesis, eq. 3.17 to 3.19). `None` for algorithms
-/// without a formula in the thesis. Time samples are the stops. The anchors and neighbours that a node hears are means
-/// over the nodes.
+/// Energy of the messages that `map` needs from the nodes, in all its networks (J; thesis, eq. 3.17 to 3.19 and, with
+/// sector sweeps, chapter 4). `None` for algorithms without a formula in the thesis. Time samples are the stops. The
+/// anchors and neighbours that a node hears, and the sweeps that it answers, are means over the nodes.
 pub(super) fn message_energy_j(
     scenario: &Scenario,
+    map: &NamedMap,
+    survey: &Survey,
+    discoveries: &Discoveries,
+) -> Option<f64> {
+    let networks = scenario.networks_of(map);
+    let in_network = |&network: &NetworkId| match &scenario.networks()[network.index()].link.technology {
+        Technology::Ieee802154(links) => packets_j(scenario, (network, links), &map.mapper, survey, discoveries),
+        Technology::Ieee80211ad(links) => sweeps_j(scenario, (network, links), &map.mapper, survey),
+    };
+    networks.iter().map(in_network).sum()
+}
+
+/// The energy of answers to sector sweeps.
+fn sweeps_j(
+    scenario: &Scenario,
+    (id, links): (NetworkId, &Ieee80211ad),
+    mapper: &Mapper,
+    survey: &Survey,
+) -> Option<f64> {
+    if !mapper.uses().contains(&KnowledgeKind::RobotReceptions) {
+        return None;
+    }
+    let network = &scenario.networks()[id.index()];
+    let frame = MessageEnergy::of_ssw_frame(&network.link.radio_states, links.radio.tx_power());
+    let members = (0..scenario.world().nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node));
+    let answers = members.clone().map(|node| survey.networks[id.index()].packets[node.index()].offered);
+    let (nodes, answers) = (count(members.count()), answers.sum::<u64>() as f64);
+    let sweeps_heard = if nodes > 0.0 { answers / nodes } else { 0.0 };
+    Some(frame.mmtm_j(nodes, sweeps_heard, f64::from(links.antennas.nodes().sector_count())))
+}
+
+/// The energy of packets of IEEE 802.15.4.
+fn packets_j(
+    scenario: &Scenario,
+    (id, links): (NetworkId, &Ieee802154),
     mapper: &Mapper,
     survey: &Survey,
     discoveries: &Discoveries,
 ) -> Option<f64> {
-    let network = scenario.network();
-    let radio = network.link.technology.ieee802154()?.radio;
+    let network = &scenario.networks()[id.index()];
+    let radio = links.radio;
     let octets = network.traffic.mpdu_octets();
     let packet = MessageEnergy::of_packet(&network.link.radio_states, radio.tx_power(), radio.phy(), octets);
-    let (nodes, anchors) = (count(scenario.world().nodes.len()), scenario.anchors().len());
+    let others = survey.other_logs.iter().find(|(other, _)| *other == id);
+    let stops = others.map_or(&survey.log, |(_, log)| log).stops().len();
+    let members = (0..scenario.world().nodes.len()).filter(|&node| network.has(NodeId::from_index(node)));
+    let (nodes, anchors) = (count(members.count()), scenario.anchors().len());
     let mean = |round: &Discovered, nodes: f64| count(round.log.links().len()) / nodes;
     match mapper {
         Mapper::Comparator(Comparator::Tpm(tpm)) => {
@@ -37,9 +76,7 @@ pub(super) fn message_energy_j(
             Some(packet.rssi_j(nodes, count(anchors), count(heard) / others))
         }
         Mapper::Comparator(_) => None,
-        _ if mapper.uses().contains(&KnowledgeKind::RobotReceptions) => {
-            Some(packet.ml_tm_j(nodes, count(survey.log.stops().len())))
-        }
+        _ if mapper.uses().contains(&KnowledgeKind::RobotReceptions) => Some(packet.ml_tm_j(nodes, count(stops))),
         _ => None,
     }
 }

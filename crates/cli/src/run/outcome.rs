@@ -1,7 +1,7 @@
 //! The summary of a run.
 
 use sextant_kernel::SimTime;
-use sextant_sim::{Ending, Survey};
+use sextant_sim::{BusyNetwork, Ending, NetworkRecord, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
@@ -61,12 +61,32 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             }),
             robots: robots.collect(),
             interrupted: survey.interrupted,
+            stops: survey.robots.iter().map(|robot| robot.stops).sum(),
+            sweeps: sweeps(scenario, survey),
+            receptions: heard(survey),
             ..GatheringSummary::of_log(&survey.log, &[])
         }),
         discovery: discoveries.summary(scenario),
         maps,
         ..Summary::default()
     }
+}
+
+/// Sector sweeps of the robots; `None` if there is no network with sector sweeps.
+fn sweeps(scenario: &Scenario, survey: &Survey) -> Option<u64> {
+    let nodes = scenario.world().nodes.len();
+    let of_robots = |record: &NetworkRecord| -> u64 {
+        record.packets[nodes..nodes + survey.robots.len()].iter().map(|packets| packets.sent).sum()
+    };
+    let has_sweeps = |network: &BusyNetwork| network.link.technology.ieee80211ad().is_some();
+    let networks = scenario.networks().iter().zip(&survey.networks).filter(|(network, _)| has_sweeps(network));
+    networks.map(|(_, record)| of_robots(record)).reduce(|sum, sweeps| sum + sweeps)
+}
+
+/// Pairs of a stop and a node heard there, in each network.
+fn heard(survey: &Survey) -> usize {
+    let logs = std::iter::once(&survey.log).chain(survey.other_logs.iter().map(|(_, log)| log));
+    logs.map(|log| log.receptions().iter().filter(|reception| reception.received > 0).count()).sum()
 }
 
 /// What the sensors said, if there was anything to sense.

@@ -11,7 +11,7 @@ use sextant_sim::{Field, SensorsConfig, Simulation, Survey};
 use super::discovery::Discoveries;
 use super::evaluation::{self, Evaluation};
 use super::fields;
-use super::gather::{Gathering, Sniffer, Track};
+use super::gather::{Gathering, Sniffed, Sniffer, Track};
 use super::outcome::sum_up;
 use super::request::Request;
 use crate::diagnostic::Failure;
@@ -34,7 +34,7 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
     let _keeper = interrupt.keep();
     let mut recorder = FileRecorder::create(request.recording)?;
-    let mut capture = request.pcap.map(|path| FileCapture::create(path, Technologies::Ieee802154)).transpose()?;
+    let mut capture = request.pcap.map(|path| FileCapture::create(path, technologies(scenario))).transpose()?;
     open(&mut recorder, scenario)?;
     discoveries.record(scenario, &mut recorder)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
@@ -67,6 +67,17 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
         peak_rss_bytes: peak_rss_bytes(),
     });
     Ok(summary)
+}
+
+/// The technologies of the networks.
+fn technologies(scenario: &Scenario) -> Technologies {
+    let mut all = scenario.networks().iter().map(|network| network.link.technology.ieee80211ad().is_some());
+    let first = all.next().unwrap_or(false);
+    match (first, all.all(|other| other == first)) {
+        (_, false) => Technologies::Both,
+        (false, true) => Technologies::Ieee802154,
+        (true, true) => Technologies::Ieee80211ad,
+    }
 }
 
 /// Records what is known before the first event.
@@ -139,19 +150,11 @@ fn gather(
     let sniffer = outputs.capture.map(|capture| Sniffer {
         capture,
         robot: scenario.captured_robot(),
-        technologies: scenario.networks().iter().map(|network| network.link.technology.clone()).collect(),
+        networks: scenario.networks().iter().map(Sniffed::from).collect(),
         channel: scenario.recording().pcap.channel,
     });
     let frames = scenario.recording().frames;
-    let mut gathering = Gathering::new(
-        outputs.recorder,
-        frames,
-        sniffer,
-        interrupt,
-        progress,
-        names,
-        scenario,
-    );
+    let mut gathering = Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names, scenario);
     let survey = simulation.run(&mut gathering);
     let (tracks, fields) = gathering.finish()?;
     Ok((survey, tracks, fields))
@@ -207,16 +210,22 @@ fn record_likelihoods(
     recorder: &mut FileRecorder,
     watch: &dyn Watch,
 ) -> Result<(), Failure> {
-    let (ml_tm, log) = match (&named.mapper, learned) {
-        (Mapper::MlTm(ml_tm), _) => (ml_tm.clone(), Cow::Borrowed(&survey.log)),
-        (Mapper::FittedMlTm(fitted), Some(Learned::Profile(fit))) => {
-            (fitted.with_fit(fit), Cow::Owned(fit.evidence(&survey.log)))
-        }
-        _ => return Ok(()),
+    let log = evaluation::logs(scenario, survey).of(named);
+    let fit = match learned {
+        Some(Learned::Profile(fit)) => Some(fit),
+        _ => None,
     };
+    let ml_tm = match (&named.mapper, fit) {
+        (Mapper::MlTm(ml_tm), _) => Some(ml_tm.clone()),
+        (Mapper::MmTm(mm_tm), fit) => mm_tm.ml_tm(fit),
+        (Mapper::FittedMlTm(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
+        _ => None,
+    };
+    let Some(ml_tm) = ml_tm else { return Ok(()) };
+    let log = fit.map_or(Cow::Borrowed(log), |fit| Cow::Owned(fit.evidence(log)));
     for name in &scenario.recording().likelihood {
-        let at = survey.log.names().iter().position(|other| other == name).expect("the scenario was checked");
-        if survey.log.of(NodeId::from_index(at)).is_empty() {
+        let at = log.names().iter().position(|other| other == name).expect("the scenario was checked");
+        if log.of(NodeId::from_index(at)).is_empty() {
             let note = format!("node {name} was never heard and has no likelihood");
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;
             continue;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, Surroundings};
-use sextant_channel::{Anchor, Bounds, ChannelLaw, ObstacleField};
+use sextant_channel::{Anchor, Bounds, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
@@ -17,6 +17,7 @@ use super::deserialize::deserialize;
 use super::error::ScenarioErrors;
 use super::errors::Errors;
 use super::known_channel::KnownChannel;
+use super::known_networks::KnownNetworks;
 use super::layers;
 use super::network_config::NetworkConfig;
 use super::networks::{self, NetworkTables};
@@ -38,6 +39,8 @@ pub struct Scenario {
 pub struct NamedMap {
     /// Its name in tables and recordings; unique in the scenario.
     pub name: String,
+    /// The network whose log is mapped; the first surveyed one if absent. Joint maps name their networks themselves.
+    pub network: Option<String>,
     /// The algorithm with its settings.
     pub mapper: Mapper,
 }
@@ -48,6 +51,7 @@ struct Parts {
     setup: Setup,
     anchors: Vec<Anchor>,
     discovery: Discovery,
+    known_channel: KnownChannel,
 }
 
 impl Scenario {
@@ -139,20 +143,22 @@ impl Scenario {
         &self.parts.setup.world
     }
 
-    /// Its channel, for maps that may know it.
+    /// The channel of the first network that robots survey, for maps that may know it.
     #[must_use]
-    ///
-    /// # Panics
-    /// Never for a scenario that was checked.
     pub fn known_channel(&self) -> KnownChannel {
-        let known = known_channel(&self.config, self.network().link.channel);
-        known.expect("a checked scenario has radios")
+        self.parts.known_channel
     }
 
-    /// Its first network: the one that maps may know.
+    /// The networks whose logs a map uses: one, or several for a joint map.
     #[must_use]
-    pub fn network(&self) -> &BusyNetwork {
-        self.parts.setup.network()
+    pub fn networks_of(&self, map: &NamedMap) -> Vec<NetworkId> {
+        let surveyed = self.surveyed();
+        let is_called = |id: &NetworkId, name: &str| self.networks()[id.index()].name.as_deref() == Some(name);
+        let called = |name: &str| surveyed.iter().copied().find(|id| is_called(id, name)).unwrap_or(surveyed[0]);
+        match &map.mapper {
+            Mapper::Joint(joint) => joint.networks().map(called).collect(),
+            _ => vec![map.network.as_deref().map_or(surveyed[0], called)],
+        }
     }
 
     /// All its networks.
@@ -255,9 +261,8 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
         errors.refuse(&SettingError::new("robots", "none", allowed));
     }
-    let law = networks.first().and_then(|network| network.as_ref()).map(|network| network.link.channel);
-    let known = law.and_then(|law| known_channel(config, law));
-    let maps = check_maps(&config.maps, known, errors);
+    let known = KnownNetworks::new(&tables, &config.robots, Some(folder));
+    let maps = check_maps(&config.maps, &known, errors);
     check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());
     if let Some(snapshots) = &config.recording.fields {
@@ -271,6 +276,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
         return (None, maps);
     };
     let (Some(anchors), Some(discovery)) = (anchors, discovery) else { return (None, maps) };
+    let Some(known_channel) = known.first_channel() else { return (None, maps) };
     for (i, name) in config.recording.likelihood.iter().enumerate() {
         if !world.nodes.iter().any(|node| node.name == *name) {
             let key = format!("recording.likelihood[{i}]");
@@ -285,7 +291,7 @@ fn check(config: &ScenarioConfig, folder: &Path, errors: &mut Errors<'_>) -> (Op
             errors.refuse(&error);
         }
     }
-    (Some(Parts { setup, anchors, discovery }), maps)
+    (Some(Parts { setup, anchors, discovery, known_channel }), maps)
 }
 
 /// Refuses targets with the name of a robot: in a recording, both would be the same frame.
@@ -373,13 +379,6 @@ fn surveyed(
     Ok(numbers)
 }
 
-/// What maps may know of the channel of the first network.
-fn known_channel(config: &ScenarioConfig, channel: ChannelLaw) -> Option<KnownChannel> {
-    let tables = NetworkTables::all(config);
-    let network = tables.first()?;
-    Some(KnownChannel::new(*network.radio.value?, channel, network.traffic.value, &config.robots))
-}
-
 /// The sinks, with names of their own.
 fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Sink> {
     let none = ObstacleField::default();
@@ -409,18 +408,14 @@ fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Erro
     sinks
 }
 
-/// The maps to compute; absent channel settings are taken from `channel`, if it is known.
-pub(super) fn check_maps(
-    configs: &[MapConfig],
-    channel: Option<KnownChannel>,
-    errors: &mut Errors<'_>,
-) -> Vec<NamedMap> {
+/// The maps to compute; absent channel settings are taken from the networks of the maps, where they are known.
+pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors<'_>) -> Vec<NamedMap> {
     let mut maps: Vec<NamedMap> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
         let table = format!("maps[{i}]");
         let mut config = config.clone();
-        if let Some(channel) = channel {
-            channel.complete(&mut config);
+        if errors.take(&table, networks.complete(&mut config)).is_none() {
+            continue;
         }
         let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
         let Some(mapper) = errors.take(&table, mapper) else {
@@ -436,7 +431,7 @@ pub(super) fn check_maps(
             let found = format!("`{name}`, the name of an earlier map");
             errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
         }
-        maps.push(NamedMap { name, mapper });
+        maps.push(NamedMap { name, network: config.network, mapper });
     }
     maps
 }

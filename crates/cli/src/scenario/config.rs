@@ -9,7 +9,7 @@ use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
-use sextant_mapper::MapConfig;
+use sextant_mapper::{MapConfig, NodeDisplacement};
 use sextant_sim::{
     AnchorsConfig, AntennasConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig,
     SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
@@ -99,11 +99,19 @@ fn default_seed() -> u64 {
 pub struct MetricsConfig {
     /// Radii of the neighbourhood for the connectivity error (m). The printed table shows the first one.
     pub neighbourhood_m: Vec<f64>,
+    /// Nodes within this distance on the ground are neighbours for the sector displacement (m).
+    pub sector_neighbourhood_m: f64,
+    /// The sector displacement of a node from those to its neighbours.
+    pub sector_displacement_of_node: NodeDisplacement,
 }
 
 impl Default for MetricsConfig {
     fn default() -> Self {
-        Self { neighbourhood_m: vec![5.0, 3.0, 10.0] }
+        Self {
+            neighbourhood_m: vec![5.0, 3.0, 10.0],
+            sector_neighbourhood_m: 1.6,
+            sector_displacement_of_node: NodeDisplacement::default(),
+        }
     }
 }
 
@@ -113,6 +121,7 @@ impl MetricsConfig {
         for (i, &radius_m) in self.neighbourhood_m.iter().enumerate() {
             SettingError::positive(&format!("neighbourhood_m[{i}]"), radius_m)?;
         }
+        SettingError::positive("sector_neighbourhood_m", self.sector_neighbourhood_m)?;
         Ok(())
     }
 }

@@ -1,8 +1,8 @@
 //! The channel of a scenario, for maps that may know it.
 
 use sextant_apps::ControllerConfig;
-use sextant_channel::ChannelLaw;
-use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
+use sextant_channel::{ChannelLaw, Db};
+use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, ProfileConfig, RangingConfig};
 use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
 
 /// The channel of a scenario, for maps that may know it.
@@ -12,6 +12,8 @@ pub struct KnownChannel {
     pub radio: RadioConfig,
     /// Path loss and shadowing.
     pub channel: ChannelLaw,
+    /// Gain of both antennas of a link together, in the weaker direction of a sector sweep.
+    pub gain: Db,
     /// Mean number of packets that a node sends while a robot listens at a stop, over the robots; 1 if there are none.
     pub packets_per_stop: f64,
     /// Whether this number is the same at all stops of all robots.
@@ -21,7 +23,7 @@ pub struct KnownChannel {
 impl KnownChannel {
     pub(super) fn new(
         radio: RadioConfig,
-        channel: ChannelLaw,
+        (channel, gain): (ChannelLaw, Db),
         traffic: Option<&TrafficConfig>,
         robots: &[RobotConfig<ControllerConfig>],
     ) -> Self {
@@ -48,34 +50,47 @@ impl KnownChannel {
         let most = robots.iter().map(packets).fold(0.0, f64::max);
         let mean = robots.iter().map(packets).sum::<f64>() / robots.len() as f64;
         let packets_per_stop = if robots.is_empty() { 1.0 } else { mean };
-        Self { radio, channel, packets_per_stop, is_alike_at_all_stops: stands && least >= most }
+        Self { radio, channel, gain, packets_per_stop, is_alike_at_all_stops: stands && least >= most }
     }
 
-    /// Fills in the absent channel settings of a map that knows the channel.
-    pub(super) fn complete(&self, map: &mut MapConfig) {
+    /// The power at the reference distance with the best sectors (dBm): maps take it as the transmit power.
+    fn power_at_reference_dbm(&self) -> f64 {
+        (self.radio.tx_power_dbm + self.gain.0) - self.channel.path_loss().reference_loss().0
+    }
+
+    /// The radius of communication (m), if it is limited.
+    fn max_range_m(&self) -> Option<f64> {
+        Some(self.channel.max_range_m()).filter(|range_m| range_m.is_finite())
+    }
+
+    /// Fills in the absent channel settings of an algorithm that knows the channel, without those of its profiles.
+    pub(super) fn complete(&self, algorithm: &mut AlgorithmConfig) {
         let path_loss = self.channel.path_loss();
-        // Maps take the transmit power as the power at the reference distance.
-        let tx_power_dbm_at_reference = self.radio.tx_power_dbm - path_loss.reference_loss().0;
+        let tx_power_dbm_at_reference = self.power_at_reference_dbm();
         let sigma_of_channel_db = self.channel.shadowing().sigma_db();
-        let max_range_m = Some(self.channel.max_range_m()).filter(|range_m| range_m.is_finite());
-        if let Some(ranging) = map.algorithm.ranging_mut() {
+        if let Some(ranging) = algorithm.ranging_mut() {
             let RangingConfig { exponent, tx_power_dbm, reference_distance_m, sigma_db } = ranging;
             exponent.get_or_insert(path_loss.exponent());
             tx_power_dbm.get_or_insert(tx_power_dbm_at_reference);
             reference_distance_m.get_or_insert(path_loss.reference_distance_m());
             sigma_db.get_or_insert(sigma_of_channel_db);
         }
-        if let AlgorithmConfig::RssGrid(grid) = &mut map.algorithm {
+        if let AlgorithmConfig::RssGrid(grid) = algorithm {
             grid.sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
-            grid.max_range_m = grid.max_range_m.or(max_range_m);
+            grid.max_range_m = grid.max_range_m.or(self.max_range_m());
         }
-        let Some((_, ProfileConfig::Channel(profile))) = map.algorithm.profile_mut() else { return };
+    }
+
+    /// Fills in the absent settings of a profile that is that of the channel.
+    pub(super) fn complete_profile(&self, profile: &mut ProfileConfig) {
+        let path_loss = self.channel.path_loss();
+        let ProfileConfig::Channel(profile) = profile else { return };
         let ChannelProfileConfig { exponent, sigma_db, tx_power_dbm, sensitivity_dbm, .. } = profile;
         exponent.get_or_insert(path_loss.exponent());
-        sigma_db.get_or_insert(sigma_of_channel_db);
-        tx_power_dbm.get_or_insert(tx_power_dbm_at_reference);
+        sigma_db.get_or_insert(self.channel.shadowing().sigma_db());
+        tx_power_dbm.get_or_insert(self.power_at_reference_dbm());
         sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
-        profile.max_range_m = profile.max_range_m.or(max_range_m);
+        profile.max_range_m = profile.max_range_m.or(self.max_range_m());
         profile.reference_distance_m.get_or_insert(path_loss.reference_distance_m());
         profile.min_distance_m.get_or_insert(path_loss.min_distance_m());
         if path_loss.gas_db_per_m() > 0.0 {

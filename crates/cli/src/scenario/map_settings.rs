@@ -1,12 +1,14 @@
 //! The maps that `sextant map` computes from a log.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
-use sextant_channel::{ChannelConfig, ChannelLaw, ObstacleConfig, ObstacleField};
-use sextant_mapper::{KnowledgeKind, MapConfig};
-use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
+use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
+use sextant_mac::EnergyConfig;
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig};
+use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 
 use super::build::{NamedMap, check_maps};
 use super::config::MetricsConfig;
@@ -15,7 +17,9 @@ use super::document::{Document, Value};
 use super::error::{ScenarioError, ScenarioErrors};
 use super::errors::Errors;
 use super::keys::keys_of;
-use super::known_channel::KnownChannel;
+use super::known_networks::KnownNetworks;
+use super::network_config::NetworkConfig;
+use super::networks::{NetworkTables, ScenarioTables};
 
 /// The default map of `sextant map`.
 const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
@@ -65,6 +69,12 @@ struct MapSettingsConfig {
     #[serde(default)]
     channel: ChannelConfig,
     #[serde(default)]
+    mac: MacConfig,
+    #[serde(default)]
+    antenna: Option<AntennasConfig>,
+    #[serde(default)]
+    networks: BTreeMap<String, NetworkConfig>,
+    #[serde(default)]
     traffic: Option<TrafficConfig>,
     #[serde(default)]
     robots: Vec<RobotConfig<ControllerConfig>>,
@@ -81,20 +91,37 @@ struct KnownWorldConfig {
     obstacles: Vec<ObstacleConfig>,
 }
 
+impl MapSettingsConfig {
+    fn tables(&self) -> ScenarioTables<'_> {
+        ScenarioTables {
+            networks: &self.networks,
+            radio: self.radio.as_ref(),
+            channel: &self.channel,
+            mac: &self.mac,
+            traffic: self.traffic.as_ref(),
+            antenna: self.antenna.as_ref(),
+            // Maps know nothing of how packets are lost, and of energy.
+            reception: None,
+            energy: &EnergyConfig::Cc2420,
+        }
+    }
+}
+
 impl MapSettings {
     /// The maps of `scenario`, which is a name for messages and a text. If `algorithm` is given, it is one map by that
     /// algorithm instead. Without a scenario, or if the scenario has no maps, it is one `ml-tm` map with a fitted profile.
     ///
     /// `profile` replaces the profile of every map that has one. It is the name of a profile (`fitted`), or a name, a
     /// colon and settings (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); settings without a name are those of a trapezoid.
-    /// `set` are flags `--set`.
+    /// `set` are flags `--set`. If `network` is given, its log is mapped instead of those of the networks that the maps
+    /// name; joint maps keep theirs.
     ///
     /// # Errors
     /// All errors found.
     pub fn new(
         scenario: Option<(&str, &str)>,
         algorithm: Option<AlgorithmName>,
-        profile: Option<&str>,
+        (profile, network): (Option<&str>, Option<&str>),
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
         let mut document = document(scenario, algorithm)?;
@@ -104,13 +131,19 @@ impl MapSettings {
         for flag in set {
             document.lay_flag("--set", flag, Path::new(""))?;
         }
-        let config: MapSettingsConfig = deserialize(&document)?;
+        let mut config: MapSettingsConfig = deserialize(&document)?;
+        let is_joint = |map: &MapConfig| matches!(map.algorithm, AlgorithmConfig::Joint(_));
+        if let Some(network) = network.filter(|_| !config.networks.is_empty()) {
+            let alone = config.maps.iter_mut().filter(|map| !is_joint(map));
+            alone.for_each(|map| map.network = Some(network.to_owned()));
+        }
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let channel = config.radio.and_then(|radio| {
-            let channel = errors.take("channel", ChannelLaw::try_from(config.channel))?;
-            Some(KnownChannel::new(radio, channel, config.traffic.as_ref(), &config.robots))
-        });
-        let maps = check_maps(&config.maps, channel, &mut errors);
+        let tables = NetworkTables::all(config.tables());
+        // A log of a real robot has no channel.
+        for table in tables.iter().filter(|table| table.radio.value.is_some()) {
+            table.law(&mut errors);
+        }
+        let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &config.robots, None), &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
@@ -149,9 +182,12 @@ fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), Scenar
         (profile, "")
     });
     let mut config: MapSettingsConfig = deserialize(document)?;
-    let keys: Vec<String> = (config.maps.iter_mut().enumerate())
-        .filter_map(|(i, map)| Some(format!("maps[{i}].algorithm.{}", map.algorithm.profile_mut()?.0)))
-        .collect();
+    let mut keys: Vec<String> = Vec::new();
+    for (i, map) in config.maps.iter_mut().enumerate() {
+        keys.extend(
+            map.algorithm.profiles_mut().iter().map(|profile| format!("maps[{i}].algorithm.{}", profile.key)),
+        );
+    }
     if keys.is_empty() {
         return Err(ScenarioError::new(format!("--profile {profile}: no map has a reception profile")));
     }
@@ -161,6 +197,8 @@ fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), Scenar
 
 #[cfg(test)]
 mod tests {
+    use sextant_channel::{ChannelLaw, CloseInConfig, PathLossConfig};
+
     use super::super::config::ScenarioConfig;
     use super::*;
 
@@ -168,13 +206,13 @@ mod tests {
 
     #[test]
     fn a_log_without_a_scenario_is_mapped_with_the_given_profile() {
-        let settings = MapSettings::new(None, None, Some(PROFILE), &[]).unwrap();
+        let settings = MapSettings::new(None, None, (Some(PROFILE), None), &[]).unwrap();
         assert_eq!(settings.maps.len(), 1);
         assert_eq!(settings.maps[0].name, "ml-tm");
-        let same = MapSettings::new(None, None, Some(&format!("trapezoid:{PROFILE}")), &[]).unwrap();
+        let same = MapSettings::new(None, None, (Some(&format!("trapezoid:{PROFILE}")), None), &[]).unwrap();
         assert_eq!(same.maps, settings.maps);
         let set = ["maps.0.algorithm.ml_tm.grid_step_m=1".to_owned(), "maps.0.name=coarse".to_owned()];
-        let coarse = MapSettings::new(None, None, Some(PROFILE), &set).unwrap();
+        let coarse = MapSettings::new(None, None, (Some(PROFILE), None), &set).unwrap();
         assert_eq!(coarse.maps[0].name, "coarse");
         assert_ne!(coarse.maps[0].mapper, settings.maps[0].mapper);
     }
@@ -183,9 +221,9 @@ mod tests {
     fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
-        let kept = MapSettings::new(Some(("x", text)), None, None, &[]).unwrap();
+        let kept = MapSettings::new(Some(("x", text)), None, (None, None), &[]).unwrap();
         assert_eq!(kept.maps[0].name, "a");
-        let changed = MapSettings::new(Some(("x", text)), None, Some(PROFILE), &[]).unwrap();
+        let changed = MapSettings::new(Some(("x", text)), None, (Some(PROFILE), None), &[]).unwrap();
         assert_ne!(changed.maps[0].mapper, kept.maps[0].mapper);
     }
 
@@ -195,16 +233,16 @@ mod tests {
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
         let algorithm = Some(AlgorithmName::SelfCalibrated);
         for scenario in [None, Some(("x", text)), Some(("x", "name = \"x\"\n"))] {
-            let settings = MapSettings::new(scenario, algorithm, None, &[]).unwrap();
+            let settings = MapSettings::new(scenario, algorithm, (None, None), &[]).unwrap();
             assert_eq!((settings.maps.len(), settings.maps[0].name.as_str()), (1, "self-calibrated"));
             let set = ["maps.0.algorithm.self_calibrated.grid_step_m=0.5".to_owned()];
-            let finer = MapSettings::new(scenario, algorithm, None, &set).unwrap();
+            let finer = MapSettings::new(scenario, algorithm, (None, None), &set).unwrap();
             assert_ne!(finer.maps[0].mapper, settings.maps[0].mapper);
-            let refused = MapSettings::new(scenario, algorithm, Some(PROFILE), &[]).unwrap_err().to_string();
+            let refused = MapSettings::new(scenario, algorithm, (Some(PROFILE), None), &[]).unwrap_err().to_string();
             assert!(refused.contains("no map has a reception profile"), "{refused}");
         }
         let refused = ["maps.0.algorithm.self_calibrated.grid_step_m=0".to_owned()];
-        let refused = MapSettings::new(None, algorithm, None, &refused).unwrap_err().to_string();
+        let refused = MapSettings::new(None, algorithm, (None, None), &refused).unwrap_err().to_string();
         assert!(
             refused.contains("maps[0].algorithm.self_calibrated.grid_step_m") && refused.contains("is 0"),
             "{refused}"
@@ -219,7 +257,7 @@ mod tests {
                  traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
                  algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
             );
-            let settings = MapSettings::new(Some(("x", &text)), None, None, &[]).unwrap();
+            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
@@ -232,8 +270,59 @@ mod tests {
     }
 
     #[test]
+    fn a_channel_profile_of_sector_sweeps_has_the_gains_of_the_weaker_direction() {
+        let map = |gains: [f64; 2], profile: &str| {
+            let [nodes, robots] = gains.map(|dbi| format!("{{ azimuth_sectors = 8, boresight_gain_dbi = {dbi} }}"));
+            let text = format!(
+                "radio = {{ tx_power_dbm = 20, sensitivity_dbm = -60 }}\nmac.sector_sweep = {{}}\n\
+                 channel.path_loss.close_in = {{ carrier_ghz = 73, exponent = 1.7 }}\nchannel.max_range_m = 7\n\
+                 channel.shadowing = {{ sigma_db = 3.2, correlation = \"per_link\" }}\n\
+                 antenna.nodes.sectors = {nodes}\nantenna.robots.sectors = {robots}\n\
+                 [[maps]]\nalgorithm.mmtm = {{ grid_step_m = 0.5, profile.channel = {{ {profile} }} }}\n"
+            );
+            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            settings.maps[0].mapper.clone()
+        };
+        let law = CloseInConfig { carrier_ghz: Some(73.0), exponent: Some(1.7), ..CloseInConfig::default() };
+        let channel = ChannelConfig { path_loss: Some(PathLossConfig::CloseIn(law)), ..ChannelConfig::default() };
+        let loss_db = ChannelLaw::try_from(channel).unwrap().path_loss().reference_loss().0;
+        // Free space over a metre at 73 GHz: 20 log10(4 pi f / c).
+        assert!((loss_db - 69.71).abs() < 0.01, "{loss_db} dB");
+        let written = map([0.0, 0.0], &format!("tx_power_dbm = {:?}", 20.0 + 10.0 - loss_db));
+        assert_eq!(map([10.0, 14.0], ""), written, "the answer of a node is the weaker direction");
+        assert_eq!(map([14.0, 10.0], ""), written, "the sweep of a robot is the weaker direction");
+        assert_ne!(map([14.0, 11.0], ""), written);
+    }
+
+    #[test]
+    fn maps_name_networks_that_robots_survey() {
+        let new = |network: &str, flag: Option<&str>| {
+            let text = format!(
+                "channel = {{ environment = \"suburban\", max_range_m = 9 }}\n[networks.a]\nradio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n\
+                 [networks.b]\nradio = {{ tx_power_dbm = -60, sensitivity_dbm = -90 }}\n\
+                 [networks.c]\nradio = {{ tx_power_dbm = -60, sensitivity_dbm = -90 }}\n\
+                 [[robots]]\nname = \"r\"\nstart_m = [0, 0]\nlisten_s = 1\nnetworks = [\"b\", \"a\"]\n\
+                 controller.waypoints.places_m = [[0, 0]]\n\
+                 [[maps]]\n{network}algorithm.ml_tm = {{ grid_step_m = 0.5, profile.channel = {{}} }}\n"
+            );
+            MapSettings::new(Some(("x", &text)), None, (None, flag), &[])
+        };
+        let mapper = |network, flag| new(network, flag).unwrap().maps[0].mapper.clone();
+        let (first, second) = (mapper("", None), mapper("network = \"b\"\n", None));
+        assert_ne!(first, second, "each has the channel of its network");
+        assert_eq!(mapper("network = \"a\"\n", None), first);
+        assert_eq!(mapper("network = \"a\"\n", Some("b")), second, "a flag overrides the map");
+        for refused in [new("network = \"c\"\n", None), new("", Some("c"))] {
+            let refused = refused.unwrap_err().to_string();
+            assert!(refused.contains("`maps[0].network` is `c`"), "{refused}");
+            assert!(refused.contains("`a`, `b`, the networks that robots survey"), "{refused}");
+        }
+    }
+
+    #[test]
     fn an_invalid_profile_is_rejected() {
-        let refused = |profile: Option<&str>| MapSettings::new(None, None, profile, &[]).unwrap_err().to_string();
+        let refused =
+            |profile: Option<&str>| MapSettings::new(None, None, (profile, None), &[]).unwrap_err().to_string();
         assert!(refused(Some("channel:sigma_db=8")).contains("`"), "{}", refused(Some("channel:sigma_db=8")));
         assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
         assert!(refused(Some("p=2")).contains("unknown key `p`"));

@@ -11,6 +11,7 @@ mod flag;
 mod key_path;
 mod keys;
 mod known_channel;
+mod known_networks;
 mod layers;
 mod map_settings;
 mod network_config;

@@ -29,7 +29,7 @@ pub(super) struct NetworkTables<'a> {
     pub(super) mac: Keyed<&'a MacConfig>,
     pub(super) traffic: Keyed<Option<&'a TrafficConfig>>,
     reception: Keyed<Option<&'a ReceptionConfig>>,
-    antenna: Keyed<Option<&'a AntennasConfig>>,
+    pub(super) antenna: Keyed<Option<&'a AntennasConfig>>,
     energy: Keyed<&'a EnergyConfig>,
 }
 
@@ -41,16 +41,45 @@ pub(super) struct Keyed<T> {
     pub(super) value: T,
 }
 
+/// The tables of a scenario: those of its networks, and those for all networks without a table of their own.
+#[derive(Clone, Copy)]
+pub(super) struct ScenarioTables<'a> {
+    pub(super) networks: &'a BTreeMap<String, NetworkConfig>,
+    pub(super) radio: Option<&'a RadioConfig>,
+    pub(super) channel: &'a ChannelConfig,
+    pub(super) mac: &'a MacConfig,
+    pub(super) traffic: Option<&'a TrafficConfig>,
+    pub(super) reception: Option<&'a ReceptionConfig>,
+    pub(super) antenna: Option<&'a AntennasConfig>,
+    pub(super) energy: &'a EnergyConfig,
+}
+
+impl<'a> From<&'a ScenarioConfig> for ScenarioTables<'a> {
+    fn from(config: &'a ScenarioConfig) -> Self {
+        Self {
+            networks: &config.networks,
+            radio: config.radio.as_ref(),
+            channel: &config.channel,
+            mac: &config.mac,
+            traffic: config.traffic.as_ref(),
+            reception: config.reception.as_ref(),
+            antenna: config.antenna.as_ref(),
+            energy: &config.energy,
+        }
+    }
+}
+
 impl<'a> NetworkTables<'a> {
     /// The tables of each network of a scenario, in the order of their names.
-    pub(super) fn all(config: &'a ScenarioConfig) -> Vec<Self> {
+    pub(super) fn all(config: impl Into<ScenarioTables<'a>>) -> Vec<Self> {
+        let config = config.into();
         if config.networks.is_empty() {
             return vec![Self::of(config, None)];
         }
         config.networks.iter().map(|(name, network)| Self::of(config, Some((name, network)))).collect()
     }
 
-    fn of(config: &'a ScenarioConfig, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
+    fn of(config: ScenarioTables<'a>, network: Option<(&'a String, &'a NetworkConfig)>) -> Self {
         let keyed = |table: &str, is_own: bool| match network {
             Some((name, _)) if is_own => format!("networks.{name}.{table}"),
             _ => table.to_owned(),
@@ -63,20 +92,20 @@ impl<'a> NetworkTables<'a> {
         }
         macro_rules! pick_or_default {
             ($table:ident) => {{
-                let picked = pick!($table, Some(&config.$table));
-                Keyed { key: picked.key, is_own: picked.is_own, value: picked.value.unwrap_or(&config.$table) }
+                let picked = pick!($table, Some(config.$table));
+                Keyed { key: picked.key, is_own: picked.is_own, value: picked.value.unwrap_or(config.$table) }
             }};
         }
         Self {
             name: network.map(|(name, _)| name.as_str()),
             is_alone: network.is_none(),
             nodes: network.and_then(|(_, network)| network.nodes.as_ref()),
-            radio: pick!(radio, config.radio.as_ref()),
+            radio: pick!(radio, config.radio),
             channel: pick_or_default!(channel),
             mac: pick_or_default!(mac),
-            traffic: pick!(traffic, config.traffic.as_ref()),
-            reception: pick!(reception, config.reception.as_ref()),
-            antenna: pick!(antenna, config.antenna.as_ref()),
+            traffic: pick!(traffic, config.traffic),
+            reception: pick!(reception, config.reception),
+            antenna: pick!(antenna, config.antenna),
             energy: pick_or_default!(energy),
         }
     }

@@ -104,7 +104,11 @@ mod tests {
     fn shipped(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
-            if path.is_dir() { shipped(&path, found) } else { found.push(path) }
+            if path.is_dir() {
+                shipped(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "toml") {
+                found.push(path);
+            }
         }
     }
 

@@ -1,4 +1,5 @@
-//! The survey and the discovery before it: packets, paths and energy.
+//! The survey and the discovery before it: packets, paths and energy. With sector sweeps, a packet of a node is its answer
+//! to one sweep of a robot, from all its sectors. Numbers of packets are over all networks.
 
 use serde::Serialize;
 use sextant_channel::{Position, ReceptionLog};
@@ -8,7 +9,10 @@ use sextant_channel::{Position, ReceptionLog};
 pub struct GatheringSummary {
     /// Places where robots listened.
     pub stops: usize,
-    /// Pairs of a stop and a node from which at least one packet was received there.
+    /// Sector sweeps of the robots. Absent without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweeps: Option<u64>,
+    /// Pairs of a stop and a node from which at least one packet was received there, in each network.
     pub receptions: usize,
     /// Length of the robots' paths through all their known positions (m). A run and its recording know each turn; a log
     /// without paths knows the stops only.

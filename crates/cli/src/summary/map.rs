@@ -11,6 +11,9 @@ pub struct MapSummary {
     pub name: Option<String>,
     /// Name of the algorithm, for example `ml-tm`.
     pub algorithm: String,
+    /// The networks whose logs it uses, if the scenario names them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub networks: Vec<String>,
     /// The knowledge that the algorithm uses: `robot-receptions`, `anchors`, `anchor-rssi` and so on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub knowledge: Vec<KnowledgeKind>,
@@ -44,6 +47,9 @@ pub struct MapSummary {
     /// The reception profile, if it was estimated from the log.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fitted_profile: Option<FittedProfileSummary>,
+    /// The reception profiles of the networks of a joint map that were estimated from their logs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fitted_profiles: Vec<NetworkProfileSummary>,
     /// What was estimated with the map, if it is self-calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationSummary>,
@@ -75,9 +81,13 @@ pub struct MapSummary {
     /// is in `gathering` and `discovery`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message_energy_j: Option<f64>,
-    /// Share of receptions whose sector is wrong by 0, 1, .. sectors.
+    /// Share of the nodes whose antenna would point 0, 1, .. sectors away from a neighbour if it followed the map: of each
+    /// node, the median or mean over its neighbours on the ground. Absent if the nodes have no sectors.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sector_displacement: Vec<f64>,
+    /// Share of the ordered pairs of neighbours whose direction on the map is 0, 1, .. sectors away from the true one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sector_displacement_of_pairs: Vec<f64>,
     /// Distance between vertices of the grid (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_step_m: Option<f64>,
@@ -101,6 +111,16 @@ pub struct FittedProfileSummary {
     pub dead_stops: Vec<u32>,
     /// Receptions that were ignored because they came from far beyond the range.
     pub outliers: usize,
+}
+
+/// The reception profile of one network of a joint map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct NetworkProfileSummary {
+    /// Name of the network.
+    pub network: String,
+    /// The profile.
+    #[serde(flatten)]
+    pub profile: FittedProfileSummary,
 }
 
 /// The heights at which nodes were searched for, and why.
@@ -165,6 +185,8 @@ pub struct ErrorSummary {
     pub mean: f64,
     /// Median (m).
     pub median: f64,
+    /// 80th percentile (m).
+    pub p80: f64,
     /// 90th percentile (m).
     pub p90: f64,
     /// 95th percentile (m).

@@ -41,6 +41,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         maps(&summary.maps, out)?;
         fitted_profiles(&summary.maps, out)?;
         calibrations(&summary.maps, out)?;
+        displacements(&summary.maps, out)?;
         bounds(&summary.maps, out)?;
         heights(&summary.maps, out)?;
         writeln!(out)?;
@@ -62,6 +63,7 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("stops", Some(gathering.stops.to_string()), "");
     row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), "m");
     row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
+    row("sector sweeps of robots", count(gathering.sweeps), "");
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
     row("packets received", count(gathering.packets_received), "");
@@ -168,9 +170,14 @@ fn knowledge(map: &MapSummary) -> String {
 }
 
 fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let Some(profile) = &map.fitted_profile else { continue };
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+    let of_map = |map: &MapSummary| {
+        let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
+        let of_networks = map.fitted_profiles.iter();
+        let named = of_networks.map(|of| (format!("{name}, {}", of.network), of.profile.clone()));
+        let named: Vec<_> = named.collect();
+        map.fitted_profile.clone().map(|profile| (name, profile)).into_iter().chain(named)
+    };
+    for (name, profile) in maps.iter().flat_map(of_map) {
         let rounds = counted(profile.rounds as usize, "round");
         let end = if profile.converged { "converged" } else { "did not converge" };
         write!(out, "{name}: fitted profile of range {:.2} m {end} in {rounds}", profile.range_m)?;
@@ -181,6 +188,17 @@ fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> 
             write!(out, ", {} ignored (far beyond the range)", counted(profile.outliers, "reception"))?;
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Shares of the nodes by sector displacement.
+fn displacements(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps.iter().filter(|map| !map.sector_displacement.is_empty()) {
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        let shares = map.sector_displacement.iter().enumerate();
+        let shares: Vec<_> = shares.map(|(sectors, share)| format!("{sectors}: {:.1} %", 100.0 * share)).collect();
+        writeln!(out, "{name}: nodes by sector displacement: {}", shares.join(", "))?;
     }
     Ok(())
 }
@@ -285,7 +303,7 @@ mod tests {
 
     #[test]
     fn the_table_is_aligned_in_columns() {
-        let error = ErrorSummary { mean: 0.71, median: 0.6, p90: 1.4, p95: 1.75, max: 12.25 };
+        let error = ErrorSummary { mean: 0.71, median: 0.6, p80: 1.1, p90: 1.4, p95: 1.75, max: 12.25 };
         let summary = Summary {
             scenario: Some(ScenarioSummary { name: "circular".into(), seed: 1, ..ScenarioSummary::default() }),
             simulation: Some(SimulationSummary { nodes: 496, obstacles: 1, ..SimulationSummary::default() }),

@@ -16,6 +16,7 @@ mod recording;
 mod reproduce;
 mod run;
 mod scenario_errors;
+mod sector_sweeps;
 mod sensing;
 mod sweep;
 mod traffic;

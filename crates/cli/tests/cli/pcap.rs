@@ -7,4 +7,4 @@ mod dmg;
 mod failure;
 mod packet;
 mod run;
-mod tshark;
+pub(crate) mod tshark;

@@ -11,6 +11,8 @@ pub struct PositionError {
     pub mean: f64,
     /// Median (m).
     pub median: f64,
+    /// 80th percentile (m).
+    pub p80: f64,
     /// 90th percentile (m).
     pub p90: f64,
     /// 95th percentile (m).
@@ -36,6 +38,7 @@ impl PositionError {
         Some(Self {
             mean: sorted.iter().sum::<f64>() / count,
             median: quantile(0.5),
+            p80: quantile(0.8),
             p90: quantile(0.9),
             p95: quantile(0.95),
             max,
@@ -67,9 +70,14 @@ mod tests {
     fn quantiles_of_eleven_equal_steps_are_known() {
         let errors: Vec<f64> = (0..11).rev().map(f64::from).collect();
         let error = PositionError::of(&errors).unwrap();
-        for (value, expected) in
-            [(error.mean, 5.0), (error.median, 5.0), (error.p90, 9.0), (error.p95, 9.5), (error.max, 10.0)]
-        {
+        for (value, expected) in [
+            (error.mean, 5.0),
+            (error.median, 5.0),
+            (error.p80, 8.0),
+            (error.p90, 9.0),
+            (error.p95, 9.5),
+            (error.max, 10.0),
+        ] {
             assert!((value - expected).abs() < 1e-12, "{error:?}");
         }
         assert_eq!(PositionError::of(&[]), None);

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 
 use super::error::MetricError;
@@ -40,7 +42,8 @@ pub enum SectorDistance {
 }
 
 /// The displacement of a node from those of its neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum NodeDisplacement {
     /// The median; of two in the middle, the lower one.
     #[default]

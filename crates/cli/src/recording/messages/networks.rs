@@ -45,7 +45,8 @@ impl TryFrom<SectorMessage> for SectorConfig {
     type Error = String;
 
     fn try_from(message: SectorMessage) -> Result<Self, String> {
-        let SectorMessage { sector, azimuth_from_deg, azimuth_to_deg, elevation_from_deg, elevation_to_deg } = message;
+        let SectorMessage { sector, azimuth_from_deg, azimuth_to_deg, elevation_from_deg, elevation_to_deg } =
+            message;
         let sector = u8::try_from(sector).map_err(|_| format!("sector {sector}; allowed: 0 to 255"))?;
         Ok(Self { sector, azimuth_from_deg, azimuth_to_deg, elevation_from_deg, elevation_to_deg })
     }

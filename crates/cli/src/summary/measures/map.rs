@@ -43,5 +43,8 @@ numbers! { MapSummary {
     VERTICES_EVALUATED "vertices_evaluated" Count |map| map.vertices_evaluated.map(count);
     TOPOLOGY_PRESERVATION_ERROR "topology_preservation_error" Share |map| map.topology_preservation_error;
     MESSAGE_ENERGY_J "message_energy_j" Joule |map| map.message_energy_j;
+    POSITION_ERROR_P80_M "position_error_m.p80" Metre |map| error(map, |error| error.p80);
+    SECTOR_DISPLACEMENT_0 "sector_displacement.0" Share |map| map.sector_displacement.first().copied();
+    SECTOR_DISPLACEMENT_1 "sector_displacement.1" Share |map| map.sector_displacement.get(1).copied();
     NODES_WITHIN "nodes_within_0_2" Share |map| at::<0>(map, |at| at.nodes_within_0_2);
 }}

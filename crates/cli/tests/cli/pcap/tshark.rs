@@ -10,7 +10,7 @@ use super::run::{run, run_scenario};
 const VARIABLE: &str = "SEXTANT_TSHARK";
 
 /// The program, if it exists. If the variable names it, it must exist.
-pub(super) fn tshark() -> Option<String> {
+pub(crate) fn tshark() -> Option<String> {
     let program = std::env::var(VARIABLE).unwrap_or_else(|_| "tshark".to_owned());
     let is_there = Command::new(&program).arg("--version").output().is_ok_and(|output| output.status.success());
     if is_there {
@@ -23,7 +23,7 @@ pub(super) fn tshark() -> Option<String> {
 }
 
 /// Values of `fields` of every packet of the capture.
-pub(super) fn dissect(program: &str, file: &std::path::Path, fields: &[&str]) -> Vec<Vec<String>> {
+pub(crate) fn dissect(program: &str, file: &std::path::Path, fields: &[&str]) -> Vec<Vec<String>> {
     let mut command = Command::new(program);
     // The FCS of IEEE 802.11 is checked on request only.
     command.arg("-r").arg(file).args(["-T", "fields", "-o", "wlan.check_checksum:TRUE"]);

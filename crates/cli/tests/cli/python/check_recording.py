@@ -47,7 +47,11 @@ def plain(schema, m):
     if schema == "sextant.Anchor":
         return [m.node, m.x_m, m.y_m, m.z_m]
     if schema == "sextant.Frame":
-        return [m.start_ns, m.airtime_ns, m.source, m.mpdu.hex(), m.outcome, m.power_dbm]
+        return [m.start_ns, m.airtime_ns, m.source, m.mpdu.hex(), m.outcome, m.power_dbm, m.network]
+    if schema == "sextant.Networks":
+        return list(m.names)
+    if schema == "sextant.Sector":
+        return [m.sector, m.azimuth_from_deg, m.azimuth_to_deg, m.elevation_from_deg, m.elevation_to_deg]
     if schema == "sextant.Sensors":
         names = ["target_radius_m", "field_interval_s", "field_offset_snr_db", "field_noise_snr_db"]
         return [getattr(m, name) if m.HasField(name) else None for name in names]

@@ -94,7 +94,7 @@ fn independent_readers_decode_every_message() {
             "/tf": topic("foxglove.FrameTransform", json!([[5, "world", "surveyor", [1.0, 2.0, 3.0], half_turn]])),
             "/robot/surveyor/path": topic("foxglove.PosesInFrame", json!([["world", corners]])),
             "/world/obstacles": topic("foxglove.SceneUpdate", json!([[["wall", 3, [0, 1, 2]]]])),
-            "/mac/frames": topic("sextant.Frame", json!([[9, 1000, 3, "418800", "received", -71.5]])),
+            "/mac/frames": topic("sextant.Frame", json!([[9, 1000, 3, "418800", "received", -71.5, "inner"]])),
             "/metrics": topic("sextant.Metric", json!([[7, "path_length_m", 12.5]])),
             "/log": topic("foxglove.Log", json!([[8, 3, "survey", "nobody heard"]])),
             "/likelihood/ml-tm/n12": topic("foxglove.Grid", json!([likelihood])),

@@ -128,6 +128,7 @@ pub(crate) fn record_all<W: std::io::Write>(
         mpdu: vec![0x41, 0x88, 0x00],
         outcome: "received".to_owned(),
         power_dbm: Some(-71.5),
+        network: "inner".to_owned(),
     })?;
     let placed = PlacedNode { node: NodeId(1), position: Position::new(4.0, 5.0, 6.0), error_m: Some(0.25) };
     recorder.map(at(10), "ml-tm", &[placed])?;

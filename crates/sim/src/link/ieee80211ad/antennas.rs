@@ -109,6 +109,15 @@ impl Antennas {
         self.robots.sectors()
     }
 
+    /// Gain of both antennas of a link together where the best sector points along it, in the weaker direction of a sweep: from
+    /// a sector of the robot to a node that hears in all directions, or from a sector of the node to a robot that does. A
+    /// node is heard only if both directions work.
+    #[must_use]
+    pub fn sweep_gain(&self) -> Db {
+        let along = |sends: &Antenna, hears: &Antenna| sends.greatest_gain().0 + hears.quasi_omni().0;
+        Db(along(&self.robots, &self.nodes).min(along(&self.nodes, &self.robots)))
+    }
+
     /// The heading of the antenna of each of `nodes` nodes, counterclockwise from x (rad).
     #[must_use]
     pub fn node_headings_rad(&self, seed: Seed, nodes: usize) -> Vec<f64> {

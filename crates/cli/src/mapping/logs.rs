@@ -1,0 +1,40 @@
+//! The logs of the networks that robots surveyed.
+
+use sextant_channel::ReceptionLog;
+use sextant_mapper::{Knowledge, Mapper};
+
+use crate::scenario::NamedMap;
+
+/// The logs of the networks that robots surveyed, at least one. The name of a network is empty if it has none.
+#[derive(Clone, Debug)]
+pub struct NetworkLogs<'a> {
+    logs: Vec<(&'a str, &'a ReceptionLog)>,
+}
+
+impl<'a> NetworkLogs<'a> {
+    /// The log of the first network and its name, if it has one, and those of the others.
+    pub fn new(
+        (name, first): (Option<&'a str>, &'a ReceptionLog),
+        others: impl IntoIterator<Item = (&'a str, &'a ReceptionLog)>,
+    ) -> Self {
+        Self { logs: std::iter::once((name.unwrap_or_default(), first)).chain(others).collect() }
+    }
+
+    /// The log of the network of `map`. For a joint map it is that of its first network. A log that is alone is that of
+    /// any network.
+    #[must_use]
+    pub fn of(&self, map: &NamedMap) -> &'a ReceptionLog {
+        let name = match &map.mapper {
+            Mapper::Joint(joint) => joint.networks().next(),
+            _ => map.network.as_deref(),
+        };
+        let found = name.and_then(|name| self.logs.iter().find(|(other, _)| *other == name));
+        found.unwrap_or(&self.logs[0]).1
+    }
+
+    /// What `map` may know of the logs.
+    #[must_use]
+    pub fn knowledge<'b>(&'b self, map: &NamedMap) -> Knowledge<'b> {
+        Knowledge { logs: &self.logs, ..Knowledge::from(self.of(map)) }
+    }
+}
