@@ -11,7 +11,7 @@ use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
 use super::silhouette::draw_solids;
 use super::source::Source;
-use super::view::{Extent, Panel, View, Views};
+use super::view::{Extent, View, Views};
 use crate::text::counted;
 
 /// A sector in which a node was heard.
@@ -68,8 +68,8 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
     if reach_m <= 0.0 {
         return None;
     }
-    let around = Extent::around([stop])?.widened(1.05 * reach_m);
-    let extent = Extent::around(drawn.nodes.values().copied().chain(around.corners()))?;
+    let outlines: Vec<Vec<Position>> = heard.iter().map(|node| outline(stop, node.wedge, 1.05 * reach_m)).collect();
+    let extent = Extent::around(drawn.nodes.values().copied().chain(outlines.iter().flatten().copied()))?;
     let views = Views::new(&extent, &[View::Top]);
     let radius = 0.9 * views.dot_radius(drawn.nodes.len());
     let right = heard.iter().filter(|node| node.is_right(stop)).count();
@@ -92,10 +92,13 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
     let (mut picture, areas) = sheet.lay_out(&views.sizes());
     for panel in views.panels(&areas) {
         let mut drawn_wedges = BTreeSet::new();
-        for node in &heard {
+        for (node, outline) in heard.iter().zip(&outlines) {
+            // Sectors of two rings have the same outline from above.
             let azimuths = [node.sector.azimuth_from_deg, node.sector.azimuth_to_deg].map(f64::to_bits);
             if drawn_wedges.insert(azimuths) {
-                draw_wedge(&mut picture, &panel, stop, node.wedge, 1.05 * reach_m);
+                let corners: Vec<_> = outline.iter().map(|&place| panel.at(place)).collect();
+                picture.polygon(corners.clone(), WEDGE);
+                picture.path(corners, RIM);
             }
         }
         draw_solids(&mut picture, &panel, source.solids());
@@ -113,16 +116,13 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
     Some(picture)
 }
 
-/// Draws the azimuths of a sector, up to `reach_m` from the stop.
-fn draw_wedge(picture: &mut Picture, panel: &Panel, stop: Position, wedge: Wedge, reach_m: f64) {
+/// The outline of the azimuths of a sector up to `reach_m` from the stop, which is its first and its last corner.
+fn outline(stop: Position, wedge: Wedge, reach_m: f64) -> Vec<Position> {
     let pieces = (wedge.azimuth_width_rad / ARC_STEP_RAD).ceil().max(1.0);
     let at = |share: f64| {
         let (sin, cos) = (wedge.azimuth_from_rad + share * wedge.azimuth_width_rad).sin_cos();
-        panel.at(Position::new(stop.x_m + reach_m * cos, stop.y_m + reach_m * sin, stop.z_m))
+        Position::new(stop.x_m + reach_m * cos, stop.y_m + reach_m * sin, stop.z_m)
     };
-    let mut corners = vec![panel.at(stop)];
-    corners.extend(std::iter::successors(Some(0.0), |&i| (i < pieces).then_some(i + 1.0)).map(|i| at(i / pieces)));
-    corners.push(panel.at(stop));
-    picture.polygon(corners.clone(), WEDGE);
-    picture.path(corners, RIM);
+    let steps = std::iter::successors(Some(0.0), |&i| (i < pieces).then_some(i + 1.0));
+    std::iter::once(stop).chain(steps.map(|i| at(i / pieces))).chain([stop]).collect()
 }

@@ -51,11 +51,6 @@ impl Extent {
         }))
     }
 
-    /// Its lowest and its highest corner (m).
-    pub(super) fn corners(&self) -> [Position; 2] {
-        [self.low, self.high]
-    }
-
     /// The part enlarged by `by` on each side (m).
     pub(super) fn widened(&self, by: f64) -> Self {
         let by = Position::new(by, by, by);

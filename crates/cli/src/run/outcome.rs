@@ -64,7 +64,6 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             stops: survey.robots.iter().map(|robot| robot.stops).sum(),
             sweeps: sweeps(scenario, survey),
             receptions: heard(survey),
-            ..GatheringSummary::of_log(&survey.log, &[])
         }),
         discovery: discoveries.summary(scenario),
         maps,

@@ -155,6 +155,18 @@ fn a_recording_of_sector_sweeps_is_mapped_as_in_the_run() {
 }
 
 #[test]
+fn figures_show_the_sectors_of_a_stop_and_the_displacement_of_each_map() {
+    let (folder, _) = run(&two(), &[]);
+    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let svg = |name: &str| std::fs::read_to_string(folder.path().join("run.figures").join(name)).unwrap();
+    let sectors = svg("sectors.svg");
+    assert!(sectors.contains("sectors at a stop") && sectors.contains("of rover"), "a title and a note");
+    let displacement = svg("sector-displacement.svg");
+    assert!(displacement.contains("joint-ml-tm: ") && !displacement.contains("\nml-tm: "), "maps with sectors only");
+}
+
+#[test]
 fn the_summary_counts_sweeps_and_answers_and_their_energy() {
     let (_folder, found) = run(&one(), &[]);
     let gathering = &found["gathering"];
