@@ -254,6 +254,7 @@ fn tshark_decodes_sweeps_and_answers() {
         "wlan.ssw.direction",
         "wlan.ssw.cdown",
         "wlan.ssw.sector_id",
+        "wlan.ssw.dmg_ant_id",
         "radiotap.channel.freq",
     ];
     let rows = dissect(&program, &folder.path().join("a.pcap"), &fields);
@@ -261,7 +262,7 @@ fn tshark_decodes_sweeps_and_answers() {
     assert_eq!(rows.len() as u64, 27 * 32 + 8 * answers);
     let mut of_robot = 0;
     for row in &rows {
-        let [_, fcs, malformed, direction, cdown, sector, carrier] = &row[..] else { panic!("{row:?}") };
+        let [_, fcs, malformed, direction, cdown, sector, antenna, carrier] = &row[..] else { panic!("{row:?}") };
         assert!(fcs == "1" && malformed.is_empty() && carrier == "60480", "{row:?}");
         let initiates = matches!(direction.as_str(), "0" | "False");
         of_robot += u32::from(initiates);
@@ -269,9 +270,9 @@ fn tshark_decodes_sweeps_and_answers() {
             let hex = text.strip_prefix("0x");
             hex.map_or_else(|| text.parse::<u32>().unwrap(), |digits| u32::from_str_radix(digits, 16).unwrap())
         };
-        // Sectors are swept in their order, those of each of the two tilts by a sweep of its own.
-        let last = if initiates { 15 } else { 7 };
-        assert_eq!(number(cdown) + number(sector), last, "{row:?}");
+        // Sectors are swept in their order, those of the two rings of a robot by two DMG antennas.
+        let last = if initiates { 31 } else { 7 };
+        assert_eq!(number(cdown) + number(sector) + 16 * number(antenna), last, "{row:?}");
     }
     assert_eq!(of_robot, 27 * 32);
 

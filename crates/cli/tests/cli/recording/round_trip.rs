@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use sextant::recording::{
     FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_known, read_log, read_truth,
 };
-use sextant_channel::{Anchor, Position};
+use sextant_channel::{Anchor, EvenSectorsConfig, Position, SectorConfig, SectorTable};
 use sextant_kernel::NodeId;
 
 use super::sample;
@@ -129,4 +129,45 @@ fn two_robots_share_one_numbering_of_stops() {
     log.contacts().iter().for_each(|contact| recorder.contact(&log.robot_name(contact.robot), contact).unwrap());
     recorder.finish().unwrap();
     assert_eq!(read_log(&path).unwrap().log, log);
+}
+
+#[test]
+fn the_directions_of_sectors_are_read_back_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    // Four rings of 64 sectors: angles without a short binary form, and every identity.
+    let elevations_deg = vec![[-90.0, -30.1], [-30.1, 0.2], [0.2, 30.3], [30.3, 90.0]];
+    let even = EvenSectorsConfig { azimuth_sectors: 64, first_azimuth_deg: 0.1, elevations_deg };
+    let sectors = SectorTable::try_from(even).unwrap();
+    let log = sample::log(11, 5, 40).with_sectors(sectors).unwrap();
+    let mut recorder = FileRecorder::create(&path).unwrap();
+    recorder.log(&log).unwrap();
+    recorder.finish().unwrap();
+    let read = read_log(&path).unwrap();
+    assert_eq!((read.log, read.network, read.other_logs), (log, None, Vec::new()));
+}
+
+#[test]
+fn a_sector_that_occurs_twice_or_is_missing_is_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let one = |sector| SectorConfig {
+        sector,
+        azimuth_from_deg: 350.0,
+        azimuth_to_deg: 10.0,
+        elevation_from_deg: -90.0,
+        elevation_to_deg: 90.0,
+    };
+    let record = |times: usize| {
+        let mut recorder = FileRecorder::create(&path).unwrap();
+        let table = SectorTable::new([one(3)]).unwrap();
+        (0..times).for_each(|_| recorder.sectors(None, &table).unwrap());
+        recorder.log(&sample::log(12, 5, 40)).unwrap();
+        recorder.finish().unwrap();
+        read_log(&path).unwrap_err().to_string()
+    };
+    let twice = record(2);
+    assert!(twice.contains("/sectors") && twice.contains('3'), "{twice}");
+    let missing = record(1);
+    assert!(missing.contains("sector"), "{missing}");
 }
