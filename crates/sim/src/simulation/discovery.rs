@@ -1,5 +1,7 @@
-//! Neighbour discovery: nodes broadcast hello packets for some time, and all other nodes listen.
+//! Neighbour discovery: nodes broadcast hello packets for some time, and all other nodes listen. In a network with
+//! sector sweeps, a hello packet is a sweep that nobody answers, and its best frame counts.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use schemars::JsonSchema;
@@ -10,7 +12,7 @@ use sextant_mac::EnergySpent;
 use sextant_mac::frame::DataFrame;
 
 use super::setup::Setup;
-use crate::applications::hello::Hello;
+use crate::applications::hello::{Announcer, Heard, Hello, Says};
 use crate::applications::source::Source;
 use crate::applications::traffic::{PeriodicConfig, Traffic, TrafficConfig};
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
@@ -145,10 +147,13 @@ fn work(senders: usize, nodes: usize, packets: u32) -> Work {
 fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engine<Hello>, SettingError> {
     let nodes = setup.world.nodes.len();
     let last = StationId::from_index(nodes.saturating_sub(1));
-    DataFrame::broadcast(pan(NETWORK), last)
-        .filler(discovery.traffic.mpdu_octets())
-        .map_err(|error| error.within("discovery"))?;
     let mut network = setup.networks[NETWORK.index()].link.clone();
+    let sweeps = network.technology.ieee80211ad().is_some();
+    if !sweeps {
+        DataFrame::broadcast(pan(NETWORK), last)
+            .filler(discovery.traffic.mpdu_octets())
+            .map_err(|error| error.within("discovery"))?;
+    }
     let (number, sends) = match round {
         Round::Neighbours => {
             network.channel = discovery.range_m.map_or(network.channel, |range_m| network.channel.within_m(range_m));
@@ -167,9 +172,13 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         settings.mac = Mac::CsmaUnslotted(settings.mac.csma().with_receiver_on());
     }
     let seed = Seed(setup.seed.bits(purpose::DISCOVERY, [number, 0, 0]));
-    let source =
-        Source::new(NETWORK, discovery.traffic.clone().into(), Destination::All).with_limit(discovery.packets.into());
-    let applications = sends.into_iter().map(|sends| Hello::new(sends.then(|| source.clone()))).collect();
+    let (traffic, limit) = (Arc::new(discovery.traffic.clone()), u64::from(discovery.packets));
+    let says = |sends: bool| match (sends, sweeps) {
+        (false, _) => Says::Nothing,
+        (true, false) => Says::Frames(Source::new(NETWORK, Arc::clone(&traffic), Destination::All).with_limit(limit)),
+        (true, true) => Says::Sweeps(Announcer::new(NETWORK, Arc::clone(&traffic), limit)),
+    };
+    let applications = sends.into_iter().map(|sends| Hello::new(says(sends))).collect();
     let extras = Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
     let setup = EngineSetup {
         // Targets and fields are there from the start of the survey.
@@ -190,17 +199,17 @@ fn gathered(ended: Ended<Hello>, nodes: usize) -> Discovered {
     let packets: Packets = network.packets.iter().copied().sum();
     let mut links = Vec::new();
     for (listener, hello) in ended.applications.iter().enumerate() {
-        links.extend(hello.heard.iter().map(|(&sender, &(received, sum_dbm))| Link {
+        links.extend(hello.heard.iter().map(|(&sender, &Heard { packets: received, sum_dbm, .. })| Link {
             listener: NodeId::from_index(listener),
             sender,
             received,
-            sent: u32::try_from(network.packets[sender.index()].transmissions).expect("at most 10000 packets"),
+            sent: u32::try_from(network.packets[sender.index()].sent).expect("at most 10000 packets"),
             rssi_dbm: Some(sum_dbm / f64::from(received)),
         }));
     }
     Discovered {
         log: NeighbourLog::new(nodes, links).expect("each node hears others only, each at most once"),
-        sent: packets.transmissions,
+        sent: packets.sent,
         unsent: packets.lost_queue + packets.lost_channel_access,
         energy,
         end: ended.end,
