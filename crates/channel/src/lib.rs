@@ -63,9 +63,9 @@ mod span;
 mod tree;
 
 pub use antenna::{
-    Antenna, AntennaConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig, Ieee802153cConfig, LobeEdge,
-    OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress, SectorEdge,
-    SectorGainsConfig, SectorsConfig, Tr38901Config, Vertical,
+    Antenna, AntennaConfig, AntennaSectorsConfig, CodeBookConfig, EllipticalConfig, FlatBeam, FlatTopConfig,
+    Ieee802153cConfig, LobeEdge, OmnidirectionalConfig, Orientation, OrientationConfig, PatternConfig, SectorAddress,
+    SectorEdge, SectorGainsConfig, Tr38901Config, Vertical,
 };
 pub use bounds::Bounds;
 pub use cell_grid::CellGrid;

@@ -18,7 +18,7 @@ pub use orientation::{Orientation, OrientationConfig};
 pub use pattern::{
     EllipticalConfig, FlatBeam, FlatTopConfig, Ieee802153cConfig, LobeEdge, PatternConfig, SectorEdge, Tr38901Config,
 };
-pub use sectors::{SectorsConfig, Vertical};
+pub use sectors::{AntennaSectorsConfig, Vertical};
 
 use crate::{Db, Position, SectorTable, purpose};
 use code_book::CodeBook;
@@ -42,7 +42,7 @@ pub enum AntennaConfig {
     /// The same gain in all directions.
     Omnidirectional(OmnidirectionalConfig),
     /// Sectors of equal width.
-    Sectors(SectorsConfig),
+    Sectors(AntennaSectorsConfig),
     /// Measured sectors.
     CodeBook(CodeBookConfig),
 }

@@ -12,7 +12,7 @@ use crate::{EvenSectorsConfig, SectorTable};
 /// ring `j` is number `j · azimuth_sectors + i`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SectorsConfig {
+pub struct AntennaSectorsConfig {
     /// Number of sectors in a ring, 1 to 64.
     pub azimuth_sectors: u8,
     /// Azimuth of the boresight of sector 0 in the frame of the antenna (degrees). The other sectors follow
@@ -74,10 +74,10 @@ pub(super) struct Sectors {
     pub(super) table: SectorTable,
 }
 
-impl TryFrom<&SectorsConfig> for Sectors {
+impl TryFrom<&AntennaSectorsConfig> for Sectors {
     type Error = SettingError;
 
-    fn try_from(config: &SectorsConfig) -> Result<Self, SettingError> {
+    fn try_from(config: &AntennaSectorsConfig) -> Result<Self, SettingError> {
         let per_ring = config.azimuth_sectors;
         if !(1..=SECTORS_OF_ANTENNA).contains(&per_ring) {
             return Err(SettingError::new("azimuth_sectors", per_ring, format!("1 to {SECTORS_OF_ANTENNA}")));
@@ -116,7 +116,7 @@ impl TryFrom<&SectorsConfig> for Sectors {
 }
 
 /// The number of rings, checked.
-fn rings(config: &SectorsConfig) -> Result<u8, SettingError> {
+fn rings(config: &AntennaSectorsConfig) -> Result<u8, SettingError> {
     let elevations = &config.elevations_deg;
     let per_ring = config.azimuth_sectors;
     let most = match config.vertical {
@@ -139,7 +139,7 @@ fn rings(config: &SectorsConfig) -> Result<u8, SettingError> {
 }
 
 /// Half-power width of the beams in azimuth (degrees), checked.
-fn beam_width_deg(config: &SectorsConfig) -> Result<f64, SettingError> {
+fn beam_width_deg(config: &AntennaSectorsConfig) -> Result<f64, SettingError> {
     let Some(deg) = config.beam_width_deg else {
         return Ok((360.0 / f64::from(config.azimuth_sectors)).min(180.0));
     };

@@ -143,8 +143,7 @@ impl<A: Application> Engine<A> {
                         first_receiver,
                         members: network.members.clone(),
                     };
-                    let link = ieee80211ad::network::Network::new(settings, &mut scene, hears.clone());
-                    Network::Ieee80211ad(Box::new(link))
+                    Network::Ieee80211ad(ieee80211ad::network::Network::new(settings, &mut scene, hears.clone()))
                 }
             };
             links.push(link);

@@ -16,9 +16,10 @@ use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 
 /// A network, of any technology.
+#[expect(clippy::large_enum_variant, reason = "a simulation has few networks, and asks them often")]
 pub(crate) enum Network {
     Ieee802154(ieee802154::Network),
-    Ieee80211ad(Box<ieee80211ad::Network>),
+    Ieee80211ad(ieee80211ad::Network),
 }
 
 impl Network {
