@@ -2,6 +2,7 @@
 
 use sextant_kernel::SettingError;
 
+use crate::material::DB_PER_NEPER;
 use crate::shape::Sweep;
 use crate::span::Span;
 use crate::tree::Tree;
@@ -26,9 +27,6 @@ pub struct ObstacleField {
     tree: Tree,
     bounds: Option<Bounds>,
 }
-
-/// 10 log10(e): decibels of one neper of power.
-pub(crate) const DB_PER_NEPER: f64 = 10.0 * std::f64::consts::LOG10_E;
 
 /// Smallest radius of a ball for [`ObstacleField::clearance_m`] (m).
 const LEAST_RADIUS_M: f64 = 1e-6;

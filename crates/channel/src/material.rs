@@ -2,8 +2,10 @@
 
 use sextant_kernel::SettingError;
 
-use crate::field::DB_PER_NEPER;
 use crate::path_loss::LIGHT_M_PER_S;
+
+/// 10 log10(e): decibels of one neper of power.
+pub(crate) const DB_PER_NEPER: f64 = 10.0 * std::f64::consts::LOG10_E;
 
 /// A material with its absorption in the 2.4 GHz band.
 #[derive(Clone, Copy, Debug, PartialEq)]

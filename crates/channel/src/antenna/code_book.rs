@@ -1,13 +1,13 @@
 //! Code books: measured gains of the sectors of a real antenna.
 
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use super::{SECTORS_OF_ANTENNA, code_book_file};
+use super::SECTORS_OF_ANTENNA;
 use crate::{Position, SectorConfig, SectorTable};
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
@@ -117,34 +117,9 @@ pub(super) struct CodeBook {
 type Between = (usize, usize, f64);
 
 impl CodeBook {
-    /// The code book that `config` describes; a file path is relative to `folder`.
-    pub(super) fn read(config: &CodeBookConfig, folder: &Path) -> Result<Self, SettingError> {
-        let mut book = match (&config.file, &config.azimuths_deg, &config.elevations_deg, &config.sectors) {
-            (Some(file), None, None, None) => {
-                let path = folder.join(file);
-                let error = |found: String, allowed: String| SettingError::new("file", found, allowed);
-                let text = std::fs::read_to_string(&path).map_err(|cause| {
-                    let found = format!("`{}`, which cannot be read: {cause}", path.display());
-                    error(found, "a readable CSV file".into())
-                })?;
-                code_book_file::parse(&text)
-                    .map_err(|flaw| error(format!("`{}`, {}", path.display(), flaw.found), flaw.allowed))?
-            }
-            (Some(_), ..) => {
-                let allowed = "either `file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
-                return Err(SettingError::new("file", "beside a grid", allowed));
-            }
-            (None, Some(azimuths), Some(elevations), Some(sectors)) => Self::written(azimuths, elevations, sectors)?,
-            (None, azimuths, elevations, _) => {
-                let key = match (azimuths, elevations) {
-                    (None, _) => "azimuths_deg",
-                    (_, None) => "elevations_deg",
-                    _ => "sectors",
-                };
-                let allowed = "`file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
-                return Err(SettingError::new(key, "absent", allowed));
-            }
-        };
+    /// The same with the gains that `config` gives beside the grid.
+    pub(super) fn with_gains(self, config: &CodeBookConfig) -> Result<Self, SettingError> {
+        let mut book = self;
         if let Some(dbi) = config.outside_gain_dbi {
             if dbi.is_nan() || dbi > 100.0 {
                 return Err(SettingError::new("outside_gain_dbi", dbi, "at most 100; -inf for none"));
@@ -170,7 +145,7 @@ impl CodeBook {
     }
 
     /// The code book of a scenario.
-    fn written(
+    pub(super) fn written(
         azimuths_deg: &[f64],
         elevations_deg: &[f64],
         sectors: &[SectorGainsConfig],

@@ -1,9 +1,12 @@
-//! Reading code books from CSV files.
+//! Reading code books, from the settings themselves or from CSV files.
 
 use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_kernel::SettingError;
 
 use super::SECTORS_OF_ANTENNA;
-use super::code_book::{CodeBook, Flaw, Steps};
+use super::code_book::{CodeBook, CodeBookConfig, Flaw, Steps};
 
 const COLUMNS: [&str; 4] = ["sector", "azimuth_deg", "elevation_deg", "gain_dbi"];
 
@@ -13,11 +16,44 @@ type MicroDegrees = i64;
 /// A gain and the line that has it.
 type Entry = (f64, usize);
 
+/// The code book that `config` describes; a file path is relative to `folder`.
+///
+/// # Errors
+/// If a value is invalid, or the file cannot be read or has a flaw.
+pub(super) fn read(config: &CodeBookConfig, folder: &Path) -> Result<CodeBook, SettingError> {
+    let book = match (&config.file, &config.azimuths_deg, &config.elevations_deg, &config.sectors) {
+        (Some(file), None, None, None) => {
+            let path = folder.join(file);
+            let error = |found: String, allowed: String| SettingError::new("file", found, allowed);
+            let text = std::fs::read_to_string(&path).map_err(|cause| {
+                let found = format!("`{}`, which cannot be read: {cause}", path.display());
+                error(found, "a readable CSV file".into())
+            })?;
+            parse(&text).map_err(|flaw| error(format!("`{}`, {}", path.display(), flaw.found), flaw.allowed))?
+        }
+        (Some(_), ..) => {
+            let allowed = "either `file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
+            return Err(SettingError::new("file", "beside a grid", allowed));
+        }
+        (None, Some(azimuths), Some(elevations), Some(sectors)) => CodeBook::written(azimuths, elevations, sectors)?,
+        (None, azimuths, elevations, _) => {
+            let key = match (azimuths, elevations) {
+                (None, _) => "azimuths_deg",
+                (_, None) => "elevations_deg",
+                _ => "sectors",
+            };
+            let allowed = "`file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
+            return Err(SettingError::new(key, "absent", allowed));
+        }
+    };
+    book.with_gains(config)
+}
+
 /// The code book in `text`. Empty lines, and lines that begin with `#`, are skipped.
 ///
 /// # Errors
 /// The first flaw and its line.
-pub(super) fn parse(text: &str) -> Result<CodeBook, Flaw> {
+fn parse(text: &str) -> Result<CodeBook, Flaw> {
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
     let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let Some((number, header)) = lines.next() else {

@@ -137,7 +137,7 @@ impl Antenna {
                     Self::new(Beams::Sectors(sectors), greatest, config.quasi_omni_gain_dbi, ripple_db)
                 })
                 .map_err(|error| error.within("sectors")),
-            AntennaConfig::CodeBook(config) => CodeBook::read(config, folder)
+            AntennaConfig::CodeBook(config) => code_book_file::read(config, folder)
                 .and_then(|book| {
                     let greatest = book.greatest_dbi();
                     Self::new(Beams::CodeBook(book), greatest, config.quasi_omni_gain_dbi, config.gain_ripple_db)
