@@ -49,6 +49,13 @@ impl Channel {
         if self.law.obstacles_attenuate() { self.obstacles.loss(from, to) } else { Db(0.0) }
     }
 
+    /// Whether signals are reflected, so that there may be several ways.
+    #[must_use]
+    #[inline]
+    pub fn reflects(&self) -> bool {
+        !self.mirrors.is_empty()
+    }
+
     /// Replaces `rays` with the ways of a signal from `from` to `to`: the direct one, then reflections, the strongest
     /// first. None beyond the hard radius. A reflection is left out if a solid obstacle is in its way. The time grows
     /// with the number of all faces.

@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
-use sextant_channel::{Channel, Dbm, Milliwatts, Position};
+use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
 use sextant_kernel::StationId;
 
 use super::medium::Listener;
 use super::mounts::Mounts;
 use super::signal::{Aim, Emission, Signal};
+use super::ways::Ways;
 
 /// Number of links that are remembered: a power of two.
 const LINKS: usize = 1 << 20;
@@ -18,6 +19,8 @@ const LINKS: usize = 1 << 20;
 pub(super) struct Budget {
     channel: Channel,
     mounts: Mounts,
+    /// Used if antennas have sectors and signals are reflected.
+    ways: Ways,
     /// What the remembered links are sent with.
     emission: Emission,
     /// With antennas, a power below it counts as none.
@@ -63,7 +66,18 @@ impl Budget {
         let unknown = RememberedMobile { places: [nowhere; 2], power: f64::NAN };
         let mobile_links = vec![unknown; mobile.len() * stations];
         let mounts = Mounts::default();
-        Self { channel, mounts, emission, floor, is_per_packet, stations, mobile, links, mobile_links }
+        Self {
+            channel,
+            mounts,
+            ways: Ways::default(),
+            emission,
+            floor,
+            is_per_packet,
+            stations,
+            mobile,
+            links,
+            mobile_links,
+        }
     }
 
     pub(super) fn channel(&self) -> &Channel {
@@ -181,7 +195,7 @@ impl Budget {
 
     /// The power at the listener, with the gains of both antennas if there are any; zero if it is negligible then.
     #[inline]
-    fn milliwatts(&self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
+    fn milliwatts(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Milliwatts {
         if !self.has_antennas() {
             return power.to_milliwatts();
         }
@@ -194,12 +208,32 @@ impl Budget {
         mean + self.channel.shadowing(signal.source, signal.position, station, place, signal.packet)
     }
 
-    /// The power with the gains of both antennas.
-    fn with_gains(&self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
-        let apart = listener.place - signal.position;
-        let length_m = apart.length_m();
-        let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
-        let gain = self.mounts.transmit_gain(signal.sender, aim, apart * (1.0 / length_m));
+    /// The power with the gains of both antennas, from the power without.
+    #[inline]
+    fn with_gains(&mut self, power: Dbm, signal: &Signal, listener: &Listener<Position>) -> Dbm {
+        let gain = if self.channel.reflects() {
+            self.gain_over_ways(signal, listener)
+        } else {
+            let apart = listener.place - signal.position;
+            let length_m = apart.length_m();
+            let aim = if length_m > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
+            self.mounts.transmit_gain(signal.sender, aim, apart * (1.0 / length_m))
+        };
         power + gain + self.mounts.receive_gain(listener.receiver)
+    }
+
+    /// Gain of the transmitter over all ways of a signal: the mean of the gains in their directions, each with the share
+    /// of the power that its way carries.
+    fn gain_over_ways(&mut self, signal: &Signal, listener: &Listener<Position>) -> Db {
+        let Self { channel, mounts, ways, .. } = self;
+        let rays = ways.between(channel, (signal.source, signal.position), (listener.station, listener.place));
+        let (mut all, mut with_gain) = (0.0, 0.0);
+        for ray in rays {
+            let share = (Db(0.0) - ray.loss).to_factor();
+            let aim = if ray.departure.length_m() > 0.0 { signal.emission.aim } else { Aim::Omnidirectional };
+            all += share;
+            with_gain += share * mounts.transmit_gain(signal.sender, aim, ray.departure).to_factor();
+        }
+        if all > 0.0 { Db(10.0 * libm::log10(with_gain / all)) } else { Db(0.0) }
     }
 }

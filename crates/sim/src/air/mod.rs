@@ -10,6 +10,7 @@ mod receiver;
 mod receiver_id;
 mod reception_model;
 mod signal;
+mod ways;
 
 use std::time::Duration;
 

@@ -3,7 +3,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use sextant_channel::{AntennaConfig, ChannelConfig, LogDistanceConfig, PathLossConfig, Position, Reception};
+use sextant_channel::{
+    AntennaConfig, ChannelConfig, LogDistanceConfig, Obstacle, ObstacleConfig, ObstacleField, PathLossConfig,
+    Position, Reception,
+};
 use sextant_kernel::{NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
@@ -214,4 +217,34 @@ fn nodes_discover_each_other_by_sweeps_of_which_the_best_frame_counts() {
         let loss_db = power_dbm - link.rssi_dbm.expect("it was measured");
         assert!((-1e-9..3.011).contains(&loss_db), "{loss_db} dB");
     }
+}
+
+#[test]
+fn behind_a_screen_the_best_sector_points_at_the_wall_that_reflects() {
+    let scene = Scene::of(vec![Position::new(2.0, 0.0, 0.0)]);
+    let obstacle = |name: &str, center_m: Position, size_m: [f64; 3]| {
+        let text = format!(
+            "name = '{name}'\nmaterial = 'metal'\nshape.box = {{ center_m = [{}, {}, 0], size_m = {size_m:?} }}",
+            center_m.x_m, center_m.y_m
+        );
+        let config: ObstacleConfig = toml::from_str(&text).expect("an obstacle");
+        Obstacle::try_from(config).expect("a good obstacle")
+    };
+    let screen = obstacle("screen", Position::new(1.0, 0.0, 0.0), [0.2, 0.6, 3.0]);
+    let wall = obstacle("wall", Position::new(1.0, 1.5, 0.0), [20.0, 1.0, 3.0]);
+    let sector = |obstacles: Vec<Obstacle>| {
+        let mut setup = scene.setup();
+        setup.world.obstacles = ObstacleField::new(obstacles);
+        let channel: ChannelConfig = toml::from_str(
+            "path_loss.log_distance.exponent = 2.0\nreflections.loss_db = 1.0\nshadowing.sigma_db = 0.0",
+        )
+        .expect("a channel");
+        setup.networks[0].link.channel = channel.try_into().expect("a good channel");
+        let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
+        receptions(&survey, 0).first().map(|reception| reception.sector)
+    };
+    // Straight on; nothing behind the screen; by the wall, at 45 degrees.
+    assert_eq!(sector(vec![wall.clone()]), Some(Some(0)));
+    assert_eq!(sector(vec![screen.clone()]), None);
+    assert_eq!(sector(vec![screen, wall]), Some(Some(2)));
 }
