@@ -5,7 +5,7 @@ use std::ops::Range;
 use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
 use sextant_kernel::StationId;
 
-use super::medium::Listener;
+use super::listener::Listener;
 use super::mounts::Mounts;
 use super::signal::{Aim, Emission, Signal};
 use super::ways::Ways;

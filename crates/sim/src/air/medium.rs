@@ -8,6 +8,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::budget::Budget;
 use super::cells::Cells;
+use super::listener::Listener;
 use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
 use super::signal::Signal;
@@ -15,14 +16,6 @@ use crate::station::Motion;
 
 /// So many signals are looked at one by one: that is faster than to look for those near a place.
 const FEW: usize = 16;
-
-/// A receiver that listens, and where its station is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Listener<P> {
-    pub(crate) receiver: ReceiverId,
-    pub(crate) station: StationId,
-    pub(crate) place: P,
-}
 
 /// The air of one band.
 ///

@@ -2,6 +2,7 @@
 
 mod budget;
 mod cells;
+mod listener;
 mod medium;
 mod mounts;
 mod outcome;
@@ -20,7 +21,8 @@ use sextant_kernel::{Seed, SimTime, StationId};
 use crate::purpose;
 use crate::station::{Motion, Roll};
 use budget::Budget;
-use medium::{Listener, Medium};
+use listener::Listener;
+use medium::Medium;
 use reached::Reached;
 use receiver::{Heard, Receiver};
 
