@@ -11,7 +11,7 @@ use super::options::{Format, Printing, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::reproduce::{
-    Experiment, Line, Runs, chapter_3, write_csv, write_figures, write_pictures, write_scenarios,
+    Experiment, Line, Runs, experiments, write_csv, write_figures, write_pictures, write_scenarios,
 };
 use crate::sweep::write_table;
 use crate::text::{Align, columns, counted};
@@ -107,11 +107,11 @@ fn write_runs(runs: &Runs, scenarios: &[&str], out: &Path) -> Result<(), Failure
 
 fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {
     if arguments.all {
-        return Ok(chapter_3());
+        return Ok(experiments());
     }
     let experiment = |id: &String| {
-        chapter_3().into_iter().find(|experiment| experiment.id == id).ok_or_else(|| {
-            let ids: Vec<_> = chapter_3().iter().map(|experiment| experiment.id).collect();
+        experiments().into_iter().find(|experiment| experiment.id == id).ok_or_else(|| {
+            let ids: Vec<_> = experiments().iter().map(|experiment| experiment.id).collect();
             Failure::bad_input_with_help(
                 format!("there is no table or figure `{id}`"),
                 format!("allowed: {}, or --all", ids.join(", ")),
@@ -123,7 +123,7 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {
 
 fn list(stdout: &mut impl Write) -> io::Result<()> {
     let mut rows = vec![["id", "what", "scenarios"].map(str::to_owned).to_vec()];
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         let scenarios = experiment.scenarios().join(", ");
         let scenarios = if scenarios.is_empty() { "none".to_owned() } else { scenarios };
         rows.push(vec![experiment.id.to_owned(), experiment.title.to_owned(), scenarios]);

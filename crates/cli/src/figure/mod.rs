@@ -18,6 +18,7 @@
 //! ```
 
 mod axes;
+mod bars;
 mod cells;
 mod curves;
 mod displacement;
@@ -39,6 +40,7 @@ mod targets;
 mod ticks;
 mod view;
 
+pub use bars::Bars;
 pub use curves::{Curves, Series};
 pub use file::{Figure, FileFormat};
 pub use gallery::all;

@@ -10,7 +10,7 @@ use sextant_mapper::{
 
 use super::outline::outline;
 use crate::scenario::{MetricsConfig, NamedMap};
-use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS};
+use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS, POSITION_ERRORS_M};
 
 /// The true positions of nodes.
 #[derive(Clone, Copy, Debug)]
@@ -61,10 +61,12 @@ pub fn measure(
     };
     let mapped = map.positions();
     let mut found = mapped.clone();
+    let mut sought = truth.len();
     if named.mapper.uses().contains(&KnowledgeKind::Anchors) {
         for anchor in anchors {
             found[anchor.node.index()] = None;
         }
+        sought -= anchors.len();
     }
     let at_radius = |&radius_m: &f64| connectivity(truth, &mapped, radius_m, watch);
     let connectivity_errors: Result<Vec<_>, Interrupted> = metrics.neighbourhood_m.iter().map(at_radius).collect();
@@ -72,6 +74,7 @@ pub fn measure(
     let first = connectivity_errors.first().copied().unwrap_or_default();
     Ok(MapSummary {
         position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
+        position_error_cdf: position_error_cdf(truth, &found, sought),
         coverage_95: coverage_95(truth, map),
         aligned_error_m: aligned(truth, &found, Reflection::Allowed).map(ErrorSummary::from),
         aligned_error_without_reflection_m: aligned(truth, &found, Reflection::Forbidden).map(ErrorSummary::from),
@@ -117,6 +120,18 @@ fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
         regions.zip(truth).filter_map(|(region, &truth)| region.map(|region| region.contains(truth))).collect();
     let count = inside.iter().filter(|&&inside| inside).count();
     (!inside.is_empty()).then(|| count as f64 / inside.len() as f64)
+}
+
+/// The distribution of the position errors of the nodes on the map, of all nodes that were `sought`.
+fn position_error_cdf(
+    truth: &[Position],
+    found: &[Option<Position>],
+    sought: usize,
+) -> Option<[[f64; 2]; POSITION_ERRORS_M.len()]> {
+    let error_m = |(truth, found): (&Position, &Option<Position>)| Some(found.as_ref()?.distance_m(*truth));
+    let errors_m: Vec<f64> = truth.iter().zip(found).filter_map(error_m).collect();
+    let within = |limit_m: f64| errors_m.iter().filter(|&&error_m| error_m <= limit_m).count();
+    (sought > 0).then(|| POSITION_ERRORS_M.map(|limit_m| [limit_m, within(limit_m) as f64 / sought as f64]))
 }
 
 /// The errors after the similarity that brings the map closest to the truth.

@@ -32,6 +32,8 @@ pub enum Check {
     Within(Vec<Term>, f64),
     /// The ratio of the first to the second is in this range.
     Ratio([Term; 2], Range<f64>),
+    /// The first less the second is in this range.
+    Difference([Term; 2], Range<f64>),
     /// The mean is below this limit.
     Below(Term, f64),
     /// The mean is above this limit.
@@ -71,7 +73,7 @@ impl Check {
             Self::Rising(terms) | Self::Least(terms) | Self::Greatest(terms) | Self::Within(terms, _) => {
                 terms.iter().collect()
             }
-            Self::Ratio(terms, _) => terms.iter().collect(),
+            Self::Ratio(terms, _) | Self::Difference(terms, _) => terms.iter().collect(),
             Self::Below(term, _) | Self::Above(term, _) => vec![term],
         }
     }
@@ -104,6 +106,11 @@ impl Check {
             }
             Self::Ratio([a, b], range) => {
                 [margin(a, b, &|a, b| a / b - range.start), margin(a, b, &|a, b| range.end - a / b)]
+                    .into_iter()
+                    .collect()
+            }
+            Self::Difference([a, b], range) => {
+                [margin(a, b, &|a, b| a - b - range.start), margin(a, b, &|a, b| range.end - (a - b))]
                     .into_iter()
                     .collect()
             }
@@ -165,6 +172,10 @@ mod tests {
             (Check::Ratio(ab(), 1.5..2.5), 40.0, 20.0, 0.0, Holds),
             (Check::Ratio(ab(), 1.5..2.5), 20.0, 40.0, 0.0, DoesNotHold),
             (Check::Ratio(ab(), 1.5..2.5), 3.1, 2.0, 0.0, CannotBeTold),
+            (Check::Difference(ab(), 0.5..1.5), 3.0, 2.0, 0.0, Holds),
+            (Check::Difference(ab(), 0.5..1.5), 2.0, 3.0, 0.0, DoesNotHold),
+            (Check::Difference(ab(), 0.5..1.5), 5.0, 2.0, 0.0, DoesNotHold),
+            (Check::Difference(ab(), 0.5..1.5), 3.4, 2.0, 0.0, CannotBeTold),
             (Check::Below(term("a"), 2.0), 1.0, 0.0, 0.0, Holds),
             (Check::Below(term("a"), 2.0), 3.0, 0.0, 0.0, DoesNotHold),
             (Check::Below(term("a"), 2.0), 1.9, 0.0, 0.0, CannotBeTold),

@@ -1,5 +1,6 @@
 //! The parts of an experiment.
 
+use super::chart::Chart;
 use super::claim::Claim;
 use super::line::{Line, Ours};
 use super::published::Published;
@@ -18,6 +19,8 @@ pub struct Experiment {
     pub content: Content,
     /// Pairs of a scenario and a map whose distribution of connectivity errors is drawn.
     pub distributions: &'static [(&'static str, &'static str)],
+    /// Figures of measures over its runs.
+    pub charts: Vec<Chart>,
     /// Conclusions to check, of the thesis or ours.
     pub claims: Vec<Claim>,
     /// Notes on different definitions, and on what the thesis does not say.

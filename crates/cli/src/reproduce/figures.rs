@@ -50,6 +50,7 @@ pub fn write_figures(experiment: &Experiment, runs: &Runs, out: &Path) -> Result
         Content::Quantities(_) => Vec::new(),
     };
     figures.extend(distribution(experiment, runs));
+    figures.extend(experiment.charts.iter().map(|chart| chart.figure(runs)));
     for figure in figures {
         figure.write(out, FileFormat::Svg).map_err(|error| Failure::unwritable(out, &error))?;
     }

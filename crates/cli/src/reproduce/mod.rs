@@ -1,10 +1,12 @@
-//! Reproduction of the tables and figures of the thesis (2018, chapter 3): published values beside ours.
+//! Reproduction of the tables and figures of the thesis (2018, chapters 3 and 4): published values beside ours.
 //!
 //! Each experiment has the id of its table or figure, and runs scenarios that ship with the program with several seeds.
 //! Nothing is fitted to published values. Where definitions differ, a note says how. Each published value names its table,
 //! figure or section, and each conclusion is computed from the runs.
 
 mod chapter_3;
+mod chapter_4;
+mod chart;
 mod claim;
 mod experiment;
 mod figures;
@@ -15,6 +17,8 @@ mod runs;
 mod shipped;
 
 pub use chapter_3::chapter_3;
+pub use chapter_4::chapter_4;
+pub use chart::{Chart, ChartKind, ChartLine};
 pub use claim::{Check, Claim};
 pub use experiment::{Content, Experiment, Quantity};
 pub use figures::{write_figures, write_pictures};
@@ -23,6 +27,12 @@ pub use line::{Line, Ours, write_csv};
 pub use published::Published;
 pub use runs::{Runs, Term};
 pub use shipped::{SHIPPED, write_scenarios};
+
+/// All experiments, in the order of the thesis.
+#[must_use]
+pub fn experiments() -> Vec<Experiment> {
+    chapter_3().into_iter().chain(chapter_4()).collect()
+}
 
 #[cfg(test)]
 mod tests;

@@ -11,7 +11,7 @@ macro_rules! shipped {
     };
 }
 
-/// The scenarios: path below the folder of scenarios, and text.
+/// The scenarios and the files that they name: path below the folder of scenarios, and text.
 pub const SHIPPED: &[(&str, &str)] = shipped![
     "ml-tm/circular.toml",
     "ml-tm/classics.toml",
@@ -29,6 +29,22 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "ml-tm/trajectory-s.toml",
     "ml-tm/trajectory-spiral.toml",
     "ml-tm/two-robots.toml",
+    "mmtm/comparison-greenhouse.toml",
+    "mmtm/comparison-warehouse.toml",
+    "mmtm/greenhouse-3d.toml",
+    "mmtm/greenhouse-nodes.csv",
+    "mmtm/greenhouse-vaa.toml",
+    "mmtm/greenhouse-vbs.toml",
+    "mmtm/sectors-greenhouse-3d.toml",
+    "mmtm/sectors-greenhouse-vaa.toml",
+    "mmtm/sectors-greenhouse-vbs.toml",
+    "mmtm/sectors-warehouse-3d.toml",
+    "mmtm/sectors-warehouse-vaa.toml",
+    "mmtm/sectors-warehouse-vbs.toml",
+    "mmtm/warehouse-3d.toml",
+    "mmtm/warehouse-nodes.csv",
+    "mmtm/warehouse-vaa.toml",
+    "mmtm/warehouse-vbs.toml",
 ];
 
 /// Writes the scenarios into `folder`, so that the user can read and change them.
@@ -51,12 +67,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_scenario_of_the_chapter_ships() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/ml-tm");
-        let mut names: Vec<String> = std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| format!("ml-tm/{}", entry.unwrap().file_name().to_str().unwrap()))
-            .collect();
+    fn every_scenario_of_the_chapters_ships() {
+        let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+        let mut names = Vec::new();
+        for folder in ["ml-tm", "mmtm"] {
+            let files = std::fs::read_dir(scenarios.join(folder)).unwrap();
+            names.extend(files.map(|file| format!("{folder}/{}", file.unwrap().file_name().to_str().unwrap())));
+        }
         names.sort();
         let mut shipped: Vec<_> = SHIPPED.iter().map(|(name, _)| (*name).to_owned()).collect();
         shipped.sort();

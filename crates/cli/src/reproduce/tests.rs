@@ -15,6 +15,9 @@ const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
 
 /// Settings that make a scenario so small that it runs in a moment.
 fn tiny(scenario: &str) -> Vec<String> {
+    if scenario.starts_with("mmtm/") {
+        return tiny_mmtm(scenario);
+    }
     let nodes = match scenario {
         _ if scenario.contains("trajectory") => "world.nodes.random.count=30",
         "ml-tm/sphere.toml" | "ml-tm/cylinder.toml" => "world.nodes.lattice.count=100",
@@ -28,11 +31,28 @@ fn tiny(scenario: &str) -> Vec<String> {
     set.into_iter().map(str::to_owned).collect()
 }
 
-/// The plans of all scenarios of the chapter, in full size or tiny. Their files are in `folder`.
+/// The same for the scenarios of chapter 4: a few nodes around a short path in the plane.
+fn tiny_mmtm(scenario: &str) -> Vec<String> {
+    let places = (0..12_u8).map(|i| format!("[{}.0, {}.0, {}.6]", i % 4, i / 4 + 1, i % 2));
+    let places = places.collect::<Vec<_>>().join(", ");
+    let mut set = vec![
+        format!("world.nodes={{ explicit = {{ positions_m = [{places}] }} }}"),
+        "world.obstacles=[]".to_owned(),
+        "robots=[{ start_m = [0.0, 0.0, 0.3], controller.waypoints.positions_m = [[0.0, 0.0, 0.3], [3.0, 0.5, 0.3], \
+         [3.0, 4.0, 0.3], [0.5, 4.0, 0.3]] }]"
+            .to_owned(),
+    ];
+    if !scenario.contains("comparison") {
+        set.extend((0..3).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.5")));
+    }
+    set
+}
+
+/// The plans of all scenarios of the chapters, in full size or tiny. Their files are in `folder`.
 fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
     write_scenarios(folder.path()).unwrap();
     let mut plans = BTreeMap::new();
-    for scenario in chapter_3().iter().flat_map(Experiment::scenarios) {
+    for scenario in experiments().iter().flat_map(Experiment::scenarios) {
         let set = if is_tiny { tiny(scenario) } else { Vec::new() };
         let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(RUNS)).unwrap();
         plans.entry(scenario).or_insert_with(plan);
@@ -46,11 +66,15 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
         Content::Quantities(quantities) => quantities.as_slice(),
         Content::Computed { .. } => &[],
     };
+    let of_charts = experiment.charts.iter().flat_map(|chart| {
+        let terms = chart.lines.iter().flat_map(|line| &line.points);
+        terms.map(|(_, term)| (chart.name.as_str(), term))
+    });
     let of_claims = experiment
         .claims
         .iter()
         .flat_map(|claim| claim.check.terms().into_iter().map(|term| (claim.text.as_str(), term)));
-    quantities.iter().map(|quantity| (quantity.what.as_str(), &quantity.term)).chain(of_claims).collect()
+    quantities.iter().map(|quantity| (quantity.what.as_str(), &quantity.term)).chain(of_charts).chain(of_claims).collect()
 }
 
 /// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
@@ -70,7 +94,7 @@ fn made_up(plans: &BTreeMap<&'static str, Plan>, value: impl Fn(&str, usize, Mea
 
 #[test]
 fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
-    let experiments = chapter_3();
+    let experiments = experiments();
     for (i, experiment) in experiments.iter().enumerate() {
         assert!(experiments[..i].iter().all(|other| other.id != experiment.id), "{}", experiment.id);
         let scenarios = experiment.scenarios();
@@ -87,7 +111,7 @@ fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
 fn everything_that_an_experiment_reads_exists_in_its_scenario() {
     let plans = plans(&TempDir::new().unwrap(), false);
     let runs = made_up(&plans, |_, _, _| Some(1.0));
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         for (what, term) in terms(&experiment) {
             let column = term.measure.column();
             let columns = plans[term.scenario].columns();
@@ -105,7 +129,7 @@ fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
     let folder = TempDir::new().unwrap();
     write_scenarios(folder.path()).unwrap();
     let mut count = 0;
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         for (what, term) in terms(&experiment) {
             let at = ["neighbourhood of ", "within "].iter().find_map(|mark| what.split_once(mark));
             let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
@@ -129,7 +153,7 @@ fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
 fn published_connectivity_errors_are_only_given_for_the_radius_of_communication() {
     let folder = TempDir::new().unwrap();
     write_scenarios(folder.path()).unwrap();
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         let Content::Quantities(quantities) = &experiment.content else { continue };
         for Quantity { what, term, published, .. } in
             quantities.iter().filter(|quantity| quantity.published.is_some())
@@ -145,14 +169,17 @@ fn published_connectivity_errors_are_only_given_for_the_radius_of_communication(
 #[test]
 fn every_conclusion_can_hold_or_not() {
     let plans = plans(&TempDir::new().unwrap(), false);
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         for claim in &experiment.claims {
             let terms = claim.check.terms();
             let mut verdicts = Vec::new();
+            let is_read = |scenario: &str| terms.iter().any(|term| term.scenario == scenario);
+            let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
+            let read: BTreeMap<_, _> = read.map(|(&scenario, plan)| (scenario, plan.clone())).collect();
             // The values of the terms rise, fall or are equal, at several sizes.
-            for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5] {
-                for size in [0.01, 0.05, 0.95, 100.0] {
-                    let runs = made_up(&plans, |scenario, cell, measure| {
+            for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5, 100.0] {
+                for size in [0.01, 0.05, 0.5, 0.95, 100.0] {
+                    let runs = made_up(&read, |scenario, cell, measure| {
                         let is_it = |term: &&Term| {
                             let values = plans[scenario].values(cell);
                             let keys = plans[scenario].keys().iter();
@@ -178,11 +205,13 @@ fn every_conclusion_can_hold_or_not() {
 #[test]
 fn a_published_value_names_its_source() {
     let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
             let Some(Published { value, source }) = line.published else { continue };
             let (kind, number) = source.split_once(' ').expect("`table 3.6`");
-            assert!(["table", "figure", "section"].contains(&kind) && number.starts_with("3."), "{source}");
+            let chapter = number.split_once('.').map(|(chapter, _)| chapter);
+            assert!(["table", "figure", "section"].contains(&kind), "{source}");
+            assert!(chapter.is_some_and(|chapter| ["3", "4"].contains(&chapter)), "{source}");
             assert!(!value.is_empty(), "{}", line.what);
         }
     }
@@ -200,7 +229,7 @@ fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
         runs.insert(name, made);
     }
     assert_eq!(runs.failures(), [""; 0]);
-    for experiment in chapter_3() {
+    for experiment in experiments() {
         for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
             assert_ne!(line.ours, Ours::Missing, "{} {}", experiment.id, line.what);
         }

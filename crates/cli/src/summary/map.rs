@@ -37,6 +37,10 @@ pub struct MapSummary {
     /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position_error_m: Option<ErrorSummary>,
+    /// Distribution of the position error: pairs of a distance (m) and the share of the nodes to be located whose position is
+    /// at most that far from the true one. Nodes without a position count as infinitely far.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position_error_cdf: Option<[[f64; 2]; POSITION_ERRORS_M.len()]>,
     /// Mean distance between a node and the mean of its posterior under the true channel and obstacles (m). No map of
     /// this log can be much better; compare the position error with it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -194,6 +198,10 @@ pub struct ErrorSummary {
     /// Maximum (m).
     pub max: f64,
 }
+
+/// Position errors of a node at which their distribution is given (m).
+pub const POSITION_ERRORS_M: [f64; 15] =
+    [0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0, 20.0];
 
 /// Connectivity errors of a node at which their distribution is given.
 pub const NODE_ERRORS: [f64; 11] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0];

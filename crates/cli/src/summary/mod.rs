@@ -16,7 +16,7 @@ pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSumm
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, CalibrationSummary, ConnectivitySummary, ErrorSummary, FittedProfileSummary, HeightsSource,
-    HeightsSummary, MapSummary, NODE_ERRORS, NetworkProfileSummary,
+    HeightsSummary, MapSummary, NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
 };
 pub use measures::{Measure, Number, Unit};
 pub use results::{ScenarioSummary, SensingSummary, SimulationSummary, Summary};

@@ -18,7 +18,7 @@ fn the_list_names_each_experiment() {
     let output = reproduce(&["--list"], &folder);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    for experiment in sextant::reproduce::chapter_3() {
+    for experiment in sextant::reproduce::experiments() {
         let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id));
         let line = line.unwrap_or_else(|| panic!("{} is missing in:\n{text}", experiment.id));
         assert!(line.contains(experiment.title), "{line}");

@@ -57,6 +57,7 @@ pub(super) fn experiment() -> Experiment {
         title: "Comparison on three networks",
         content: Content::Quantities(NETWORKS.into_iter().flat_map(quantities).collect()),
         distributions: &[],
+        charts: Vec::new(),
         claims: claims(),
         notes: &[
             "The layouts are ours, because the figures of the thesis are lost. Numbers of nodes and areas are those of its \

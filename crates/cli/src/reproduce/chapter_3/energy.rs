@@ -24,6 +24,7 @@ pub(super) fn experiment() -> Experiment {
         title: "Energy of the nodes by the count of messages, and by simulated radios",
         content: Content::Quantities(NETWORKS.into_iter().flat_map(quantities).collect()),
         distributions: &[],
+        charts: Vec::new(),
         claims: NETWORKS.into_iter().map(claim).collect(),
         notes: &[
             "The thesis gives formulas but no numbers. Packets, powers and currents are those of the simulation (CC2420). \

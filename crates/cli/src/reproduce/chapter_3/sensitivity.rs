@@ -91,6 +91,7 @@ pub(super) fn experiment() -> Experiment {
         title: "Sensitivity to p0 and R in three environments",
         content: Content::Computed { scenarios: &[SCENARIO], lines, figures },
         distributions: &[],
+        charts: Vec::new(),
         claims: ENVIRONMENTS.iter().flat_map(claims).collect(),
         notes: &[
             "The network of the sensitivity study in the thesis is lost; ours is the circular one.",

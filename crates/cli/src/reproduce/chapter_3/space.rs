@@ -70,6 +70,7 @@ fn experiment(network: Network) -> Experiment {
             quantity(&format!("{within}, neighbourhood of 5 m"), &map::NODES_WITHIN_1),
         ]),
         distributions,
+        charts: Vec::new(),
         claims: vec![Claim {
             text: "more than nine in ten nodes lose at most a fifth of their neighbours within 3 m".to_owned(),
             published: Some(Published::new("\"more than 90% of nodes\"", SECTION)),

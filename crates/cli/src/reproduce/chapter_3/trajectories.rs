@@ -48,6 +48,7 @@ pub(super) fn experiment() -> Experiment {
         title: "Four paths of the robot",
         content: Content::Quantities(TRAJECTORIES.into_iter().flat_map(quantities).collect()),
         distributions: &[],
+        charts: Vec::new(),
         claims: claims(),
         notes: &[
             "100 nodes at random in 10 m x 10 m. The radius of communication is 3 m, which is also the neighbourhood of \

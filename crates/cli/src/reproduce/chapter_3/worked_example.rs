@@ -25,6 +25,7 @@ pub(super) fn experiment() -> Experiment {
         title: "Worked example: the likelihood of a node at four vertices",
         content: Content::Computed { scenarios: &[], lines, figures: |_| Vec::new() },
         distributions: &[],
+        charts: Vec::new(),
         claims: Vec::new(),
         notes: &["The printed factors follow from r = 0.1 m; the text says r = 0.2 m."],
     }

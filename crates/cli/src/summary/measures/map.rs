@@ -46,5 +46,8 @@ numbers! { MapSummary {
     POSITION_ERROR_P80_M "position_error_m.p80" Metre |map| error(map, |error| error.p80);
     SECTOR_DISPLACEMENT_0 "sector_displacement.0" Share |map| map.sector_displacement.first().copied();
     SECTOR_DISPLACEMENT_1 "sector_displacement.1" Share |map| map.sector_displacement.get(1).copied();
+    SECTOR_DISPLACEMENT_2 "sector_displacement.2" Share |map| map.sector_displacement.get(2).copied();
+    SECTOR_DISPLACEMENT_3 "sector_displacement.3" Share |map| map.sector_displacement.get(3).copied();
+    SECTOR_DISPLACEMENT_4 "sector_displacement.4" Share |map| map.sector_displacement.get(4).copied();
     NODES_WITHIN "nodes_within_0_2" Share |map| at::<0>(map, |at| at.nodes_within_0_2);
 }}

@@ -1,7 +1,7 @@
 //! A number of a run or of one of its maps.
 
 use super::number::{Number, Unit};
-use super::{map, node_errors, run};
+use super::{map, node_errors, position_errors, run};
 use crate::summary::{MapSummary, Summary};
 
 /// A number of a run or of one of its maps.
@@ -60,7 +60,8 @@ impl PartialEq for Measure<'_> {
 /// All measures of a run whose maps are called `maps`, in the order of their columns.
 pub fn all(maps: &[String]) -> Vec<Measure<'_>> {
     let of_run = run::ALL.iter().map(|number| Measure::OfRun(number));
-    let of_map = |map| map::ALL.iter().chain(node_errors::ALL).map(move |number| Measure::OfMap(map, number));
+    let numbers = || map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL);
+    let of_map = |map| numbers().map(move |number| Measure::OfMap(map, number));
     of_run.chain(maps.iter().flat_map(|map| of_map(map.as_str()))).collect()
 }
 

@@ -4,6 +4,7 @@ pub mod map;
 mod measure;
 pub mod node_errors;
 mod number;
+pub mod position_errors;
 pub mod run;
 
 pub use measure::{Measure, all};

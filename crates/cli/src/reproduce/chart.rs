@@ -1,0 +1,71 @@
+//! Figures of measures over runs.
+
+use super::runs::{Runs, Term};
+use crate::figure::{Bars, Curves, Figure, Series};
+
+/// A figure of measures over runs.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// The name of its file.
+    pub name: String,
+    /// How values are drawn.
+    pub kind: ChartKind,
+    /// The title.
+    pub title: String,
+    /// The note below the title.
+    pub note: String,
+    /// Name of the horizontal axis, with its unit.
+    pub across: &'static str,
+    /// Name of the vertical axis, with its printed unit.
+    pub up: &'static str,
+    /// What is drawn.
+    pub lines: Vec<ChartLine>,
+}
+
+/// How values are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChartKind {
+    /// As curves.
+    Curves,
+    /// As bars at whole numbers.
+    Bars,
+}
+
+/// A curve, or the bars of one colour.
+#[derive(Clone, Debug)]
+pub struct ChartLine {
+    /// Its name in the legend.
+    pub name: String,
+    /// The measure at each horizontal value.
+    pub points: Vec<(f64, Term)>,
+}
+
+impl Chart {
+    /// The figure, with the mean and the 95 % interval of each measure that has values.
+    pub(super) fn figure(&self, runs: &Runs) -> Figure {
+        let curves = Curves {
+            title: self.title.clone(),
+            note: self.note.clone(),
+            across: self.across.to_owned(),
+            up: self.up.to_owned(),
+            series: self.lines.iter().map(|line| line.series(runs)).collect(),
+        };
+        match self.kind {
+            ChartKind::Curves => curves.figure(&self.name),
+            ChartKind::Bars => Bars(curves).figure(&self.name),
+        }
+    }
+}
+
+impl ChartLine {
+    fn series(&self, runs: &Runs) -> Series {
+        let mut series = Series { name: self.name.clone(), points: Vec::new(), half_widths: Vec::new() };
+        for (x, term) in &self.points {
+            let Some(mean) = runs.mean(term) else { continue };
+            let mean = mean.times(term.measure.unit().for_people().0);
+            series.points.push((*x, mean.mean));
+            series.half_widths.push(mean.half_width_95.unwrap_or(0.0));
+        }
+        series
+    }
+}
