@@ -35,8 +35,7 @@ impl Bars {
             let symbol = Symbol::Square { side: 12.0, fill: color(i) };
             Entry { symbol, text: series.name.clone() }
         });
-        let (mut picture, areas) =
-            Sheet { title, note, bar: None, legend: legend.collect() }.lay_out(&[SIZE]);
+        let (mut picture, areas) = Sheet { title, note, bar: None, legend: legend.collect() }.lay_out(&[SIZE]);
         let axes = Axes {
             across: Axis { low: low - 0.5, high: high + 0.5, name: across, shown: Shown::All },
             up: Axis { low: 0.0, high: 1.05 * top.max(1e-9), name: up, shown: Shown::All },
@@ -72,11 +71,8 @@ mod tests {
 
     #[test]
     fn each_value_is_a_bar_of_its_height_and_bars_do_not_overlap() {
-        let series = |y: [f64; 2]| Series {
-            name: "a".into(),
-            points: vec![(0.0, y[0]), (1.0, y[1])],
-            half_widths: vec![],
-        };
+        let series =
+            |y: [f64; 2]| Series { name: "a".into(), points: vec![(0.0, y[0]), (1.0, y[1])], half_widths: vec![] };
         let curves = Curves {
             title: "t".into(),
             note: String::new(),

@@ -10,7 +10,9 @@ use sextant_mapper::{
 
 use super::outline::outline;
 use crate::scenario::{MetricsConfig, NamedMap};
-use crate::summary::{AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS, POSITION_ERRORS_M};
+use crate::summary::{
+    AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS, POSITION_ERRORS_M,
+};
 
 /// The true positions of nodes.
 #[derive(Clone, Copy, Debug)]
@@ -163,4 +165,20 @@ fn connectivity(
     };
     // An interrupted measure looks like one that does not apply, so the interrupt is checked here.
     watch.check().map(|()| summary)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_without_a_position_count_as_infinitely_far() {
+        let truth = [Position::new(0.0, 0.0, 0.0); 4];
+        let found = [0.1, 0.6, 30.0].map(|x_m| Some(Position::new(x_m, 0.0, 0.0)));
+        let found = [found[0], found[1], found[2], None];
+        let cdf = position_error_cdf(&truth, &found, 4).unwrap();
+        let share = |limit_m: f64| cdf.iter().find(|at| (at[0] - limit_m).abs() < 1e-12).map(|at| at[1]);
+        assert_eq!([0.05, 0.1, 0.5, 0.7, 20.0].map(share), [0.0, 0.25, 0.25, 0.5, 0.5].map(Some));
+        assert_eq!(position_error_cdf(&truth, &found, 0), None);
+    }
 }

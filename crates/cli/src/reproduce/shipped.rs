@@ -41,6 +41,7 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "mmtm/sectors-warehouse-3d.toml",
     "mmtm/sectors-warehouse-vaa.toml",
     "mmtm/sectors-warehouse-vbs.toml",
+    "mmtm/two-bands.toml",
     "mmtm/warehouse-3d.toml",
     "mmtm/warehouse-nodes.csv",
     "mmtm/warehouse-vaa.toml",

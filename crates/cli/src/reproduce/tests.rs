@@ -31,19 +31,22 @@ fn tiny(scenario: &str) -> Vec<String> {
     set.into_iter().map(str::to_owned).collect()
 }
 
-/// The same for the scenarios of chapter 4: a few nodes around a short path in the plane.
+/// The same for the scenarios of chapter 4: a few nodes around a short path below or above them.
 fn tiny_mmtm(scenario: &str) -> Vec<String> {
-    let places = (0..12_u8).map(|i| format!("[{}.0, {}.0, {}.6]", i % 4, i / 4 + 1, i % 2));
-    let places = places.collect::<Vec<_>>().join(", ");
+    let places: Vec<_> = (0..12_u8).map(|i| format!("[{}.0, {}.0, {}.6]", i % 4, i / 4 + 1, i % 2)).collect();
+    let z_m = if scenario.contains("greenhouse") { "3.0" } else { "0.3" };
+    let stops =
+        [(0.0, 0.0), (3.0, 0.5), (3.0, 4.0), (0.5, 4.0)].map(|(x_m, y_m)| format!("[{x_m:?}, {y_m:?}, {z_m}]"));
     let mut set = vec![
-        format!("world.nodes={{ explicit = {{ positions_m = [{places}] }} }}"),
+        format!("world.nodes={{ explicit = {{ positions_m = [{}] }} }}", places.join(", ")),
         "world.obstacles=[]".to_owned(),
-        "robots=[{ start_m = [0.0, 0.0, 0.3], controller.waypoints.positions_m = [[0.0, 0.0, 0.3], [3.0, 0.5, 0.3], \
-         [3.0, 4.0, 0.3], [0.5, 4.0, 0.3]] }]"
-            .to_owned(),
+        format!("robots.0.start_m={}", stops[0]),
+        format!("robots.0.controller={{ waypoints = {{ places_m = [{}] }} }}", stops.join(", ")),
     ];
-    if !scenario.contains("comparison") {
-        set.extend((0..3).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.5")));
+    if scenario.contains("comparison") {
+        set.push("anchors.share=0.5".to_owned());
+    } else {
+        set.extend((0..3).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=1.0")));
     }
     set
 }
@@ -74,7 +77,12 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
         .claims
         .iter()
         .flat_map(|claim| claim.check.terms().into_iter().map(|term| (claim.text.as_str(), term)));
-    quantities.iter().map(|quantity| (quantity.what.as_str(), &quantity.term)).chain(of_charts).chain(of_claims).collect()
+    quantities
+        .iter()
+        .map(|quantity| (quantity.what.as_str(), &quantity.term))
+        .chain(of_charts)
+        .chain(of_claims)
+        .collect()
 }
 
 /// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
@@ -232,6 +240,10 @@ fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
     for experiment in experiments() {
         for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
             assert_ne!(line.ours, Ours::Missing, "{} {}", experiment.id, line.what);
+        }
+        write_figures(&experiment, &runs, folder.path()).unwrap();
+        for chart in &experiment.charts {
+            assert!(folder.path().join(format!("{}.svg", chart.name)).exists(), "{}", chart.name);
         }
     }
 }

@@ -121,12 +121,7 @@ fn of_other(contender: &Contender) -> Vec<Quantity> {
 }
 
 /// The lines of a map; published are the shares with zero and three sectors of displacement, and near the truth.
-fn quantities(
-    contender: &Contender,
-    zero: Option<&str>,
-    three: Option<&str>,
-    near: Option<&str>,
-) -> Vec<Quantity> {
+fn quantities(contender: &Contender, zero: Option<&str>, three: Option<&str>, near: Option<&str>) -> Vec<Quantity> {
     let published = |quantity: Quantity, value: Option<&str>| match value {
         Some(value) => quantity.published(value, SECTION),
         None => quantity,
@@ -147,11 +142,8 @@ fn quantities(
 }
 
 fn claims(contenders: &Contenders) -> Vec<Claim> {
-    let claim = |text: String, value: &str, check| Claim {
-        text,
-        published: Some(Published::new(value, SECTION)),
-        check,
-    };
+    let claim =
+        |text: String, value: &str, check| Claim { text, published: Some(Published::new(value, SECTION)), check };
     let Contenders { mmtm, others } = contenders;
     let mut claims = Vec::new();
     for contender in mmtm {

@@ -37,7 +37,8 @@ fn quantities((environment, setup): (Environment, Setup)) -> impl Iterator<Item 
         Quantity::new(what, setup.scenario(environment), measure)
     };
     let counted = quantity("count of messages", COUNTED);
-    let simulated = RADIOS.map(|(when, number)| quantity(&format!("simulated radios, {when}"), Measure::OfRun(number)));
+    let simulated =
+        RADIOS.map(|(when, number)| quantity(&format!("simulated radios, {when}"), Measure::OfRun(number)));
     [counted].into_iter().chain(simulated)
 }
 

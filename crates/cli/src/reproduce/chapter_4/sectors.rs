@@ -262,13 +262,7 @@ fn of_space() -> Vec<Claim> {
 }
 
 /// A number over the number of sectors, with a curve for each environment and estimator.
-fn chart(
-    id: &str,
-    setup: Setup,
-    name: &str,
-    up: &'static str,
-    number: &'static Number<MapSummary>,
-) -> Chart {
+fn chart(id: &str, setup: Setup, name: &str, up: &'static str, number: &'static Number<MapSummary>) -> Chart {
     let line = |environment: Environment, estimator: &'static Estimator| {
         let place = Place { setup, environment };
         let point = |sectors| (f64::from(sectors), place.term(sectors, estimator.measure(number)));
