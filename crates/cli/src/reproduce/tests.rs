@@ -12,6 +12,8 @@ use crate::summary::Measure;
 use crate::sweep::{self, Plan, Row};
 
 const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
+/// Runs of tiny scenarios: the fewest with an interval.
+const TINY_RUNS: NonZeroU32 = NonZeroU32::new(2).expect("two is above zero");
 
 /// Settings that make a scenario so small that it runs in a moment.
 fn tiny(scenario: &str) -> Vec<String> {
@@ -46,7 +48,7 @@ fn tiny_mmtm(scenario: &str) -> Vec<String> {
     if scenario.contains("comparison") {
         set.push("anchors.share=0.5".to_owned());
     } else {
-        set.extend((0..3).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=1.0")));
+        set.extend((0..3).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.6")));
     }
     set
 }
@@ -57,7 +59,8 @@ fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
     let mut plans = BTreeMap::new();
     for scenario in experiments().iter().flat_map(Experiment::scenarios) {
         let set = if is_tiny { tiny(scenario) } else { Vec::new() };
-        let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(RUNS)).unwrap();
+        let runs = if is_tiny { TINY_RUNS } else { RUNS };
+        let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
         plans.entry(scenario).or_insert_with(plan);
     }
     plans
@@ -232,7 +235,7 @@ fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
     let (names, plans): (Vec<_>, Vec<_>) = plans.into_iter().unzip();
     let (rows, outcome) = sweep::rows(&plans, &Interrupt::default(), true);
     outcome.unwrap();
-    let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
+    let mut runs = Runs::new(std::path::PathBuf::new(), TINY_RUNS);
     for (name, made) in names.into_iter().zip(plans.into_iter().zip(rows)) {
         runs.insert(name, made);
     }
