@@ -107,7 +107,8 @@ pub(super) fn experiment(id: &'static str, environment: Environment) -> Experime
              count nodes without a position as infinitely far.",
             "The thesis compares the distributions by a logarithm of the error, and says that the error of all nodes in MmTM is \
              less than 5 % of that of the others. Here the means are compared.",
-            "The displacement of a node is that of its neighbours on the ground, as in `metrics` of the scenario.",
+            "The thesis defines the sector displacement for pairs of neighbours, and counts nodes: here the displacement of a \
+             node is the median over its neighbours on the ground, unless `metrics` of the scenario says otherwise.",
         ],
     }
 }
@@ -137,6 +138,8 @@ fn quantities(contender: &Contender, zero: Option<&str>, three: Option<&str>, ne
         };
         quantities.push(published(contender.quantity(&what, number), value));
     }
+    let pairs = &map::SECTOR_DISPLACEMENT_OF_PAIRS_0;
+    quantities.push(contender.quantity("pairs of neighbours with zero sector displacement", pairs));
     quantities.push(contender.quantity("nodes without a position", &map::UNMAPPED));
     quantities
 }

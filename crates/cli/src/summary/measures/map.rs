@@ -49,5 +49,7 @@ numbers! { MapSummary {
     SECTOR_DISPLACEMENT_2 "sector_displacement.2" Share |map| map.sector_displacement.get(2).copied();
     SECTOR_DISPLACEMENT_3 "sector_displacement.3" Share |map| map.sector_displacement.get(3).copied();
     SECTOR_DISPLACEMENT_4 "sector_displacement.4" Share |map| map.sector_displacement.get(4).copied();
+    SECTOR_DISPLACEMENT_OF_PAIRS_0 "sector_displacement_of_pairs.0" Share
+        |map| map.sector_displacement_of_pairs.first().copied();
     NODES_WITHIN "nodes_within_0_2" Share |map| at::<0>(map, |at| at.nodes_within_0_2);
 }}
