@@ -16,8 +16,17 @@ const TOLERANCE: f64 = 0.025;
 #[derive(Debug)]
 pub(crate) struct Directions {
     wedges: Wedges,
-    /// The same without a tolerance: many packets missed at a place near an edge weigh more than one reception there.
+    /// Those whose directions are covered: where silence means something.
     covering: Wedges,
+}
+
+/// Whether silence means something at a place just outside all sectors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CoverageEdge {
+    /// Within the tolerance of a sector it does, as a reception is possible there.
+    Tolerant,
+    /// It does not: many packets that were missed near an edge weigh more than one reception.
+    Exact,
 }
 
 impl Directions {
@@ -30,6 +39,7 @@ impl Directions {
         settings: &SectorSettings,
         reach_m: f64,
         heights: Heights,
+        edge: CoverageEdge,
     ) -> Result<Option<Self>, LogError> {
         let is_flat = match heights {
             Heights::Level(z_m) => log.stops().iter().all(|stop| (stop.position.z_m - z_m).abs() <= 1e-9),
@@ -38,7 +48,12 @@ impl Directions {
         let table = settings.table(log)?;
         let wedges =
             |table, tolerance_m| Wedges::of_table(table, Edges::at_distance(tolerance_m), settings.silence, is_flat);
-        Ok(table.map(|table| Self { wedges: wedges(table, TOLERANCE * reach_m), covering: wedges(table, 0.0) }))
+        let tolerance_m = TOLERANCE * reach_m;
+        let covering_m = match edge {
+            CoverageEdge::Tolerant => tolerance_m,
+            CoverageEdge::Exact => 0.0,
+        };
+        Ok(table.map(|table| Self { wedges: wedges(table, tolerance_m), covering: wedges(table, covering_m) }))
     }
 
     /// The factor of the likelihood of a place at `apart` from the stop of a reception in `sector`.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
-use crate::directions::Directions;
+use crate::directions::{CoverageEdge, Directions};
 use crate::heights::{Heights, SoughtHeights};
 use crate::profile::averaged_over_cell;
 use crate::reach::{heard_nodes, reach_m};
@@ -91,7 +91,7 @@ impl Fitted {
         let reach_m = reach_m(log, &heard_nodes);
         let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m);
         let Some(heights) = heights.map(SoughtHeights::heights) else { return Ok(None) };
-        let directions = Directions::of(log, sectors, reach_m, heights)?;
+        let directions = Directions::of(log, sectors, reach_m, heights, CoverageEdge::Tolerant)?;
         let directions = directions.as_ref();
         let heard: Vec<NodeId> = heard_nodes.iter().map(|heard| heard.node).collect();
         let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];

@@ -10,7 +10,7 @@ use super::draft::Draft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
-use crate::directions::Directions;
+use crate::directions::{CoverageEdge, Directions};
 use crate::heights::are_level;
 use crate::reach::reach_m;
 use crate::sectors::SectorSettings;
@@ -107,7 +107,8 @@ impl SelfCalibrated {
         // If the stops have several heights, the robot may pass above or below an obstacle that blocks it elsewhere.
         let applies = start.is_rich && are_level(log.stops(), reach_m);
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
-        let directions = Directions::of(log, &SectorSettings::default(), start.range_m, heights.heights())?;
+        let directions =
+            Directions::of(log, &SectorSettings::default(), start.range_m, heights.heights(), CoverageEdge::Exact)?;
         let counts = Counts::new(log, start.range_m, directions);
         let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
         watch.begin(self.work(log, start.nodes.len(), is_spatial));

@@ -29,8 +29,8 @@ fn a_fitted_posterior_mean_beats_the_argmax_of_a_trapezoid() {
 fn a_fitted_curve_counts_silence_only_where_sectors_point() {
     // Half of the stops near a node are right below it, where no sector of this array points.
     let low = Radio { rings_deg: &[[0.0, 35.0]], ..ARRAY };
-    let nodes = nodes(5, 120);
-    let log = low.log(8, &nodes, &lanes(1.0));
+    let nodes = nodes(5, 80);
+    let log = low.log(8, &nodes, &lanes(1.5));
     let fit = |log: &ReceptionLog| {
         let fitted = Fitted::try_from(FittedConfig::default()).expect("good settings");
         fitted.fit(log, Some([0.0, 2.5]), &Unwatched).expect("nobody interrupts").expect("nodes were heard").curve
