@@ -25,8 +25,10 @@ pub struct Chart {
 /// How values are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChartKind {
-    /// As curves.
+    /// As curves with intervals.
     Curves,
+    /// As curves without intervals: the shares of a distribution.
+    Distribution,
     /// As bars at whole numbers.
     Bars,
 }
@@ -41,18 +43,28 @@ pub struct ChartLine {
 }
 
 impl Chart {
-    /// The figure, with the mean and the 95 % interval of each measure that has values.
+    /// The figure, with the mean of each measure that has values, and its 95 % interval except in distributions.
     pub(super) fn figure(&self, runs: &Runs) -> Figure {
         let curves = Curves {
             title: self.title.clone(),
             note: self.note.clone(),
             across: self.across.to_owned(),
             up: self.up.to_owned(),
-            series: self.lines.iter().map(|line| line.series(runs)).collect(),
+            series: self.lines.iter().map(|line| self.kind.shown(line.series(runs))).collect(),
         };
         match self.kind {
-            ChartKind::Curves => curves.figure(&self.name),
+            ChartKind::Curves | ChartKind::Distribution => curves.figure(&self.name),
             ChartKind::Bars => Bars(curves).figure(&self.name),
+        }
+    }
+}
+
+impl ChartKind {
+    /// The part of `series` that is drawn.
+    fn shown(self, series: Series) -> Series {
+        match self {
+            Self::Curves | Self::Bars => series,
+            Self::Distribution => Series { half_widths: Vec::new(), ..series },
         }
     }
 }

@@ -209,9 +209,9 @@ fn charts(id: &str, environment: Environment, contenders: &Contenders) -> Vec<Ch
     vec![
         Chart {
             name: format!("{id}-cdf"),
-            kind: ChartKind::Curves,
+            kind: ChartKind::Distribution,
             title: format!("Distance errors in the {}", environment.name()),
-            note: "share of the nodes with at most this error; mean over the runs, with 95 % intervals".to_owned(),
+            note: "share of the nodes with at most this error; mean over the runs".to_owned(),
             across: "logarithm (base 10) of the distance error in metres",
             up: "share of the nodes [%]",
             lines: contenders.all().map(cdf).collect(),
