@@ -29,6 +29,7 @@ mod cells;
 mod comparators;
 mod directions;
 mod error;
+mod estimate_kind;
 mod findings;
 mod fitted;
 mod fitted_ml_tm;
@@ -67,6 +68,7 @@ pub use comparators::{
     TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
 pub use error::MapError;
+pub use estimate_kind::{EstimateKind, TieRule};
 pub use fitted::{Fit, Fitted};
 pub use fitted_ml_tm::FittedMlTm;
 pub use heights::{HeightReason, SoughtHeights};
@@ -79,7 +81,7 @@ pub use metrics::{
     SectorDisplacementRule, SectorDistance, connectivity_error, rss_crlb_m, sector_displacement, sector_of,
     topology_preservation_error,
 };
-pub use ml_tm::{CountRule, EstimateKind, MlTm, MlTmConfig, TieRule};
+pub use ml_tm::{CountRule, MlTm, MlTmConfig};
 pub use mm_tm::MmTm;
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use posterior_bound::{TrueModel, posterior_bound_m};

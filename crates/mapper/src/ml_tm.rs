@@ -15,8 +15,8 @@ use crate::sector_errors::likeliest_sigma_db;
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
 use crate::{
-    CoordinateFrame, Estimate, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights,
-    Surface, TopologyMap,
+    CoordinateFrame, Estimate, EstimateKind, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig,
+    SoughtHeights, Surface, TieRule, TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -62,29 +62,6 @@ pub enum CountRule {
     /// The listening slot counts as one packet. It is received if at least one packet was received (thesis, chapter
     /// 3).
     AtLeastOne,
-}
-
-/// How the place is estimated from the likelihood of a node.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum EstimateKind {
-    /// The vertex of highest likelihood.
-    #[default]
-    Argmax,
-    /// The mean of the vertices weighted by their likelihoods, with a covariance.
-    PosteriorMean,
-}
-
-/// Which place represents several vertices that share the highest likelihood.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum TieRule {
-    /// Their mean, if the vertex nearest to the mean is one of them. Otherwise they lie in separate places, and the
-    /// one nearest to the mean is taken.
-    #[default]
-    Mean,
-    /// The one with the lowest linear index.
-    First,
 }
 
 impl MlTmConfig {

@@ -12,6 +12,7 @@
 //! how many receptions the best vertex can contradict, and the same box and rows, relaxed by that number,
 //! hold every vertex that can be as good. A coarse-to-fine branch and bound was slower wherever it was tried.
 
+mod admission;
 mod conditions;
 mod coverage;
 mod curve;
@@ -25,6 +26,7 @@ mod screen;
 mod single;
 mod sink;
 mod soft;
+mod wedge_test;
 mod wedges;
 
 use sextant_channel::{Position, Receptions, SectorTable, Stop};
@@ -34,11 +36,12 @@ use crate::cells::CellIndex;
 use crate::reach::HeardNode;
 use crate::sectors::SectorSettings;
 use crate::{Lattice, ReceptionProfile};
+use admission::Admission;
 use curve::Curve;
 use evidence::Evidence;
 use rows::Rows;
+use score::Scorer;
 pub(crate) use score::Survivors;
-use score::{Admission, Scorer};
 pub(crate) use sink::{Contenders, Moments, Peak, Sink};
 use soft::SoftSectors;
 pub(crate) use wedges::{Edges, Wedges};

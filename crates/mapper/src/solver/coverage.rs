@@ -5,9 +5,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use sextant_channel::Wedge;
-use wide::f32x4;
 
-use super::wedges::{Test, Wedges};
+use super::wedge_test::Test;
 
 /// Angles closer than this are equal (rad).
 const ROUNDING_RAD: f64 = 1e-9;
@@ -17,28 +16,6 @@ const ROUNDING_RAD: f64 = 1e-9;
 pub(super) struct Part {
     pub(super) test: Test,
     pub(super) wedge: Wedge,
-}
-
-/// What sectors cover.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Coverage<'w> {
-    pub(super) wedges: &'w Wedges,
-    pub(super) parts: &'w [Part],
-}
-
-impl Coverage<'_> {
-    /// Whether a vertex at `apart` from a stop (m) is in any sector.
-    pub(crate) fn covers(&self, apart: [f64; 3]) -> bool {
-        self.parts.iter().any(|part| self.wedges.holds(&part.test, &part.wedge, apart))
-    }
-
-    /// The same for a few vertices, with distances that are off by up to `apart_m`: all bits of a lane are set only if
-    /// a sector certainly covers the vertex.
-    #[inline(always)]
-    pub(crate) fn certainly_covers(&self, apart: &[f32x4; 3], apart_m: f32) -> f32x4 {
-        let certain = |part: &Part| self.wedges.is_certainly_within(&part.test, apart, apart_m);
-        self.parts.iter().fold(f32x4::ZERO, |covered, part| covered | certain(part))
-    }
 }
 
 impl Part {

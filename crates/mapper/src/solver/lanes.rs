@@ -2,13 +2,12 @@
 
 use sextant_channel::Position;
 
-use super::coverage::Coverage;
+use super::admission::Admission;
 use super::curve::Curve;
 use super::evidence::{Count, Evidence};
 use super::receiver::Receiver;
-use super::score::Admission;
 use super::soft::SoftSectors;
-use super::wedges::Wedges;
+use super::wedges::{Coverage, Wedges};
 
 /// Vertices scored side by side, so that the compiler fills the vector registers.
 pub(super) const LANES: usize = 4;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use sextant_channel::Position;
 use sextant_kernel::Watch;
 
+use super::admission::Admission;
 use super::curve::Curve;
 use super::evidence::Evidence;
 use super::lanes::{LANES, Lanes};
@@ -17,16 +18,6 @@ use crate::cells::CellIndex;
 
 /// Vertices collected before they are scored: bounds the memory.
 const BATCH: usize = 2048;
-
-/// Which vertices are in the search set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Admission {
-    /// Vertices within R and in the sector of every stop that received. The caller gives only such vertices to the
-    /// scorer.
-    WithinAll,
-    /// Vertices within R and in the sector of any stop that received. The scorer checks this.
-    WithinAny,
-}
 
 /// Vertices to be scored.
 #[derive(Debug, Default)]

@@ -8,10 +8,10 @@
 use sextant_channel::Position;
 use wide::f32x4;
 
-use super::coverage::Coverage;
 use super::curve::Curve;
 use super::evidence::Evidence;
 use super::single::single;
+use super::wedges::Coverage;
 
 /// Stops taken together.
 const LANES: usize = 4;

@@ -16,11 +16,12 @@ use sextant_channel::{SectorTable, Wedge};
 use wide::f32x4;
 
 use super::conditions::{Plane, Residual, ResidualKind};
-use super::coverage::{Coverage, Part};
+use super::coverage::Part;
 use super::margin::Margin;
 use super::receiver::Receiver;
 use super::single::single;
 use super::soft::SoftSectors;
+use super::wedge_test::Test;
 use crate::sectors::SectorSettings;
 use crate::{Lattice, SectorTolerance, SilenceRule};
 
@@ -61,17 +62,6 @@ impl Edges {
     pub(crate) fn at_distance(tolerance_m: f64) -> Self {
         Self { angle: 0.0, tolerance_m, margin: None }
     }
-}
-
-/// The conditions for a vertex to be in one sector.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Test {
-    /// Half-spaces: indices of their normals.
-    planes: Vec<usize>,
-    /// Unit vectors across both edges of a wedge wider than half a turn: one of the half-planes suffices.
-    reflex: Option<[[f64; 2]; 2]>,
-    /// α and β of cones.
-    cones: Vec<[f64; 2]>,
 }
 
 impl Wedges {
@@ -307,5 +297,27 @@ impl Wedges {
             plane.cut(y, z, &mut low, &mut high);
         }
         (low, high)
+    }
+}
+
+/// What sectors cover.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Coverage<'w> {
+    wedges: &'w Wedges,
+    parts: &'w [Part],
+}
+
+impl Coverage<'_> {
+    /// Whether a vertex at `apart` from a stop (m) is in any sector.
+    pub(crate) fn covers(&self, apart: [f64; 3]) -> bool {
+        self.parts.iter().any(|part| self.wedges.holds(&part.test, &part.wedge, apart))
+    }
+
+    /// The same for a few vertices, with distances that are off by up to `apart_m`: all bits of a lane are set only if
+    /// a sector certainly covers the vertex.
+    #[inline(always)]
+    pub(crate) fn certainly_covers(&self, apart: &[f32x4; 3], apart_m: f32) -> f32x4 {
+        let certain = |part: &Part| self.wedges.is_certainly_within(&part.test, apart, apart_m);
+        self.parts.iter().fold(f32x4::ZERO, |covered, part| covered | certain(part))
     }
 }
