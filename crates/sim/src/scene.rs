@@ -5,8 +5,10 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::{EventKey, EventQueue, Seed, SimTime, StationId};
 
-use crate::air::Air;
+use crate::air::{Air, ReceiverId};
 use crate::event::Event;
+use crate::purpose;
+use crate::service::network_id::NetworkId;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
@@ -34,6 +36,23 @@ impl Scene {
     /// Schedules an event at `time`.
     pub(crate) fn at(&mut self, time: SimTime, event: Event) -> EventKey {
         self.queue.push(time, event.rank(), event)
+    }
+
+    /// The receiver of a station in an air is on from now on, or off.
+    pub(crate) fn tune(&mut self, air: usize, receiver: ReceiverId, station: StationId, is_receiving: bool) {
+        let (now, motion, air) = (self.now, &self.motions[station.index()], &mut self.airs[air]);
+        if is_receiving {
+            air.listen(now, receiver, station, motion);
+        } else {
+            air.deafen(receiver, station, motion.at(now));
+        }
+    }
+
+    /// Backoff number `number` of a station in a network: uniform from 0 to `max_inclusive`.
+    pub(crate) fn backoff(&self, network: NetworkId, station: StationId, number: u64, max_inclusive: u32) -> u32 {
+        let bits = self.seed.bits(purpose::BACKOFF, [station.0.into(), number, network.0.into()]);
+        // The upper 32 bits scaled to the range: exact for 2^n equally likely numbers.
+        u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
     }
 
     /// Where a station is now.

@@ -1,6 +1,7 @@
 //! Links: how stations of a network send to each other. Each technology is a folder; the rest of the simulator knows
 //! what all have in common.
 
+mod collectors;
 mod config;
 pub(crate) mod ieee80211ad;
 pub(crate) mod ieee802154;

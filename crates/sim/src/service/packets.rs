@@ -5,6 +5,8 @@ use std::time::Duration;
 use sextant_kernel::StationId;
 use sextant_mac::EnergySpent;
 
+use crate::air::FrameOutcome;
+
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
 /// `not_listened`. A packet to one station is received by that station; a packet to all is received if any station
@@ -43,6 +45,20 @@ pub struct Packets {
     pub unacknowledged: u64,
     /// Octets of payload that were received. Not part of the sum.
     pub octets_received: u64,
+}
+
+impl Packets {
+    /// Counts a packet that was sent, by its best outcome.
+    pub(crate) fn count_sent(&mut self, outcome: FrameOutcome) {
+        self.sent += 1;
+        *match outcome {
+            FrameOutcome::Received => &mut self.received,
+            FrameOutcome::Collided => &mut self.lost_collision,
+            FrameOutcome::Weak => &mut self.lost_signal,
+            FrameOutcome::OutOfRange => &mut self.out_of_range,
+            FrameOutcome::NotListened => &mut self.not_listened,
+        } += 1;
+    }
 }
 
 impl std::ops::AddAssign for Packets {

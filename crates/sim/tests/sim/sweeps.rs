@@ -248,3 +248,23 @@ fn behind_a_screen_the_best_sector_points_at_the_wall_that_reflects() {
     assert_eq!(sector(vec![screen.clone()]), None);
     assert_eq!(sector(vec![screen, wall]), Some(Some(2)));
 }
+
+#[test]
+fn a_sector_of_any_ring_of_an_array_has_its_number_in_the_log() {
+    // Five rings are three DMG antennas: two, two and one. The node is in the highest ring, on azimuth 0.
+    let scene = Scene::of(vec![Position::new(1.0, 0.0, 2.0)]);
+    let mut setup = scene.setup();
+    let antennas: AntennasConfig = toml::from_str(
+        "nodes.omnidirectional = {}\n\
+         robots.sectors = { azimuth_sectors = 4, elevations_deg = [-80, -40, 0, 40, 80], boresight_gain_dbi = 9 }",
+    )
+    .expect("antennas");
+    match &mut setup.networks[0].link.technology {
+        Technology::Ieee80211ad(links) => {
+            links.antennas = Antennas::read(&antennas, Path::new("")).expect("good antennas");
+        }
+        Technology::Ieee802154(_) => panic!("a network of IEEE 802.11ad"),
+    }
+    let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
+    assert_eq!(receptions(&survey, 0).first().map(|reception| reception.sector), Some(Some(16)));
+}

@@ -23,7 +23,7 @@ use crate::service::network_id::NetworkId;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::service::upcall::Upcall;
-use crate::station::{Kind, Roll};
+use crate::station::Roll;
 
 /// What a network of IEEE 802.11ad needs.
 pub(crate) struct Settings<'a> {
@@ -43,8 +43,6 @@ pub(crate) struct Network {
     radios: Radios,
     antennas: Antennas,
     roll: Roll,
-    /// The sectors of one sweep of a node, and of a robot or sink.
-    layouts: [SectorLayout; 2],
     stacks: Vec<Stack>,
     /// The sweeps under way, by station.
     sweeps: BTreeMap<StationId, Gathered>,
@@ -95,6 +93,7 @@ impl Network {
                 responder,
                 radio: RadioStack::new(),
                 tilt: 0,
+                first_sectors: first_sectors(&layout),
                 listening_over: None,
                 outcome: FrameOutcome::NotListened,
                 frames: 0,
@@ -104,7 +103,6 @@ impl Network {
             radios,
             antennas: links.antennas.clone(),
             roll,
-            layouts,
             stacks: roll.stations().map(stack).collect(),
             sweeps: BTreeMap::new(),
             swept: vec![0; roll.len()],
@@ -238,20 +236,10 @@ impl Network {
         role: Role,
         scene: &'a mut Scene,
     ) -> (Transceiver<'a>, &'a mut Initiator, &'a mut Responder) {
-        let first_sectors = self.first_sectors(station);
-        let Stack { initiator, responder, radio, .. } = &mut self.stacks[station.index()];
-        let transceiver = Transceiver { radios: &self.radios, stack: radio, scene, station, role, first_sectors };
+        let Stack { initiator, responder, radio, first_sectors, .. } = &mut self.stacks[station.index()];
+        let transceiver =
+            Transceiver { radios: &self.radios, stack: radio, scene, station, role, first_sectors: *first_sectors };
         (transceiver, initiator, responder)
-    }
-
-    /// Number of the first sector of each DMG antenna among the sectors of a station's antenna, in the sweep under way.
-    fn first_sectors(&self, station: StationId) -> [u8; 4] {
-        let antenna = self.antennas.of(self.roll.kind(station));
-        let per_sweep = antenna.sector_count() / antenna.sweeps();
-        let first = self.stacks[station.index()].tilt * per_sweep;
-        let layout = &self.layouts[usize::from(!matches!(self.roll.kind(station), Kind::Node(_)))];
-        let per_antenna = per_sweep / layout.antennas();
-        [0, 1, 2, 3].map(|antenna: u8| first + antenna.min(layout.antennas() - 1) * per_antenna)
     }
 
     fn handle_initiator(&mut self, station: StationId, event: dmg::Event, scene: &mut Scene) {
@@ -298,6 +286,15 @@ impl Network {
             }
         }
     }
+}
+
+/// Number of the first sector of each DMG antenna among those of a sweep.
+fn first_sectors(layout: &SectorLayout) -> [u8; 4] {
+    let mut first = [0; 4];
+    for index in (0..layout.total()).rev() {
+        first[usize::from(layout.sector(index).antenna)] = u8::try_from(index).expect("at most 128 sectors");
+    }
+    first
 }
 
 /// What an answer says to the station that swept; `sector` is the number of its sector that the answer names, if it has

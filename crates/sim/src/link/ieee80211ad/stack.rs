@@ -13,6 +13,8 @@ pub(super) struct Stack {
     pub(super) radio: RadioStack,
     /// The sweep under way among those of a steered antenna.
     pub(super) tilt: u8,
+    /// Number of the first sector of each DMG antenna, at this tilt, among all sectors of the antenna.
+    pub(super) first_sectors: [u8; 4],
     /// The pending end of a time to listen.
     pub(super) listening_over: Option<EventKey>,
     /// The best outcome so far of the frames of the answer under way, at the station that swept.

@@ -11,7 +11,6 @@ use crate::air::{Emission, ReceiverId};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
-use crate::purpose;
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
 use crate::service::report::Destination;
@@ -74,13 +73,7 @@ impl Transceiver<'_> {
             return;
         }
         self.stack.is_tuned = is_receiving;
-        let motion = &self.scene.motions[self.station.index()];
-        let air = &mut self.scene.airs[self.radios.air];
-        if is_receiving {
-            air.listen(now, receiver, self.station, motion);
-        } else {
-            air.deafen(receiver, self.station, motion.at(now));
-        }
+        self.scene.tune(self.radios.air, receiver, self.station, is_receiving);
     }
 
     /// Puts a frame on air, to one station or to all.
@@ -102,10 +95,7 @@ impl Transceiver<'_> {
 impl csma::Radio for Transceiver<'_> {
     fn backoff_periods(&mut self, max_inclusive: u32) -> u32 {
         self.stack.backoffs += 1;
-        let place = [self.station.0.into(), self.stack.backoffs, self.radios.network.0.into()];
-        let bits = self.scene.seed.bits(purpose::BACKOFF, place);
-        // The upper 32 bits scaled to the range: exact for 2^BE equally likely numbers.
-        u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
+        self.scene.backoff(self.radios.network, self.station, self.stack.backoffs, max_inclusive)
     }
 
     fn after(&mut self, span: Duration, event: csma::Event) {

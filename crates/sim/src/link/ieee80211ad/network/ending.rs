@@ -6,8 +6,9 @@ use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame}
 
 use super::Network;
 use crate::air::{FrameOutcome, Transmission};
+use crate::link::collectors::tell_collectors;
 use crate::link::ieee80211ad::stack::Role;
-use crate::observer::{FrameOnAir, HeardFrame, Observer};
+use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::sweep::Announcement;
 use crate::service::upcall::Upcall;
@@ -47,7 +48,7 @@ impl Network {
                 }
             }
             SweepBody::Iss { sector, rx_antennas: 0, .. } if self.hears[station.index()] => {
-                let sector = self.first_sectors(sender)[usize::from(sector.antenna)] + sector.sector;
+                let sector = self.stacks[sender.index()].first_sectors[usize::from(sector.antenna)] + sector.sector;
                 let (network, rssi) = (self.radios.network, arrival.power.to_dbm());
                 let announcement = Announcement { network, from: sender, sector, snr: sinr, rssi };
                 scene.upcalls.push(Upcall::Announced { station, announcement });
@@ -85,14 +86,7 @@ impl Network {
                     packets.lost_channel_access += 1;
                     return;
                 }
-                packets.sent += 1;
-                *match stack.outcome {
-                    FrameOutcome::Received => &mut packets.received,
-                    FrameOutcome::Collided => &mut packets.lost_collision,
-                    FrameOutcome::Weak => &mut packets.lost_signal,
-                    FrameOutcome::OutOfRange => &mut packets.out_of_range,
-                    FrameOutcome::NotListened => &mut packets.not_listened,
-                } += 1;
+                packets.count_sent(stack.outcome);
             }
         }
     }
@@ -117,15 +111,7 @@ impl Network {
         let outcome = self.outcome(transmission, to);
         let is_best = |station: StationId, found| to.is_none_or(|to| station == to) && found == outcome;
         let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));
-        self.told.clear();
-        self.told.extend(
-            (self.arrivals.iter())
-                .filter(|arrival| !scene.roll.is_node(arrival.station) && arrival.outcome == FrameOutcome::Received)
-                .map(|arrival| HeardFrame {
-                    collector: arrival.station.index() - scene.roll.nodes,
-                    power: arrival.power.to_dbm(),
-                }),
-        );
+        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
         observer.framed(FrameOnAir {
             network: self.radios.network,
             start: transmission.start(),

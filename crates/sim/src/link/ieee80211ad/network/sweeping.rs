@@ -14,7 +14,12 @@ use crate::service::upcall::Upcall;
 impl Network {
     /// Begins the sweep of one tilt.
     pub(super) fn sweep_at(&mut self, station: StationId, tilt: u8, scene: &mut Scene) {
-        self.stacks[station.index()].tilt = tilt;
+        let antenna = self.antennas.of(self.roll.kind(station));
+        let per_sweep = antenna.sector_count() / antenna.sweeps();
+        let stack = &mut self.stacks[station.index()];
+        // One after the other, and from the last one back to the first.
+        stack.first_sectors = stack.first_sectors.map(|first| first - stack.tilt * per_sweep + tilt * per_sweep);
+        stack.tilt = tilt;
         let kind = self.sweeps.get(&station).expect("a sweep is under way").kind;
         let (purpose, access) = match kind {
             SweepKind::Gather if self.roll.robots + self.roll.sinks == 1 => (SweepPurpose::Gather, Access::AtOnce),
@@ -45,7 +50,6 @@ impl Network {
 
     /// Keeps the answers to the sweep of this tilt: of each station, the answer with the best sector.
     fn gather(&mut self, station: StationId, scene: &Scene) {
-        let first_sectors = self.first_sectors(station);
         let loss = self.antennas.misalignment_loss();
         let has_sectors = !self.antennas.of(self.roll.kind(station)).is_omnidirectional();
         let Some(Gathered { answers, powers, .. }) = self.sweeps.get_mut(&station) else { return };
@@ -58,7 +62,7 @@ impl Network {
                 continue;
             }
             let TxSector { antenna, sector } = answer.select;
-            let Some(first) = first_sectors.get(usize::from(antenna)) else { continue };
+            let Some(first) = stack.first_sectors.get(usize::from(antenna)) else { continue };
             let rssi = powers.get(&from).copied().unwrap_or(Milliwatts(0.0));
             let found = read(answer, has_sectors.then_some(first + sector), rssi, from);
             let best = answers.entry(from).or_insert(found);

@@ -5,7 +5,8 @@ use sextant_kernel::StationId;
 
 use super::Network;
 use crate::air::{Arrival, FrameOutcome, Transmission};
-use crate::observer::{FrameOnAir, HeardFrame, Observer};
+use crate::link::collectors::tell_collectors;
+use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 
 /// What became of a transmission at the stations that it is for.
@@ -49,15 +50,7 @@ impl Network {
         scene: &Scene,
         observer: &mut impl Observer,
     ) {
-        self.told.clear();
-        self.told.extend(
-            (self.arrivals.iter())
-                .filter(|arrival| !scene.roll.is_node(arrival.station) && arrival.outcome == FrameOutcome::Received)
-                .map(|arrival| HeardFrame {
-                    collector: arrival.station.index() - scene.roll.nodes,
-                    power: arrival.power.to_dbm(),
-                }),
-        );
+        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
         observer.framed(FrameOnAir {
             network: self.radios.network,
             start: transmission.start(),

@@ -133,7 +133,6 @@ impl Network {
     fn count(&mut self, station: StationId, frame: QueuedFrame, report: csma::Report, outcome: FrameOutcome) {
         let octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
         let packets = &mut self.packets[station.index()];
-        packets.sent += u64::from(report.transmissions > 0);
         packets.transmissions += u64::from(report.transmissions);
         packets.assessments += u64::from(report.ccas);
         packets.unacknowledged += u64::from(report.outcome == Outcome::NoAck);
@@ -143,16 +142,10 @@ impl Network {
             packets.lost_channel_access += 1;
             return;
         }
-        *match outcome {
-            FrameOutcome::Received => {
-                packets.octets_received += octets;
-                &mut packets.received
-            }
-            FrameOutcome::Collided => &mut packets.lost_collision,
-            FrameOutcome::Weak => &mut packets.lost_signal,
-            FrameOutcome::OutOfRange => &mut packets.out_of_range,
-            FrameOutcome::NotListened => &mut packets.not_listened,
-        } += 1;
+        packets.count_sent(outcome);
+        if outcome == FrameOutcome::Received {
+            packets.octets_received += octets;
+        }
     }
 
     pub(super) fn data_frame(&self, station: StationId, to: Destination) -> DataFrame {
