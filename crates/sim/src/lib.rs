@@ -103,7 +103,7 @@ mod simulation;
 mod station;
 mod world;
 
-pub use air::{FrameOutcome, ReceptionConfig, ReceptionModel, ThresholdConfig};
+pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
 pub use applications::survey::Robot;
@@ -120,6 +120,7 @@ pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use service::delivery::{Delivery, DriveEnd};
 pub use service::network_id::NetworkId;
+pub use service::outcome::FrameOutcome;
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};

@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime, StationId};
 
-use crate::air::FrameOutcome;
 use crate::service::network_id::NetworkId;
+use crate::service::outcome::FrameOutcome;
 use crate::service::sensed::{FieldId, Sensed, TargetId};
 use crate::station::Pose;
 

@@ -5,7 +5,6 @@ mod cells;
 mod listener;
 mod medium;
 mod mounts;
-mod outcome;
 mod reached;
 mod receiver;
 mod receiver_id;
@@ -19,6 +18,7 @@ use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
 use sextant_kernel::{Seed, SimTime, StationId};
 
 use crate::purpose;
+use crate::service::outcome::FrameOutcome;
 use crate::station::{Motion, Roll};
 use budget::Budget;
 use listener::Listener;
@@ -27,7 +27,6 @@ use reached::Reached;
 use receiver::{Heard, Receiver};
 
 pub(crate) use mounts::Mount;
-pub use outcome::FrameOutcome;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
 pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};

@@ -14,7 +14,8 @@ use std::time::Duration;
 use sextant_channel::Milliwatts;
 use sextant_kernel::SimTime;
 
-use super::{FrameOutcome, ReceptionModel};
+use super::ReceptionModel;
+use crate::service::outcome::FrameOutcome;
 
 /// Rules of all receivers of a simulation.
 #[derive(Clone, Copy, Debug)]

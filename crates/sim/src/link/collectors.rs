@@ -1,7 +1,8 @@
 //! The robots and sinks that received a frame, for observers.
 
-use crate::air::{Arrival, FrameOutcome};
+use crate::air::Arrival;
 use crate::observer::HeardFrame;
+use crate::service::outcome::FrameOutcome;
 use crate::station::Roll;
 
 /// Fills `told` with the robots and sinks among `arrivals` that received the frame.

@@ -2,6 +2,7 @@
 
 pub(crate) mod delivery;
 pub(crate) mod network_id;
+pub(crate) mod outcome;
 pub(crate) mod packets;
 pub(crate) mod report;
 pub(crate) mod sensed;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use sextant_kernel::StationId;
 use sextant_mac::EnergySpent;
 
-use crate::air::FrameOutcome;
+use super::outcome::FrameOutcome;
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and

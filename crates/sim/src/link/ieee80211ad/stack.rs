@@ -4,7 +4,8 @@ use sextant_kernel::{EventKey, SimTime};
 use sextant_mac::dmg::{Initiator, Responder, SweepFrame};
 use sextant_mac::{EnergyMeter, RadioState};
 
-use crate::air::{Aim, FrameOutcome, Transmission};
+use crate::air::{Aim, Transmission};
+use crate::service::outcome::FrameOutcome;
 
 /// The state of one station's link.
 pub(super) struct Stack {

@@ -4,7 +4,8 @@ use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::{EnergyMeter, RadioState};
 
 use super::frame_queue::{QueuedFrame, Waiting};
-use crate::air::{FrameOutcome, Transmission};
+use crate::air::Transmission;
+use crate::service::outcome::FrameOutcome;
 
 /// The state of one station's link, apart from its channel access machine.
 pub(super) struct Stack {

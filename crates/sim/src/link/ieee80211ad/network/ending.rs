@@ -5,11 +5,12 @@ use sextant_kernel::StationId;
 use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
 
 use super::Network;
-use crate::air::{FrameOutcome, Transmission};
+use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
 use crate::link::ieee80211ad::stack::Role;
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
 use crate::service::sweep::Announcement;
 use crate::service::upcall::Upcall;
 

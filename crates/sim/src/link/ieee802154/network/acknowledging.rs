@@ -7,10 +7,10 @@ use sextant_mac::frame::Frame;
 use sextant_mac::{csma, responder};
 
 use super::Network;
-use crate::air::FrameOutcome;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
 
 impl Network {
     /// Handles an event of an acknowledgement that `station` sends.

@@ -6,11 +6,11 @@ use sextant_mac::device;
 use sextant_mac::frame::{Frame, FrameBody};
 
 use super::Network;
-use crate::air::FrameOutcome;
 use crate::event::ieee802154::Event;
 use crate::link::ieee802154::transceiver::{Beaconing, Transceiver};
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
 
 impl Network {
     /// A beacon is due one turnaround from now. The schedule of beacons never stops. The coordinator sends the beacons

@@ -4,10 +4,11 @@ use sextant_channel::Dbm;
 use sextant_kernel::StationId;
 
 use super::Network;
-use crate::air::{Arrival, FrameOutcome, Transmission};
+use crate::air::{Arrival, Transmission};
 use crate::link::collectors::tell_collectors;
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
 
 /// What became of a transmission at the stations that it is for.
 #[derive(Clone, Copy, Debug)]

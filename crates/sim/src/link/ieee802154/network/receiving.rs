@@ -5,10 +5,11 @@ use sextant_mac::frame::{Frame, FrameBody};
 use sextant_mac::responder::Verdict;
 
 use super::Network;
-use crate::air::{Arrival, FrameOutcome};
+use crate::air::Arrival;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
 use crate::service::report::Destination;
 use crate::service::upcall::Upcall;
 

@@ -5,11 +5,11 @@ use sextant_mac::csma::{self, Outcome};
 use sextant_mac::frame::DataFrame;
 
 use super::Network;
-use crate::air::FrameOutcome;
 use crate::link::ieee802154::frame_queue::{Content, QueuedFrame};
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::observer::Observer;
 use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 use crate::service::upcall::Upcall;
 
