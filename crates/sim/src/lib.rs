@@ -11,7 +11,7 @@
 //! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
 //! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]
 //! watches while it runs. [`discover`] finds what the nodes hear of each other over the same air, before any robot
-//! moves. Own applications run on an [`Engine`].
+//! moves. Own applications of nodes run in [`Simulation::with_nodes`], those of all stations on an [`Engine`].
 //!
 //! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
@@ -105,8 +105,10 @@ mod world;
 
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
+pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
-pub use applications::survey::Robot;
+pub use applications::journey::Robot;
+pub use applications::node_traffic::NodeTraffic;
 pub use applications::traffic::{
     GroupConfig, Next, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig,
     TraceConfig, Traffic, TrafficConfig, TrafficPlan,
@@ -128,7 +130,9 @@ pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
 pub use simulation::setup::{BusyNetwork, Setup};
-pub use station::{Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, Sink, SinkConfig};
+pub use station::{
+    Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, RoleConfig, Sink, SinkConfig,
+};
 pub use world::anchors::AnchorsConfig;
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};

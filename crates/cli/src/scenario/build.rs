@@ -9,7 +9,8 @@ use sextant_channel::{Anchor, Bounds, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mapper::{MapConfig, Mapper};
 use sextant_sim::{
-    BusyNetwork, Discovery, NetworkId, Robot, RobotBody, RobotConfig, Sensors, Setup, Simulation, Sink, World,
+    BusyNetwork, Discovery, NetworkId, Robot, RobotBody, RobotConfig, RoleConfig, Sensors, Setup, Simulation, Sink,
+    World,
 };
 
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
@@ -443,11 +444,15 @@ fn robot(
     seed: Seed,
 ) -> Result<Robot, SettingError> {
     let body = RobotBody::try_from(config)?;
+    if config.role == RoleConfig::Anchor {
+        let allowed = "\"survey\": no map of the scenario has messages for a mobile anchor to send";
+        return Err(SettingError::new("role", "\"anchor\"", allowed));
+    }
     if let Some((found, allowed)) = obstacles.fault(body.start) {
         return Err(SettingError::new("start_m", found, allowed));
     }
     let surroundings =
         Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };
     let controller = config.controller.build(&surroundings).map_err(|error| error.within("controller"))?;
-    Ok(Robot { body, controller })
+    Ok(Robot { body, controller, broadcast: None })
 }

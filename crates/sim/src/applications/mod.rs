@@ -1,8 +1,13 @@
-//! The applications that every scenario needs: traffic of nodes, neighbour discovery, sinks, surveys of robots.
+//! The applications that every scenario needs: traffic of nodes, neighbour discovery, sinks, surveys of robots, mobile
+//! anchors.
 
+pub(crate) mod broadcast;
 pub(crate) mod controller;
 pub(crate) mod hello;
+pub(crate) mod journey;
+pub(crate) mod node_traffic;
+mod slot;
 pub(crate) mod source;
 pub(crate) mod standard;
-pub(crate) mod survey;
+mod survey;
 pub(crate) mod traffic;

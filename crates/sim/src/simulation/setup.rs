@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sextant_kernel::{NodeId, Seed};
 
-use crate::applications::survey::Robot;
+use crate::applications::journey::Robot;
 use crate::applications::traffic::TrafficPlan;
 use crate::engine::NetworkSetup;
 use crate::service::network_id::NetworkId;
@@ -50,11 +50,12 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The networks that robots survey, in their order; the first network if there are no robots.
+    /// The networks that robots survey, in their order; the first network if no robot surveys.
     #[must_use]
     pub fn surveyed(&self) -> Vec<NetworkId> {
-        let mut surveyed: Vec<NetworkId> =
-            self.robots.iter().flat_map(|robot| robot.body.networks.iter().copied()).collect();
+        let mut surveyed: Vec<NetworkId> = (self.robots.iter().filter(|robot| robot.is_surveying()))
+            .flat_map(|robot| robot.body.networks.iter().copied())
+            .collect();
         surveyed.sort_unstable();
         surveyed.dedup();
         if surveyed.is_empty() {

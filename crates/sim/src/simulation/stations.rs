@@ -7,7 +7,7 @@ use sextant_mac::frame::DataFrame;
 use sextant_mac::superframe::BeaconEnabled;
 
 use super::setup::BusyNetwork;
-use crate::applications::survey::Robot;
+use crate::applications::journey::Robot;
 use crate::applications::traffic::Traffic;
 use crate::engine::NetworkSetup;
 use crate::link::ieee802154::network::pan;
@@ -63,6 +63,18 @@ impl Stations<'_> {
         Ok(())
     }
 
+    /// Refuses mobile anchors in networks whose robots send nothing.
+    pub(super) fn check_mobile_anchors(&self, networks: &[BusyNetwork]) -> Result<(), SettingError> {
+        for (i, robot) in self.robots.iter().enumerate().filter(|(_, robot)| !robot.is_surveying()) {
+            if robot.body.networks.iter().any(|id| beacons(&networks[id.index()]).is_some()) {
+                let found = "anchor, in a network with superframes";
+                let allowed = "another network: in one with `mac.beacon_enabled` robots send nothing but beacons";
+                return Err(SettingError::new(format!("robots[{i}].role"), found, allowed));
+            }
+        }
+        Ok(())
+    }
+
     /// To whom a node sends.
     pub(super) fn destination(
         &self,
@@ -99,18 +111,19 @@ impl Stations<'_> {
         Ok(Destination::Station(StationId::from_index(self.roll.nodes + self.roll.robots + nearest)))
     }
 
-    /// The numbers of the robots in a network.
+    /// The numbers of the robots that survey a network.
     fn robots_in(&self, id: NetworkId) -> impl Iterator<Item = usize> {
         self.robots
             .iter()
             .enumerate()
-            .filter(move |(_, robot)| robot.body.networks.contains(&id))
+            .filter(move |(_, robot)| robot.is_surveying() && robot.body.networks.contains(&id))
             .map(|(robot, _)| robot)
     }
 
-    /// Name and station of each robot and each sink in a network.
+    /// Name and station of each robot that surveys a network, and of each sink in it.
     fn collectors(&self, id: NetworkId) -> impl Iterator<Item = (&str, StationId)> {
-        let robots = self.robots.iter().map(move |robot| (&*robot.body.name, robot.body.networks.contains(&id)));
+        let is_in = move |robot: &Robot| robot.is_surveying() && robot.body.networks.contains(&id);
+        let robots = self.robots.iter().map(move |robot| (&*robot.body.name, is_in(robot)));
         let sinks = self.sinks.iter().map(move |sink| (&*sink.name, sink.is_in(id)));
         let nodes = self.roll.nodes;
         robots

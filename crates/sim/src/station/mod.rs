@@ -15,7 +15,7 @@ pub(crate) use odometry::Luck;
 pub use odometry::{Odometry, OdometryConfig};
 pub(crate) use range_sensors::RangeSensors;
 pub(crate) use robot::check_name;
-pub use robot::{Listening, RobotBody, RobotConfig};
+pub use robot::{Listening, RobotBody, RobotConfig, RoleConfig};
 pub use sink::{Sink, SinkConfig};
 pub(crate) use way::Way;
 

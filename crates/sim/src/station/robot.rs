@@ -18,6 +18,9 @@ pub struct RobotConfig<C> {
     pub name: String,
     /// Where it starts (m).
     pub start_m: Position,
+    /// What it does at its stops.
+    #[serde(default, skip_serializing_if = "RoleConfig::is_survey")]
+    pub role: RoleConfig,
     /// How fast it drives (m/s).
     #[serde(default = "default_speed_m_per_s")]
     pub speed_m_per_s: f64,
@@ -33,7 +36,8 @@ pub struct RobotConfig<C> {
     /// Names of several networks whose nodes it surveys at the same stops, instead of `network`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub networks: Vec<String>,
-    /// Number of sector sweeps at each stop, in equal intervals, in networks that have them; 1 to 10000.
+    /// Number of sector sweeps at each stop, in equal intervals, in networks that have them, or of messages of a mobile
+    /// anchor; 1 to 10000.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub sweeps_per_stop: u32,
     /// Whether it also listens while it drives. A drive has as many equal slots of at least `listen_s` as fit into it;
@@ -45,6 +49,24 @@ pub struct RobotConfig<C> {
     pub odometry: OdometryConfig,
     /// What drives it.
     pub controller: C,
+}
+
+/// What a robot does at its stops, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RoleConfig {
+    /// It listens, and logs what it hears.
+    #[default]
+    Survey,
+    /// It is a mobile anchor: it tells all who hear it where it is, as often as `sweeps_per_stop` says, and listens to
+    /// nobody. Its stops are in no log.
+    Anchor,
+}
+
+impl RoleConfig {
+    fn is_survey(&self) -> bool {
+        *self == Self::Survey
+    }
 }
 
 fn one() -> u32 {
@@ -80,9 +102,9 @@ pub struct RobotBody {
     pub radius_m: f64,
     /// How long it listens at each stop.
     pub listen: Duration,
-    /// The networks whose nodes it surveys: at least one.
+    /// The networks whose nodes it surveys, or to which it sends: at least one.
     pub networks: Vec<NetworkId>,
-    /// Number of sector sweeps at each stop: at least one.
+    /// Number of sector sweeps at each stop, or of messages of a mobile anchor: at least one.
     pub sweeps_per_stop: u32,
     /// When it listens.
     pub listening: Listening,

@@ -503,7 +503,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
     });
     let mut setup: Setup = network::setup(&[Position::new(0.0, 2.0, 0.0)], 0.0, hard_range(), traffic, 5);
     setup.world.obstacles = field(vec![wall()]);
-    setup.robots = vec![Robot { body, controller: Box::new(Bend(0)) }];
+    setup.robots = vec![Robot { body, controller: Box::new(Bend(0)), broadcast: None }];
     let survey = Simulation::new(setup).expect("good settings").run(&mut Unobserved);
     let stops = survey.log.stops();
     // Half a circle of radius 2 m around (0, 2) in 6.28 s: three slots, at 30, 90 and 150 degrees. Then a stop of 2 s.

@@ -9,6 +9,7 @@ mod hopping;
 mod listening;
 mod meeting;
 mod mesh;
+mod mobile_anchors;
 mod network;
 mod networks;
 mod odometry;

@@ -39,7 +39,7 @@ impl Controller for Tour {
 /// A robot that starts at the origin and listens at each of `places`.
 pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
     let body = RobotBody { radius_m, listen, ..surveyor_body() };
-    Robot { body, controller: Box::new(Tour { places, next: 0 }) }
+    Robot { body, controller: Box::new(Tour { places, next: 0 }), broadcast: None }
 }
 
 /// A robot at the origin that drives at 1 m/s.

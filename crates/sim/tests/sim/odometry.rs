@@ -196,7 +196,8 @@ fn range_sensors_measure_from_the_true_place_and_contacts_are_logged_where_the_r
         solid: true,
         reflection_loss_db: None,
     };
-    let robot = Robot { body: network::surveyor_body(), controller: Box::new(ToTheWall { contacts: 0 }) };
+    let robot =
+        Robot { body: network::surveyor_body(), controller: Box::new(ToTheWall { contacts: 0 }), broadcast: None };
     let mut setup = setup(robot, OdometryConfig { scale_error: 0.25, ..EXACT }, 1);
     setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, Path::new("")).expect("a good wall")]);
     let (survey, trace) = survey(setup);

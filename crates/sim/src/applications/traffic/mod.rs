@@ -79,6 +79,12 @@ impl Traffic {
         self.to.as_deref()
     }
 
+    /// Whether nodes send nothing.
+    #[must_use]
+    pub fn is_silent(&self) -> bool {
+        matches!(self.schedule, Schedule::Silent)
+    }
+
     /// The key of its table in a scenario.
     pub(crate) fn key(&self) -> &str {
         &self.key
