@@ -10,7 +10,6 @@ use sextant_mac::EnergyConfig;
 use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig};
 use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
 
-use super::build::{NamedMap, check_maps};
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
 use super::document::{Document, Value};
@@ -18,6 +17,7 @@ use super::error::{ScenarioError, ScenarioErrors};
 use super::errors::Errors;
 use super::keys::keys_of;
 use super::known_networks::KnownNetworks;
+use super::maps::{NamedMap, check_maps};
 use super::network_config::NetworkConfig;
 use super::networks::{NetworkTables, ScenarioTables};
 

@@ -1,0 +1,46 @@
+//! The maps of a scenario.
+
+use sextant_kernel::SettingError;
+use sextant_mapper::{MapConfig, Mapper};
+
+use super::errors::Errors;
+use super::known_networks::KnownNetworks;
+
+/// A map to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedMap {
+    /// Its name in tables and recordings; unique in the scenario.
+    pub name: String,
+    /// The network whose log is mapped; the first surveyed one if absent. Joint maps name their networks themselves.
+    pub network: Option<String>,
+    /// The algorithm with its settings.
+    pub mapper: Mapper,
+}
+
+/// The maps to compute; absent channel settings are taken from the networks of the maps, where they are known.
+pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors<'_>) -> Vec<NamedMap> {
+    let mut maps: Vec<NamedMap> = Vec::new();
+    for (i, config) in configs.iter().enumerate() {
+        let table = format!("maps[{i}]");
+        let mut config = config.clone();
+        if errors.take(&table, networks.complete(&mut config)).is_none() {
+            continue;
+        }
+        let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
+        let Some(mapper) = errors.take(&table, mapper) else {
+            continue;
+        };
+        let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+        if name.is_empty() || !name.chars().all(is_plain) {
+            let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";
+            errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(&table));
+        }
+        if maps.iter().any(|map| map.name == name) {
+            let found = format!("`{name}`, the name of an earlier map");
+            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
+        }
+        maps.push(NamedMap { name, network: config.network, mapper });
+    }
+    maps
+}
