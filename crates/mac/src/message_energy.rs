@@ -1,4 +1,5 @@
-//! Energy by counting messages (Gunathillake 2018, eq. 3.17 to 3.19, and chapter 4 for sector sweeps).
+//! Energy by counting messages (Gunathillake 2018, eq. 3.17 to 3.19, chapter 4 for sector sweeps, and eq. 5.9 and 5.10 for
+//! maps that are computed in the nodes).
 
 use std::time::Duration;
 
@@ -30,7 +31,9 @@ impl MessageEnergy {
         Self::of_airtime(radio, tx_power, SSW_AIRTIME)
     }
 
-    fn of_airtime(radio: &RadioStates, tx_power: Dbm, airtime: Duration) -> Self {
+    /// Frames that take `airtime` with a radio that transmits at `tx_power`.
+    #[must_use]
+    pub fn of_airtime(radio: &RadioStates, tx_power: Dbm, airtime: Duration) -> Self {
         let joules = |state| radio.power_w(state, tx_power) * airtime.as_secs_f64();
         Self { tx_j: joules(RadioState::Transmit), rx_j: joules(RadioState::Receive) }
     }
@@ -64,6 +67,23 @@ impl MessageEnergy {
     pub fn mmtm_j(&self, nodes: f64, sweeps_heard: f64, sectors: f64) -> f64 {
         nodes * sweeps_heard * (self.rx_j + sectors * self.tx_j)
     }
+
+    /// Maps computed in the nodes, with static anchors: each of `anchors` sends twice from all of its `sectors`, once for
+    /// the directions of the sectors and once as a beacon. Each of `nodes` and each anchor receives from the `heard`
+    /// anchors in its neighbourhood: `E = 2 N_A s E_tx + (N + N_A) m E_rx` (eq. 5.9) (J). The thesis calls the number of
+    /// anchors M in the text and N_A in the formula.
+    #[must_use]
+    pub fn dmmtm_ss_j(&self, nodes: f64, anchors: f64, sectors: f64, heard: f64) -> f64 {
+        2.0 * anchors * sectors * self.tx_j + (nodes + anchors) * heard * self.rx_j
+    }
+
+    /// Maps computed in the nodes, with mobile anchors too: what [`dmmtm_ss_j`](Self::dmmtm_ss_j) counts and, for each of
+    /// `nodes`, the reception of a mobile anchor at `stops_heard` stops and an answer from all sectors:
+    /// `N (n E_rx + n s E_tx)` (eq. 5.10) (J). In this simulation nodes do not answer mobile anchors.
+    #[must_use]
+    pub fn dmmtm_hs_j(&self, nodes: f64, anchors: f64, sectors: f64, heard: f64, stops_heard: f64) -> f64 {
+        self.dmmtm_ss_j(nodes, anchors, sectors, heard) + self.mmtm_j(nodes, stops_heard, sectors)
+    }
 }
 
 #[cfg(test)]
@@ -78,6 +98,11 @@ mod tests {
         near(energy.rssi_j(10.0, 2.0, 1.5), 2.0 * 3.0 + 8.0 * 1.5 * 2.0);
         near(energy.tpm_j(10.0, 2.0, 1.0, 6.0), 20.0 * (3.0 + 12.0));
         near(energy.mmtm_j(10.0, 5.0, 8.0), 10.0 * (5.0 * 2.0 + 5.0 * 8.0 * 3.0));
+        // Four anchors send twice from eight sectors (192 J); 104 stations receive from 2.5 anchors (520 J).
+        near(energy.dmmtm_ss_j(100.0, 4.0, 8.0, 2.5), 192.0 + 520.0);
+        // A hundred nodes hear half a stop (100 J) and answer it from eight sectors (1200 J).
+        near(energy.dmmtm_hs_j(100.0, 4.0, 8.0, 2.5, 0.5), 712.0 + 100.0 + 1200.0);
+        near(energy.dmmtm_hs_j(100.0, 4.0, 8.0, 2.5, 0.0), 712.0);
     }
 
     #[test]
