@@ -1,4 +1,4 @@
-//! Frames of the sector level sweep as octets (IEEE 802.11ad-2012, 8.3.1.16 to 8.3.1.18): writer and parser.
+//! Frames of the sector level sweep as octets (IEEE 802.11ad-2012, 8.3.1.16 to 8.3.1.18 and 8.3.4.1): writer and parser.
 //!
 //! ```
 //! use sextant_kernel::StationId;
@@ -8,7 +8,7 @@
 //! let body = SweepBody::Iss { cdown: 0, sector: TxSector::first_antenna(5), total_sectors: 6, rx_antennas: 1 };
 //! let frame = SweepFrame { duration_us: 0, to: MacAddress::BROADCAST, from: robot, body };
 //! let mut octets = Vec::new();
-//! frame.write(&mut octets);
+//! frame.write(&[], &mut octets);
 //! assert_eq!(octets.len(), 26);
 //! assert_eq!(SweepFrame::parse(&octets), Ok(frame));
 //! ```
@@ -20,8 +20,14 @@ use super::sector::TxSector;
 use super::snr_report::SnrReport;
 use super::timing::{SSW_FEEDBACK_OCTETS, SSW_OCTETS, control_airtime};
 
+mod beacon;
 #[cfg(test)]
 mod tests;
+
+pub use beacon::{
+    MAX_BEACON_PAYLOAD_OCTETS, MAX_CONTROL_OCTETS, PAYLOAD_OUI, PAYLOAD_TYPE, beacon_octets, beacon_payload,
+    beacon_payload_octets,
+};
 
 /// Protocol version 0, type control, subtype control frame extension.
 const FRAME_CONTROL: u8 = 0x64;
@@ -90,17 +96,31 @@ pub enum SweepBody {
         /// Beam refinement.
         refinement: BeamRefinement,
     },
+    /// DMG Beacon frame, for all stations, with a payload in vendor specific elements. It belongs to a sweep as an SSW
+    /// frame does; no one answers it.
+    Beacon {
+        /// The clock of the sender at the start of the frame (us).
+        timestamp_us: u64,
+        /// Frames of this sweep that are still to come: 0 to 511.
+        cdown: u16,
+        /// The sector from which the frame is sent.
+        sector: TxSector,
+        /// Number of the payload among those of the sender, modulo 256: the same in all frames that carry it.
+        sequence: u8,
+        /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`].
+        payload_octets: u16,
+    },
 }
 
-/// A frame of the sector level sweep. The length of a receive sector sweep (RXSS) is always 0, because receivers are
+/// A frame of the sector level sweep. The octets of the payload of a beacon stand beside it, so that a frame is small. The length of a receive sector sweep (RXSS) is always 0, because receivers are
 /// quasi-omnidirectional; flags of the frame control field are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SweepFrame {
     /// For how long after its end the medium is taken (us).
     pub duration_us: u16,
-    /// Receiver (RA).
+    /// Receiver (RA). A beacon has no such field and is for all.
     pub to: MacAddress,
-    /// Transmitter (TA).
+    /// Transmitter (TA); the BSSID of a beacon.
     pub from: MacAddress,
     /// Content.
     pub body: SweepBody,
@@ -120,7 +140,7 @@ pub enum SweepParseError {
         allowed: u16,
     },
     /// The frame ends within its header.
-    #[error("the frame has {0} octets; allowed: 26 (SSW) and 28 (SSW-Feedback, SSW-ACK)")]
+    #[error("the frame has {0} octets; allowed: 26 (SSW), 28 (SSW-Feedback, SSW-ACK), 41 to 1023 (DMG Beacon)")]
     Truncated(usize),
     /// The frame check sequence is wrong.
     #[error("the FCS is {found:#010x}; the octets before it give {computed:#010x}")]
@@ -130,8 +150,10 @@ pub enum SweepParseError {
         /// The correct value.
         computed: u32,
     },
-    /// The frame is no control frame of the extension.
-    #[error("the frame control field starts with {0:#04x}; allowed: 0x64 (control frame extension)")]
+    /// The frame is no control frame of the extension, and no beacon.
+    #[error(
+        "the frame control field starts with {0:#04x}; allowed: 0x64 (control frame extension), 0x0c (DMG Beacon)"
+    )]
     Type(u8),
     /// The extension is another one.
     #[error("control frame extension {0} is not of the sector level sweep; allowed: 8, 9, 10")]
@@ -142,6 +164,23 @@ pub enum SweepParseError {
     /// The frame asks for a receive sector sweep.
     #[error("the RXSS length is {0}; allowed: 0")]
     ReceiveSweep(u8),
+    /// A beacon ends within its fixed fields, or is larger than any frame of the control PHY.
+    #[error("the DMG Beacon frame has {0} octets; allowed: 41 to 1023")]
+    BeaconSize(usize),
+    /// A beacon has a field between its fixed fields and its elements.
+    #[error("the DMG Beacon frame has a Clustering Control field; allowed: none")]
+    Clustering,
+    /// An element of a beacon is longer than the rest of the frame.
+    #[error("the element at octet {at} of the DMG Beacon frame is cut: {left} octets are left of it")]
+    CutElement {
+        /// Where it begins.
+        at: usize,
+        /// Octets from there to the FCS.
+        left: usize,
+    },
+    /// A beacon has no element with a payload.
+    #[error("the DMG Beacon frame has no element with a payload")]
+    NoPayload,
 }
 
 impl SweepFrame {
@@ -151,6 +190,7 @@ impl SweepFrame {
         match self.body {
             SweepBody::Iss { .. } | SweepBody::Rss { .. } => SSW_OCTETS,
             SweepBody::Feedback { .. } | SweepBody::Ack { .. } => SSW_FEEDBACK_OCTETS,
+            SweepBody::Beacon { payload_octets, .. } => beacon_octets(payload_octets),
         }
     }
 
@@ -166,35 +206,58 @@ impl SweepFrame {
         Duration::from_micros(u64::from(self.duration_us))
     }
 
-    /// Replaces the content of `octets` with the frame, FCS included. A buffer that has held a frame before is not
-    /// reallocated. Values beyond their fields are cut to them.
-    pub fn write(&self, octets: &mut Vec<u8>) {
+    /// Replaces the content of `octets` with the frame, FCS included; `payload` is that of a beacon, and empty for other
+    /// frames. A buffer that has held a frame before is not reallocated. Values beyond their fields are cut to them.
+    ///
+    /// # Panics
+    /// If the payload has not the size that the frame says, or more than [`MAX_BEACON_PAYLOAD_OCTETS`].
+    pub fn write(&self, payload: &[u8], octets: &mut Vec<u8>) {
         octets.clear();
-        let (extension, fields) = match self.body {
+        match self.body {
+            SweepBody::Beacon { timestamp_us, cdown, sector, sequence, payload_octets } => {
+                assert_eq!(payload.len(), usize::from(payload_octets), "the frame says how large its payload is");
+                assert!(payload_octets <= MAX_BEACON_PAYLOAD_OCTETS, "a payload of {payload_octets} octets");
+                let fixed = beacon::Fixed { timestamp_us, cdown, sector };
+                beacon::write(self, &fixed, sequence, payload, octets);
+            }
             SweepBody::Iss { cdown, sector, total_sectors, rx_antennas } => {
                 let sweep = u32::from(total_sectors) & 0x1FF | (u32::from(rx_antennas) & 3) << 9;
-                (SSW, [ssw_field(0, cdown, sector), sweep])
+                self.write_ssw(ssw_field(0, cdown, sector), sweep, octets);
             }
-            SweepBody::Rss { cdown, sector, feedback } => (SSW, [ssw_field(1, cdown, sector), feedback.to_bits()]),
-            SweepBody::Feedback { feedback, .. } => (SSW_FEEDBACK, [feedback.to_bits(), 0]),
-            SweepBody::Ack { feedback, .. } => (SSW_ACK, [feedback.to_bits(), 0]),
-        };
-        octets.extend([FRAME_CONTROL, extension]);
-        octets.extend(self.duration_us.to_le_bytes());
-        octets.extend(self.to.0);
-        octets.extend(self.from.0);
-        octets.extend(&fields[0].to_le_bytes()[..3]);
-        match self.body {
-            SweepBody::Iss { .. } | SweepBody::Rss { .. } => octets.extend(&fields[1].to_le_bytes()[..3]),
-            SweepBody::Feedback { refinement, .. } | SweepBody::Ack { refinement, .. } => {
-                octets.extend(refinement.request.to_le_bytes());
-                octets.push(refinement.link_maintenance);
+            SweepBody::Rss { cdown, sector, feedback } => {
+                self.write_ssw(ssw_field(1, cdown, sector), feedback.to_bits(), octets);
             }
+            SweepBody::Feedback { feedback, refinement } => {
+                self.write_choice(SSW_FEEDBACK, feedback, refinement, octets);
+            }
+            SweepBody::Ack { feedback, refinement } => self.write_choice(SSW_ACK, feedback, refinement, octets),
         }
         octets.extend(crc32fast::hash(octets).to_le_bytes());
     }
 
-    /// Reads a frame, FCS included. Reserved bits are ignored, as the standard says.
+    /// Writes the header of a control frame.
+    fn write_header(&self, extension: u8, octets: &mut Vec<u8>) {
+        octets.extend([FRAME_CONTROL, extension]);
+        octets.extend(self.duration_us.to_le_bytes());
+        octets.extend(self.to.0);
+        octets.extend(self.from.0);
+    }
+
+    fn write_ssw(&self, ssw: u32, feedback: u32, octets: &mut Vec<u8>) {
+        self.write_header(SSW, octets);
+        octets.extend(&ssw.to_le_bytes()[..3]);
+        octets.extend(&feedback.to_le_bytes()[..3]);
+    }
+
+    fn write_choice(&self, extension: u8, choice: SectorFeedback, refinement: BeamRefinement, octets: &mut Vec<u8>) {
+        self.write_header(extension, octets);
+        octets.extend(&choice.to_bits().to_le_bytes()[..3]);
+        octets.extend(refinement.request.to_le_bytes());
+        octets.push(refinement.link_maintenance);
+    }
+
+    /// Reads a frame, FCS included. Reserved bits are ignored, as the standard says, and so are the elements of a beacon
+    /// that carry no payload. [`beacon_payload`] reads the payload.
     ///
     /// # Errors
     /// If the octets are not a valid frame of the sector level sweep.
@@ -208,6 +271,9 @@ impl SweepFrame {
         let (found, computed) = (u32::from_le_bytes(check), crc32fast::hash(covered));
         if found != computed {
             return Err(SweepParseError::BadFcs { found, computed });
+        }
+        if covered[0] == beacon::FRAME_CONTROL {
+            return beacon::parse(covered);
         }
         let [control, extension, d0, d1, r0, r1, r2, r3, r4, r5, t0, t1, t2, t3, t4, t5] = header;
         if control != FRAME_CONTROL {
@@ -274,13 +340,18 @@ fn parse_ssw(ssw: u32, feedback: u32) -> Result<SweepBody, SweepParseError> {
         return Err(SweepParseError::ReceiveSweep(rxss_length));
     }
     let cdown = nine_bits(ssw >> 1);
-    let sector = TxSector { antenna: low(ssw >> 16, 3), sector: low(ssw >> 10, 0x3F) };
+    let sector = tx_sector(ssw);
     Ok(if ssw & 1 == 0 {
         let (total_sectors, rx_antennas) = (nine_bits(feedback), low(feedback >> 9, 3));
         SweepBody::Iss { cdown, sector, total_sectors, rx_antennas }
     } else {
         SweepBody::Rss { cdown, sector, feedback: SectorFeedback::from_bits(feedback) }
     })
+}
+
+/// The sector in a sector sweep field.
+fn tx_sector(ssw: u32) -> TxSector {
+    TxSector { antenna: low(ssw >> 16, 3), sector: low(ssw >> 10, 0x3F) }
 }
 
 /// A field of 24 bits.

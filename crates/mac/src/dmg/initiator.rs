@@ -1,5 +1,6 @@
 //! The initiator of a sector level sweep (IEEE 802.11ad-2012, 9.35.2.2): it sends one SSW frame from each of its
-//! sectors, then listens in all directions for the answers.
+//! sectors, then listens in all directions for the answers. It also sends one beacon from each of them, which no one
+//! answers.
 
 use std::time::Duration;
 
@@ -9,7 +10,7 @@ use sextant_kernel::SimTime;
 use super::address::MacAddress;
 use super::alarm::Alarm;
 use super::backoff::{Backoff, Carrier};
-use super::frame::{BeamRefinement, SectorFeedback, SweepBody, SweepFrame};
+use super::frame::{BeamRefinement, MAX_BEACON_PAYLOAD_OCTETS, SectorFeedback, SweepBody, SweepFrame};
 use super::port::{Aim, Event, Radio};
 use super::sector::{SectorLayout, TxSector};
 use super::settings::{Contention, SweepSettings};
@@ -40,6 +41,13 @@ pub enum SweepPurpose {
     },
     /// The station says that it is there; no one answers.
     Announce,
+    /// All stations get a payload, in a DMG Beacon frame from each sector; no one answers.
+    Broadcast {
+        /// Number of the payload, modulo 256.
+        sequence: u8,
+        /// Size of the payload (octets), at most [`MAX_BEACON_PAYLOAD_OCTETS`].
+        payload_octets: u16,
+    },
 }
 
 /// When a sweep starts.
@@ -54,7 +62,7 @@ pub enum Access {
 /// How a sweep ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InitiatorOutcome {
-    /// The window for answers is over; of an announcement, its last frame.
+    /// The window for answers is over; of a sweep that no one answers, its last frame.
     Over,
     /// The named station answered, and acknowledged the feedback.
     Trained,
@@ -71,7 +79,7 @@ pub struct InitiatorReport {
     pub purpose: SweepPurpose,
     /// How it ended.
     pub outcome: InitiatorOutcome,
-    /// SSW frames sent.
+    /// Frames sent in the sweep, without feedback.
     pub frames: u32,
 }
 
@@ -148,16 +156,25 @@ impl Initiator {
         self.answers.best()
     }
 
+    /// Whether a sweep waits for the channel: it has not begun, and [`Initiator::withdraw`] can take it back.
+    #[must_use]
+    pub const fn is_contending(&self) -> bool {
+        matches!(self.state, State::Contending(..))
+    }
+
     /// Starts a sweep.
     ///
     /// # Panics
-    /// If one is under way.
+    /// If one is under way, or the payload of a broadcast is larger than a frame carries.
     pub fn start(&mut self, now: SimTime, purpose: SweepPurpose, access: Access, radio: &mut impl Radio) {
         assert!(!self.is_busy(), "a sweep is under way");
+        if let SweepPurpose::Broadcast { payload_octets, .. } = purpose {
+            assert!(payload_octets <= MAX_BEACON_PAYLOAD_OCTETS, "a payload of {payload_octets} octets");
+        }
         self.answers.clear();
         let sweep = Sweep { purpose, frames: 0, retries: 0 };
         match access {
-            Access::AtOnce => self.send(sweep, 0, radio),
+            Access::AtOnce => self.send(sweep, 0, now, radio),
             Access::Contend => {
                 let category = self.settings.access_category();
                 let backoff = Backoff::new(category, now, radio.slots(category.cw_min()));
@@ -165,6 +182,19 @@ impl Initiator {
                 self.pursue(now, radio);
             }
         }
+    }
+
+    /// Takes back a sweep that waits for the channel: nothing of it was sent. Nothing happens if there is none.
+    pub fn withdraw(&mut self, radio: &mut impl Radio) {
+        if self.is_contending() {
+            self.alarm.clear(radio);
+            self.state = State::Idle;
+        }
+    }
+
+    /// Frames that this machine has not seen claim the medium until then.
+    pub fn is_claimed_until(&mut self, now: SimTime, until: SimTime) {
+        self.defer(now, until);
     }
 
     /// A frame was decoded whose last bit arrives now, with the SINR `sinr`. A deaf radio decodes none: frames that come
@@ -235,7 +265,7 @@ impl Initiator {
                 None
             }
             (State::Spacing(sweep, index), Event::TransmitReady) => {
-                self.send(sweep, index, radio);
+                self.send(sweep, index, now, radio);
                 None
             }
             (State::Sweeping(sweep, index), Event::TransmissionEnded) if index + 1 < self.layout.total() => {
@@ -277,7 +307,7 @@ impl Initiator {
         let State::Contending(sweep, backoff) = self.state else { return };
         match backoff.end(self.carrier) {
             None => {}
-            Some(end) if end <= now && !self.alarm.is_set() => self.send(sweep, 0, radio),
+            Some(end) if end <= now && !self.alarm.is_set() => self.send(sweep, 0, now, radio),
             Some(end) => self.alarm.set(now, end.max(now), Event::TransmitReady, radio),
         }
     }
@@ -293,16 +323,22 @@ impl Initiator {
     }
 
     /// Starts the frame `index` of the sweep.
-    fn send(&mut self, sweep: Sweep, index: u16, radio: &mut impl Radio) {
-        let (to, rx_antennas) = match sweep.purpose {
-            SweepPurpose::Gather => (MacAddress::BROADCAST, 1),
-            SweepPurpose::Train { responder, .. } => (responder, 1),
-            SweepPurpose::Announce => (MacAddress::BROADCAST, 0),
-        };
+    fn send(&mut self, sweep: Sweep, index: u16, now: SimTime, radio: &mut impl Radio) {
         let (sector, total_sectors) = (self.layout.sector(index), self.layout.total());
-        let body = SweepBody::Iss { cdown: total_sectors - 1 - index, sector, total_sectors, rx_antennas };
-        let duration_us = duration_field(self.layout.remaining_after(index));
-        transmit(SweepFrame { duration_us, to, from: self.address, body }, sector, radio);
+        let cdown = total_sectors - 1 - index;
+        let ssw = |rx_antennas| SweepBody::Iss { cdown, sector, total_sectors, rx_antennas };
+        let (to, body) = match sweep.purpose {
+            SweepPurpose::Gather => (MacAddress::BROADCAST, ssw(1)),
+            SweepPurpose::Train { responder, .. } => (responder, ssw(1)),
+            SweepPurpose::Announce => (MacAddress::BROADCAST, ssw(0)),
+            SweepPurpose::Broadcast { sequence, payload_octets } => {
+                let timestamp_us = now.as_nanos() / 1000;
+                (MacAddress::BROADCAST, SweepBody::Beacon { timestamp_us, cdown, sector, sequence, payload_octets })
+            }
+        };
+        let frame = SweepFrame { duration_us: 0, to, from: self.address, body };
+        let duration_us = duration_field(self.layout.remaining_after(index, frame.airtime()));
+        transmit(SweepFrame { duration_us, ..frame }, sector, radio);
         self.state = State::Sweeping(Sweep { frames: sweep.frames + 1, ..sweep }, index);
     }
 
@@ -319,7 +355,7 @@ impl Initiator {
                 self.state = State::AwaitingAnswer(sweep, until);
                 None
             }
-            SweepPurpose::Announce => Some(self.end(sweep, InitiatorOutcome::Over)),
+            SweepPurpose::Announce | SweepPurpose::Broadcast { .. } => Some(self.end(sweep, InitiatorOutcome::Over)),
         }
     }
 
@@ -400,7 +436,7 @@ impl Initiator {
         } else if !self.answers().is_empty() {
             self.train(sweep, radio);
         } else if sweep.retries < MAX_SLS_RETRIES {
-            self.send(Sweep { retries: sweep.retries + 1, ..sweep }, 0, radio);
+            self.send(Sweep { retries: sweep.retries + 1, ..sweep }, 0, now, radio);
         } else {
             return Some(self.end(sweep, InitiatorOutcome::NoAnswer));
         }

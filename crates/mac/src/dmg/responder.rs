@@ -13,7 +13,8 @@ use super::sector::{SectorLayout, TxSector};
 use super::settings::{Contention, SweepSettings};
 use super::snr_report::SnrReport;
 use super::timing::{
-    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_FEEDBACK_AIRTIME, duration_field, sweep_end,
+    AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_AIRTIME, SSW_FEEDBACK_AIRTIME, duration_field,
+    sweep_end,
 };
 use crate::RadioState;
 
@@ -143,6 +144,12 @@ impl Responder {
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         !matches!(self.state, State::Listening)
+    }
+
+    /// Until when the frames and signals that this station has heard claim the medium; before now if it is free.
+    #[must_use]
+    pub const fn claimed_until(&self) -> SimTime {
+        self.carrier.free_from()
     }
 
     /// Gives up what is under way, without a report. A frame on the air must have ended.
@@ -339,7 +346,7 @@ impl Responder {
     fn send(&mut self, answering: Answering, index: u16, radio: &mut impl Radio) {
         let HeardSweep { initiator, is_unicast, .. } = answering.heard;
         let sector = self.layout.sector(index);
-        let mut taken = self.layout.remaining_after(index);
+        let mut taken = self.layout.remaining_after(index, SSW_AIRTIME);
         if !is_unicast {
             taken += self.settings.taken_after_answer();
         }

@@ -7,6 +7,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::frame::SweepFrame;
 use super::port::{Aim, Event, Radio};
+use super::timing::SSW_AIRTIME;
 use super::{MacAddress, SectorFeedback, SectorLayout, SnrReport, SweepBody, TxSector};
 use crate::{Class, EnergyMeter, RadioState};
 
@@ -30,7 +31,12 @@ pub(super) fn layout(sectors: &[u8]) -> SectorLayout {
 pub(super) fn iss(from: MacAddress, to: MacAddress, sweep: &SectorLayout, index: u16) -> SweepFrame {
     let (sector, total_sectors) = (sweep.sector(index), sweep.total());
     let body = SweepBody::Iss { cdown: total_sectors - 1 - index, sector, total_sectors, rx_antennas: 1 };
-    SweepFrame { duration_us: super::timing::duration_field(sweep.remaining_after(index)), to, from, body }
+    SweepFrame {
+        duration_us: super::timing::duration_field(sweep.remaining_after(index, SSW_AIRTIME)),
+        to,
+        from,
+        body,
+    }
 }
 
 /// Frame `index` of the sweep of a responder with eight sectors; it heard the sector `select` best. The medium is taken
@@ -40,7 +46,7 @@ pub(super) fn rss(from: MacAddress, index: u8, select: TxSector, tail: Duration)
     let feedback = SectorFeedback { select, snr: SnrReport(0), poll_required: false };
     let sector = TxSector::first_antenna(index);
     let body = SweepBody::Rss { cdown: u16::from(7 - index), sector, feedback };
-    let taken = sweep.remaining_after(u16::from(index)) + tail;
+    let taken = sweep.remaining_after(u16::from(index), SSW_AIRTIME) + tail;
     SweepFrame { duration_us: super::timing::duration_field(taken), to: ROBOT, from, body }
 }
 

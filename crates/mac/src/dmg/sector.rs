@@ -96,18 +96,18 @@ impl SectorLayout {
         if self.sector(index).antenna == self.sector(index + 1).antenna { SBIFS } else { LBIFS }
     }
 
-    /// Time from the start of the first frame of a sweep to the end of its last.
+    /// Time from the start of the first frame of a sweep with SSW frames to the end of its last.
     #[must_use]
     pub fn sweep_duration(&self) -> Duration {
-        SSW_AIRTIME + self.remaining_after(0)
+        SSW_AIRTIME + self.remaining_after(0, SSW_AIRTIME)
     }
 
-    /// Time from the end of the frame `index` of a sweep to the end of its last.
+    /// Time from the end of the frame `index` of a sweep to the end of its last, with frames of this `airtime`.
     #[must_use]
-    pub fn remaining_after(&self, index: u16) -> Duration {
+    pub fn remaining_after(&self, index: u16, airtime: Duration) -> Duration {
         let frames = u32::from(self.total() - 1 - index);
         let changes = u32::from(self.antennas() - 1 - self.sector(index).antenna);
-        (SSW_AIRTIME + SBIFS) * frames + (LBIFS - SBIFS) * changes
+        (airtime + SBIFS) * frames + (LBIFS - SBIFS) * changes
     }
 }
 
@@ -137,8 +137,10 @@ mod tests {
         assert_eq!(gaps, [1, 18, 18, 1, 1]);
         // What remains is what the frames and gaps after it add up to.
         for index in 0..6 {
-            let rest: Duration = (index..5).map(|i| sweep.gap_after(i) + SSW_AIRTIME).sum();
-            assert_eq!(sweep.remaining_after(index), rest, "after frame {index}");
+            for airtime in [SSW_AIRTIME, Duration::from_nanos(306_600)] {
+                let rest: Duration = (index..5).map(|i| sweep.gap_after(i) + airtime).sum();
+                assert_eq!(sweep.remaining_after(index, airtime), rest, "after frame {index} of {airtime:?}");
+            }
         }
     }
 

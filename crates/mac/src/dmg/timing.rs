@@ -90,13 +90,17 @@ pub fn slot_duration(frames: u8) -> Duration {
     Duration::from_micros(u64::from(duration_field(exact)))
 }
 
-/// The value of a Duration field for `span` (us): rounded up; at most 65535.
+/// The largest value of a Duration field (us; IEEE 802.11-2012, 8.2.4.2).
+const MAX_DURATION_US: u16 = 32_767;
+
+/// The value of a Duration field for `span` (us): rounded up; at most 32767. Of a sweep that lasts longer, each frame
+/// claims the medium anew.
 #[must_use]
 pub fn duration_field(span: Duration) -> u16 {
-    u16::try_from(span.as_nanos().div_ceil(1000)).unwrap_or(u16::MAX)
+    u16::try_from(span.as_nanos().div_ceil(1000)).unwrap_or(u16::MAX).min(MAX_DURATION_US)
 }
 
-/// The end of the sweep of which a frame that ended at `now` announces `cdown` more frames and a time of `duration_us`,
+/// The end of the sweep with SSW frames of which a frame that ended at `now` announces `cdown` more frames and a time of `duration_us`,
 /// of which the last `tail` is not the sweep.
 ///
 /// CDOWN alone gives the end only if the DMG antenna does not change any more. Each change takes LBIFS instead of
@@ -140,6 +144,6 @@ mod tests {
     fn durations_are_rounded_up_to_microseconds() {
         let field = |ns| duration_field(Duration::from_nanos(ns));
         assert_eq!([field(0), field(1), field(1000), field(1001)], [0, 1, 1, 2]);
-        assert_eq!(field(70_000_000), u16::MAX);
+        assert_eq!([field(32_767_000), field(32_767_001), field(70_000_000)], [32_767; 3]);
     }
 }

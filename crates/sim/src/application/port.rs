@@ -106,7 +106,9 @@ impl Port<'_> {
         usize::try_from(((bits >> 32) * u64::from(count)) >> 32).expect("below 2^32")
     }
 
-    /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before.
+    /// Gives a frame to the link of a network: it is sent as soon as the channel allows, after those given before. In a
+    /// network with sector sweeps, a frame to all is sent from each sector of the station in turn, at each tilt of a
+    /// steered antenna; a frame to one station is refused.
     ///
     /// # Errors
     /// If the transmit queue is full, the payload is too large, or the destination cannot receive it.
@@ -142,8 +144,16 @@ impl Port<'_> {
         self.model.networks[network.index()].has_sectors()
     }
 
+    /// Number of sectors of the station's antenna in a network, all rings and tilts together; `None` if it has none, or the
+    /// links of the network do not sweep.
+    #[must_use]
+    pub fn sectors(&self, network: NetworkId) -> Option<u8> {
+        self.model.networks[network.index()].sectors(self.station)
+    }
+
     /// Begins a sector sweep; [`Application::swept`](super::Application::swept) is called at its end. A steered antenna
-    /// sweeps at one tilt after the other.
+    /// sweeps at one tilt after the other. A broadcast of this station that is under way ends first; those that wait in its
+    /// transmit queue come afterwards.
     ///
     /// # Errors
     /// If a sweep of this station or its answer to another sweep is under way, or the network has no sector sweeps.

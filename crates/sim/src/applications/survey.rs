@@ -68,6 +68,10 @@ impl Survey {
     }
 
     pub(super) fn delivered(&mut self, delivery: &Delivery<'_>, port: &Port<'_>) {
+        // Where it sweeps, it counts the answers.
+        if port.has_sectors(delivery.network) {
+            return;
+        }
         if let (Some(node), Some(number)) = (port.node(delivery.from), self.number(delivery.network)) {
             self.networks[number].tally.note(node, delivery.sequence, delivery.rssi);
         }

@@ -278,9 +278,10 @@ impl<A: Application> Engine<A> {
             let mut port = Port { model: &mut self.model, station };
             let application = &mut self.applications[station.index()];
             match upcall {
-                Upcall::Delivered { from, sequence, power, .. } => {
+                Upcall::Delivered { from, sequence, power, sector, snr, .. } => {
                     let payload = &frame[payload.clone()];
-                    let delivery = Delivery { network, from, sequence, payload, rssi: power.to_dbm() };
+                    let rssi = power.to_dbm();
+                    let delivery = Delivery { network, from, sequence, payload, rssi, sector, snr };
                     application.delivered(&delivery, &mut port);
                 }
                 Upcall::Sent { report, .. } => application.sent(network, &report, &mut port),

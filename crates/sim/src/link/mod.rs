@@ -6,6 +6,7 @@ mod config;
 pub(crate) mod ieee80211ad;
 pub(crate) mod ieee802154;
 pub(crate) mod network;
+mod payloads;
 mod technology;
 
 pub use config::{MacConfig, RadioConfig};

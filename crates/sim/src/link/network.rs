@@ -16,7 +16,6 @@ use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 
 /// A network, of any technology.
-#[expect(clippy::large_enum_variant, reason = "a simulation has few networks, and asks them often")]
 pub(crate) enum Network {
     Ieee802154(ieee802154::Network),
     Ieee80211ad(ieee80211ad::Network),
@@ -71,13 +70,21 @@ impl Network {
     ) -> Result<FrameId, SendError> {
         match self {
             Self::Ieee802154(network) => network.offer(station, to, payload, scene),
-            Self::Ieee80211ad(_) => Err(SendError::NoData),
+            Self::Ieee80211ad(network) => network.offer(station, to, payload, scene),
         }
     }
 
     /// Whether its links sweep sectors.
     pub(crate) fn has_sectors(&self) -> bool {
         matches!(self, Self::Ieee80211ad(_))
+    }
+
+    /// Number of sectors of the antenna of a station; `None` if it has none, or the links do not sweep.
+    pub(crate) fn sectors(&self, station: StationId) -> Option<u8> {
+        match self {
+            Self::Ieee802154(_) => None,
+            Self::Ieee80211ad(network) => network.sectors(station),
+        }
     }
 
     /// The directions of the sectors of robots; `None` if the links do not sweep.
@@ -124,7 +131,7 @@ impl Network {
     pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
         match self {
             Self::Ieee802154(network) => network.take_payload(),
-            Self::Ieee80211ad(_) => (Vec::new(), 0..0),
+            Self::Ieee80211ad(network) => network.take_payload(),
         }
     }
 
@@ -132,7 +139,7 @@ impl Network {
     pub(crate) fn give_back(&mut self, frame: Vec<u8>) {
         match self {
             Self::Ieee802154(network) => network.give_back(frame),
-            Self::Ieee80211ad(_) => {}
+            Self::Ieee80211ad(network) => network.give_back(frame),
         }
     }
 

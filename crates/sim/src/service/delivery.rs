@@ -1,6 +1,6 @@
 //! What an application is told.
 
-use sextant_channel::{Dbm, Position};
+use sextant_channel::{Db, Dbm, Position};
 use sextant_kernel::StationId;
 
 use super::network_id::NetworkId;
@@ -12,12 +12,17 @@ pub struct Delivery<'a> {
     pub network: NetworkId,
     /// The station that sent it.
     pub from: StationId,
-    /// Sequence number of the frame.
+    /// Sequence number of the frame; all frames of a broadcast by a sector sweep have the same.
     pub sequence: u8,
     /// What it carries.
     pub payload: &'a [u8],
     /// Power at the receiver.
     pub rssi: Dbm,
+    /// The sector from which it was sent, by its number among all sectors of the sender's antenna; `None` if that has no
+    /// sectors, or the network no sector sweeps.
+    pub sector: Option<u8>,
+    /// Ratio of signal to interference and noise at which it was received; `None` in a network without sector sweeps.
+    pub snr: Option<Db>,
 }
 
 /// How a drive ended.

@@ -115,7 +115,7 @@ pub struct NetworkRecord {
     pub packets: Vec<Packets>,
     /// Energy that the radio of each station used.
     pub energy: Vec<EnergySpent>,
-    /// Number of frames that were delivered to each station, each once.
+    /// Number of frames that were delivered to each station, each once, from whichever sectors it was heard.
     pub deliveries: Vec<u64>,
     /// Time from offer to first reception of each packet that was received, in the order of receptions, with its
     /// sender. Kept only if there are sinks.

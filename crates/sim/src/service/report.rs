@@ -16,7 +16,8 @@ pub enum Destination {
 pub enum Payload<'a> {
     /// These octets.
     Octets(&'a [u8]),
-    /// Octets that say nothing, so that the MPDU has this size (octets).
+    /// Octets that say nothing, so that the MPDU has this size (octets). In a broadcast by a sector sweep each frame has it:
+    /// at least 41 octets.
     Filler(u8),
 }
 
@@ -44,9 +45,17 @@ pub enum SendError {
     /// The station is not in this network, or has no means to send: with beacons, only nodes send data.
     #[error("this station sends no data in this network")]
     ReceivesOnly,
-    /// The links of the network sweep sectors; they carry no data.
-    #[error("this network sweeps sectors and carries no data")]
-    NoData,
+    /// A frame of this size has no room for its header.
+    #[error("the frame has {found} octets; allowed: at least {allowed}")]
+    Undersized {
+        /// Its size (octets).
+        found: usize,
+        /// The smallest size (octets).
+        allowed: usize,
+    },
+    /// The links of the network sweep sectors; they carry data to all, and not to one station.
+    #[error("this network sweeps sectors and carries data to all stations only; the frame is for {0}")]
+    BroadcastsOnly(StationId),
 }
 
 /// How a frame ended.

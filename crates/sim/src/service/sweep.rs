@@ -48,7 +48,7 @@ pub struct Announcement {
 /// Why a sweep cannot begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SweepError {
-    /// A sweep of this station, or its answer to another one, is under way.
+    /// A sweep of this station is under way or waits, or its answer to another one is under way.
     #[error("a sweep is under way")]
     Busy,
     /// The station is not in this network, or the network has no sector sweeps.

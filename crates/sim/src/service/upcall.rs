@@ -1,6 +1,6 @@
 //! What a link says to the application of a station.
 
-use sextant_channel::Milliwatts;
+use sextant_channel::{Db, Milliwatts};
 use sextant_kernel::StationId;
 
 use super::report::SendReport;
@@ -10,7 +10,14 @@ use super::sweep::Announcement;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Upcall {
     /// A frame for the station was received. Its payload is still in the buffer of the network.
-    Delivered { station: StationId, from: StationId, sequence: u8, power: Milliwatts },
+    Delivered {
+        station: StationId,
+        from: StationId,
+        sequence: u8,
+        power: Milliwatts,
+        sector: Option<u8>,
+        snr: Option<Db>,
+    },
     /// A frame of the station has ended.
     Sent { station: StationId, report: SendReport },
     /// The station has listened long enough, and nothing that it must answer is under way.

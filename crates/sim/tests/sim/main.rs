@@ -1,6 +1,7 @@
 //! Complete networks, against closed forms and reference values of other simulators.
 
 mod acknowledgement;
+mod broadcasts;
 mod discovery;
 mod draws;
 mod driving;

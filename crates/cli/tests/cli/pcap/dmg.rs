@@ -43,7 +43,7 @@ fn frames() -> [SweepFrame; 4] {
 }
 
 fn captured<'a>(frame: &SweepFrame, octets: &'a mut Vec<u8>, power: Option<Dbm>) -> CapturedDmgFrame<'a> {
-    frame.write(octets);
+    frame.write(&[], octets);
     let start = SimTime::from_nanos(2_123_456_789);
     CapturedDmgFrame { start, airtime: frame.airtime(), octets, carrier_hz: 60.48e9, power }
 }

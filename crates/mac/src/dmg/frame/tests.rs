@@ -15,9 +15,21 @@ fn octets(hex: &str) -> Vec<u8> {
 }
 
 fn written(frame: &SweepFrame) -> Vec<u8> {
+    written_with(&[], frame)
+}
+
+fn written_with(payload: &[u8], frame: &SweepFrame) -> Vec<u8> {
     let mut octets = vec![0xEE; 3];
-    frame.write(&mut octets);
+    frame.write(payload, &mut octets);
     octets
+}
+
+/// A beacon from sector 5 of the third antenna, 258 frames before the end of its sweep.
+fn beacon(payload_octets: u16) -> SweepFrame {
+    let sector = TxSector { antenna: 2, sector: 5 };
+    let body =
+        SweepBody::Beacon { timestamp_us: 0x0102_0304_0506, cdown: 258, sector, sequence: 0x5A, payload_octets };
+    SweepFrame { duration_us: 414, to: MacAddress::BROADCAST, from: ROBOT, body }
 }
 
 /// The octets with their correct FCS.
@@ -70,6 +82,76 @@ fn feedback_and_its_acknowledgement_have_the_octets_that_an_analyser_decodes() {
 }
 
 #[test]
+fn a_beacon_has_the_octets_of_the_standard() {
+    // Frame control, Duration, BSSID; timestamp; direction 0, CDOWN 258, sector 5, antenna 2; no interval; Next A-BFT 15
+    // (bits 15 to 18), TXSS Span 1 (bits 20 to 26); independent BSS and contention only; the element; FCS.
+    let fields = "0c009e01020000000001 0605040302010000 041602 0000 008017000000 05 dd0b025358015a61626364 6566";
+    let covered = octets(fields);
+    let beacon = beacon(6);
+    assert_eq!(written_with(b"abcdef", &beacon), with_fcs(covered.clone()));
+    assert_eq!(SweepFrame::parse(&with_fcs(covered.clone())), Ok(beacon));
+    assert_eq!(beacon_payload(&with_fcs(covered.clone())).as_deref(), Ok(&b"abcdef"[..]));
+    // Elements of others are skipped, also those of the same OUI and of another type, before and after.
+    let [mut others, ssid, kind] = [covered[..30].to_vec(), vec![0, 2, b'x', b'y'], octets("dd0502535802aa")];
+    others.extend([&ssid[..], &covered[30..], &kind, &ssid].concat());
+    let others = with_fcs(others);
+    assert_eq!(SweepFrame::parse(&others), Ok(beacon));
+    assert_eq!(beacon_payload(&others).as_deref(), Ok(&b"abcdef"[..]));
+}
+
+#[test]
+fn beacons_have_the_sizes_of_their_elements_and_at_most_those_of_the_control_phy() {
+    // 34 octets without elements; 6 more for each 251 octets of sequence number and payload.
+    for (payload, octets) in [(0, 41), (250, 291), (251, 298), (501, 548), (502, 555), (964, 1023)] {
+        assert_eq!(beacon_octets(payload), octets);
+        assert_eq!(beacon_payload_octets(octets), Some(payload));
+        assert_eq!(written_with(&vec![7; usize::from(payload)], &beacon(payload)).len(), usize::from(octets));
+    }
+    // Sizes without room for a header, between one element and two, and beyond the PHY.
+    for octets in [0, 33, 34, 40, 292, 297, 549, 1024, u16::MAX] {
+        assert_eq!(beacon_payload_octets(octets), None, "{octets} octets");
+    }
+    assert_eq!(beacon(20).airtime().as_nanos(), 26_109);
+}
+
+#[test]
+fn octets_that_are_no_beacon_are_rejected_with_what_is_wrong() {
+    let good = written_with(b"abcdef", &beacon(6));
+    let covered = &good[..good.len() - 4];
+    let message = |octets: &[u8]| SweepFrame::parse(octets).expect_err("it is broken").to_string();
+    let changed = |index: usize, value: u8| {
+        let mut covered = covered.to_vec();
+        covered[index] = value;
+        message(&with_fcs(covered))
+    };
+    let messages = [
+        (1, 0x40, "the flags of the frame control field are 0x40; allowed: 0"),
+        (23, 0x01, "the DMG Beacon frame has a Clustering Control field; allowed: none"),
+        (31, 12, "the element at octet 30 of the DMG Beacon frame is cut: 13 octets are left of it"),
+        (30, 220, "the DMG Beacon frame has no element with a payload"),
+        (32, 0x03, "the DMG Beacon frame has no element with a payload"),
+        (35, 0x02, "the DMG Beacon frame has no element with a payload"),
+    ];
+    for (index, value, expected) in messages {
+        assert_eq!(changed(index, value), expected);
+    }
+    // A last element that ends within its header.
+    assert_eq!(
+        message(&with_fcs([covered, &[221]].concat())),
+        "the element at octet 43 of the DMG Beacon frame is cut: 1 octets are left of it"
+    );
+    assert_eq!(message(&with_fcs(covered[..29].to_vec())), "the DMG Beacon frame has 33 octets; allowed: 41 to 1023");
+    let long = with_fcs([covered, &[0; 981]].concat());
+    assert_eq!(message(&long), "the DMG Beacon frame has 1028 octets; allowed: 41 to 1023");
+    let mut broken = good.clone();
+    broken[33] ^= 1;
+    assert!(matches!(SweepFrame::parse(&broken), Err(SweepParseError::BadFcs { .. })));
+    for size in 0..good.len() {
+        assert!(SweepFrame::parse(&good[..size]).is_err(), "{size} octets");
+    }
+}
+
+#[test]
 fn octets_that_are_no_frame_of_a_sweep_are_rejected_with_what_is_wrong() {
     let good = octets("6408eb03ffffffffffff0200000000017e0000400200ef7530e5");
     let mut broken = good.clone();
@@ -82,7 +164,11 @@ fn octets_that_are_no_frame_of_a_sweep_are_rejected_with_what_is_wrong() {
         SweepFrame::parse(&with_fcs(covered)).err().map(|error| error.to_string())
     };
     let messages = [
-        (0, 0xD4, "the frame control field starts with 0xd4; allowed: 0x64 (control frame extension)"),
+        (
+            0,
+            0xD4,
+            "the frame control field starts with 0xd4; allowed: 0x64 (control frame extension), 0x0c (DMG Beacon)",
+        ),
         (1, 0x05, "control frame extension 5 is not of the sector level sweep; allowed: 8, 9, 10"),
         (1, 0x18, "the flags of the frame control field are 0x1; allowed: 0"),
         (1, 0x09, "the SSW-Feedback frame has 26 octets; allowed: 28"),
@@ -142,13 +228,33 @@ proptest! {
     }
 
     #[test]
-    fn no_octets_make_the_parser_panic(covered in proptest::collection::vec(any::<u8>(), 0..40), extension in 7..12_u8) {
+    fn every_written_beacon_is_parsed_to_the_same_beacon_and_payload(
+        payload in proptest::collection::vec(any::<u8>(), 0..=964),
+        (sector, cdown, sequence) in (any_sector(), 0..512_u16, any::<u8>()),
+        (duration_us, timestamp_us, from) in any::<(u16, u64, [u8; 6])>(),
+    ) {
+        let payload_octets = payload.len().try_into().expect("at most 964");
+        let body = SweepBody::Beacon { timestamp_us, cdown, sector, sequence, payload_octets };
+        let frame = SweepFrame { duration_us, to: MacAddress::BROADCAST, from: MacAddress(from), body };
+        let octets = written_with(&payload, &frame);
+        prop_assert_eq!(octets.len(), usize::from(frame.octets()));
+        prop_assert_eq!(beacon_payload_octets(frame.octets()), Some(payload_octets));
+        prop_assert_eq!(SweepFrame::parse(&octets), Ok(frame));
+        prop_assert_eq!(beacon_payload(&octets), Ok(payload));
+    }
+
+    #[test]
+    fn no_octets_make_the_parser_panic(covered in proptest::collection::vec(any::<u8>(), 0..60), extension in 7..12_u8) {
         let _ = SweepFrame::parse(&covered);
         // With a good header and FCS, the parser gets further.
         let mut covered = covered;
         if let [control, kind, ..] = &mut covered[..] {
             (*control, *kind) = (FRAME_CONTROL, extension);
         }
-        let _ = SweepFrame::parse(&with_fcs(covered));
+        let _ = SweepFrame::parse(&with_fcs(covered.clone()));
+        if let [control, flags, ..] = &mut covered[..] {
+            (*control, *flags) = (beacon::FRAME_CONTROL, 0);
+        }
+        let _ = beacon_payload(&with_fcs(covered));
     }
 }

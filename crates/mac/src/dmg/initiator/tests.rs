@@ -307,3 +307,55 @@ fn the_full_procedure_of_64_and_8_sectors_takes_1206_958_us() {
         (Aim::Sector(TxSector::first_antenna(37)), Aim::Sector(TxSector::first_antenna(2)))
     );
 }
+
+#[test]
+fn a_broadcast_sends_a_beacon_from_each_sector_and_announces_what_is_left_of_it() {
+    let mut bench = Bench::new(ContentionConfig::Csma, &[2, 1]);
+    bench.start(SweepPurpose::Broadcast { sequence: 7, payload_octets: 20 }, Access::Contend);
+    bench.run(1_000_000, Class::Application);
+    // AIFS; frames of 26.109 us; SBIFS, then LBIFS to the second antenna.
+    let starts = [18_000, 45_109, 89_218];
+    assert_eq!(bench.radio.starts(), starts);
+    let frames: Vec<(u16, SweepBody)> =
+        bench.radio.sent.iter().map(|sent| (sent.1.duration_us, sent.1.body)).collect();
+    let body = |timestamp_us, cdown, antenna, sector| SweepBody::Beacon {
+        timestamp_us,
+        cdown,
+        sector: TxSector { antenna, sector },
+        sequence: 7,
+        payload_octets: 20,
+    };
+    // 26.109 + 1 + 26.109 + 18, 26.109 + 18, and nothing.
+    assert_eq!(frames, [(72, body(18, 2, 0, 0)), (45, body(45, 1, 0, 1)), (0, body(89, 0, 1, 0))]);
+    let [(end, report)] = bench.reports[..] else { panic!("{:?}", bench.reports) };
+    assert_eq!((end, report.outcome, report.frames), (115_327, InitiatorOutcome::Over, 3));
+}
+
+#[test]
+fn a_broadcast_that_lasts_longer_than_a_duration_field_claims_the_medium_anew_in_each_frame() {
+    let mut bench = Bench::new(ContentionConfig::Csma, &[64, 64]);
+    bench.start(SweepPurpose::Broadcast { sequence: 0, payload_octets: MAX_BEACON_PAYLOAD_OCTETS }, Access::AtOnce);
+    bench.run(50_000_000, Class::Application);
+    let durations: Vec<u16> = bench.radio.sent.iter().map(|sent| sent.1.duration_us).collect();
+    // 127 frames of 306.545 us, 126 gaps of 1 us and one of 18 us are 39 075.215 us.
+    assert_eq!((durations[0], durations[127]), (32_767, 0));
+    assert_eq!(durations[126], 308);
+    assert!(durations.windows(2).all(|pair| pair[0] >= pair[1]));
+}
+
+#[test]
+fn a_sweep_that_waits_for_the_channel_can_be_withdrawn_and_started_again() {
+    let mut bench = Bench::new(ContentionConfig::Csma, &[1]);
+    bench.start(SweepPurpose::Announce, Access::Contend);
+    bench.run(10_000, Class::Application);
+    assert!(bench.machine.is_contending());
+    bench.machine.withdraw(&mut bench.radio);
+    assert!(!bench.machine.is_busy());
+    bench.run(100_000, Class::Application);
+    assert!(bench.radio.starts().is_empty());
+    // Another machine of the station knows that the medium is taken until 150 us.
+    bench.machine.is_claimed_until(at(100_000), at(150_000));
+    bench.start(SweepPurpose::Announce, Access::Contend);
+    bench.run(300_000, Class::Application);
+    assert_eq!(bench.radio.starts(), [168_000]);
+}

@@ -67,7 +67,7 @@ impl Bench {
     /// Hears one frame of a sweep of 64 sectors of the robot that ends at T0.
     fn hear_sweep(&mut self) {
         let sweep = layout(&[64]);
-        let end = T0 - u64::try_from(sweep.remaining_after(37).as_nanos()).expect("a short time");
+        let end = T0 - u64::try_from(sweep.remaining_after(37, SSW_AIRTIME).as_nanos()).expect("a short time");
         self.hear(end, iss(ROBOT, MacAddress::BROADCAST, &sweep, 37), 12.0);
     }
 

@@ -1,7 +1,8 @@
-//! IEEE 802.11ad (directional multi-gigabit): all that knows this technology. Its links sweep their sectors; they carry
-//! no data.
+//! IEEE 802.11ad (directional multi-gigabit): all that knows this technology. Its links sweep their sectors, and send
+//! data to all from each of them.
 
 mod antennas;
+mod broadcast;
 pub(crate) mod network;
 mod radio;
 mod stack;

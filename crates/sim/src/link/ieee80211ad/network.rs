@@ -1,9 +1,10 @@
 //! A network of IEEE 802.11ad: the links of all its stations.
 
+mod broadcasting;
 mod ending;
 mod sweeping;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use sextant_channel::{Milliwatts, SectorTable};
@@ -17,6 +18,7 @@ use super::stack::{RadioStack, Role, Stack};
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, CarrierChange};
 use crate::event::ieee80211ad::Event;
+use crate::link::payloads::Payloads;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
@@ -45,7 +47,7 @@ pub(crate) struct Network {
     antennas: Antennas,
     roll: Roll,
     stacks: Vec<Stack>,
-    /// The sweeps under way, by station.
+    /// The sweeps under way, and those that wait for the end of a broadcast, by station.
     sweeps: BTreeMap<StationId, Gathered>,
     /// Sweeps of each station so far.
     swept: Vec<u64>,
@@ -59,12 +61,17 @@ pub(crate) struct Network {
     changes: Vec<CarrierChange>,
     told: Vec<HeardFrame>,
     octets: Vec<u8>,
+    /// Whether a broadcast was ever offered.
+    has_broadcasts: bool,
+    /// The payloads of the broadcasts that wait or are under way.
+    payloads: Payloads,
+    /// The payload of the frame that was received last.
+    payload: Vec<u8>,
 }
 
 /// What a station has gathered by the sweep under way.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Gathered {
-    kind: SweepKind,
     /// The best answer of each station so far, from earlier tilts of a steered antenna.
     answers: BTreeMap<StationId, SweepAnswer>,
     /// The greatest power of a frame of each station in the sweep of this tilt.
@@ -93,6 +100,11 @@ impl Network {
                 initiator: Initiator::new(address, layout, sweep),
                 responder,
                 radio: RadioStack::new(),
+                task: None,
+                next_sweep: None,
+                waiting: VecDeque::new(),
+                broadcasts: 0,
+                reached: Vec::new(),
                 tilt: 0,
                 first_sectors: first_sectors(&layout),
                 listening_over: None,
@@ -116,6 +128,9 @@ impl Network {
             changes: Vec::new(),
             told: Vec::new(),
             octets: Vec::with_capacity(32),
+            has_broadcasts: false,
+            payloads: Payloads::default(),
+            payload: Vec::new(),
         }
     }
 
@@ -155,23 +170,25 @@ impl Network {
         self.tell_carrier(scene);
     }
 
-    /// Begins a sector sweep of a station.
+    /// Begins a sector sweep of a station. If it broadcasts, the sweep begins once that is over, before the broadcasts
+    /// that wait.
     ///
     /// # Errors
-    /// If the link is busy, or the station is not in the network.
+    /// If a sweep of the station is under way or waits, it answers one, or it is not in the network.
     pub(crate) fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {
         if !self.has(station) {
             return Err(SweepError::NoSectors);
         }
-        let stack = &self.stacks[station.index()];
+        let stack = &mut self.stacks[station.index()];
         if self.sweeps.contains_key(&station) || stack.responder.is_busy() {
             return Err(SweepError::Busy);
         }
+        stack.next_sweep = Some(kind);
         scene.offered += 1;
         self.swept[station.index()] += 1;
         self.packets[station.index()].offered += 1;
-        self.sweeps.insert(station, Gathered { kind, answers: BTreeMap::new(), powers: BTreeMap::new() });
-        self.sweep_at(station, 0, scene);
+        self.sweeps.insert(station, Gathered::default());
+        self.proceed(station, scene);
         self.tell_carrier(scene);
         Ok(())
     }
@@ -180,6 +197,12 @@ impl Network {
     pub(crate) fn take_answers(&mut self, station: StationId) -> Vec<SweepAnswer> {
         let gathered = self.sweeps.remove(&station);
         gathered.map_or_else(Vec::new, |gathered| gathered.answers.into_values().collect())
+    }
+
+    /// Number of sectors of the antenna of a station; `None` if it has none.
+    pub(crate) fn sectors(&self, station: StationId) -> Option<u8> {
+        let antenna = self.antennas.of(self.roll.kind(station));
+        (!antenna.is_omnidirectional()).then(|| antenna.sector_count())
     }
 
     /// The directions of the sectors of robots; `None` if their antenna has no sectors.
@@ -214,9 +237,9 @@ impl Network {
             let spent = stack.radio.meter.spent(&self.radio_states, self.radios.power);
             energy.push(if is_member { spent } else { EnergySpent::default() });
             let Packets { offered, received, lost_collision, lost_channel_access, lost_signal, .. } = self.packets[i];
-            let Packets { out_of_range, not_listened, .. } = self.packets[i];
+            let Packets { out_of_range, not_listened, lost_queue, .. } = self.packets[i];
             let ended = received + lost_collision + lost_channel_access + lost_signal + out_of_range + not_listened;
-            self.packets[i].pending = offered - ended;
+            self.packets[i].pending = offered - ended - lost_queue;
         }
         NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: Vec::new() }
     }
@@ -259,6 +282,7 @@ impl Network {
         if let Some(report) = responder.handle(now, event, &mut radio) {
             self.note_answer(station, report, scene);
         }
+        self.proceed(station, scene);
     }
 
     /// A timer that is due is not pending any more.

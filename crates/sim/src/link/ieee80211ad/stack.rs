@@ -1,17 +1,31 @@
 //! The state of one station's link.
 
-use sextant_kernel::{EventKey, SimTime};
-use sextant_mac::dmg::{Initiator, Responder, SweepFrame};
+use std::collections::VecDeque;
+
+use sextant_kernel::{EventKey, SimTime, StationId};
+use sextant_mac::dmg::{Initiator, Responder, SweepFrame, TxSector};
 use sextant_mac::{EnergyMeter, RadioState};
 
+use super::broadcast::Broadcast;
 use crate::air::{Aim, Transmission};
 use crate::service::outcome::FrameOutcome;
+use crate::service::sweep::SweepKind;
 
 /// The state of one station's link.
 pub(super) struct Stack {
     pub(super) initiator: Initiator,
     pub(super) responder: Responder,
     pub(super) radio: RadioStack,
+    /// What its initiator does, or will do once the responder is idle.
+    pub(super) task: Option<Task>,
+    /// The sweep that comes next.
+    pub(super) next_sweep: Option<SweepKind>,
+    /// Broadcasts that wait, the first one first.
+    pub(super) waiting: VecDeque<Broadcast>,
+    /// Broadcasts that the application has given so far.
+    pub(super) broadcasts: u32,
+    /// The stations to which the broadcast under way was delivered, in their order.
+    pub(super) reached: Vec<StationId>,
     /// The sweep under way among those of a steered antenna.
     pub(super) tilt: u8,
     /// Number of the first sector of each DMG antenna, at this tilt, among all sectors of the antenna.
@@ -22,6 +36,13 @@ pub(super) struct Stack {
     pub(super) outcome: FrameOutcome,
     /// Frames of the answer under way.
     pub(super) frames: u64,
+}
+
+impl Stack {
+    /// The number of a sector of the sweep under way among all sectors of the antenna.
+    pub(super) fn sector_number(&self, sector: TxSector) -> u8 {
+        self.first_sectors[usize::from(sector.antenna)] + sector.sector
+    }
 }
 
 /// What the two machines of a station share: they never transmit at once.
@@ -37,6 +58,15 @@ pub(super) struct RadioStack {
     pub(super) timers: [Option<EventKey>; 2],
     /// Backoffs drawn so far.
     pub(super) draws: u64,
+}
+
+/// What the initiator of a station does.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Task {
+    /// A sweep of its sectors.
+    Sweep(SweepKind),
+    /// A broadcast from each of its sectors.
+    Broadcast(Broadcast),
 }
 
 /// Which machine of a station.

@@ -16,12 +16,12 @@ use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
 use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
 
-use super::frame_queue::Payloads;
 use super::mac::{Mac, NodeMac};
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, Emission, Transmission};
 use crate::event::ieee802154::Event;
+use crate::link::payloads::Payloads;
 use crate::observer::{HeardFrame, Observer};
 use crate::purpose;
 use crate::scene::Scene;

@@ -7,7 +7,7 @@ use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame}
 use super::Network;
 use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
-use crate::link::ieee80211ad::stack::Role;
+use crate::link::ieee80211ad::stack::{Role, Task};
 use crate::observer::{FrameOnAir, Observer};
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
@@ -20,11 +20,15 @@ impl Network {
         let (transmission, frame) =
             self.stacks[station.index()].radio.on_air.take().expect("only a frame on air ends");
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
-        if let SweepBody::Rss { .. } = frame.body {
-            let outcome = self.outcome(&transmission, frame.to.station());
-            let stack = &mut self.stacks[station.index()];
-            stack.outcome = stack.outcome.max(outcome);
-            stack.frames += 1;
+        match frame.body {
+            SweepBody::Rss { .. } => {
+                let outcome = self.outcome(&transmission, &frame);
+                let stack = &mut self.stacks[station.index()];
+                stack.outcome = stack.outcome.max(outcome);
+                stack.frames += 1;
+            }
+            SweepBody::Beacon { .. } => self.note_beacon(station, self.outcome(&transmission, &frame)),
+            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
         }
         if observer.wants_frames() {
             self.tell_frame(&transmission, &frame, scene, observer);
@@ -49,12 +53,16 @@ impl Network {
                 }
             }
             SweepBody::Iss { sector, rx_antennas: 0, .. } if self.hears[station.index()] => {
-                let sector = self.stacks[sender.index()].first_sectors[usize::from(sector.antenna)] + sector.sector;
+                let sector = self.stacks[sender.index()].sector_number(sector);
                 let (network, rssi) = (self.radios.network, arrival.power.to_dbm());
                 let announcement = Announcement { network, from: sender, sector, snr: sinr, rssi };
                 scene.upcalls.push(Upcall::Announced { station, announcement });
             }
-            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
+            SweepBody::Beacon { sector, sequence, .. } if self.hears[station.index()] => {
+                self.deliver(i, sender, (sector, sequence), sinr, scene);
+            }
+            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Beacon { .. } => {
+            }
         }
         if self.has_initiator(station) {
             let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
@@ -67,6 +75,7 @@ impl Network {
             if let Some(report) = responder.receive(now, frame, sinr, &mut radio) {
                 self.note_answer(station, report, scene);
             }
+            self.give_way(station, scene);
         }
     }
 
@@ -92,9 +101,17 @@ impl Network {
         }
     }
 
-    /// The outcome of a frame at the station that it is for, or the best one if it is for all.
-    fn outcome(&self, transmission: &Transmission, to: Option<StationId>) -> FrameOutcome {
-        let arrivals = self.arrivals.iter().filter(|arrival| to.is_none_or(|to| arrival.station == to));
+    /// Whether a frame is for a station: a beacon is for those whose applications hear.
+    fn is_for(&self, frame: &SweepFrame, station: StationId) -> bool {
+        match frame.body {
+            SweepBody::Beacon { .. } => self.hears[station.index()],
+            _ => frame.to.station().is_none_or(|to| to == station),
+        }
+    }
+
+    /// The outcome of a frame at the station that it is for, or the best one if it is for several.
+    fn outcome(&self, transmission: &Transmission, frame: &SweepFrame) -> FrameOutcome {
+        let arrivals = self.arrivals.iter().filter(|arrival| self.is_for(frame, arrival.station));
         arrivals.map(|arrival| arrival.outcome).max().unwrap_or(transmission.missed())
     }
 
@@ -106,11 +123,13 @@ impl Network {
         scene: &Scene,
         observer: &mut impl Observer,
     ) {
-        self.octets.clear();
-        frame.write(&mut self.octets);
-        let to = frame.to.station();
-        let outcome = self.outcome(transmission, to);
-        let is_best = |station: StationId, found| to.is_none_or(|to| station == to) && found == outcome;
+        let payload = match (frame.body, &self.stacks[transmission.source().index()].task) {
+            (SweepBody::Beacon { .. }, Some(Task::Broadcast(broadcast))) => broadcast.payload(&self.payloads),
+            _ => &[],
+        };
+        frame.write(payload, &mut self.octets);
+        let outcome = self.outcome(transmission, frame);
+        let is_best = |station, found| found == outcome && self.is_for(frame, station);
         let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));
         tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
         observer.framed(FrameOnAir {

@@ -1,58 +1,110 @@
-//! Sweeping: a station sweeps its sectors, at each of its tilts, and gathers the answers.
+//! Sweeping: a station sweeps its sectors, at each of its tilts, and gathers the answers, or broadcasts a payload.
 
 use sextant_channel::Milliwatts;
 use sextant_kernel::StationId;
 use sextant_mac::dmg::{Access, InitiatorReport, SweepPurpose, TxSector};
 
 use super::{Gathered, Network, read};
-use crate::link::ieee80211ad::stack::Role;
+use crate::link::ieee80211ad::stack::{Role, Task};
 use crate::purpose;
 use crate::scene::Scene;
 use crate::service::sweep::SweepKind;
 use crate::service::upcall::Upcall;
 
 impl Network {
-    /// Begins the sweep of one tilt.
-    pub(super) fn sweep_at(&mut self, station: StationId, tilt: u8, scene: &mut Scene) {
+    /// Lets a station go on with what it has to send, if neither of its machines is busy: with what its responder made it
+    /// put off, then the sweep that its application asked for, then the broadcasts that wait.
+    pub(super) fn proceed(&mut self, station: StationId, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        if stack.initiator.is_busy() || stack.responder.is_busy() {
+            return;
+        }
+        if stack.task.is_none() {
+            let sweep = stack.next_sweep.take().map(Task::Sweep);
+            stack.task = sweep.or_else(|| stack.waiting.pop_front().map(Task::Broadcast));
+            if stack.task.is_some() {
+                self.set_tilt(station, 0);
+            }
+        }
+        if let Some(task) = self.stacks[station.index()].task {
+            self.start(station, task, scene);
+        }
+    }
+
+    /// The responder of a station has heard something: a sweep to answer goes before what the station has to send.
+    pub(super) fn give_way(&mut self, station: StationId, scene: &mut Scene) {
+        if self.stacks[station.index()].responder.is_busy() {
+            let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
+            initiator.withdraw(&mut radio);
+        } else {
+            self.proceed(station, scene);
+        }
+    }
+
+    /// The next sweep is that of tilt number `tilt`. One comes after the other, and after the last one the first.
+    fn set_tilt(&mut self, station: StationId, tilt: u8) {
         let antenna = self.antennas.of(self.roll.kind(station));
         let per_sweep = antenna.sector_count() / antenna.sweeps();
         let stack = &mut self.stacks[station.index()];
-        // One after the other, and from the last one back to the first.
         stack.first_sectors = stack.first_sectors.map(|first| first - stack.tilt * per_sweep + tilt * per_sweep);
         stack.tilt = tilt;
-        let kind = self.sweeps.get(&station).expect("a sweep is under way").kind;
-        let (purpose, access) = match kind {
-            SweepKind::Gather if self.roll.robots + self.roll.sinks == 1 => (SweepPurpose::Gather, Access::AtOnce),
-            SweepKind::Gather => (SweepPurpose::Gather, Access::Contend),
-            SweepKind::Announce => (SweepPurpose::Announce, Access::Contend),
+    }
+
+    /// Begins the sweep of one tilt.
+    fn start(&mut self, station: StationId, task: Task, scene: &mut Scene) {
+        // Whoever alone speaks first needs no contention.
+        let is_alone = self.roll.robots + self.roll.sinks == 1 && !self.has_broadcasts;
+        let (purpose, access) = match task {
+            Task::Sweep(SweepKind::Gather) if is_alone => (SweepPurpose::Gather, Access::AtOnce),
+            Task::Sweep(SweepKind::Gather) => (SweepPurpose::Gather, Access::Contend),
+            Task::Sweep(SweepKind::Announce) => (SweepPurpose::Announce, Access::Contend),
+            Task::Broadcast(broadcast) => {
+                let (sequence, payload_octets) = (broadcast.sequence(), broadcast.payload_octets);
+                (SweepPurpose::Broadcast { sequence, payload_octets }, Access::Contend)
+            }
         };
         let now = scene.now;
-        let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
+        let (mut radio, initiator, responder) = self.transceiver(station, Role::Initiator, scene);
+        if let Task::Broadcast(_) = task {
+            // The initiator of a node hears no frames while it is idle, but its responder does.
+            initiator.is_claimed_until(now, responder.claimed_until());
+        }
         initiator.start(now, purpose, access, &mut radio);
     }
 
     /// The sweep of one tilt is over.
     pub(super) fn end_sweep(&mut self, station: StationId, report: InitiatorReport, scene: &mut Scene) {
-        self.gather(station, scene);
-        let packets = &mut self.packets[station.index()];
-        packets.transmissions += u64::from(report.frames);
+        let task = self.stacks[station.index()].task.expect("a sweep is under way");
+        if let Task::Sweep(_) = task {
+            self.gather(station, scene);
+        }
+        self.packets[station.index()].transmissions += u64::from(report.frames);
         let tilt = self.stacks[station.index()].tilt + 1;
         if tilt < self.antennas.of(self.roll.kind(station)).sweeps() {
-            self.sweep_at(station, tilt, scene);
+            self.set_tilt(station, tilt);
+            self.start(station, task, scene);
             return;
         }
-        packets.sent += 1;
-        packets.received += 1;
-        let answers = self.sweeps.get(&station).map_or(0, |gathered| gathered.answers.len());
-        self.deliveries[station.index()] += answers as u64;
-        scene.upcalls.push(Upcall::Swept { station });
+        self.stacks[station.index()].task = None;
+        match task {
+            Task::Sweep(_) => {
+                let packets = &mut self.packets[station.index()];
+                packets.sent += 1;
+                packets.received += 1;
+                let answers = self.sweeps.get(&station).map_or(0, |gathered| gathered.answers.len());
+                self.deliveries[station.index()] += answers as u64;
+                scene.upcalls.push(Upcall::Swept { station });
+            }
+            Task::Broadcast(broadcast) => self.end_broadcast(station, broadcast, scene),
+        }
+        self.proceed(station, scene);
     }
 
     /// Keeps the answers to the sweep of this tilt: of each station, the answer with the best sector.
     fn gather(&mut self, station: StationId, scene: &Scene) {
         let loss = self.antennas.misalignment_loss();
         let has_sectors = !self.antennas.of(self.roll.kind(station)).is_omnidirectional();
-        let Some(Gathered { answers, powers, .. }) = self.sweeps.get_mut(&station) else { return };
+        let Some(Gathered { answers, powers }) = self.sweeps.get_mut(&station) else { return };
         let stack = &self.stacks[station.index()];
         for answer in stack.initiator.answers() {
             let Some(from) = answer.responder.station() else { continue };

@@ -75,7 +75,7 @@ impl Network {
                 self.payload = end - octets..end;
                 self.deliveries[station.index()] += 1;
                 let (sequence, power) = (frame.sequence, arrival.power);
-                scene.upcalls.push(Upcall::Delivered { station, from, sequence, power });
+                scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });
             }
         }
         self.mpdu = mpdu;

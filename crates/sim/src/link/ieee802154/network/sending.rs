@@ -5,8 +5,9 @@ use sextant_mac::csma::{self, Outcome};
 use sextant_mac::frame::DataFrame;
 
 use super::Network;
-use crate::link::ieee802154::frame_queue::{Content, QueuedFrame};
+use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
+use crate::link::payloads::Content;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;

@@ -1,0 +1,130 @@
+//! Broadcasts: payloads are offered, wait, are sent from each sector of their station, and are delivered.
+
+use sextant_channel::Db;
+use sextant_kernel::StationId;
+use sextant_mac::dmg::{MAX_BEACON_PAYLOAD_OCTETS, TxSector, beacon_octets, beacon_payload_octets};
+
+use super::Network;
+use crate::link::ieee80211ad::broadcast::Broadcast;
+use crate::link::ieee80211ad::stack::Task;
+use crate::link::payloads::Content;
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+use crate::service::upcall::Upcall;
+
+/// Broadcasts of a station that wait beside the one under way.
+const QUEUE_FRAMES: usize = 64;
+
+impl Network {
+    /// Takes a payload to send to all.
+    pub(crate) fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        if !self.has(station) {
+            return Err(SendError::ReceivesOnly);
+        }
+        if let Destination::Station(to) = to {
+            return Err(SendError::BroadcastsOnly(to));
+        }
+        let payload_octets = payload_octets(payload)?;
+        scene.offered += 1;
+        let packets = &mut self.packets[station.index()];
+        packets.offered += 1;
+        let stack = &mut self.stacks[station.index()];
+        let id = FrameId(stack.broadcasts);
+        stack.broadcasts = stack.broadcasts.wrapping_add(1);
+        if stack.waiting.len() >= QUEUE_FRAMES {
+            packets.lost_queue += 1;
+            return Err(SendError::QueueFull(QUEUE_FRAMES));
+        }
+        let content = match payload {
+            Payload::Filler(_) => Content::Filler,
+            Payload::Octets(octets) => self.payloads.keep(octets),
+        };
+        let (offered, outcome) = (scene.now, FrameOutcome::NotListened);
+        stack.waiting.push_back(Broadcast { id, content, payload_octets, offered, frames: 0, outcome });
+        self.has_broadcasts = true;
+        self.proceed(station, scene);
+        self.tell_carrier(scene);
+        Ok(id)
+    }
+
+    /// A broadcast was sent from all sectors: counts it, and tells the application.
+    pub(super) fn end_broadcast(&mut self, station: StationId, broadcast: Broadcast, scene: &mut Scene) {
+        let Broadcast { id, content, payload_octets, offered, frames, outcome } = broadcast;
+        self.payloads.release(content);
+        self.stacks[station.index()].reached.clear();
+        let packets = &mut self.packets[station.index()];
+        packets.count_sent(outcome);
+        if outcome == FrameOutcome::Received {
+            packets.octets_received += u64::from(payload_octets);
+        }
+        let (to, outcome) = (Destination::All, SendOutcome::Sent);
+        let report = SendReport { frame: id, to, outcome, transmissions: frames, offered };
+        scene.upcalls.push(Upcall::Sent { station, report });
+    }
+
+    /// A frame of the broadcast of `station` has ended with this outcome. If it was received, its payload is kept for the
+    /// applications.
+    pub(super) fn note_beacon(&mut self, station: StationId, outcome: FrameOutcome) {
+        let Some(Task::Broadcast(broadcast)) = &mut self.stacks[station.index()].task else {
+            unreachable!("beacons belong to broadcasts")
+        };
+        broadcast.frames += 1;
+        broadcast.outcome = broadcast.outcome.max(outcome);
+        if outcome == FrameOutcome::Received {
+            self.payload.clear();
+            self.payload.extend_from_slice(broadcast.payload(&self.payloads));
+        }
+    }
+
+    /// Delivers the frame that `sender` has sent from `sector`, and of which arrival number `i` is, to its station.
+    pub(super) fn deliver(
+        &mut self,
+        i: usize,
+        sender: StationId,
+        (sector, sequence): (TxSector, u8),
+        snr: Db,
+        scene: &mut Scene,
+    ) {
+        let arrival = self.arrivals[i];
+        let station = arrival.station;
+        let sector = self.sectors(sender).map(|_| self.stacks[sender.index()].sector_number(sector));
+        let reached = &mut self.stacks[sender.index()].reached;
+        if let Err(at) = reached.binary_search(&station) {
+            reached.insert(at, station);
+            self.deliveries[station.index()] += 1;
+        }
+        let (power, snr) = (arrival.power, Some(snr));
+        scene.upcalls.push(Upcall::Delivered { station, from: sender, sequence, power, sector, snr });
+    }
+
+    /// The payload that was received last, and where it is.
+    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, std::ops::Range<usize>) {
+        let payload = std::mem::take(&mut self.payload);
+        let all = 0..payload.len();
+        (payload, all)
+    }
+
+    /// Gives the buffer of [`Network::take_payload`] back.
+    pub(crate) fn give_back(&mut self, payload: Vec<u8>) {
+        self.payload = payload;
+    }
+}
+
+/// The size of a payload, if a beacon can carry it (octets).
+fn payload_octets(payload: Payload<'_>) -> Result<u16, SendError> {
+    match payload {
+        Payload::Filler(octets) => beacon_payload_octets(octets.into())
+            .ok_or(SendError::Undersized { found: octets.into(), allowed: beacon_octets(0).into() }),
+        Payload::Octets(octets) => match u16::try_from(octets.len()) {
+            Ok(found) if found <= MAX_BEACON_PAYLOAD_OCTETS => Ok(found),
+            _ => Err(SendError::Oversized { found: octets.len(), allowed: MAX_BEACON_PAYLOAD_OCTETS.into() }),
+        },
+    }
+}
