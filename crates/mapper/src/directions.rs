@@ -1,5 +1,7 @@
 //! The sectors of a log as evidence on directions, for estimates that do not share one grid.
 
+use std::f64::consts::{PI, TAU};
+
 use sextant_channel::{LogError, Position, ReceptionLog};
 
 use crate::heights::Heights;
@@ -8,7 +10,7 @@ use crate::solver::{Edges, Wedges};
 
 /// What a sector says about places outside it: probability of a reception there, over that inside. It is not zero, so
 /// that a wrong sector does not rule out the true place.
-const CONTRADICTED: f64 = 0.02;
+pub(crate) const CONTRADICTED: f64 = 0.02;
 /// How far beyond the edge of a sector a place may lie, over the distance at which nodes are heard.
 const TOLERANCE: f64 = 0.025;
 
@@ -73,4 +75,9 @@ impl Directions {
 /// Whether a stop that heard nothing says something about a place at `apart` from it.
 pub(crate) fn covers(directions: Option<&Directions>, apart: Position) -> bool {
     directions.is_none_or(|directions| directions.covers(apart))
+}
+
+/// The same angle in (−π, π] (rad).
+pub(crate) fn wrapped(angle_rad: f64) -> f64 {
+    PI - (PI - angle_rad).rem_euclid(TAU)
 }

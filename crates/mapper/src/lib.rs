@@ -46,7 +46,10 @@ mod metrics;
 mod ml_tm;
 mod mm_tm;
 mod node_evidence;
+mod normal;
 mod obstacle_ml_tm;
+mod orientation;
+mod own_place;
 mod posterior_bound;
 mod profile;
 mod purpose;
@@ -84,6 +87,8 @@ pub use metrics::{
 pub use ml_tm::{CountRule, MlTm, MlTmConfig};
 pub use mm_tm::MmTm;
 pub use obstacle_ml_tm::ObstacleMlTm;
+pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
+pub use own_place::{AnchorSilence, HeardAnchor, HeardSector, OwnEstimate, OwnPlace, OwnPlaceConfig, PlaceModel};
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{
     ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,

@@ -37,7 +37,7 @@ use crate::reach::HeardNode;
 use crate::sectors::SectorSettings;
 use crate::{Lattice, ReceptionProfile};
 use admission::Admission;
-use curve::Curve;
+pub(crate) use curve::Curve;
 use evidence::Evidence;
 use rows::Rows;
 use score::Scorer;

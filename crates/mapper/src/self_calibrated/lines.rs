@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 use super::absorption::{AbsorptionMap, slant};
 use super::model::{CEILING, FLOOR, Model};
-use super::normal::density;
+use crate::normal::density;
 
 /// Least curvature of the log-likelihood along a line, per packet. It keeps steps short where the log-likelihood is
 /// flat or not concave.

@@ -26,7 +26,6 @@ mod draft;
 mod likelihood;
 mod lines;
 mod model;
-mod normal;
 mod posterior;
 mod settings;
 mod shadows;

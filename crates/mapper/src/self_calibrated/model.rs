@@ -1,7 +1,7 @@
 //! The probability that a packet is received: a curve over distance, and an efficiency of each stop.
 
-use super::normal::{Normal, index, quantile};
 use crate::never_rising;
+use crate::normal::{Normal, index, quantile};
 
 /// Number of bins over the range seen in the log.
 const BINS_PER_RANGE: f64 = 100.0;

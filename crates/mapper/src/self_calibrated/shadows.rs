@@ -5,7 +5,7 @@ use sextant_channel::{Position, Stop};
 use sextant_kernel::{Interrupted, Watch};
 
 use super::absorption::AbsorptionMap;
-use super::normal::index;
+use crate::normal::index;
 
 /// Maximum size of the tables (values). Larger surveys get coarser tables.
 const MOST_VALUES: f64 = 5e7;

@@ -58,6 +58,19 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
+    /// As a tolerance has it for the vertices of `lattice`, with nodes heard within `range_m`.
+    pub(crate) fn of(tolerance: SectorTolerance, lattice: &Lattice, range_m: f64) -> Self {
+        let angle = libm::atan(lattice.step_m() / range_m);
+        match tolerance {
+            SectorTolerance::Angular => {
+                let half_step_m = 0.5 * lattice.step_m();
+                Self { angle, tolerance_m: half_step_m, margin: Some(Margin { angle, half_step_m }) }
+            }
+            SectorTolerance::AngularLiteral => Self { angle, tolerance_m: 0.0, margin: None },
+            SectorTolerance::Positional | SectorTolerance::Unlimited => Self::at_distance(lattice.half_diagonal_m()),
+        }
+    }
+
     /// Moved by a distance (m).
     pub(crate) fn at_distance(tolerance_m: f64) -> Self {
         Self { angle: 0.0, tolerance_m, margin: None }
@@ -74,18 +87,7 @@ impl Wedges {
         range_m: f64,
         is_flat: bool,
     ) -> Self {
-        let angle = match settings.tolerance {
-            SectorTolerance::Angular | SectorTolerance::AngularLiteral => libm::atan(lattice.step_m() / range_m),
-            SectorTolerance::Positional | SectorTolerance::Unlimited => 0.0,
-        };
-        let edges = match settings.tolerance {
-            SectorTolerance::Angular => {
-                let half_step_m = 0.5 * lattice.step_m();
-                Edges { angle, tolerance_m: half_step_m, margin: Some(Margin { angle, half_step_m }) }
-            }
-            SectorTolerance::AngularLiteral => Edges { angle, tolerance_m: 0.0, margin: None },
-            SectorTolerance::Positional | SectorTolerance::Unlimited => Edges::at_distance(lattice.half_diagonal_m()),
-        };
+        let edges = Edges::of(settings.tolerance, lattice, range_m);
         let hard = Self::of_table(table, edges, settings.silence, is_flat);
         match soft {
             // A sector may be named where it does not point, but it covers no more.
@@ -99,6 +101,17 @@ impl Wedges {
 
     /// The sectors of `table` with these edges. `is_flat` says that no place is above or below a stop.
     pub(crate) fn of_table(table: &SectorTable, edges: Edges, silence: SilenceRule, is_flat: bool) -> Self {
+        let sectors = table.iter().filter_map(|sector| Some((usize::from(sector.sector), sector.wedge().ok()?)));
+        Self::of_sectors(sectors, edges, silence, is_flat)
+    }
+
+    /// The same for sectors in the order of their identities.
+    pub(crate) fn of_sectors(
+        sectors: impl Iterator<Item = (usize, Wedge)>,
+        edges: Edges,
+        silence: SilenceRule,
+        is_flat: bool,
+    ) -> Self {
         let Edges { angle, tolerance_m, margin } = edges;
         let mut wedges = Self {
             normals: Vec::new(),
@@ -110,16 +123,13 @@ impl Wedges {
             covering: None,
         };
         let mut parts = Vec::new();
-        for sector in table.iter() {
-            if let Ok(wedge) = sector.wedge() {
-                let test = wedges.test(&wedge, angle);
-                let id = usize::from(sector.sector);
-                wedges.tests.resize(id + 1, Test::default());
-                wedges.wedges.resize(id + 1, None);
-                wedges.tests[id] = test.clone();
-                wedges.wedges[id] = Some(wedge);
-                parts.push(Part { test, wedge });
-            }
+        for (id, wedge) in sectors {
+            let test = wedges.test(&wedge, angle);
+            wedges.tests.resize(id + 1, Test::default());
+            wedges.wedges.resize(id + 1, None);
+            wedges.tests[id] = test.clone();
+            wedges.wedges[id] = Some(wedge);
+            parts.push(Part { test, wedge });
         }
         if silence == SilenceRule::Covered {
             let of_ring = |wedge: &Wedge| Part { test: wedges.test(wedge, angle), wedge: *wedge };
@@ -189,8 +199,8 @@ impl Wedges {
     }
 
     /// Whether a vertex at `apart` from the stop is in the sector (m).
-    pub(crate) fn admits(&self, sector: u8, apart: [f64; 3]) -> bool {
-        let sector = usize::from(sector);
+    pub(crate) fn admits(&self, sector: impl Into<usize>, apart: [f64; 3]) -> bool {
+        let sector = sector.into();
         match (self.tests.get(sector), self.wedges.get(sector)) {
             (Some(test), Some(Some(wedge))) => self.holds(test, wedge, apart),
             _ => true,
@@ -288,8 +298,8 @@ impl Wedges {
     }
 
     /// The interval of x in which the row through y and z is in the half-spaces of a sector as seen from `place`.
-    pub(crate) fn interval(&self, sector: u8, place: [f64; 3], y: f64, z: f64) -> (f64, f64) {
-        let planes = self.tests.get(usize::from(sector)).map_or(&[][..], |test| &test.planes);
+    pub(crate) fn interval(&self, sector: impl Into<usize>, place: [f64; 3], y: f64, z: f64) -> (f64, f64) {
+        let planes = self.tests.get(sector.into()).map_or(&[][..], |test| &test.planes);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for &plane in planes {
             let plane = Plane { normal: self.normals[plane], least: 0.0 };

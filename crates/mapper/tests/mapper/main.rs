@@ -6,6 +6,7 @@ mod comparators;
 mod heights;
 mod ml_tm;
 mod mm_tm;
+mod own_place;
 mod profiles;
 mod sectored;
 mod self_calibrated;

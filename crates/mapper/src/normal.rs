@@ -9,18 +9,18 @@ const STEPS: u32 = 2048;
 
 /// The standard normal distribution function by linear interpolation, exact to 10⁻⁵.
 #[derive(Clone, Debug)]
-pub(super) struct Normal {
+pub(crate) struct Normal {
     values: Vec<f64>,
 }
 
 impl Normal {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { values: (0..=STEPS).map(|i| exact(f64::from(i) / PER_UNIT - END)).collect() }
     }
 
     /// Φ(x).
     #[inline]
-    pub(super) fn below(&self, x: f64) -> f64 {
+    pub(crate) fn below(&self, x: f64) -> f64 {
         let along = ((x + END) * PER_UNIT).clamp(0.0, f64::from(STEPS - 1));
         let index = index(along);
         let (low, high) = (self.values[index], self.values[index + 1]);
@@ -32,7 +32,7 @@ impl Normal {
 /// The index below `along`, which is small; a conversion through 32 bits is the fastest.
 #[inline]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturating is what is wanted")]
-pub(super) fn index(along: f64) -> usize {
+pub(crate) fn index(along: f64) -> usize {
     along as u32 as usize
 }
 
@@ -42,12 +42,12 @@ fn exact(x: f64) -> f64 {
 }
 
 /// The standard normal density.
-pub(super) fn density(x: f64) -> f64 {
+pub(crate) fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x) * 0.398_942_280_401_432_7
 }
 
 /// The x with Φ(x) = `p`, between -8 and 8, by bisection.
-pub(super) fn quantile(p: f64) -> f64 {
+pub(crate) fn quantile(p: f64) -> f64 {
     let (mut low, mut high) = (-END, END);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);

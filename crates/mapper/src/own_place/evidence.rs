@@ -1,0 +1,192 @@
+//! The anchors of one node, prepared for the search.
+
+use sextant_channel::{Position, Stop, Wedge};
+use sextant_kernel::{RobotId, SimTime};
+
+use super::{HeardAnchor, OwnPlace};
+use crate::heights::{Heights, SoughtHeights};
+use crate::normal::Normal;
+use crate::solver::{Curve, Edges, Wedges};
+use crate::{Lattice, SectorTolerance, SilenceRule};
+
+/// Anchors further than this many ranges from the others are left out: their places are wrong.
+const FAR: f64 = 100.0;
+
+/// The evidence on the place of one node.
+#[derive(Debug)]
+pub(super) struct Evidence<'a> {
+    pub(super) lattice: Lattice,
+    pub(super) heights: Heights,
+    pub(super) curve: &'a Curve,
+    pub(super) clamped: &'a Curve,
+    pub(super) normal: &'a Normal,
+    /// The sectors of all anchors.
+    pub(super) wedges: Wedges,
+    pub(super) heard: Vec<Known>,
+    pub(super) silent: Vec<Known>,
+    /// Anchors that are left out as their places are far from all others: so many conditions are broken anywhere.
+    pub(super) astray: usize,
+}
+
+/// One anchor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    pub(super) place: Position,
+    pub(super) packets: i32,
+    pub(super) sector: Option<Sector>,
+    pub(super) covariance: Option<[[f64; 3]; 3]>,
+    /// Largest standard deviation of the place along an axis (m).
+    pub(super) sigma_m: f64,
+}
+
+/// A sector of an anchor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sector {
+    /// Its index among the wedges.
+    pub(super) index: usize,
+    pub(super) wedge: Wedge,
+    pub(super) azimuth_sigma_rad: f64,
+}
+
+impl<'a> Evidence<'a> {
+    /// `None` if no anchor was heard.
+    pub(super) fn new(settings: &'a OwnPlace, heard: &[HeardAnchor], silent: &[HeardAnchor]) -> Option<Self> {
+        let range_m = settings.curve.range_m;
+        let mut sectors = Vec::new();
+        let mut known = |anchors: &[HeardAnchor]| -> Vec<Known> {
+            let usable = anchors.iter().filter(|anchor| anchor.packets > 0 && anchor.place.is_within_reason());
+            usable.map(|anchor| Known::new(anchor, settings.tolerance, &mut sectors)).collect()
+        };
+        let (mut heard, mut silent) = (known(heard), known(silent));
+        let all = heard.len();
+        let middle = most_surrounded(&heard, 2.0 * range_m)?;
+        heard.retain(|anchor| anchor.place.distance_m(middle) <= FAR * range_m);
+        let stops: Vec<Stop> = heard
+            .iter()
+            .map(|anchor| Stop { robot: RobotId(0), time: SimTime::ZERO, position: anchor.place })
+            .collect();
+        let lattice = Lattice::covering(&stops, range_m, settings.grid_step_m, settings.z_range_m, u64::MAX).ok()?;
+        // Beyond the range of every heard anchor no vertex is looked at.
+        silent.retain(|anchor| heard.iter().any(|other| other.place.distance_m(anchor.place) <= 2.0 * range_m));
+        let edges = Edges::of(settings.tolerance, &lattice, range_m);
+        let wedges = Wedges::of_sectors(sectors.into_iter().enumerate(), edges, SilenceRule::Everywhere, false);
+        Some(Self {
+            heights: SoughtHeights::of(&stops, settings.z_range_m, range_m)?.heights(),
+            lattice,
+            curve: &settings.curve,
+            clamped: &settings.clamped,
+            normal: &settings.normal,
+            wedges,
+            astray: all - heard.len(),
+            heard,
+            silent,
+        })
+    }
+
+    /// Number of conditions that a place breaks.
+    pub(super) fn violations(&self, place: Position) -> usize {
+        self.astray + self.heard.iter().map(|anchor| self.broken(anchor, place)).sum::<usize>()
+    }
+
+    fn broken(&self, anchor: &Known, place: Position) -> usize {
+        let is_beyond = anchor.place.distance_m(place) >= self.curve.range_m;
+        usize::from(is_beyond) + usize::from(!self.is_in_sector(anchor, place))
+    }
+
+    /// Whether a place is in the sector in which an anchor was heard, if it has one.
+    pub(super) fn is_in_sector(&self, anchor: &Known, place: Position) -> bool {
+        anchor.sector.is_none_or(|sector| self.wedges.admits(sector.index, (place - anchor.place).into()))
+    }
+
+    /// Probability that the packets of the silent anchors are missed at a place.
+    pub(super) fn missed(&self, curve: &Curve, place: Position) -> Product {
+        let mut product = Product::default();
+        for anchor in self.silent.iter().filter(|anchor| self.is_in_sector(anchor, place)) {
+            let apart = place - anchor.place;
+            product.multiply(1.0 - curve.at(apart.dot(apart)), anchor.packets);
+        }
+        product
+    }
+}
+
+impl Known {
+    fn new(anchor: &HeardAnchor, tolerance: SectorTolerance, sectors: &mut Vec<Wedge>) -> Self {
+        let sector = anchor.sector.filter(|_| tolerance != SectorTolerance::Unlimited).map(|sector| {
+            sectors.push(sector.wedge);
+            // An orientation that is no number is unknown.
+            let sigma = sector.azimuth_sigma_rad;
+            let azimuth_sigma_rad = if sigma.is_nan() { f64::INFINITY } else { sigma.abs() };
+            Sector { index: sectors.len() - 1, wedge: sector.wedge, azimuth_sigma_rad }
+        });
+        let covariance = anchor.covariance.filter(|c| c.iter().flatten().all(|value| value.is_finite()));
+        let variance = |c: [[f64; 3]; 3]| (0..3).map(|axis| c[axis][axis]).fold(0.0, f64::max);
+        Self {
+            place: anchor.place,
+            packets: i32::try_from(anchor.packets).unwrap_or(i32::MAX),
+            sector,
+            covariance,
+            sigma_m: covariance.map_or(0.0, |c| variance(c).sqrt()),
+        }
+    }
+}
+
+/// A product of many probabilities as a logarithm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Product {
+    sum: f64,
+    product: f64,
+}
+
+impl Default for Product {
+    fn default() -> Self {
+        Self { sum: 0.0, product: 1.0 }
+    }
+}
+
+impl Product {
+    /// Multiplies by `probability` to the power of `packets`.
+    #[inline]
+    pub(super) fn multiply(&mut self, probability: f64, packets: i32) {
+        if packets == 1 {
+            self.product *= probability;
+        } else if packets > 16 {
+            self.sum += f64::from(packets) * libm::log(probability);
+        } else {
+            self.product *= probability.powi(packets);
+        }
+        if self.product < 1e-150 && self.product > 0.0 {
+            self.sum += libm::log(self.product);
+            self.product = 1.0;
+        }
+    }
+
+    /// The product of both.
+    pub(super) fn times(self, other: Self) -> Self {
+        Self { sum: self.sum + other.sum, product: self.product * other.product }
+    }
+
+    /// Whether it is certainly below `exp(ln_least)`, without a logarithm.
+    #[inline]
+    pub(super) fn is_below(&self, ln_least: f64, least: f64) -> bool {
+        self.sum <= 0.0 && (self.product < least || self.sum < ln_least)
+    }
+
+    /// Its natural logarithm.
+    #[inline]
+    pub(super) fn ln(&self) -> f64 {
+        self.sum + libm::log(self.product)
+    }
+}
+
+/// The place of the anchor that has the most others within `near_m`, the first of several.
+fn most_surrounded(anchors: &[Known], near_m: f64) -> Option<Position> {
+    let within = |a: &Known| anchors.iter().filter(|b| a.place.distance_m(b.place) <= near_m).count();
+    let mut best: Option<(usize, Position)> = None;
+    for anchor in anchors {
+        let count = within(anchor);
+        if best.is_none_or(|(most, _)| count > most) {
+            best = Some((count, anchor.place));
+        }
+    }
+    best.map(|(_, place)| place)
+}
