@@ -24,7 +24,7 @@
 //! use sextant_kernel::{Seed, SettingError, StationId};
 //! use sextant_mac::{Phy, RadioStates, csma::CsmaSettings};
 //! use sextant_sim::{
-//!     Application, Delivery, Destination, Engine, EngineSetup, Ieee802154, Mac, NetworkId, NetworkSetup, Payload, Port,
+//!     Application, Delivery, Destination, Engine, EngineSetup, Faults, Ieee802154, Mac, NetworkId, NetworkSetup, Payload, Port,
 //!     Radio, RadioConfig, ReceptionModel, Technology, Unobserved, World, layout::PlacedNode,
 //! };
 //!
@@ -78,7 +78,7 @@
 //! };
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
 //! let (robots, sinks, networks) = (vec![], vec![], vec![network]);
-//! let setup = EngineSetup { world, robots, sinks, networks, duration: None, seed: Seed(1) };
+//! let setup = EngineSetup { world, robots, sinks, networks, duration: None, faults: Faults::default(), seed: Seed(1) };
 //! let ended = Engine::new(setup, vec![Station::Asks(None), Station::Answers(451)])?.run(&mut Unobserved);
 //! assert!(matches!(ended.applications[0], Station::Asks(Some(451))));
 //! assert_eq!(ended.networks[0].packets[1].received, 1);
@@ -91,6 +91,7 @@ mod applications;
 mod csv_rows;
 mod engine;
 mod event;
+mod faults;
 mod link;
 mod model;
 mod observer;
@@ -115,6 +116,7 @@ pub use applications::traffic::{
 };
 pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
+pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
 pub use link::ieee80211ad::{Antennas, AntennasConfig, DmgRadio, HeadingsConfig};
 pub use link::ieee802154::{Mac, Radio};
 pub use link::{Ieee80211ad, Ieee802154, MacConfig, RadioConfig, Technology};

@@ -5,6 +5,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
+use crate::faults::Death;
 use crate::service::network_id::NetworkId;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::sensed::Sensations;
@@ -26,6 +27,8 @@ pub struct Survey {
     pub networks: Vec<NetworkRecord>,
     /// What the sensors of the nodes said.
     pub sensed: Sensations,
+    /// The nodes that died, in the order of their deaths.
+    pub deaths: Vec<Death>,
     /// Time at which the last robot finished, or the time was over.
     pub end: SimTime,
     /// Number of events.

@@ -31,5 +31,11 @@ pub(crate) const NETWORK: Purpose = Purpose::new(15);
 pub(crate) const HEADING: Purpose = Purpose::new(17);
 /// Answers to a steered antenna that has moved on.
 pub(crate) const MISALIGNMENT: Purpose = Purpose::new(18);
+/// Losses of frames that were received otherwise.
+pub(crate) const MESSAGE_LOSS: Purpose = Purpose::new(19);
+/// Nodes that die, and when.
+pub(crate) const DEATHS: Purpose = Purpose::new(22);
+/// Anchors that lie, and in which direction.
+pub(crate) const LYING: Purpose = Purpose::new(24);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);

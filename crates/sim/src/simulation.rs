@@ -82,7 +82,7 @@ impl<N: Application> Simulation<N> {
         nodes: impl FnOnce(&Stations<'_>, &[BusyNetwork]) -> Result<Vec<N>, SettingError>,
     ) -> Result<Self, SettingError> {
         let surveyed = setup.surveyed();
-        let Setup { world, networks, robots, sinks, duration, seed } = setup;
+        let Setup { world, networks, robots, sinks, duration, faults, seed } = setup;
         let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
         if networks.is_empty() {
             return Err(SettingError::new("networks", "empty", "at least one network"));
@@ -100,7 +100,7 @@ impl<N: Application> Simulation<N> {
             .chain(robots.into_iter().map(|robot| Standard::Robot(Box::new(Journey::new(robot, roll.nodes)))))
             .chain(sinks.iter().map(|_| Standard::Sink))
             .collect();
-        let setup = EngineSetup { world, robots: bodies, sinks, networks: links, duration, seed };
+        let setup = EngineSetup { world, robots: bodies, sinks, networks: links, duration, faults, seed };
         let extras = Extras { first_packet: 0, channel_seed: seed, coordinator };
         Ok(Self { engine: Engine::with(setup, applications, extras)?, nodes: roll.nodes, surveyed })
     }
@@ -116,7 +116,7 @@ impl<N: Application> Simulation<N> {
     fn run_told(self, observer: &mut dyn Observer) -> (Survey, Vec<N>) {
         let observer = &mut Told::new(observer);
         let Self { engine, nodes, surveyed } = self;
-        let Ended { applications, logs, path_lengths_m, networks, end, events, sensed, interrupted } =
+        let Ended { applications, logs, path_lengths_m, networks, end, events, sensed, deaths, interrupted } =
             engine.run(observer);
         let mut own = Vec::with_capacity(nodes);
         let mut journeys = Vec::new();
@@ -146,7 +146,8 @@ impl<N: Application> Simulation<N> {
         let mut logs = (0..=u8::MAX).map(NetworkId).zip(logs).filter(|(network, _)| surveyed.contains(network));
         let (_, log) = logs.next().expect("a network is surveyed");
         let other_logs = logs.collect();
-        let survey = Survey { log, other_logs, robots, packets, energy, networks, sensed, end, events, interrupted };
+        let survey =
+            Survey { log, other_logs, robots, packets, energy, networks, sensed, deaths, end, events, interrupted };
         (survey, own)
     }
 }

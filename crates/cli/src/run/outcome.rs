@@ -1,15 +1,15 @@
 //! The summary of a run.
 
-use sextant_kernel::SimTime;
-use sextant_sim::{BusyNetwork, Ending, NetworkRecord, Survey};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_sim::{BusyNetwork, Ending, NetworkRecord, RoleConfig, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
 use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
-    EnergySummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SensingSummary, SimulationSummary,
-    Summary,
+    EnergySummary, FaultsSummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SensingSummary,
+    SimulationSummary, Summary,
 };
 
 /// The summary of a survey, of the discovery before it and of its maps, without timing.
@@ -26,7 +26,10 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             Ending::Stuck => "stuck",
         }),
         duration_s: record.end.map(SimTime::as_secs_f64),
-        unreached: unreached(survey, config.controller.packets_per_node()),
+        unreached: match config.role {
+            RoleConfig::Survey => unreached(survey, config.controller.packets_per_node()),
+            RoleConfig::Anchor => Vec::new(),
+        },
     });
     let has_robots = !survey.robots.is_empty();
     let mut traffic = mac::traffic(scenario, survey).into_iter();
@@ -61,14 +64,33 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             }),
             robots: robots.collect(),
             interrupted: survey.interrupted,
-            stops: survey.robots.iter().map(|robot| robot.stops).sum(),
+            stops: stops(scenario, survey),
             sweeps: sweeps(scenario, survey),
             receptions: heard(survey),
         }),
+        faults: faults(scenario, survey),
         discovery: discoveries.summary(scenario),
         maps,
         ..Summary::default()
     }
+}
+
+/// What went wrong; `None` if no node can die and no anchor can lie.
+fn faults(scenario: &Scenario, survey: &Survey) -> Option<FaultsSummary> {
+    let (faults, nodes) = (&scenario.config().faults, &scenario.world().nodes);
+    let name = |node: NodeId| nodes[node.index()].name.clone();
+    let lying = || scenario.anchors().iter().filter(|anchor| anchor.position != nodes[anchor.node.index()].position);
+    let summary = FaultsSummary {
+        deaths: faults.deaths.as_ref().map(|_| survey.deaths.iter().map(|death| name(death.node)).collect()),
+        lying_anchors: faults.lying_anchors.as_ref().map(|_| lying().map(|anchor| name(anchor.node)).collect()),
+    };
+    (summary != FaultsSummary::default()).then_some(summary)
+}
+
+/// Stops at which robots listened.
+fn stops(scenario: &Scenario, survey: &Survey) -> usize {
+    let robots = survey.robots.iter().zip(&scenario.config().robots);
+    robots.filter(|(_, config)| config.role == RoleConfig::Survey).map(|(record, _)| record.stops).sum()
 }
 
 /// Sector sweeps of the robots; `None` if there is no network with sector sweeps.

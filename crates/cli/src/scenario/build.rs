@@ -62,10 +62,12 @@ pub(super) fn check(
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));
+    let faults =
+        world.as_ref().and_then(|world| errors.take("faults", config.faults.build(&world.nodes, Seed(config.seed))));
     let (Some(world), Some(networks)) = (world, networks.into_iter().collect::<Option<Vec<_>>>()) else {
         return (None, maps);
     };
-    let (Some(anchors), Some(discovery)) = (anchors, discovery) else { return (None, maps) };
+    let (Some(anchors), Some(discovery), Some(faults)) = (anchors, discovery, faults) else { return (None, maps) };
     let Some(known_channel) = known.first_channel() else { return (None, maps) };
     for (i, name) in config.recording.likelihood.iter().enumerate() {
         if !world.nodes.iter().any(|node| node.name == *name) {
@@ -74,7 +76,7 @@ pub(super) fn check(
         }
     }
     let seed = Seed(config.seed);
-    let setup = Setup { world, networks, robots, sinks, duration: duration.flatten(), seed };
+    let setup = Setup { world, networks, robots, sinks, duration: duration.flatten(), faults, seed };
     if errors.found.is_empty() {
         // The simulation checks what depends on several parts, such as the size of frames.
         if let Err(error) = Simulation::new(setup.clone()) {
@@ -102,5 +104,5 @@ fn check_anchors(
             errors.refuse(&SettingError::new("anchors", found, allowed));
         }
     }
-    Some(anchors)
+    errors.take("faults", config.faults.believed(&anchors, &world.nodes, Seed(config.seed)))
 }

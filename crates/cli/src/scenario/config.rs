@@ -11,8 +11,8 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{MapConfig, NodeDisplacement};
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, DiscoveryConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig,
-    SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, MacConfig, RadioConfig, ReceptionConfig,
+    RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
@@ -72,6 +72,9 @@ pub struct ScenarioConfig {
     /// The nodes that know their position, for maps that need them; a random fifth of the nodes if absent.
     #[serde(default)]
     pub anchors: AnchorsConfig,
+    /// What goes wrong: lost frames, nodes that die, anchors that lie; nothing if absent.
+    #[serde(default, skip_serializing_if = "is_faultless")]
+    pub faults: FaultsConfig,
     /// How the nodes discover their neighbours, for maps that need it.
     #[serde(default)]
     pub discovery: DiscoveryConfig,
@@ -87,6 +90,10 @@ pub struct ScenarioConfig {
     /// The settings that a sweep varies; `run` ignores this table.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepConfig>,
+}
+
+fn is_faultless(faults: &FaultsConfig) -> bool {
+    *faults == FaultsConfig::default()
 }
 
 fn default_seed() -> u64 {

@@ -128,7 +128,7 @@ impl Scenario {
         &self.maps
     }
 
-    /// The nodes that know their position, by node.
+    /// The nodes that know their position, by node, with the places that they believe in: wrong ones of those that lie.
     #[must_use]
     pub fn anchors(&self) -> &[Anchor] {
         &self.parts.anchors

@@ -7,8 +7,8 @@ use sextant_apps::ControllerConfig;
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
-    AntennasConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig, TrafficConfig,
-    WorldConfig,
+    AntennasConfig, FaultsConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig, SinkConfig,
+    TrafficConfig, WorldConfig,
 };
 use sha2::{Digest, Sha256};
 
@@ -36,6 +36,7 @@ struct SurveySettings<'a> {
     duration_s: &'a Option<f64>,
     sinks: &'a [SinkConfig],
     robots: &'a [RobotConfig<ControllerConfig>],
+    faults: &'a FaultsConfig,
 }
 
 impl SurveyIdentity {
@@ -60,6 +61,7 @@ impl SurveyIdentity {
             duration_s,
             sinks,
             robots,
+            faults,
             name: _,
             seed: _,
             anchors: _,
@@ -83,6 +85,7 @@ impl SurveyIdentity {
             duration_s,
             sinks,
             robots,
+            faults,
         };
         let json = serde_json::to_vec(&settings).expect("settings that were read from text can be written as text");
         Self(Sha256::digest(json).into())

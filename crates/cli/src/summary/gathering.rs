@@ -135,7 +135,7 @@ pub struct RoundSummary {
 pub struct RobotSummary {
     /// Name of the robot.
     pub name: String,
-    /// Places where it listened.
+    /// Places where it listened, or sent as a mobile anchor.
     pub stops: usize,
     /// Length of its path through all its known positions (m).
     pub path_length_m: f64,

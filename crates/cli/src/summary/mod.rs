@@ -19,6 +19,6 @@ pub use map::{
     HeightsSummary, MapSummary, NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
 };
 pub use measures::{Measure, Number, Unit};
-pub use results::{ScenarioSummary, SensingSummary, SimulationSummary, Summary};
+pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

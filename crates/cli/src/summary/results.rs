@@ -32,6 +32,9 @@ pub struct Summary {
     /// What the sensors of the nodes said, if there are targets or fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensing: Option<SensingSummary>,
+    /// What went wrong, if the scenario has nodes that die or anchors that lie.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub faults: Option<FaultsSummary>,
     /// Discovery before the survey, if a map needed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub discovery: Option<DiscoverySummary>,
@@ -44,6 +47,17 @@ pub struct Summary {
     /// Time and memory on this machine: the only part that differs from run to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
+}
+
+/// What went wrong.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FaultsSummary {
+    /// Names of the nodes that died, in the order of their deaths. Absent if none can die.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deaths: Option<Vec<String>>,
+    /// Names of the anchors that lied, by node. Absent if none can lie.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lying_anchors: Option<Vec<String>>,
 }
 
 /// What the sensors of the nodes said.

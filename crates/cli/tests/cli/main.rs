@@ -4,6 +4,7 @@ mod architecture;
 mod command_line;
 mod comparators;
 mod failing_disk;
+mod faults;
 mod figure;
 #[cfg(unix)]
 mod interrupt;

@@ -72,6 +72,8 @@ pub(crate) struct Air {
     /// Number of receivers of each network that listen and are in its audience.
     audience_listening: Vec<usize>,
     packets: u64,
+    /// Share of the frames, received otherwise, that a receiver loses.
+    message_loss: f64,
     seed: Seed,
     near: Vec<Listener<Position>>,
     reached: Reached,
@@ -92,12 +94,14 @@ pub(crate) struct AirSettings {
     pub(crate) sensing: Duration,
     /// Number of the first packet; each packet has its own number and so its own draws.
     pub(crate) first_packet: u64,
+    /// Share of the frames, received otherwise, that a receiver loses.
+    pub(crate) message_loss: f64,
     pub(crate) seed: Seed,
 }
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, gain, floor, sensing, first_packet, seed } = settings;
+        let AirSettings { channel, power, gain, floor, sensing, first_packet, message_loss, seed } = settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
@@ -110,6 +114,7 @@ impl Air {
             roll,
             audience_listening: Vec::new(),
             packets: first_packet,
+            message_loss,
             seed,
             near: Vec::new(),
             reached: Reached::default(),
@@ -290,11 +295,22 @@ impl Air {
             {
                 self.note_carrier(receiver, station, &rules);
                 if self.network(receiver) == network {
+                    let is_lost = outcome == FrameOutcome::Received && self.loses(signal.packet, receiver);
+                    let outcome = if is_lost { FrameOutcome::Weak } else { outcome };
                     arrivals.push(Arrival { station, power, sinr, outcome });
                 }
             }
         }
         self.reached.give_back(reached);
+    }
+}
+
+impl Air {
+    /// Whether a receiver loses a frame that it could receive.
+    #[inline]
+    fn loses(&self, packet: u64, receiver: ReceiverId) -> bool {
+        self.message_loss > 0.0
+            && self.seed.uniform(purpose::MESSAGE_LOSS, [packet, receiver.0.into(), 0]) < self.message_loss
     }
 }
 

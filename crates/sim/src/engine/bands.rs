@@ -76,7 +76,7 @@ pub(super) fn air(
     world: &World,
     channel_seed: Seed,
     seed: Seed,
-    first_packet: u64,
+    (first_packet, message_loss): (u64, f64),
 ) -> AirSettings {
     let channel_seed =
         if band == 0 { channel_seed } else { Seed(channel_seed.bits(purpose::BAND, [band as u64, 0, 0])) };
@@ -89,6 +89,7 @@ pub(super) fn air(
             - NEGLECTED_BELOW_NOISE,
         sensing: technologies().map(Technology::carrier_sense).max().unwrap_or(Duration::ZERO),
         first_packet: first_packet + band as u64 * PACKETS_OF_A_BAND,
+        message_loss,
         seed,
     }
 }

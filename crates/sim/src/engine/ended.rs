@@ -3,6 +3,7 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::SimTime;
 
+use crate::faults::Death;
 use crate::service::packets::NetworkRecord;
 use crate::service::sensed::Sensations;
 
@@ -23,6 +24,8 @@ pub struct Ended<A> {
     pub events: u64,
     /// What the sensors of the nodes said.
     pub sensed: Sensations,
+    /// The nodes that died, in the order of their deaths.
+    pub deaths: Vec<Death>,
     /// Whether the observer ended it.
     pub interrupted: bool,
 }

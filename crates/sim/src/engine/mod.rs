@@ -1,6 +1,7 @@
 //! The engine: the only event loop.
 
 mod bands;
+mod dying;
 mod ended;
 mod sensing;
 mod setup;
@@ -11,6 +12,7 @@ use sextant_mac::coordinator::Coordinator;
 use crate::air::{Aim, Air};
 use crate::application::{Application, Port};
 use crate::event::Event;
+use crate::faults::{Death, Faults};
 use crate::link::ieee80211ad;
 use crate::link::ieee802154::{self, Mac};
 use crate::link::network::Network;
@@ -42,6 +44,10 @@ pub struct Engine<A> {
     ends_with_tasks: bool,
     events: u64,
     sensed: Sensations,
+    faults: Faults,
+    /// Whether each station has died; empty as long as none has.
+    dead: Vec<bool>,
+    deaths: Vec<Death>,
 }
 
 /// What only some runs need.
@@ -74,7 +80,7 @@ impl<A: Application> Engine<A> {
     }
 
     pub(crate) fn with(setup: EngineSetup, applications: Vec<A>, extras: Extras) -> Result<Self, SettingError> {
-        let EngineSetup { world, robots, sinks, networks, duration, seed } = setup;
+        let EngineSetup { world, robots, sinks, networks, duration, faults, seed } = setup;
         let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
         assert_eq!(applications.len(), roll.len(), "one application for each station");
         let places = world.nodes.iter().map(|node| node.position);
@@ -102,7 +108,8 @@ impl<A: Application> Engine<A> {
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         for (i, band) in bands.iter().enumerate() {
             let in_band: Vec<&NetworkSetup> = band.iter().map(|&network| &networks[network]).collect();
-            let settings = bands::air(&in_band, i, &world, channel_seed, seed, first_packet);
+            let packets = (first_packet, faults.message_loss());
+            let settings = bands::air(&in_band, i, &world, channel_seed, seed, packets);
             scene.airs.push(Air::new(settings, fixed.clone(), roll));
         }
         let mut links = Vec::with_capacity(networks.len());
@@ -170,6 +177,9 @@ impl<A: Application> Engine<A> {
             ends_with_tasks: unfinished > 0,
             events: 0,
             sensed: Sensations::default(),
+            faults,
+            dead: Vec::new(),
+            deaths: Vec::new(),
         })
     }
 
@@ -183,6 +193,9 @@ impl<A: Application> Engine<A> {
                 && now >= end
             {
                 break;
+            }
+            if self.is_dropped(event) {
+                continue;
             }
             self.model.scene.now = now;
             self.events += 1;
@@ -227,6 +240,7 @@ impl<A: Application> Engine<A> {
             network.begin_schedule(&mut self.model.scene);
         }
         self.model.sensing.begin(&mut self.model.scene);
+        self.schedule_deaths();
         self.model.tell(&mut self.logs, observer);
     }
 
@@ -238,6 +252,10 @@ impl<A: Application> Engine<A> {
                 self.model.networks[network.index()].handle(station, event, &mut self.model.scene, observer);
                 if !self.model.scene.upcalls.is_empty() {
                     self.pass_on(network);
+                }
+                if self.is_dead(station) {
+                    // The frame that was on air has ended.
+                    self.model.networks[network.index()].die(station, &mut self.model.scene);
                 }
             }
             Event::Timer(station, timer) => {
@@ -254,6 +272,7 @@ impl<A: Application> Engine<A> {
             Event::TargetEntered(station, target) => self.tell_sensed(station, &Sensed::Entered(target), observer),
             Event::TargetLeft(station, target) => self.tell_sensed(station, &Sensed::Left(target), observer),
             Event::SampleDue(station) => self.sample(station, observer),
+            Event::Died(station) => self.die(station),
         }
         if self.model.notes.is_empty() {
             return true;
@@ -267,6 +286,9 @@ impl<A: Application> Engine<A> {
         if let [Upcall::Sent { station, report }] = self.model.scene.upcalls[..] {
             // The most frequent case, without a frame.
             self.model.scene.upcalls.clear();
+            if self.is_dead(station) {
+                return;
+            }
             let mut port = Port { model: &mut self.model, station };
             self.applications[station.index()].sent(network, &report, &mut port);
             return;
@@ -275,6 +297,9 @@ impl<A: Application> Engine<A> {
         let (frame, payload) = self.model.networks[network.index()].take_payload();
         for upcall in upcalls.drain(..) {
             let station = upcall.station();
+            if self.is_dead(station) {
+                continue;
+            }
             let mut port = Port { model: &mut self.model, station };
             let application = &mut self.applications[station.index()];
             match upcall {
@@ -316,6 +341,7 @@ impl<A: Application> Engine<A> {
             end: now,
             events: self.events,
             sensed: self.sensed,
+            deaths: self.deaths,
             interrupted,
         }
     }

@@ -6,6 +6,7 @@ use sextant_channel::ChannelLaw;
 use sextant_kernel::Seed;
 use sextant_mac::RadioStates;
 
+use crate::faults::Faults;
 use crate::link::Technology;
 use crate::station::{RobotBody, Sink};
 use crate::world::World;
@@ -36,6 +37,8 @@ pub struct EngineSetup {
     pub networks: Vec<NetworkSetup>,
     /// When the simulation ends; `None` if when the tasks of all applications are done.
     pub duration: Option<Duration>,
+    /// What goes wrong.
+    pub faults: Faults,
     /// The seed of all randomness.
     pub seed: Seed,
 }

@@ -32,6 +32,8 @@ pub(crate) enum Event {
     TargetLeft(StationId, TargetId),
     /// A node samples the fields.
     SampleDue(StationId),
+    /// A node dies.
+    Died(StationId),
     /// A robot has driven the next part of an arc.
     ArcPartDriven(StationId),
 }
@@ -45,7 +47,8 @@ impl Event {
             | Self::ArcPartDriven(station)
             | Self::TargetEntered(station, _)
             | Self::TargetLeft(station, _)
-            | Self::SampleDue(station) => Class::Application.rank(station),
+            | Self::SampleDue(station)
+            | Self::Died(station) => Class::Application.rank(station),
             Self::TargetTurned(TargetId(target)) => Class::Application.rank(StationId(target.into())),
             Self::Link(station, _, event) => event.class().rank(station),
         }

@@ -119,6 +119,25 @@ impl Network {
         }
     }
 
+    /// A station dies: its radio is off from now on, or from the end of the frame on air.
+    pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {
+        match self {
+            Self::Ieee802154(network) => network.die(station, scene),
+            Self::Ieee80211ad(network) => network.die(station, scene),
+        }
+    }
+
+    /// Whether an event is the end of the frame that a station has on air.
+    pub(crate) fn ends_frame(&self, station: StationId, event: LinkEvent) -> bool {
+        match (self, event) {
+            (Self::Ieee802154(network), LinkEvent::Ieee802154(event)) => network.ends_frame(station, event),
+            (Self::Ieee80211ad(network), LinkEvent::Ieee80211ad(event)) => network.ends_frame(station, event),
+            (Self::Ieee802154(_), LinkEvent::Ieee80211ad(_)) | (Self::Ieee80211ad(_), LinkEvent::Ieee802154(_)) => {
+                false
+            }
+        }
+    }
+
     /// A station moves differently from now on.
     pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
         match self {

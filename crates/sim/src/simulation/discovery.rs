@@ -187,6 +187,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         sinks: Vec::new(),
         networks: vec![network],
         duration: None,
+        faults: setup.faults.without_deaths(),
         seed,
     };
     Engine::with(setup, applications, extras)

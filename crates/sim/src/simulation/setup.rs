@@ -7,6 +7,7 @@ use sextant_kernel::{NodeId, Seed};
 use crate::applications::journey::Robot;
 use crate::applications::traffic::TrafficPlan;
 use crate::engine::NetworkSetup;
+use crate::faults::Faults;
 use crate::service::network_id::NetworkId;
 use crate::station::Sink;
 use crate::world::World;
@@ -45,6 +46,8 @@ pub struct Setup {
     pub sinks: Vec<Sink>,
     /// When the simulation ends; `None` if when the last robot has finished.
     pub duration: Option<Duration>,
+    /// What goes wrong.
+    pub faults: Faults,
     /// The seed of all randomness.
     pub seed: Seed,
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Anchor;
 use sextant_kernel::{NodeId, Seed, SettingError};
 
+use super::choice::{drawn, named, number_of};
 use super::layout::PlacedNode;
 use crate::purpose;
 
@@ -34,17 +35,12 @@ impl AnchorsConfig {
     /// If a share is outside 0 to 1, there are fewer nodes than requested anchors, or a name is unknown or given
     /// twice.
     pub fn choose(&self, nodes: &[PlacedNode], seed: Seed) -> Result<Vec<Anchor>, SettingError> {
-        let anchor = |i: usize| Anchor { node: NodeId::from_index(i), position: nodes[i].position };
+        let anchor = |node: NodeId| Anchor { node, position: nodes[node.index()].position };
+        let all = (0..nodes.len()).map(NodeId::from_index);
         let mut chosen = match self {
             Self::Share(share) => {
-                SettingError::in_range("share", *share, 0.0, 1.0)?;
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a share of a number of nodes"
-                )]
-                let count = (share * nodes.len() as f64).ceil() as usize;
-                drawn(nodes.len(), seed).take(count).collect::<Vec<_>>()
+                let count = number_of(*share, nodes.len())?;
+                drawn(all, purpose::ANCHORS, seed).take(count).collect::<Vec<_>>()
             }
             Self::Count(count) => {
                 if *count > nodes.len() {
@@ -54,34 +50,13 @@ impl AnchorsConfig {
                         format!("at most {}, the number of nodes", nodes.len()),
                     ));
                 }
-                drawn(nodes.len(), seed).take(*count).collect()
+                drawn(all, purpose::ANCHORS, seed).take(*count).collect()
             }
-            Self::Names(names) => {
-                let mut chosen = Vec::new();
-                for (i, name) in names.iter().enumerate() {
-                    let refused =
-                        |found, allowed: &str| Err(SettingError::new(format!("names[{i}]"), found, allowed));
-                    let Some(node) = nodes.iter().position(|node| node.name == *name) else {
-                        return refused(format!("`{name}`"), "the name of a node");
-                    };
-                    if chosen.contains(&node) {
-                        return refused(format!("`{name}` again"), "each node once");
-                    }
-                    chosen.push(node);
-                }
-                chosen
-            }
+            Self::Names(names) => named(names, nodes, ("the name of a node", |_| true))?,
         };
         chosen.sort_unstable();
         Ok(chosen.into_iter().map(anchor).collect())
     }
-}
-
-/// The nodes in random order.
-fn drawn(nodes: usize, seed: Seed) -> impl Iterator<Item = usize> {
-    let mut order: Vec<_> = (0..nodes).map(|node| (seed.bits(purpose::ANCHORS, [node as u64, 0, 0]), node)).collect();
-    order.sort_unstable();
-    order.into_iter().map(|(_, node)| node)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The true world, which robots and mappers do not know.
 
 pub(crate) mod anchors;
+pub(crate) mod choice;
 pub(crate) mod field;
 pub mod layout;
 pub(crate) mod sensors;

@@ -12,8 +12,8 @@ use sextant_kernel::SimTime;
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ended, Ending, Engine,
-    EngineSetup, FrameOnAir, FrameOutcome, Listening, Mac, NetworkId, Observer, Payload, PeriodicConfig, Port, Pose,
-    Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Timer, TrafficConfig, Unobserved,
+    EngineSetup, Faults, FrameOnAir, FrameOutcome, Listening, Mac, NetworkId, Observer, Payload, PeriodicConfig,
+    Port, Pose, Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Timer, TrafficConfig, Unobserved,
 };
 
 use crate::network;
@@ -210,6 +210,7 @@ impl Scene {
             sinks: Vec::new(),
             networks: vec![link],
             duration: Some(self.end),
+            faults: Faults::default(),
             seed: setup.seed,
         };
         let ended = Engine::new(setup, applications).expect("good settings").run(observer);

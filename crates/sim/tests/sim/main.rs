@@ -5,6 +5,7 @@ mod broadcasts;
 mod discovery;
 mod draws;
 mod driving;
+mod faults;
 mod flooding;
 mod hopping;
 mod listening;

@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_sim::{
-    Application, Broadcast, BusyNetwork, Delivery, Ending, Listening, PeriodicConfig, Port, Pose, Robot, RobotBody,
-    Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
+    Application, Broadcast, BusyNetwork, Delivery, Ending, Faults, Listening, PeriodicConfig, Port, Pose, Robot,
+    RobotBody, Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
 };
 
 use crate::network;
@@ -59,6 +59,7 @@ fn setup(broadcast: Option<Box<dyn Broadcast>>, listening: Listening, traffic: T
         robots: vec![Robot { body, broadcast, ..robot }],
         sinks: Vec::new(),
         duration: None,
+        faults: Faults::default(),
         seed: sextant_kernel::Seed(1),
     }
 }

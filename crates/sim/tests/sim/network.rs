@@ -8,8 +8,8 @@ use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Ieee802154, Listening,
-    Mac, NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
+    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Faults, Ieee802154,
+    Listening, Mac, NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
     RobotCommand, Setup, Situation, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
@@ -105,6 +105,7 @@ pub(crate) fn setup(
         robots: Vec::new(),
         sinks: Vec::new(),
         duration: None,
+        faults: Faults::default(),
         seed: Seed(seed),
     }
 }
@@ -168,6 +169,7 @@ pub(crate) fn engine(places: &[Position], link: NetworkSetup, seed: u64) -> Engi
         sinks: Vec::new(),
         networks: vec![link],
         duration: None,
+        faults: Faults::default(),
         seed: Seed(seed),
     }
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{NodeId, Seed, SimTime};
 use sextant_sim::{
-    Application, AtEnd, Ended, Engine, EngineSetup, Observer, Port, Sensed, Sensors, SensorsConfig, Target,
+    Application, AtEnd, Ended, Engine, EngineSetup, Faults, Observer, Port, Sensed, Sensors, SensorsConfig, Target,
     TargetConfig, TargetId, TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
 };
 
@@ -96,6 +96,7 @@ fn run<A: Application>(
         sinks: Vec::new(),
         networks: Vec::new(),
         duration: Some(Duration::from_secs_f64(duration_s)),
+        faults: Faults::default(),
         seed: Seed(seed),
     };
     Engine::new(setup, applications).expect("good settings").run(observer)

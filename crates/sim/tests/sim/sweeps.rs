@@ -11,9 +11,9 @@ use sextant_kernel::{NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
 use sextant_sim::{
-    Antennas, AntennasConfig, BusyNetwork, DiscoveryConfig, DmgRadio, FrameOnAir, FrameOutcome, HeadingsConfig,
-    Ieee80211ad, NetworkSetup, Observer, ReceptionModel, Round, Setup, SilentConfig, Simulation, Survey, Technology,
-    TrafficConfig, Unobserved, World, discover,
+    Antennas, AntennasConfig, BusyNetwork, DeathsConfig, DiscoveryConfig, DmgRadio, Faults, FaultsConfig, FrameOnAir,
+    FrameOutcome, HeadingsConfig, Ieee80211ad, NetworkSetup, Observer, ReceptionModel, Round, Setup, SilentConfig,
+    Simulation, Survey, Technology, TrafficConfig, Unobserved, World, discover,
 };
 
 use crate::network;
@@ -85,6 +85,7 @@ impl Scene {
             robots: vec![robot],
             sinks: Vec::new(),
             duration: None,
+            faults: Faults::default(),
             seed: Seed(self.seed),
         }
     }
@@ -267,4 +268,41 @@ fn a_sector_of_any_ring_of_an_array_has_its_number_in_the_log() {
     }
     let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
     assert_eq!(receptions(&survey, 0).first().map(|reception| reception.sector), Some(Some(16)));
+}
+
+/// The survey of four sweeps, 25 ms apart, of one node that dies at `at_s`, and what was on air.
+fn dying(at_s: f64) -> (Survey, OnAir) {
+    let scene = Scene { sweeps: 4, ..Scene::of(vec![Position::new(3.0, 0.0, 0.0)]) };
+    let mut setup = scene.setup();
+    let deaths = DeathsConfig { share: Some(1.0), names: None, from_s: at_s, to_s: at_s };
+    let faults = FaultsConfig { deaths: Some(deaths), ..FaultsConfig::default() };
+    setup.faults = faults.build(&setup.world.nodes, Seed(1)).expect("good faults");
+    let mut on_air = OnAir::default();
+    let survey = Simulation::new(setup).expect("a good setup").run(&mut on_air);
+    (survey, on_air)
+}
+
+#[test]
+fn a_dead_node_answers_no_sweep() {
+    let (survey, _) = dying(0.06);
+    let [reception] = receptions(&survey, 0)[..] else { panic!("one stop") };
+    assert_eq!((reception.received, reception.sent), (3, 4));
+    assert_eq!(survey.deaths.len(), 1);
+    // 1 mW asleep for the last 40 ms.
+    let spent = survey.networks[0].energy[0];
+    assert!((spent.sleep_j - 1e-3 * (survey.end.as_secs_f64() - 0.06)).abs() < 1e-12, "{spent:?}");
+}
+
+#[test]
+fn the_frame_of_an_answer_that_is_on_air_when_the_node_dies_is_its_last() {
+    let of_node = |on_air: &OnAir| -> Vec<(u64, u64)> {
+        on_air.0.iter().filter(|sent| sent.2 == StationId(0)).map(|&(start, end, ..)| (start, end)).collect()
+    };
+    let alive = of_node(&dying(1.0).1);
+    assert_eq!(alive.len(), 4 * 8);
+    let (start, end) = alive[10];
+    let (survey, on_air) = dying((start + (end - start) / 2) as f64 * 1e-9);
+    assert_eq!(of_node(&on_air), alive[..11]);
+    let p = survey.packets;
+    assert_eq!((p.offered, p.received, p.pending), (2, 1, 1));
 }

@@ -1,6 +1,7 @@
 //! A network of IEEE 802.11ad: the links of all its stations.
 
 mod broadcasting;
+mod dying;
 mod ending;
 mod sweeping;
 

@@ -2,6 +2,7 @@
 
 mod acknowledging;
 mod beacons;
+mod dying;
 mod frames;
 mod receiving;
 mod sending;
