@@ -10,7 +10,7 @@ use sextant_mac::dmg::{SweepBody, SweepConfig, SweepFrame, beacon_payload};
 use sextant_sim::{
     Antennas, Application, Delivery, Destination, DmgRadio, Ended, Engine, EngineSetup, FrameId, FrameOnAir,
     FrameOutcome, Ieee80211ad, NetworkSetup, Observer, Packets, Payload, Port, RadioConfig, ReceptionModel,
-    SendError, SendOutcome, SendReport, SweepAnswer, SweepError, SweepKind, Technology, Timer,
+    SendError, SendOutcome, SendReport, Sink, SweepAnswer, SweepError, SweepKind, Technology, Timer,
 };
 
 use crate::network;
@@ -446,6 +446,18 @@ fn a_sweep_waits_for_the_broadcast_under_way_and_goes_before_those_in_the_queue(
         Packets { offered: 3, sent: 3, received: 3, transmissions: 24, octets_received: 40, ..Packets::default() };
     assert_eq!(ended.networks[0].packets[1], expected);
     assert!(on_air.of(1).iter().any(|sent| sent.outcome == FrameOutcome::Received));
+}
+
+#[test]
+fn the_delay_of_a_broadcast_to_a_sink_ends_with_its_first_frame_that_is_received() {
+    // The sink is on the boresight of sector 2, where at 5 m it hears no other.
+    let mut setup = nodes(EIGHT, &[[0.0; 3]], 1);
+    setup.sinks = vec![Sink { name: "sink".into(), position: Position::new(0.0, 5.0, 0.0), networks: None }];
+    let node = Speaker::default().and_broadcasts(1000, &[1; 20]);
+    let (ended, on_air) = run(setup, vec![node, Speaker::default()]);
+    let delay = Duration::from_nanos(on_air.of(0)[2].end - 1_000_000);
+    assert_eq!(ended.networks[0].delays, [(StationId(0), delay)]);
+    assert_eq!(ended.networks[0].deliveries, [0, 1]);
 }
 
 #[test]

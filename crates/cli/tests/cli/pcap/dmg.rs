@@ -164,6 +164,72 @@ fn tshark_decodes_the_fields_of_all_frames_of_a_sweep() {
 }
 
 #[test]
+fn tshark_decodes_the_fields_and_the_payload_of_broadcasts() {
+    // 300 octets do not fit in one element; the second beacon has an empty payload.
+    let payloads: [Vec<u8>; 2] = [(0..300).map(|i| u8::try_from(i % 251).unwrap()).collect(), Vec::new()];
+    let mut file = capture(Technologies::Ieee80211ad);
+    for (payload, sector) in payloads.iter().zip([5, 63]) {
+        let body = SweepBody::Beacon {
+            timestamp_us: 2_123_456,
+            cdown: 127 - u16::from(sector),
+            sector: TxSector { antenna: 1, sector },
+            sequence: 0x5A,
+            payload_octets: u16::try_from(payload.len()).unwrap(),
+        };
+        let frame = SweepFrame { duration_us: 414, to: MacAddress::BROADCAST, from: SENSOR, body };
+        let mut octets = Vec::new();
+        frame.write(payload, &mut octets);
+        let start = SimTime::from_nanos(2_123_456_789);
+        let captured =
+            CapturedDmgFrame { start, airtime: frame.airtime(), octets: &octets, carrier_hz: 60.48e9, power: None };
+        file.dmg_frame(&captured).unwrap();
+    }
+    let fields = [
+        "_ws.malformed",
+        "wlan.fcs.status",
+        "wlan.fc.type_subtype",
+        "wlan.bssid",
+        "wlan.duration",
+        "wlan.fixed.timestamp",
+        "wlan.ssw.direction",
+        "wlan.ssw.cdown",
+        "wlan.ssw.sector_id",
+        "wlan.ssw.dmg_ant_id",
+        "wlan.bic.next_abft",
+        "wlan.tag.number",
+        "wlan.tag.oui",
+        "wlan.tag.vendor.oui.type",
+        "wlan.tag.vendor.data",
+    ];
+    let Some(rows) = decoded(&file.into_output().unwrap(), &fields) else { return };
+    let number = |text: &str| match text.strip_prefix("0x") {
+        Some(digits) => u64::from_str_radix(digits, 16).ok(),
+        None => match text {
+            "False" => Some(0),
+            "True" => Some(1),
+            decimal => decimal.parse().ok(),
+        },
+    };
+    for ((row, payload), sector) in rows.iter().zip(&payloads).zip([5, 63]) {
+        assert_eq!((&*row[0], number(&row[1])), ("", Some(1)), "{row:?}");
+        // Type 3 (extension), subtype 0 (DMG Beacon).
+        assert_eq!(number(&row[2]), Some(0x30));
+        assert_eq!(row[3], "02:00:00:00:00:07");
+        let numbers: Vec<Option<u64>> = row[4..11].iter().map(|text| number(text)).collect();
+        assert_eq!(numbers, [414, 2_123_456, 0, 127 - sector, sector, 1, 15].map(Some));
+        let elements = 1 + payload.len() / 251;
+        assert_eq!([&row[11], &row[12], &row[13]].map(|text| text.split(',').count()), [elements; 3], "{row:?}");
+        assert!(row[11].split(',').all(|id| id == "221") && row[13].split(',').all(|kind| number(kind) == Some(1)));
+        // 02:53:58 as a number.
+        assert!(row[12].split(',').all(|oui| number(oui) == Some(0x02_5358)), "{row:?}");
+        // Behind the type of each element: the sequence number, and then the payload.
+        let content: Vec<u8> = row[14].split(',').flat_map(|data| hex(data)[1..].to_vec()).collect();
+        assert_eq!(content, [&[0x5A], &payload[..]].concat());
+    }
+    assert_eq!(rows.len(), 2);
+}
+
+#[test]
 fn tshark_reads_a_capture_of_both_technologies() {
     let fields = ["frame.interface_id", "frame.time_epoch", "_ws.malformed", "wpan.seq_no", "wlan.ssw.cdown"];
     let Some(rows) = decoded(&both(), &fields) else { return };

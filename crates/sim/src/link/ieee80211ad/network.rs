@@ -56,6 +56,8 @@ pub(crate) struct Network {
     hears: Vec<bool>,
     packets: Vec<Packets>,
     deliveries: Vec<u64>,
+    /// Time from offer to first reception of each broadcast that was received, with its sender, if there are sinks.
+    delays: Vec<(StationId, Duration)>,
     members: Option<Vec<bool>>,
     radio_states: RadioStates,
     arrivals: Vec<Arrival>,
@@ -123,6 +125,7 @@ impl Network {
             hears,
             packets: vec![Packets::default(); roll.len()],
             deliveries: vec![0; roll.len()],
+            delays: Vec::new(),
             members,
             radio_states,
             arrivals: Vec::new(),
@@ -242,7 +245,7 @@ impl Network {
             let ended = received + lost_collision + lost_channel_access + lost_signal + out_of_range + not_listened;
             self.packets[i].pending = offered - ended - lost_queue;
         }
-        NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: Vec::new() }
+        NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: self.delays }
     }
 
     /// Whether a station is in the network.

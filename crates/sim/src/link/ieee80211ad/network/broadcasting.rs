@@ -1,7 +1,7 @@
 //! Broadcasts: payloads are offered, wait, are sent from each sector of their station, and are delivered.
 
 use sextant_channel::Db;
-use sextant_kernel::StationId;
+use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::{MAX_BEACON_PAYLOAD_OCTETS, TxSector, beacon_octets, beacon_payload_octets};
 
 use super::Network;
@@ -71,11 +71,14 @@ impl Network {
 
     /// A frame of the broadcast of `station` has ended with this outcome. If it was received, its payload is kept for the
     /// applications.
-    pub(super) fn note_beacon(&mut self, station: StationId, outcome: FrameOutcome) {
+    pub(super) fn note_beacon(&mut self, station: StationId, outcome: FrameOutcome, now: SimTime) {
         let Some(Task::Broadcast(broadcast)) = &mut self.stacks[station.index()].task else {
             unreachable!("beacons belong to broadcasts")
         };
         broadcast.frames += 1;
+        if self.roll.sinks > 0 && outcome == FrameOutcome::Received && broadcast.outcome != outcome {
+            self.delays.push((station, now - broadcast.offered));
+        }
         broadcast.outcome = broadcast.outcome.max(outcome);
         if outcome == FrameOutcome::Received {
             self.payload.clear();

@@ -27,7 +27,9 @@ impl Network {
                 stack.outcome = stack.outcome.max(outcome);
                 stack.frames += 1;
             }
-            SweepBody::Beacon { .. } => self.note_beacon(station, self.outcome(&transmission, &frame)),
+            SweepBody::Beacon { .. } => {
+                self.note_beacon(station, self.outcome(&transmission, &frame), scene.now);
+            }
             SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
         }
         if observer.wants_frames() {
