@@ -135,7 +135,7 @@ pub use simulation::setup::{BusyNetwork, Setup};
 pub use station::{
     Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, RoleConfig, Sink, SinkConfig,
 };
-pub use world::anchors::AnchorsConfig;
+pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};
 pub use world::target::{

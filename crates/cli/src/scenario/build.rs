@@ -93,7 +93,7 @@ fn check_anchors(
     maps: &[NamedMap],
     errors: &mut Errors<'_>,
 ) -> Option<Vec<Anchor>> {
-    let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, Seed(config.seed)))?;
+    let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, &world.obstacles, Seed(config.seed)))?;
     let first = anchors.first().map_or(0.0, |anchor| anchor.position.z_m);
     let is_planar = anchors.iter().all(|anchor| (anchor.position.z_m - first).abs() <= 1e-9);
     for map in maps {

@@ -15,6 +15,17 @@ pub(crate) fn number_of(share: f64, count: usize) -> Result<usize, SettingError>
     Ok(number)
 }
 
+/// `number` if it is at most the number of `nodes`.
+///
+/// # Errors
+/// `count` otherwise.
+pub(crate) fn at_most(number: usize, nodes: usize) -> Result<usize, SettingError> {
+    if number > nodes {
+        return Err(SettingError::new("count", number, format!("at most {nodes}, the number of nodes")));
+    }
+    Ok(number)
+}
+
 /// The `candidates` in random order. Which of two is first does not depend on the others.
 pub(crate) fn drawn(
     candidates: impl Iterator<Item = NodeId>,
