@@ -1,4 +1,5 @@
-//! What robots do in a network: controllers on top of the simulator.
+//! What robots and nodes do in a network, on top of the simulator: controllers of robots, and maps that are computed in
+//! the nodes ([`distributed`]).
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
 //! through the simulation. Two controllers need no map: [`AutomatedS`], which turns where it meets an obstacle or
@@ -26,6 +27,7 @@
 mod area;
 mod automated_s;
 mod controller;
+pub mod distributed;
 mod hilbert;
 mod itinerary;
 mod purpose;

@@ -54,6 +54,8 @@ pub struct UnorientedRing<'a> {
     pub covariance: Option<[[f64; 3]; 3]>,
     /// Number of sectors in a ring, `N_S`. 0 counts as 1.
     pub sectors: u8,
+    /// Width of each sector in elevation (rad). All are raised by the same angle, which is unknown too.
+    pub vertical_width_rad: f64,
     /// The neighbours that hear the anchor.
     pub bearings: &'a [Bearing],
 }
@@ -66,8 +68,11 @@ pub struct RingOrientation {
     /// How far the azimuth may be off (rad), at most π: half the width of the interval, or the standard deviation of the
     /// circular mean.
     pub half_width_rad: f64,
-    /// Mean elevation of the neighbours (rad), in [−π/2, π/2]: that of all sectors (thesis, chapter 5).
+    /// Elevation of the middle of all sectors (rad), in [−π/2, π/2].
     pub elevation_rad: f64,
+    /// How far the elevation may be off (rad): half the width of the interval; 0 for the mean of the elevations, which
+    /// claims nothing.
+    pub elevation_half_width_rad: f64,
     /// Standard deviation of the neighbours' elevations about their mean (rad); 0 for one neighbour.
     pub elevation_spread_rad: f64,
     /// How the azimuth was found.
@@ -122,6 +127,9 @@ impl UnorientedRing<'_> {
     /// wrong place or sector changes little. If several intervals have equally many, the result spans all of them: each
     /// two share a neighbour, so they are close to each other. Without noise and wrong neighbours the true azimuth is
     /// never further than `half_width_rad` away.
+    ///
+    /// The elevation is found in the same way: each neighbour is within half a vertical width of it. Without such an
+    /// interval, and by [`DirectionRule::CircularMean`], it is the mean of the neighbours' elevations (thesis, chapter 5).
     #[must_use]
     pub fn orientation(&self, rule: DirectionRule) -> Option<RingOrientation> {
         let lines: Vec<Line> = self.bearings.iter().filter_map(|bearing| self.line(bearing)).collect();
@@ -129,17 +137,21 @@ impl UnorientedRing<'_> {
             return None;
         }
         let count = lines.len() as f64;
-        let elevation_rad = lines.iter().map(|line| line.elevation).sum::<f64>() / count;
-        let squares: f64 = lines.iter().map(|line| (line.elevation - elevation_rad).powi(2)).sum();
-        let intersected = match rule {
-            DirectionRule::Intervals => most_agreed(&lines),
-            DirectionRule::CircularMean => None,
+        let mean_rad = lines.iter().map(|line| line.elevation).sum::<f64>() / count;
+        let squares: f64 = lines.iter().map(|line| (line.elevation - mean_rad).powi(2)).sum();
+        let agreed = |arc: fn(&Line) -> Arc| {
+            let arcs: Vec<Arc> = lines.iter().map(arc).collect();
+            if rule == DirectionRule::Intervals { most_agreed(&arcs) } else { None }
         };
-        let (azimuth_rad, half_width_rad, method) = intersected.unwrap_or_else(|| self.circular_mean(&lines));
+        let (azimuth_rad, half_width_rad, method) =
+            agreed(|line| line.azimuth).unwrap_or_else(|| self.circular_mean(&lines));
+        let (elevation_rad, elevation_half_width_rad) =
+            agreed(|line| line.raised).map_or((mean_rad, 0.0), |(middle, half, _)| (middle, half));
         Some(RingOrientation {
             azimuth_rad,
             half_width_rad,
             elevation_rad: elevation_rad.clamp(-FRAC_PI_2, FRAC_PI_2),
+            elevation_half_width_rad,
             elevation_spread_rad: (squares / count).sqrt(),
             method,
             bearings: lines.len(),
@@ -165,18 +177,28 @@ impl UnorientedRing<'_> {
             .sum();
         let sector = f64::from(bearing.sector % self.sectors.max(1));
         let sigma = variance.max(0.0).sqrt() / across_m;
+        let up_variance: f64 = [self.covariance, bearing.covariance].iter().flatten().map(|c| c[2][2]).sum();
+        let elevation = libm::atan2(apart.z_m, across_m);
+        // An error along the line of sight changes the elevation less than one straight up does.
+        let up_sigma = up_variance.max(0.0).sqrt() * libm::cos(elevation) / libm::hypot(across_m, apart.z_m);
+        let half = |width: f64, sigma: f64| (0.5 * width + DEVIATIONS * sigma + ROUNDING_RAD).min(PI);
         Some(Line {
-            azimuth: wrapped(libm::atan2(apart.y_m, apart.x_m) - sector * self.width()),
-            half: (0.5 * self.width() + DEVIATIONS * sigma + ROUNDING_RAD).min(PI),
-            elevation: libm::atan2(apart.z_m, across_m),
+            azimuth: Arc {
+                middle: wrapped(libm::atan2(apart.y_m, apart.x_m) - sector * self.width()),
+                half: half(self.width(), sigma),
+            },
+            elevation,
+            raised: Arc { middle: elevation, half: half(self.vertical_width_rad, up_sigma) },
         })
     }
 
     /// The circular mean of the azimuths and its standard deviation: the circular standard deviation `√(−2 ln R)` of one
     /// (Mardia and Jupp 2000, section 2.3.4), at least that of a uniform law over a sector, over the root of their number.
     fn circular_mean(&self, lines: &[Line]) -> (f64, f64, OrientationMethod) {
-        let [x, y] =
-            lines.iter().fold([0.0, 0.0], |[x, y], line| [x + libm::cos(line.azimuth), y + libm::sin(line.azimuth)]);
+        let [x, y] = lines
+            .iter()
+            .map(|line| line.azimuth.middle)
+            .fold([0.0, 0.0], |[x, y], azimuth| [x + libm::cos(azimuth), y + libm::sin(azimuth)]);
         let count = lines.len() as f64;
         let resultant = (libm::hypot(x, y) / count).clamp(1e-12, 1.0);
         let one = (-2.0 * libm::log(resultant)).sqrt().max(self.width() / 12.0_f64.sqrt());
@@ -188,26 +210,32 @@ impl UnorientedRing<'_> {
 
 /// What one bearing says.
 struct Line {
-    /// Azimuth of the middle of sector 0 if the neighbour is in the middle of its sector (rad).
-    azimuth: f64,
-    /// How far it may be off (rad), at most π.
-    half: f64,
+    /// Azimuths of the middle of sector 0.
+    azimuth: Arc,
     /// Elevation of the neighbour (rad).
     elevation: f64,
+    /// Elevations of the middle of the sectors: the neighbour is within half their width.
+    raised: Arc,
+}
+
+/// An arc of a circle.
+#[derive(Clone, Copy)]
+struct Arc {
+    middle: f64,
+    /// Half its width (rad), at most π.
+    half: f64,
 }
 
 /// The middle and half the width of the directions that the most bearings allow, if these are more than half of all.
-fn most_agreed(lines: &[Line]) -> Option<(f64, f64, OrientationMethod)> {
-    // Ends are turned by their azimuth from the first line, so that they are sorted round the circle.
-    let origin = lines.first()?.azimuth;
+fn most_agreed(lines: &[Arc]) -> Option<(f64, f64, OrientationMethod)> {
+    // Ends are turned by their angle from the first arc, so that they are sorted round the circle.
+    let origin = lines.first()?.middle;
     let turn = |angle: f64| (angle - origin).rem_euclid(TAU);
     let everywhere = lines.iter().filter(|line| line.half >= PI).count();
     let narrow = lines.iter().filter(|line| line.half < PI);
     // At an equal angle an interval begins before another ends: closed intervals that touch agree.
     let mut ends: Vec<(f64, Edge)> = narrow
-        .flat_map(|line| {
-            [(turn(line.azimuth - line.half), Edge::Begins), (turn(line.azimuth + line.half), Edge::Ends)]
-        })
+        .flat_map(|line| [(turn(line.middle - line.half), Edge::Begins), (turn(line.middle + line.half), Edge::Ends)])
         .collect();
     if ends.is_empty() {
         return Some((0.0, PI, OrientationMethod::Intersected { agreeing: everywhere }));
@@ -217,7 +245,7 @@ fn most_agreed(lines: &[Line]) -> Option<(f64, f64, OrientationMethod)> {
     let mut agreeing = everywhere
         + lines
             .iter()
-            .filter(|line| line.half < PI && turn(line.azimuth + line.half) < turn(line.azimuth - line.half))
+            .filter(|line| line.half < PI && turn(line.middle + line.half) < turn(line.middle - line.half))
             .count();
     let mut most = 0;
     let mut arcs: Vec<[f64; 2]> = Vec::new();
@@ -279,7 +307,7 @@ mod tests {
     }
 
     fn ring(sectors: u8, bearings: &[Bearing]) -> UnorientedRing<'_> {
-        UnorientedRing { place: HERE, covariance: None, sectors, bearings }
+        UnorientedRing { place: HERE, covariance: None, sectors, vertical_width_rad: PI, bearings }
     }
 
     fn off(a: f64, b: f64) -> f64 {
@@ -300,6 +328,22 @@ mod tests {
                 prop_assert!(found.half_width_rad <= before + 1e-9);
                 before = found.half_width_rad;
             }
+        }
+
+        #[test]
+        fn the_true_elevation_is_in_the_interval(
+            raised in -0.6_f64..0.6, width in 0.2_f64..1.5, lines in prop::collection::vec((-PI..PI, -0.5..0.5), 1..12),
+        ) {
+            // Each neighbour is somewhere within the width of the beams.
+            let place = |&(azimuth, off): &(f64, f64)| at(azimuth, 4.0, 4.0 * libm::tan(raised + width * off));
+            let bearings: Vec<Bearing> =
+                lines.iter().map(|line| Bearing { place: place(line), sector: 0, covariance: None }).collect();
+            let ring = UnorientedRing { vertical_width_rad: width, ..ring(1, &bearings) };
+            let found = ring.orientation(DirectionRule::Intervals).unwrap();
+            prop_assert!((found.elevation_rad - raised).abs() <= found.elevation_half_width_rad + 1e-9, "{:?}", found);
+            let mean = ring.orientation(DirectionRule::CircularMean).unwrap();
+            let expected = lines.iter().map(|line| raised + width * line.1).sum::<f64>() / lines.len() as f64;
+            prop_assert!((mean.elevation_rad - expected).abs() < 1e-9 && mean.elevation_half_width_rad <= 0.0);
         }
 
         #[test]

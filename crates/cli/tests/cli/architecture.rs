@@ -16,7 +16,7 @@ const ALLOWED: [(&str, &[&str]); 7] = [
     ("sextant-mac", &["sextant-kernel", "sextant-channel"]),
     ("sextant-sim", &["sextant-kernel", "sextant-channel", "sextant-mac"]),
     ("sextant-mapper", &["sextant-kernel", "sextant-channel"]),
-    ("sextant-apps", &["sextant-kernel", "sextant-channel", "sextant-sim"]),
+    ("sextant-apps", &["sextant-kernel", "sextant-channel", "sextant-mac", "sextant-sim", "sextant-mapper"]),
     (
         "sextant",
         &["sextant-kernel", "sextant-channel", "sextant-mac", "sextant-sim", "sextant-mapper", "sextant-apps"],

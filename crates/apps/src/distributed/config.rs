@@ -1,0 +1,186 @@
+//! Settings of maps that are computed in the nodes.
+
+use std::time::Duration;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPlaceConfig};
+
+/// Settings of a map that is computed in the nodes, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DistributedMappingConfig {
+    /// Name of the map in tables and recordings; `dmmtm-ss` if absent, with mobile anchors `dmmtm-hs`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Name of the network over which nodes exchange messages; the first one if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<String>,
+    /// How long the mobile anchors drive before the static ones begin (s). Required with mobile anchors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mobile_phase_s: Option<f64>,
+    /// Length of a window in which all stations send their messages of one kind (s). Each sends at a random instant of
+    /// the first three quarters.
+    #[serde(default = "default_window_s")]
+    pub window_s: f64,
+    /// How often each message is sent in its window.
+    #[serde(default = "one")]
+    pub repeats: u32,
+    /// Radius of communication: neighbours that lie farther away by the coordinates are scattered (m).
+    pub range_m: f64,
+    /// A node becomes an anchor if at most this share of its neighbours is scattered.
+    #[serde(default = "default_new_anchor_below")]
+    pub new_anchor_below: f64,
+    /// The coordinates of a node are bad if more than this share of its neighbours is scattered.
+    #[serde(default = "default_bad_above")]
+    pub bad_above: f64,
+    /// A node does not become an anchor while the standard deviation of its place is above this, along x, y or z (m);
+    /// any deviation will do if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub new_anchor_sigma_m: Option<f64>,
+    /// Most iterations.
+    #[serde(default = "default_max_iterations")]
+    pub max_iterations: u32,
+    /// How an anchor works out the directions of its sectors.
+    #[serde(default)]
+    pub directions: DirectionRule,
+    /// What messages say about a place.
+    #[serde(default)]
+    pub exchange: Exchange,
+    /// Which nodes compute their place again in an iteration.
+    #[serde(default)]
+    pub recompute: Recompute,
+    /// How a node computes its place.
+    pub place: OwnPlaceConfig,
+}
+
+/// What messages say about a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Exchange {
+    /// Only the coordinates (thesis, chapter 5).
+    #[default]
+    Coordinates,
+    /// The coordinates and their covariance: stations are weighed by how well they know their place. The estimate must be
+    /// the posterior mean.
+    Posterior,
+}
+
+/// Which nodes compute their place again in an iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Recompute {
+    /// Those with bad coordinates or none (thesis, chapter 5).
+    #[default]
+    Bad,
+    /// All that are not anchors and have heard of more anchors since.
+    All,
+}
+
+fn default_window_s() -> f64 {
+    1.0
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn default_new_anchor_below() -> f64 {
+    0.1
+}
+
+fn default_bad_above() -> f64 {
+    0.2
+}
+
+fn default_max_iterations() -> u32 {
+    10
+}
+
+/// Most windows and repeats, so that numbers of timers fit.
+const MOST_ITERATIONS: u32 = 1000;
+const MOST_REPEATS: u32 = 100;
+
+/// Settings of a map that is computed in the nodes, checked.
+#[derive(Clone, Debug)]
+pub struct DistributedMapping {
+    pub(super) mobile_phase: Duration,
+    pub(super) window: Duration,
+    pub(super) repeats: u32,
+    pub(super) range_m: f64,
+    pub(super) new_anchor_below: f64,
+    pub(super) bad_above: f64,
+    pub(super) new_anchor_sigma_m: Option<f64>,
+    pub(super) max_iterations: u32,
+    pub(super) directions: DirectionRule,
+    pub(super) exchange: Exchange,
+    pub(super) recompute: Recompute,
+    /// Whether anchors pass on the places of others, so that nodes know whom they have not heard.
+    pub(super) passes_on: bool,
+    pub(super) place: OwnPlace,
+}
+
+impl DistributedMapping {
+    /// How long the mobile anchors drive.
+    #[must_use]
+    pub fn mobile_phase(&self) -> Duration {
+        self.mobile_phase
+    }
+
+    /// Radius of communication (m).
+    #[must_use]
+    pub fn range_m(&self) -> f64 {
+        self.range_m
+    }
+}
+
+impl TryFrom<&DistributedMappingConfig> for DistributedMapping {
+    type Error = SettingError;
+
+    fn try_from(config: &DistributedMappingConfig) -> Result<Self, SettingError> {
+        let seconds = |key, value: f64| {
+            let value = SettingError::in_range(key, value, 0.0, 1e6)?;
+            Ok::<_, SettingError>(Duration::from_secs_f64(value))
+        };
+        let whole = |key: &str, value: u32, most: u32| {
+            if (1..=most).contains(&value) {
+                Ok(value)
+            } else {
+                Err(SettingError::new(key, value, format!("1 to {most}")))
+            }
+        };
+        SettingError::positive("window_s", config.window_s)?;
+        let new_anchor_below = SettingError::in_range("new_anchor_below", config.new_anchor_below, 0.0, 1.0)?;
+        let bad_above = SettingError::in_range("bad_above", config.bad_above, 0.0, 1.0)?;
+        if bad_above < new_anchor_below {
+            let allowed = format!("at least {new_anchor_below}, the value of new_anchor_below");
+            return Err(SettingError::new("bad_above", bad_above, allowed));
+        }
+        if let Some(sigma_m) = config.new_anchor_sigma_m {
+            SettingError::positive("new_anchor_sigma_m", sigma_m)?;
+        }
+        let place = OwnPlace::try_from(config.place.clone()).map_err(|error| error.within("place"))?;
+        let needs_posterior = config.exchange == Exchange::Posterior || config.new_anchor_sigma_m.is_some();
+        if needs_posterior && config.place.estimate != EstimateKind::PosteriorMean {
+            let allowed = "`posterior_mean`, for it alone has the covariance that `exchange = \"posterior\"` and \
+                           `new_anchor_sigma_m` need";
+            return Err(SettingError::new("place.estimate", "`argmax`", allowed));
+        }
+        Ok(Self {
+            mobile_phase: seconds("mobile_phase_s", config.mobile_phase_s.unwrap_or(0.0))?,
+            window: seconds("window_s", config.window_s)?,
+            repeats: whole("repeats", config.repeats, MOST_REPEATS)?,
+            range_m: SettingError::positive("range_m", config.range_m)?,
+            new_anchor_below,
+            bad_above,
+            new_anchor_sigma_m: config.new_anchor_sigma_m,
+            max_iterations: whole("max_iterations", config.max_iterations, MOST_ITERATIONS)?,
+            directions: config.directions,
+            exchange: config.exchange,
+            recompute: config.recompute,
+            passes_on: config.place.silence == AnchorSilence::Missed,
+            place,
+        })
+    }
+}

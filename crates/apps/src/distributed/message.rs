@@ -1,0 +1,315 @@
+//! The messages of maps that are computed in the nodes, as octets.
+//!
+//! All numbers are little-endian, all lengths in metres, all angles in radians; `f32` is IEEE 754 binary32. The sender
+//! is the transmitter address of the frame, and the sector in which a frame was sent is named by the frame.
+//!
+//! | octets | field |
+//! | --- | --- |
+//! | 1 | version (1) in the high four bits, kind in the low four: 1 PLACE, 2 REPORT, 3 BEACON, 4 COORDINATES |
+//! | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad |
+//! | 12 | place of the sender: x, y, z as `f32` |
+//! | 24 | with bit 0: covariance of the place as six `f32`: xx, xy, xz, yy, yz, zz (m²) |
+//!
+//! Then in a REPORT, for each station heard:
+//!
+//! | octets | field |
+//! | --- | --- |
+//! | 4 | station |
+//! | 1 | its sector that was heard best |
+//!
+//! In a BEACON with bit 1:
+//!
+//! | octets | field |
+//! | --- | --- |
+//! | 4 | azimuth of the boresight of sector 0, counterclockwise from x |
+//! | 4 | standard deviation of that azimuth |
+//! | 1 | sectors in a ring |
+//! | 1 | rings |
+//! | 8 | for each ring: lowest and highest elevation |
+//!
+//! In a BEACON with bit 2, up to the end, anchors that the sender has heard:
+//!
+//! | octets | field |
+//! | --- | --- |
+//! | 4 | station |
+//! | 12 | its place |
+
+use std::f64::consts::TAU;
+
+use sextant_channel::{Position, Wedge};
+use sextant_kernel::StationId;
+
+use super::belief::Belief;
+
+const VERSION: u8 = 1;
+
+const PLACE: u8 = 1;
+const REPORT: u8 = 2;
+const BEACON: u8 = 3;
+const COORDINATES: u8 = 4;
+
+const HAS_COVARIANCE: u8 = 1;
+const HAS_DIRECTIONS: u8 = 2;
+const HAS_OTHERS: u8 = 4;
+const IS_BAD: u8 = 8;
+
+/// Octets of an entry of a REPORT.
+const HEARD_OCTETS: usize = 5;
+/// Octets of an anchor that a BEACON passes on.
+const OTHER_OCTETS: usize = 16;
+
+/// A message.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Message {
+    /// An anchor that does not know the directions of its sectors asks other anchors in which of them they hear it.
+    Place(Belief),
+    /// The answer of an anchor to those that asked.
+    Report(Belief, Vec<HeardSector>),
+    /// An anchor tells its place and the directions of its sectors.
+    Beacon(Beacon),
+    /// A node tells where it believes to be.
+    Coordinates {
+        /// Where.
+        belief: Belief,
+        /// Whether the coordinates do not agree with those of its neighbours.
+        is_bad: bool,
+    },
+}
+
+/// A station, and its sector that was heard best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeardSector {
+    /// The station that was heard.
+    pub station: StationId,
+    /// Its sector.
+    pub sector: u8,
+}
+
+/// What an anchor tells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beacon {
+    /// Where it believes to be.
+    pub belief: Belief,
+    /// The directions of its sectors, if it has sectors and knows them.
+    pub directions: Option<Directions>,
+    /// Other anchors with their places (m).
+    pub others: Vec<(StationId, Position)>,
+}
+
+/// The directions of the sectors of an antenna: rings of equal sectors. Sector `i` of ring `j` is number
+/// `j · sectors + i`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Directions {
+    /// Azimuth of the boresight of sector 0, counterclockwise from x (rad).
+    pub azimuth_rad: f64,
+    /// Its standard deviation (rad).
+    pub azimuth_sigma_rad: f64,
+    /// Sectors in a ring.
+    pub sectors: u8,
+    /// Lowest and highest elevation of each ring (rad).
+    pub rings: Vec<[f64; 2]>,
+}
+
+/// Why octets are not a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MessageError {
+    /// The message ends too early.
+    #[error("the message has {octets} octets and ends within {part}")]
+    Truncated {
+        /// Its size (octets).
+        octets: usize,
+        /// Where it ends.
+        part: &'static str,
+    },
+    /// Octets are left over.
+    #[error("{0} octets follow the end of the message")]
+    TooLong(usize),
+    /// The version is another one.
+    #[error("the message has version {0}; allowed: 1")]
+    Version(u8),
+    /// The kind is another one.
+    #[error("the message has kind {0}; allowed: 1 to 4")]
+    Kind(u8),
+    /// A number is not finite.
+    #[error("{0} is not finite")]
+    NotFinite(&'static str),
+}
+
+impl Message {
+    /// Where the sender believes to be.
+    #[must_use]
+    pub fn belief(&self) -> &Belief {
+        match self {
+            Self::Place(belief) | Self::Report(belief, _) | Self::Coordinates { belief, .. } => belief,
+            Self::Beacon(beacon) => &beacon.belief,
+        }
+    }
+
+    /// Replaces the content of `octets` with the message.
+    pub fn write(&self, octets: &mut Vec<u8>) {
+        let (kind, flags) = match self {
+            Self::Place(_) => (PLACE, 0),
+            Self::Report(..) => (REPORT, 0),
+            Self::Beacon(beacon) => {
+                let directions = if beacon.directions.is_some() { HAS_DIRECTIONS } else { 0 };
+                (BEACON, directions | if beacon.others.is_empty() { 0 } else { HAS_OTHERS })
+            }
+            Self::Coordinates { is_bad, .. } => (COORDINATES, if *is_bad { IS_BAD } else { 0 }),
+        };
+        let belief = self.belief();
+        let covariance = if belief.covariance.is_some() { HAS_COVARIANCE } else { 0 };
+        octets.clear();
+        octets.extend([VERSION << 4 | kind, flags | covariance]);
+        put_place(octets, belief.place);
+        if let Some([[xx, xy, xz], [_, yy, yz], [_, _, zz]]) = belief.covariance {
+            [xx, xy, xz, yy, yz, zz].into_iter().for_each(|entry| put(octets, entry));
+        }
+        match self {
+            Self::Place(_) | Self::Coordinates { .. } => {}
+            Self::Report(_, heard) => {
+                for HeardSector { station, sector } in heard {
+                    octets.extend(station.0.to_le_bytes());
+                    octets.push(*sector);
+                }
+            }
+            Self::Beacon(Beacon { directions, others, .. }) => {
+                if let Some(Directions { azimuth_rad, azimuth_sigma_rad, sectors, rings }) = directions {
+                    put(octets, *azimuth_rad);
+                    put(octets, *azimuth_sigma_rad);
+                    octets.extend([*sectors, u8::try_from(rings.len()).expect("at most 255 rings")]);
+                    rings.iter().flatten().for_each(|&elevation_rad| put(octets, elevation_rad));
+                }
+                for (station, place) in others {
+                    octets.extend(station.0.to_le_bytes());
+                    put_place(octets, *place);
+                }
+            }
+        }
+    }
+
+    /// Reads a message.
+    ///
+    /// # Errors
+    /// If the octets are not a message.
+    pub fn read(octets: &[u8]) -> Result<Self, MessageError> {
+        let mut reader = Reader { octets: octets.len(), rest: octets };
+        let [first, flags] = reader.take("the header")?;
+        if first >> 4 != VERSION {
+            return Err(MessageError::Version(first >> 4));
+        }
+        let kind = first & 0xF;
+        if !(PLACE..=COORDINATES).contains(&kind) {
+            return Err(MessageError::Kind(kind));
+        }
+        let place = reader.place("the place")?;
+        let covariance = if flags & HAS_COVARIANCE == 0 {
+            None
+        } else {
+            let mut entry = || reader.number("the covariance");
+            let (xx, xy, xz, yy, yz, zz) = (entry()?, entry()?, entry()?, entry()?, entry()?, entry()?);
+            Some([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        };
+        let belief = Belief { place, covariance };
+        let message = match kind {
+            PLACE => Self::Place(belief),
+            REPORT => {
+                let mut heard = Vec::with_capacity(reader.rest.len() / HEARD_OCTETS);
+                while !reader.rest.is_empty() {
+                    let station = reader.station("a report")?;
+                    let [sector] = reader.take("a report")?;
+                    heard.push(HeardSector { station, sector });
+                }
+                Self::Report(belief, heard)
+            }
+            BEACON => {
+                let directions = (flags & HAS_DIRECTIONS != 0).then(|| reader.directions()).transpose()?;
+                let mut others = Vec::new();
+                if flags & HAS_OTHERS != 0 {
+                    others.reserve(reader.rest.len() / OTHER_OCTETS);
+                    while !reader.rest.is_empty() {
+                        others.push((reader.station("another anchor")?, reader.place("another anchor")?));
+                    }
+                }
+                Self::Beacon(Beacon { belief, directions, others })
+            }
+            _ => Self::Coordinates { belief, is_bad: flags & IS_BAD != 0 },
+        };
+        if reader.rest.is_empty() { Ok(message) } else { Err(MessageError::TooLong(reader.rest.len())) }
+    }
+
+    /// The reports about `heard`, in as many messages of at most `octets` as they need. Without any, none.
+    pub fn reports(belief: Belief, heard: &[HeardSector], octets: usize) -> impl Iterator<Item = Self> {
+        let header = if belief.covariance.is_some() { 38 } else { 14 };
+        let per_message = (octets.saturating_sub(header) / HEARD_OCTETS).max(1);
+        heard.chunks(per_message).map(move |part| Self::Report(belief, part.to_vec()))
+    }
+}
+
+impl Directions {
+    /// The directions of sector number `sector`; `None` if there is no such sector.
+    #[must_use]
+    pub fn wedge(&self, sector: u8) -> Option<Wedge> {
+        if self.sectors == 0 {
+            return None;
+        }
+        let &[low_rad, high_rad] = self.rings.get(usize::from(sector / self.sectors))?;
+        let width_rad = TAU / f64::from(self.sectors);
+        let middle_rad = self.azimuth_rad + f64::from(sector % self.sectors) * width_rad;
+        Some(Wedge {
+            azimuth_from_rad: middle_rad - 0.5 * width_rad,
+            azimuth_width_rad: width_rad,
+            elevation_rad: [low_rad, high_rad],
+        })
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "messages carry numbers as binary32")]
+fn put(octets: &mut Vec<u8>, number: f64) {
+    octets.extend((number as f32).to_le_bytes());
+}
+
+fn put_place(octets: &mut Vec<u8>, place: Position) {
+    [place.x_m, place.y_m, place.z_m].into_iter().for_each(|axis_m| put(octets, axis_m));
+}
+
+/// The rest of a message.
+struct Reader<'a> {
+    rest: &'a [u8],
+    /// Size of the whole message.
+    octets: usize,
+}
+
+impl Reader<'_> {
+    /// The next octets; `part` names them in the error.
+    fn take<const N: usize>(&mut self, part: &'static str) -> Result<[u8; N], MessageError> {
+        let (&head, rest) =
+            self.rest.split_first_chunk().ok_or(MessageError::Truncated { octets: self.octets, part })?;
+        self.rest = rest;
+        Ok(head)
+    }
+
+    fn number(&mut self, part: &'static str) -> Result<f64, MessageError> {
+        let number = f32::from_le_bytes(self.take(part)?);
+        if number.is_finite() { Ok(number.into()) } else { Err(MessageError::NotFinite(part)) }
+    }
+
+    fn station(&mut self, part: &'static str) -> Result<StationId, MessageError> {
+        Ok(StationId(u32::from_le_bytes(self.take(part)?)))
+    }
+
+    fn place(&mut self, part: &'static str) -> Result<Position, MessageError> {
+        Ok(Position::new(self.number(part)?, self.number(part)?, self.number(part)?))
+    }
+
+    fn directions(&mut self) -> Result<Directions, MessageError> {
+        let part = "the directions";
+        let (azimuth_rad, azimuth_sigma_rad) = (self.number(part)?, self.number(part)?);
+        let [sectors, rings] = self.take(part)?;
+        let ring = |_| Ok([self.number(part)?, self.number(part)?]);
+        let rings = (0..rings).map(ring).collect::<Result<_, MessageError>>()?;
+        Ok(Directions { azimuth_rad, azimuth_sigma_rad, sectors, rings })
+    }
+}
+
+#[cfg(test)]
+mod tests;

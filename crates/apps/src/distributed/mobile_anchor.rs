@@ -1,0 +1,46 @@
+//! A mobile anchor: a robot that tells its place and the directions of its sectors at each stop.
+
+use std::sync::Arc;
+
+use sextant_channel::SectorTable;
+use sextant_kernel::SimTime;
+use sextant_sim::{Broadcast, Pose};
+
+use super::belief::Belief;
+use super::config::DistributedMapping;
+use super::message::{Beacon, Directions, Message};
+
+/// What a mobile anchor says at its stops. It has a compass, so it knows the directions of its sectors.
+#[derive(Clone, Debug)]
+pub struct MobileAnchor {
+    settings: Arc<DistributedMapping>,
+    directions: Option<Directions>,
+}
+
+impl MobileAnchor {
+    /// A mobile anchor with the sectors of `sectors` in equal rings of `per_ring`; without sectors if absent.
+    #[must_use]
+    pub fn new(settings: Arc<DistributedMapping>, sectors: Option<(&SectorTable, u8)>) -> Self {
+        let directions = sectors.and_then(|(table, per_ring)| {
+            let mut wedges = table.iter().filter_map(|sector| sector.wedge().ok()).step_by(per_ring.into());
+            let first = wedges.next()?;
+            let rings = std::iter::once(first).chain(wedges).map(|wedge| wedge.elevation_rad).collect();
+            let azimuth_rad = first.azimuth_from_rad + 0.5 * first.azimuth_width_rad;
+            Some(Directions { azimuth_rad, azimuth_sigma_rad: 0.0, sectors: per_ring, rings })
+        });
+        Self { settings, directions }
+    }
+}
+
+impl Broadcast for MobileAnchor {
+    fn message(&mut self, pose: &Pose, now: SimTime) -> Option<Vec<u8>> {
+        if now >= SimTime::ZERO + self.settings.mobile_phase() {
+            return None;
+        }
+        let beacon =
+            Beacon { belief: Belief::exact(pose.position), directions: self.directions.clone(), others: Vec::new() };
+        let mut octets = Vec::new();
+        Message::Beacon(beacon).write(&mut octets);
+        Some(octets)
+    }
+}

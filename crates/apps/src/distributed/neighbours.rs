@@ -1,0 +1,182 @@
+//! What a station has heard of the others.
+
+use std::collections::BTreeMap;
+
+use sextant_channel::Position;
+use sextant_kernel::StationId;
+use sextant_mapper::{HeardAnchor, HeardSector as SectorEvidence};
+use sextant_sim::Delivery;
+
+use super::belief::Belief;
+use super::message::{Beacon, Directions, HeardSector, Message};
+
+/// What a station has heard of the others, by station.
+#[derive(Debug, Default)]
+pub(super) struct Neighbours {
+    by_station: BTreeMap<StationId, Neighbour>,
+    /// Anchors that others have heard, with their places.
+    hearsay: BTreeMap<StationId, Position>,
+    /// Who has heard this station, where that is, and in which sector of this station.
+    reports: BTreeMap<StationId, (Belief, u8)>,
+}
+
+/// What a station has heard of another one.
+#[derive(Debug)]
+struct Neighbour {
+    /// Where it last believed to be.
+    belief: Belief,
+    is_mobile: bool,
+    /// What was heard of it, by the place that it told: one entry unless it moves.
+    sightings: Vec<Sighting>,
+    /// The iteration in which it last asked for reports.
+    asked: Option<u32>,
+}
+
+/// What was heard of a station that believes to be at one place.
+#[derive(Debug)]
+struct Sighting {
+    belief: Belief,
+    /// The best signal-to-noise ratio (dB), and the sector from which it came.
+    best: Option<(f64, u8)>,
+    /// Whether it said that it is an anchor, and the directions of its sectors.
+    beacon: Option<Option<Directions>>,
+}
+
+impl Sighting {
+    fn note_frame(&mut self, delivery: &Delivery<'_>) {
+        let Some(sector) = delivery.sector else { return };
+        let snr_db = delivery.snr.map_or(delivery.rssi.0, |snr| snr.0);
+        if self.best.is_none_or(|(best_db, _)| snr_db > best_db) {
+            self.best = Some((snr_db, sector));
+        }
+    }
+
+    /// As evidence on the place of the listener; `None` if the sender is no anchor.
+    fn evidence(&self) -> Option<HeardAnchor> {
+        let directions = self.beacon.as_ref()?;
+        let sector = directions.as_ref().zip(self.best).and_then(|(directions, (_, sector))| {
+            let wedge = directions.wedge(sector)?;
+            Some(SectorEvidence { wedge, azimuth_sigma_rad: directions.azimuth_sigma_rad })
+        });
+        let Belief { place, covariance } = self.belief;
+        Some(HeardAnchor { place, sector, covariance, packets: 1 })
+    }
+}
+
+impl Neighbours {
+    /// Takes in a message to the station `own` in iteration `iteration`.
+    pub(super) fn hear(
+        &mut self,
+        message: Message,
+        delivery: &Delivery<'_>,
+        own: StationId,
+        iteration: u32,
+        is_mobile: bool,
+    ) {
+        let belief = *message.belief();
+        let neighbour = self.by_station.entry(delivery.from).or_insert_with(|| Neighbour {
+            belief,
+            is_mobile,
+            sightings: Vec::new(),
+            asked: None,
+        });
+        neighbour.belief = belief;
+        let sighting = match &message {
+            Message::Coordinates { .. } => return,
+            Message::Place(_) | Message::Report(..) | Message::Beacon(_) => {
+                let known = neighbour.sightings.iter().position(|sighting| sighting.belief == belief);
+                let index = known.unwrap_or_else(|| {
+                    neighbour.sightings.push(Sighting { belief, best: None, beacon: None });
+                    neighbour.sightings.len() - 1
+                });
+                &mut neighbour.sightings[index]
+            }
+        };
+        sighting.note_frame(delivery);
+        match message {
+            Message::Place(_) => neighbour.asked = Some(iteration),
+            Message::Report(_, heard) => {
+                if let Some(&HeardSector { sector, .. }) = heard.iter().find(|heard| heard.station == own) {
+                    self.reports.insert(delivery.from, (belief, sector));
+                }
+            }
+            Message::Beacon(Beacon { directions, others, .. }) => {
+                sighting.beacon = Some(directions);
+                self.hearsay.extend(others.into_iter().filter(|(station, _)| *station != own));
+            }
+            Message::Coordinates { .. } => {}
+        }
+    }
+
+    /// The places of the neighbours that stand still (m).
+    pub(super) fn places(&self) -> impl Iterator<Item = Position> {
+        self.by_station.values().filter(|neighbour| !neighbour.is_mobile).map(|neighbour| neighbour.belief.place)
+    }
+
+    /// The stations that asked for reports in `iteration`, with their best sectors.
+    pub(super) fn asking(&self, iteration: u32) -> Vec<HeardSector> {
+        let best = |(&station, neighbour): (&StationId, &Neighbour)| {
+            let (_, sector) = neighbour.sightings.last()?.best?;
+            (neighbour.asked == Some(iteration)).then_some(HeardSector { station, sector })
+        };
+        self.by_station.iter().filter_map(best).collect()
+    }
+
+    /// The stations that asked in `iteration`, with their places.
+    pub(super) fn asking_places(&self, iteration: u32) -> impl Iterator<Item = (StationId, Position)> {
+        let asked = move |neighbour: &Neighbour| neighbour.asked == Some(iteration);
+        self.by_station
+            .iter()
+            .filter(move |(_, neighbour)| asked(neighbour))
+            .map(|(&station, neighbour)| (station, neighbour.belief.place))
+    }
+
+    /// Who has heard this station: the place, and the sector of this station.
+    pub(super) fn reports(&self) -> impl Iterator<Item = &(Belief, u8)> {
+        self.reports.values()
+    }
+
+    /// The anchors heard, as evidence on the place of this station.
+    pub(super) fn evidence(&self) -> Vec<HeardAnchor> {
+        self.by_station.values().flat_map(|neighbour| &neighbour.sightings).filter_map(Sighting::evidence).collect()
+    }
+
+    /// The anchors of which others have told, and which this station has not heard.
+    pub(super) fn silent(&self) -> Vec<HeardAnchor> {
+        let is_silent = |station: &StationId| !self.by_station.contains_key(station);
+        let silent = self.hearsay.iter().filter(|(station, _)| is_silent(station));
+        silent.map(|(_, &place)| HeardAnchor { place, sector: None, covariance: None, packets: 1 }).collect()
+    }
+
+    /// Number of places from which mobile anchors were heard.
+    pub(super) fn mobile_sightings(&self) -> usize {
+        self.by_station
+            .values()
+            .filter(|neighbour| neighbour.is_mobile)
+            .map(|neighbour| neighbour.sightings.len())
+            .sum()
+    }
+
+    /// Number of anchors heard that stand still.
+    pub(super) fn anchors(&self) -> usize {
+        let is_anchor = |neighbour: &&Neighbour| {
+            !neighbour.is_mobile && neighbour.sightings.iter().any(|sighting| sighting.beacon.is_some())
+        };
+        self.by_station.values().filter(is_anchor).count()
+    }
+
+    /// Memory of the tables (octets), each entry packed as in the messages.
+    pub(super) fn octets(&self) -> usize {
+        let belief = |belief: &Belief| if belief.covariance.is_some() { 36 } else { 12 };
+        let sighting = |sighting: &Sighting| {
+            let directions = sighting.beacon.as_ref().and_then(Option::as_ref);
+            // Best sector with its ratio, and the directions.
+            belief(&sighting.belief) + 2 + directions.map_or(0, |directions| 10 + 8 * directions.rings.len())
+        };
+        let neighbour = |neighbour: &Neighbour| {
+            4 + belief(&neighbour.belief) + neighbour.sightings.iter().map(sighting).sum::<usize>()
+        };
+        let reports = self.reports.values().map(|(place, _)| 5 + belief(place)).sum::<usize>();
+        self.by_station.values().map(neighbour).sum::<usize>() + 16 * self.hearsay.len() + reports
+    }
+}

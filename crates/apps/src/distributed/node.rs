@@ -1,0 +1,337 @@
+//! The application of a node that takes part in a map which the nodes compute themselves.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+use sextant_channel::Position;
+use sextant_mapper::{Bearing, Estimate, RingOrientation, UnorientedRing};
+use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, Timer};
+
+use super::belief::Belief;
+use super::config::{DistributedMapping, Exchange, Recompute};
+use super::filtration::{Category, Scattering};
+use super::message::{Beacon, Directions, Message};
+use super::neighbours::Neighbours;
+use super::record::{MappingRecord, MappingRole};
+use super::schedule::{Schedule, Window};
+
+/// The timer of the next window; those of the messages of a window follow.
+const WINDOW: Timer = Timer(0);
+/// The share of a window in which messages are sent: what waits for the channel then is still sent in it.
+const SENDING_SHARE: f64 = 0.75;
+/// Largest payload of a message (octets), with and without sectors: it fits in a frame.
+const LARGEST_OCTETS: [usize; 2] = [900, 90];
+
+/// The antenna of each node: one ring of equal sectors, all raised by the same angle, which nobody knows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeAntenna {
+    /// Sectors in the ring.
+    pub sectors: u8,
+    /// Width of a sector in elevation (rad).
+    pub vertical_width_rad: f64,
+}
+
+/// A node that takes part in a map which the nodes compute themselves (Gunathillake 2018, chapter 5): an anchor, which
+/// knows its place but not the directions of its sectors, or a node that works out its place from what it hears.
+#[derive(Debug)]
+pub struct MappingNode {
+    settings: Arc<DistributedMapping>,
+    network: NetworkId,
+    antenna: Option<NodeAntenna>,
+    schedule: Schedule,
+    role: MappingRole,
+    /// Where it is by its own knowledge.
+    belief: Option<Belief>,
+    estimate: Option<Estimate>,
+    /// Whether it joins the anchors in this iteration.
+    joins: bool,
+    directions: Option<RingOrientation>,
+    scattering: Scattering,
+    category: Category,
+    neighbours: Neighbours,
+    /// Number of anchors and stops of mobile anchors in the evidence of the last estimate.
+    evidence: usize,
+    window: u32,
+    /// The messages of this window.
+    outbox: Vec<Vec<u8>>,
+    draws: u64,
+    record: MappingRecord,
+}
+
+impl MappingNode {
+    /// A node; an anchor if it knows its place. `antenna` is absent without sectors.
+    #[must_use]
+    pub fn new(
+        settings: Arc<DistributedMapping>,
+        network: NetworkId,
+        antenna: Option<NodeAntenna>,
+        anchor: Option<Position>,
+    ) -> Self {
+        let schedule = Schedule {
+            start: sextant_kernel::SimTime::ZERO + settings.mobile_phase,
+            window: settings.window,
+            has_sectors: antenna.is_some(),
+            iterations: settings.max_iterations,
+        };
+        Self {
+            settings,
+            network,
+            antenna,
+            schedule,
+            role: if anchor.is_some() { MappingRole::InitialAnchor } else { MappingRole::Node },
+            belief: anchor.map(Belief::exact),
+            estimate: None,
+            joins: anchor.is_some(),
+            directions: None,
+            scattering: Scattering::default(),
+            category: Category::Bad,
+            neighbours: Neighbours::default(),
+            evidence: 0,
+            window: 0,
+            outbox: Vec::new(),
+            draws: 0,
+            record: MappingRecord::default(),
+        }
+    }
+
+    /// What the node has found, and what it took.
+    #[must_use]
+    pub fn into_record(self) -> MappingRecord {
+        MappingRecord {
+            role: self.role,
+            place: self.belief.map(|belief| belief.place),
+            estimate: self.estimate,
+            directions: self.directions,
+            scattering: self.scattering,
+            category: self.category,
+            anchors_heard: self.neighbours.anchors(),
+            mobile_stops_heard: self.neighbours.mobile_sightings(),
+            table_octets: self.neighbours.octets(),
+            ..self.record
+        }
+    }
+
+    fn is_anchor(&self) -> bool {
+        self.role != MappingRole::Node
+    }
+
+    /// A window begins: what the last one brought is used, and the messages of this one are made.
+    fn begin(&mut self, port: &mut Port<'_>) {
+        let (iteration, window) = self.schedule.at(self.window);
+        self.outbox.clear();
+        match window {
+            Window::Place => {
+                self.filter(iteration, port);
+                if let (true, Some(belief)) = (self.joins, self.belief) {
+                    self.put(&Message::Place(belief));
+                }
+            }
+            Window::Report => {
+                let heard = self.neighbours.asking(iteration);
+                if let (true, Some(belief)) = (self.is_anchor(), self.belief) {
+                    for report in Message::reports(belief, &heard, self.largest_octets()) {
+                        self.put(&report);
+                    }
+                }
+            }
+            Window::Beacon => {
+                if !self.schedule.has_sectors {
+                    self.filter(iteration, port);
+                }
+                if let (true, Some(belief)) = (self.joins, self.belief) {
+                    self.joins = false;
+                    let beacon = self.beacon(belief, iteration);
+                    self.put(&Message::Beacon(beacon));
+                }
+            }
+            Window::Coordinates => {
+                if self.locate(iteration)
+                    && let Some(belief) = self.belief
+                {
+                    self.put(&Message::Coordinates {
+                        belief,
+                        is_bad: iteration > 1 && self.category == Category::Bad,
+                    });
+                }
+            }
+            Window::End => {
+                self.locate(iteration);
+                if !self.is_anchor() {
+                    port.finish();
+                }
+                return;
+            }
+        }
+        self.schedule_messages(port);
+        self.window += 1;
+        let next = self.schedule.start_of(self.window);
+        port.after(next.saturating_since(port.now()), WINDOW);
+    }
+
+    /// Adds a message to those of this window.
+    fn put(&mut self, message: &Message) {
+        let mut octets = Vec::new();
+        message.write(&mut octets);
+        self.record.messages.count(message, octets.len());
+        self.outbox.push(octets);
+    }
+
+    /// Each message is sent at a random instant of each of as many parts of the window as it is sent times.
+    fn schedule_messages(&mut self, port: &mut Port<'_>) {
+        let span = self.settings.window.mul_f64(SENDING_SHARE);
+        let mut timer = WINDOW;
+        for _ in 0..self.outbox.len() {
+            for repeat in 0..self.settings.repeats {
+                let part = span / self.settings.repeats;
+                let at = part * repeat + part.mul_f64(port.uniform(self.draws));
+                self.draws += 1;
+                timer.0 += 1;
+                port.after(at, timer);
+            }
+        }
+    }
+
+    /// Sends the message that is due.
+    fn send(&mut self, timer: Timer, port: &mut Port<'_>) {
+        let repeats = usize::try_from(self.settings.repeats).expect("few repeats");
+        let Some(octets) = self.outbox.get(usize::from(timer.0 - 1) / repeats) else { return };
+        match port.send(self.network, Destination::All, Payload::Octets(octets)) {
+            Ok(_) => self.record.sent += 1,
+            Err(_) => self.record.unsent += 1,
+        }
+    }
+
+    /// Compares the own place with those of the neighbours, and becomes an anchor if they agree.
+    fn filter(&mut self, iteration: u32, port: &mut Port<'_>) {
+        if iteration == 0 || self.is_anchor() {
+            return;
+        }
+        let settings = &self.settings;
+        self.scattering =
+            Scattering::of(self.belief.map(|belief| belief.place), self.neighbours.places(), settings.range_m);
+        let sigma_m = self.belief.as_ref().and_then(Belief::greatest_sigma_m);
+        let is_sure =
+            settings.new_anchor_sigma_m.is_none_or(|most_m| sigma_m.is_some_and(|sigma_m| sigma_m <= most_m));
+        self.category = Category::of(self.scattering, settings.new_anchor_below, settings.bad_above, is_sure);
+        if self.category == Category::NewAnchor {
+            self.role = MappingRole::NewAnchor { iteration };
+            self.joins = true;
+            self.record.last_change = iteration;
+        }
+        let is_settled = match settings.recompute {
+            Recompute::Bad => true,
+            Recompute::All => self.is_anchor() || self.record.last_change < iteration,
+        };
+        if self.category != Category::Bad && is_settled {
+            port.finish();
+        }
+    }
+
+    /// Works out the own place from the anchors heard, if that is due; returns whether it has changed.
+    fn locate(&mut self, iteration: u32) -> bool {
+        if self.is_anchor() {
+            return false;
+        }
+        let heard = self.neighbours.evidence();
+        let is_due = match self.settings.recompute {
+            Recompute::Bad => self.category == Category::Bad,
+            Recompute::All => true,
+        };
+        if !is_due || heard.len() == self.evidence {
+            return false;
+        }
+        self.evidence = heard.len();
+        let Some(own) = self.settings.place.estimate(&heard, &self.neighbours.silent()) else { return false };
+        self.record.vertices += own.vertices;
+        self.record.grid_octets = self.record.grid_octets.max(own.peak_octets);
+        self.record.violations = own.violations;
+        let covariance = match self.settings.exchange {
+            Exchange::Coordinates => None,
+            Exchange::Posterior => own.estimate.covariance,
+        };
+        let belief = Belief { place: own.estimate.position, covariance };
+        self.estimate = Some(own.estimate);
+        let has_changed = self.belief != Some(belief);
+        self.belief = Some(belief);
+        if has_changed {
+            self.record.last_change = iteration;
+        }
+        has_changed
+    }
+
+    /// What this anchor tells, after it has worked out the directions of its sectors.
+    fn beacon(&mut self, belief: Belief, iteration: u32) -> Beacon {
+        let directions = self.antenna.and_then(|antenna| {
+            let bearing =
+                |&(Belief { place, covariance }, sector): &(Belief, u8)| Bearing { place, covariance, sector };
+            let bearings: Vec<Bearing> = self.neighbours.reports().map(bearing).collect();
+            let Belief { place, covariance } = belief;
+            let NodeAntenna { sectors, vertical_width_rad } = antenna;
+            let ring = UnorientedRing { place, covariance, sectors, vertical_width_rad, bearings: &bearings };
+            let found = ring.orientation(self.settings.directions)?;
+            let directions = directions_of(&found, antenna);
+            self.directions = Some(found);
+            Some(directions)
+        });
+        let mut others = Vec::new();
+        if self.settings.passes_on {
+            let room = (self.largest_octets() - 64) / 16;
+            others.extend(self.neighbours.asking_places(iteration).take(room));
+        }
+        Beacon { belief, directions, others }
+    }
+
+    fn largest_octets(&self) -> usize {
+        LARGEST_OCTETS[usize::from(!self.schedule.has_sectors)]
+    }
+}
+
+/// The directions of the sectors of an antenna whose ring is turned and raised like this. Where the elevation is known to
+/// lie in an interval, they hold all elevations that the sectors may cover.
+fn directions_of(found: &RingOrientation, antenna: NodeAntenna) -> Directions {
+    let half_rad = 0.5 * antenna.vertical_width_rad.min(PI) + found.elevation_half_width_rad;
+    let ring = [-half_rad, half_rad].map(|edge_rad| (found.elevation_rad + edge_rad).clamp(-FRAC_PI_2, FRAC_PI_2));
+    Directions {
+        azimuth_rad: found.azimuth_rad,
+        azimuth_sigma_rad: found.azimuth_sigma_rad(),
+        sectors: antenna.sectors,
+        rings: vec![ring],
+    }
+}
+
+impl Application for MappingNode {
+    fn hears(&self) -> bool {
+        true
+    }
+
+    fn has_task(&self) -> bool {
+        !self.is_anchor()
+    }
+
+    fn started(&mut self, port: &mut Port<'_>) {
+        let start = self.schedule.start_of(0);
+        port.after(start.saturating_since(port.now()), WINDOW);
+    }
+
+    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
+        if timer == WINDOW {
+            self.begin(port);
+        } else {
+            self.send(timer, port);
+        }
+    }
+
+    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
+        if delivery.network != self.network {
+            return;
+        }
+        self.record.frames_received += 1;
+        let Ok(message) = Message::read(delivery.payload) else {
+            self.record.frames_unread += 1;
+            return;
+        };
+        let (iteration, _) = self.schedule.at(self.window.saturating_sub(1));
+        let is_mobile = port.node(delivery.from).is_none();
+        self.neighbours.hear(message, delivery, port.station(), iteration, is_mobile);
+    }
+}

@@ -1,0 +1,277 @@
+//! Maps that are computed in the nodes, over simulated links.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use sextant_apps::distributed::{
+    Category, DistributedMapping, DistributedMappingConfig, MappingNode, MappingRecord, MappingRole, MobileAnchor,
+    NodeAntenna,
+};
+use sextant_apps::{Surroundings, WaypointsConfig};
+use sextant_channel::{AntennaConfig, ChannelConfig, ObstacleField, Position};
+use sextant_kernel::Seed;
+use sextant_mac::RadioStates;
+use sextant_mac::csma::CsmaSettings;
+use sextant_mac::dmg::SweepConfig;
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{
+    Antennas, AntennasConfig, BusyNetwork, DmgRadio, Ieee80211ad, Ieee802154, Mac, NetworkId, NetworkSetup, Observer,
+    Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, SilentConfig, Simulation, Technology, Traffic,
+    TrafficConfig, TrafficPlan, Unobserved, World,
+};
+
+/// Reach of the radios (m).
+const REACH_M: f64 = 7.0;
+const HEIGHT_M: f64 = 1.0;
+
+/// Nodes in the plane on a lattice of 2 m, moved a little; each `anchor_every`th is an anchor.
+struct Scene {
+    side: usize,
+    anchor_every: usize,
+    /// Whether the nodes have eight sectors, or radios of IEEE 802.15.4.
+    has_sectors: bool,
+    /// Nodes far away from all others, none of them an anchor.
+    island: usize,
+    /// Stops of a mobile anchor.
+    mobile: Vec<Position>,
+    settings: String,
+    seed: u64,
+}
+
+impl Scene {
+    fn new(settings: &str) -> Self {
+        let settings = format!(
+            "range_m = {REACH_M}\nplace.grid_step_m = 0.25\n\
+             place.profile.trapezoid = {{ p0 = 0.95, plateau_m = 5.0, range_m = {REACH_M} }}\n{settings}"
+        );
+        Self { side: 8, anchor_every: 5, has_sectors: true, island: 0, mobile: Vec::new(), settings, seed: 1 }
+    }
+
+    fn places(&self) -> Vec<Position> {
+        let seed = Seed(self.seed);
+        let purpose = sextant_kernel::Purpose::new(1000);
+        let place = |i: usize| {
+            let jitter = |axis: u64| 0.8 * (seed.uniform(purpose, [i as u64, axis, 0]) - 0.5);
+            let (column, row) = ((i % self.side) as f64, (i / self.side) as f64);
+            Position::new(2.0 * column + jitter(0), 2.0 * row + jitter(1), HEIGHT_M)
+        };
+        let island = (0..self.island).map(|i| Position::new(100.0 + i as f64, 0.0, HEIGHT_M));
+        (0..self.side * self.side).map(place).chain(island).collect()
+    }
+
+    fn antennas(&self) -> Antennas {
+        let antenna: AntennaConfig =
+            toml::from_str("sectors = { azimuth_sectors = 8, boresight_gain_dbi = 0.0, pattern.flat_top = {} }")
+                .expect("an antenna");
+        let text = "nodes.omnidirectional = {}\nrobots.omnidirectional = {}";
+        let config =
+            AntennasConfig { nodes: antenna.clone(), robots: antenna, ..toml::from_str(text).expect("antennas") };
+        Antennas::read(&config, Path::new("")).expect("good antennas")
+    }
+
+    fn technology(&self) -> Technology {
+        // Free space, with the loss of 1 m in the power of the transmitter.
+        let power_dbm = -60.0 + 20.0 * libm::log10(REACH_M);
+        let text = format!("tx_power_dbm = {power_dbm}\nsensitivity_dbm = -60.0");
+        let radio: sextant_sim::RadioConfig = toml::from_str(&text).expect("a radio");
+        if self.has_sectors {
+            Technology::Ieee80211ad(Box::new(Ieee80211ad {
+                radio: DmgRadio::try_from(radio).expect("good levels"),
+                reception: ReceptionModel::SirThreshold { least: 2.0 },
+                sweep: SweepConfig::default().try_into().expect("good settings"),
+                antennas: self.antennas(),
+            }))
+        } else {
+            Technology::Ieee802154(Ieee802154 {
+                radio: Radio::try_from(radio).expect("good levels"),
+                reception: ReceptionModel::Overlap,
+                mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
+            })
+        }
+    }
+
+    fn run(&self, observer: &mut impl Observer) -> Vec<MappingRecord> {
+        let config: DistributedMappingConfig = toml::from_str(&self.settings).expect("settings");
+        let settings = Arc::new(DistributedMapping::try_from(&config).expect("good settings"));
+        let places = self.places();
+        let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
+        let channel: ChannelConfig =
+            toml::from_str("path_loss.log_distance = { exponent = 2.0 }").expect("a channel");
+        let link = NetworkSetup {
+            channel: channel.try_into().expect("a good channel"),
+            technology: self.technology(),
+            radio_states: RadioStates::mmwave_60_ghz(),
+            members: None,
+        };
+        let silent = Traffic::try_from(TrafficConfig::Silent(SilentConfig {})).expect("no traffic");
+        let traffic = TrafficPlan::all(silent, places.len());
+        let setup = Setup {
+            world: World { nodes: places.iter().enumerate().map(node).collect(), ..World::default() },
+            networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+            robots: self.robot(&settings).into_iter().collect(),
+            sinks: Vec::new(),
+            duration: None,
+            seed: Seed(self.seed),
+        };
+        let antenna =
+            self.has_sectors.then_some(NodeAntenna { sectors: 8, vertical_width_rad: std::f64::consts::PI });
+        let node = |(i, &place): (usize, &Position)| {
+            let anchor = (i % self.anchor_every == 0 && i < self.side * self.side).then_some(place);
+            MappingNode::new(Arc::clone(&settings), NetworkId(0), antenna, anchor)
+        };
+        let nodes = places.iter().enumerate().map(node).collect();
+        let (_, nodes) = Simulation::with_nodes(setup, nodes).expect("a good setup").run_nodes(observer);
+        nodes.into_iter().map(MappingNode::into_record).collect()
+    }
+
+    fn robot(&self, settings: &Arc<DistributedMapping>) -> Option<Robot> {
+        let &start = self.mobile.first()?;
+        let config = RobotConfig {
+            start_m: start,
+            listen_s: 0.01,
+            ..toml::from_str("name = \"mobile\"\nstart_m = [0.0, 0.0]\ncontroller = 0").expect("a robot")
+        };
+        let _: &RobotConfig<u8> = &config;
+        let body = RobotBody::try_from(&config).expect("a body");
+        let waypoints: WaypointsConfig = toml::from_str(&format!(
+            "places_m = {:?}",
+            self.mobile.iter().map(|place| [place.x_m, place.y_m, place.z_m]).collect::<Vec<_>>()
+        ))
+        .expect("a path");
+        let obstacles = ObstacleField::default();
+        let surroundings =
+            Surroundings { obstacles: &obstacles, start, radius_m: body.radius_m, seed: Seed(1), robot: 0 };
+        let controller = sextant_apps::ControllerConfig::Waypoints(waypoints).build(&surroundings).expect("a path");
+        let sectors = self.antennas().robot_sectors();
+        let broadcast = MobileAnchor::new(Arc::clone(settings), self.has_sectors.then_some((&sectors, 8)));
+        Some(Robot { body, controller, broadcast: Some(Box::new(broadcast)) })
+    }
+
+    /// Mean error of the nodes that are no initial anchors (m).
+    fn mean_error_m(&self, records: &[MappingRecord]) -> f64 {
+        let errors: Vec<f64> = (records.iter().zip(self.places()))
+            .filter(|(record, _)| record.role != MappingRole::InitialAnchor)
+            .filter_map(|(record, place)| Some(record.place?.distance_m(place)))
+            .collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    }
+
+    /// Mean distance of nodes that are no anchors from the centroid of the anchors in their reach (m).
+    fn centroid_error_m(&self) -> f64 {
+        let places = self.places();
+        let error_m = |(i, place): (usize, &Position)| {
+            let near = places.iter().step_by(self.anchor_every).filter(|anchor| anchor.distance_m(*place) < REACH_M);
+            let (count, sum) =
+                near.fold((0.0, Position::ORIGIN), |(count, sum), &anchor| (count + 1.0, sum + anchor));
+            (i % self.anchor_every != 0).then(|| (sum * (1.0 / count)).distance_m(*place))
+        };
+        let errors: Vec<f64> = places.iter().enumerate().filter_map(error_m).collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    }
+}
+
+#[test]
+fn nodes_place_themselves_by_the_sectors_of_anchors() {
+    let scene = Scene::new("");
+    let records = scene.run(&mut Unobserved);
+    assert!(records.iter().all(|record| record.place.is_some()));
+    let error_m = scene.mean_error_m(&records);
+    let centroid_m = scene.centroid_error_m();
+    assert!(error_m < 0.6 * centroid_m, "{error_m} m, centroids {centroid_m} m");
+    // The true directions of all antennas, which no node knows.
+    let headings = scene.antennas().node_headings_rad(Seed(1), records.len());
+    for (record, heading_rad) in records.iter().zip(headings) {
+        if record.role == MappingRole::InitialAnchor {
+            let found = record.directions.expect("each anchor has neighbours that are anchors");
+            let off_rad = (found.azimuth_rad - heading_rad).rem_euclid(std::f64::consts::TAU);
+            let off_rad = off_rad.min(std::f64::consts::TAU - off_rad);
+            assert!(off_rad <= found.half_width_rad + 1e-6, "{off_rad} rad, {found:?}");
+        }
+    }
+    assert!(records.iter().any(|record| matches!(record.role, MappingRole::NewAnchor { .. })));
+    assert!(records.iter().all(|record| record.frames_unread == 0 && record.unsent == 0));
+}
+
+#[test]
+fn without_sectors_distances_alone_place_the_nodes_roughly() {
+    let scene = Scene { has_sectors: false, ..Scene::new("window_s = 4.0") };
+    let records = scene.run(&mut Unobserved);
+    let error_m = scene.mean_error_m(&records);
+    let with_sectors = Scene::new("");
+    let better_m = with_sectors.mean_error_m(&with_sectors.run(&mut Unobserved));
+    assert!(
+        error_m < 1.2 * scene.centroid_error_m() && better_m < 0.6 * error_m,
+        "{error_m} m, with sectors {better_m} m"
+    );
+    assert!(records.iter().all(|record| record.messages.place + record.messages.report == 0));
+}
+
+#[test]
+fn a_mobile_anchor_helps() {
+    let fixed = Scene { anchor_every: 11, ..Scene::new("") };
+    let stops = (0..12).map(|i| Position::new(1.3 * f64::from(i), 15.0 - 1.2 * f64::from(i), HEIGHT_M)).collect();
+    let hybrid = Scene { anchor_every: 11, mobile: stops, ..Scene::new("mobile_phase_s = 30.0") };
+    let (without, with) = (fixed.run(&mut Unobserved), hybrid.run(&mut Unobserved));
+    let (without_m, with_m) = (fixed.mean_error_m(&without), hybrid.mean_error_m(&with));
+    assert!(with_m < 0.8 * without_m, "{without_m} m, with a mobile anchor {with_m} m");
+    assert!(with.iter().all(|record| record.mobile_stops_heard <= 12));
+    assert!(with.iter().filter(|record| record.mobile_stops_heard > 0).count() > 32);
+    assert!(without.iter().all(|record| record.mobile_stops_heard == 0));
+}
+
+#[test]
+fn scattering_is_what_the_coordinates_say() {
+    // In this small scene all coordinates arrive, so that the neighbours of a node are those in its reach.
+    let scene = Scene { side: 5, anchor_every: 4, ..Scene::new("max_iterations = 1\nrepeats = 3") };
+    let records = scene.run(&mut Unobserved);
+    let places = scene.places();
+    for (i, record) in records.iter().enumerate().filter(|(_, record)| record.role != MappingRole::InitialAnchor) {
+        let near: Vec<usize> =
+            (0..places.len()).filter(|&j| j != i && places[i].distance_m(places[j]) < REACH_M).collect();
+        let own = record.place.expect("placed");
+        let scattered = near.iter().filter(|&&j| records[j].place.expect("placed").distance_m(own) > REACH_M).count();
+        let share = scattered as f64 / near.len() as f64;
+        assert_eq!((record.scattering.neighbours, record.scattering.scattered), (near.len(), scattered));
+        let category = match share {
+            share if share <= 0.1 => Category::NewAnchor,
+            share if share <= 0.2 => Category::Good,
+            _ => Category::Bad,
+        };
+        assert_eq!(record.category, category, "{share}");
+    }
+}
+
+#[test]
+fn posterior_means_with_weights_are_better_than_the_literal_estimates() {
+    let improved = "directions = \"intervals\"\nexchange = \"posterior\"\nrecompute = \"all\"\n\
+                    place.estimate = \"posterior_mean\"\nplace.model = \"soft\"";
+    let mean = |settings: &str| {
+        let error_m = |seed| {
+            let scene = Scene { seed, anchor_every: 9, ..Scene::new(settings) };
+            scene.mean_error_m(&scene.run(&mut Unobserved))
+        };
+        (1..=4).map(error_m).sum::<f64>() / 4.0
+    };
+    let (literal_m, improved_m) = (mean("directions = \"circular_mean\""), mean(improved));
+    assert!(improved_m < 0.9 * literal_m, "{literal_m} m, improved {improved_m} m");
+}
+
+#[test]
+fn nodes_that_hear_no_anchor_are_not_placed_and_say_so() {
+    let scene = Scene { side: 4, island: 5, ..Scene::new("max_iterations = 2") };
+    let records = scene.run(&mut Unobserved);
+    let (near, far) = records.split_at(16);
+    assert!(near.iter().all(|record| record.place.is_some()));
+    for record in far {
+        assert_eq!((record.place, record.category, record.anchors_heard), (None, Category::Bad, 0));
+        assert_eq!(record.messages.total(), 0);
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_records() {
+    let scene = Scene { side: 5, ..Scene::new("") };
+    assert_eq!(scene.run(&mut Unobserved), scene.run(&mut Unobserved));
+    let other = Scene { seed: 2, side: 5, ..Scene::new("") };
+    assert_ne!(scene.run(&mut Unobserved), other.run(&mut Unobserved));
+}
