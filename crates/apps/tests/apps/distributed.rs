@@ -15,9 +15,9 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::dmg::SweepConfig;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Antennas, AntennasConfig, BusyNetwork, DmgRadio, Ieee80211ad, Ieee802154, Mac, NetworkId, NetworkSetup, Observer,
-    Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, SilentConfig, Simulation, Technology, Traffic,
-    TrafficConfig, TrafficPlan, Unobserved, World,
+    Antennas, AntennasConfig, BusyNetwork, DmgRadio, Faults, Ieee80211ad, Ieee802154, Mac, NetworkId, NetworkSetup,
+    Observer, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, SilentConfig, Simulation, Technology,
+    Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
 /// Reach of the radios (m).
@@ -111,6 +111,7 @@ impl Scene {
             robots: self.robot(&settings).into_iter().collect(),
             sinks: Vec::new(),
             duration: None,
+            faults: Faults::default(),
             seed: Seed(self.seed),
         };
         let antenna =
