@@ -3,6 +3,7 @@
 use sextant_channel::{Position, Stop, Wedge};
 use sextant_kernel::{RobotId, SimTime};
 
+use super::search_set::BLOCK;
 use super::{HeardAnchor, OwnPlace};
 use crate::heights::{Heights, SoughtHeights};
 use crate::normal::Normal;
@@ -22,6 +23,8 @@ pub(super) struct Evidence<'a> {
     pub(super) normal: &'a Normal,
     /// The sectors of all anchors.
     pub(super) wedges: Wedges,
+    /// The same with edges that hold all places within half the diagonal of a block.
+    pub(super) wide: Wedges,
     pub(super) heard: Vec<Known>,
     pub(super) silent: Vec<Known>,
     /// Anchors that are left out as their places are far from all others: so many conditions are broken anywhere.
@@ -69,7 +72,10 @@ impl<'a> Evidence<'a> {
         // Beyond the range of every heard anchor no vertex is looked at.
         silent.retain(|anchor| heard.iter().any(|other| other.place.distance_m(anchor.place) <= 2.0 * range_m));
         let edges = Edges::of(settings.tolerance, &lattice, range_m);
-        let wedges = Wedges::of_sectors(sectors.into_iter().enumerate(), edges, SilenceRule::Everywhere, false);
+        let of =
+            |edges| Wedges::of_sectors(sectors.iter().copied().enumerate(), edges, SilenceRule::Everywhere, false);
+        let wide = of(edges.widened(half_diagonal_m(&lattice)));
+        let wedges = of(edges);
         Some(Self {
             heights: SoughtHeights::of(&stops, settings.z_range_m, range_m)?.heights(),
             lattice,
@@ -77,6 +83,7 @@ impl<'a> Evidence<'a> {
             clamped: &settings.clamped,
             normal: &settings.normal,
             wedges,
+            wide,
             astray: all - heard.len(),
             heard,
             silent,
@@ -86,6 +93,18 @@ impl<'a> Evidence<'a> {
     /// Number of conditions that a place breaks.
     pub(super) fn violations(&self, place: Position) -> usize {
         self.astray + self.heard.iter().map(|anchor| self.broken(anchor, place)).sum::<usize>()
+    }
+
+    /// Number of conditions that every vertex of the block round `middle` breaks, at least.
+    pub(super) fn surely_broken(&self, middle: Position) -> usize {
+        let apart_m = half_diagonal_m(&self.lattice);
+        let reach = (self.curve.range_m + apart_m).powi(2);
+        let broken = |anchor: &Known| {
+            let apart = middle - anchor.place;
+            let is_outside = anchor.sector.is_some_and(|sector| !self.wide.admits(sector.index, apart.into()));
+            usize::from(apart.dot(apart) > reach) + usize::from(is_outside)
+        };
+        self.heard.iter().map(broken).sum()
     }
 
     fn broken(&self, anchor: &Known, place: Position) -> usize {
@@ -128,6 +147,11 @@ impl Known {
             sigma_m: covariance.map_or(0.0, |c| variance(c).sqrt()),
         }
     }
+}
+
+/// Half the diagonal of a block of vertices, with some room for rounding (m).
+fn half_diagonal_m(lattice: &Lattice) -> f64 {
+    0.5 * (BLOCK - 1) as f64 * lattice.step_m() * 3.0_f64.sqrt() + 1e-6
 }
 
 /// A product of many probabilities as a logarithm.

@@ -7,7 +7,10 @@ use sextant_channel::Position;
 use crate::Lattice;
 
 /// A box of vertices: their indices along each axis.
-type Cells = [Range<usize>; 3];
+pub(super) type Cells = [Range<usize>; 3];
+
+/// Vertices along each side of a block.
+pub(super) const BLOCK: usize = 4;
 
 /// Boxes of vertices, which may overlap. Each vertex counts once.
 #[derive(Debug)]
@@ -55,18 +58,34 @@ impl SearchSet {
         self.boxes.iter().map(count).sum()
     }
 
+    /// The blocks of the boxes, each with the number of its box.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = (usize, Cells)> {
+        self.boxes.iter().enumerate().flat_map(|(number, cells)| {
+            let along = |axis: usize| {
+                let end = cells[axis].end;
+                cells[axis].clone().step_by(BLOCK).map(move |start| start..end.min(start + BLOCK))
+            };
+            let layers = along(2).flat_map(move |z| along(1).map(move |y| (y, z.clone())));
+            layers.flat_map(move |(y, z)| along(0).map(move |x| (number, [x, y.clone(), z.clone()])))
+        })
+    }
+
     /// Calls `visit` with the index of each vertex at every `stride`-th index of each axis.
     pub(super) fn each(&self, stride: usize, mut visit: impl FnMut([usize; 3])) {
         for (number, cells) in self.boxes.iter().enumerate() {
-            for k in strided(&cells[2], stride) {
-                for j in strided(&cells[1], stride) {
-                    for i in strided(&cells[0], stride) {
-                        let vertex = [i, j, k];
-                        let holds =
-                            |cells: &Cells| cells.iter().zip(vertex).all(|(range, index)| range.contains(&index));
-                        if !self.boxes[..number].iter().any(holds) {
-                            visit(vertex);
-                        }
+            self.each_of(number, cells, stride, &mut visit);
+        }
+    }
+
+    /// The same for a part of the box `number`.
+    pub(super) fn each_of(&self, number: usize, cells: &Cells, stride: usize, mut visit: impl FnMut([usize; 3])) {
+        for k in strided(&cells[2], stride) {
+            for j in strided(&cells[1], stride) {
+                for i in strided(&cells[0], stride) {
+                    let vertex = [i, j, k];
+                    let holds = |cells: &Cells| cells.iter().zip(vertex).all(|(range, index)| range.contains(&index));
+                    if !self.boxes[..number].iter().any(holds) {
+                        visit(vertex);
                     }
                 }
             }

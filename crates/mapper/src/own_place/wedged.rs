@@ -124,22 +124,33 @@ impl Search<'_> {
                 fewest = fewest.min(broken);
             }
         });
-        set.each(1, |vertex| {
-            let place = lattice.position(vertex);
-            if let Some((broken, product)) = self.broken(place, fewest) {
-                if broken < fewest {
-                    fewest = broken;
-                    self.findings = Findings::new(self.kind, lattice);
-                }
-                if product.ln() >= self.least() {
-                    let value = product.times(self.evidence.missed(self.evidence.clamped, place)).ln();
-                    if value >= self.least() {
-                        self.findings.take(lattice.index(vertex), place, value);
-                    }
-                }
+        for (number, block) in set.blocks() {
+            let corners = [block.each_ref().map(|range| range.start), block.each_ref().map(|range| range.end - 1)];
+            let [first, last] = corners.map(|corner| lattice.position(corner));
+            if self.evidence.surely_broken((first + last) * 0.5) <= fewest {
+                set.each_of(number, &block, 1, |vertex| fewest = self.take_relaxed(vertex, fewest));
             }
-        });
+        }
         fewest
+    }
+
+    /// Takes a vertex if it breaks no more than `fewest` conditions; returns the fewest so far.
+    fn take_relaxed(&mut self, vertex: [usize; 3], fewest: usize) -> usize {
+        let lattice = &self.evidence.lattice;
+        let place = lattice.position(vertex);
+        let Some((broken, product)) = self.broken(place, fewest) else {
+            return fewest;
+        };
+        if broken < fewest {
+            self.findings = Findings::new(self.kind, lattice);
+        }
+        if product.ln() >= self.least() {
+            let value = product.times(self.evidence.missed(self.evidence.clamped, place)).ln();
+            if value >= self.least() {
+                self.findings.take(lattice.index(vertex), place, value);
+            }
+        }
+        broken
     }
 
     /// The number of conditions that a place breaks, and the product over those that hold; `None` if they are more than

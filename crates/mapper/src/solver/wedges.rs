@@ -71,6 +71,11 @@ impl Edges {
         }
     }
 
+    /// The same moved further, so that they hold every place within `by_m` of one that these hold.
+    pub(crate) fn widened(self, by_m: f64) -> Self {
+        Self { tolerance_m: self.tolerance_m + by_m, margin: None, ..self }
+    }
+
     /// Moved by a distance (m).
     pub(crate) fn at_distance(tolerance_m: f64) -> Self {
         Self { angle: 0.0, tolerance_m, margin: None }
