@@ -33,6 +33,8 @@ pub(crate) const HEADING: Purpose = Purpose::new(17);
 pub(crate) const MISALIGNMENT: Purpose = Purpose::new(18);
 /// Losses of frames that were received otherwise.
 pub(crate) const MESSAGE_LOSS: Purpose = Purpose::new(19);
+/// Tilts of the antennas of nodes.
+pub(crate) const TILT: Purpose = Purpose::new(21);
 /// Nodes that die, and when.
 pub(crate) const DEATHS: Purpose = Purpose::new(22);
 /// Anchors that lie, and in which direction.

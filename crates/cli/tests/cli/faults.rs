@@ -5,6 +5,10 @@ use tempfile::TempDir;
 
 use crate::program;
 
+/// Antennas of nodes, one of which would look beyond the vertical.
+const TILTED: &str =
+    "antenna={nodes={sectors={azimuth_sectors=8}}, robots={omnidirectional={}}, node_tilts_deg=[0.0, 95.0]}";
+
 /// The summary of a run of a scenario with these settings, without its timing.
 fn run(scenario: &str, settings: &[&str]) -> Value {
     let folder = TempDir::new().expect("there is room");
@@ -88,4 +92,10 @@ fn invalid_faults_are_refused_at_their_keys() {
 fn a_mobile_anchor_needs_messages_to_send() {
     let text = refused("smoke.toml", &["robots.0.role=\"anchor\""]);
     assert!(text.contains("robots[0].role") && text.contains("\"survey\""), "{text}");
+}
+
+#[test]
+fn a_tilt_that_raises_a_beam_beyond_the_vertical_is_refused() {
+    let text = refused("smoke.toml", &[TILTED, "mac={sector_sweep={}}"]);
+    assert!(text.contains("antenna.node_tilts_deg[1]") && text.contains("95"), "{text}");
 }

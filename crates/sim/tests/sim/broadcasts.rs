@@ -27,12 +27,12 @@ const BEACON: u64 = 26_109;
 const SWEEP: u64 = 8 * BEACON + 7 * 1_000;
 
 /// Eight sectors that point along known directions.
-const EIGHT: &str = "nodes.sectors = { azimuth_sectors = 8, boresight_gain_dbi = 0.0 }\n\
+pub(crate) const EIGHT: &str = "nodes.sectors = { azimuth_sectors = 8, boresight_gain_dbi = 0.0 }\n\
                      robots.sectors = { azimuth_sectors = 8, boresight_gain_dbi = 0.0 }\nnode_headings = 'aligned'";
 const OMNIDIRECTIONAL: &str = "nodes.omnidirectional = {}\nrobots.omnidirectional = {}";
 
 /// A network in which 0 dBi reach 7 m, without shadowing; overlapping frames are lost.
-fn link(antennas: &str) -> NetworkSetup {
+pub(crate) fn link(antennas: &str) -> NetworkSetup {
     let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
     let channel = ChannelConfig {
         environment: None,

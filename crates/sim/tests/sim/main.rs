@@ -26,5 +26,6 @@ mod superframe;
 mod survey;
 mod sweeps;
 mod tasks;
+mod tilts;
 mod timers;
 mod tree;

@@ -9,7 +9,7 @@ use sextant_sim::{
     RobotBody, Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
 };
 
-use crate::network;
+use crate::{broadcasts, network};
 
 /// Says at which x it is (m), and counts its stops; the last one has no message.
 #[derive(Clone)]
@@ -28,6 +28,8 @@ impl Broadcast for Place {
 #[derive(Default)]
 struct Ear {
     heard: Vec<(SimTime, f64)>,
+    /// The sector of each frame, and its signal-to-noise ratio (dB).
+    sectors: Vec<(Option<u8>, f64)>,
     station: Option<u32>,
 }
 
@@ -43,6 +45,7 @@ impl Application for Ear {
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
         let place = delivery.payload.try_into().map(f64::from_be_bytes).expect("a place");
         self.heard.push((port.now(), place));
+        self.sectors.push((delivery.sector, delivery.snr.map_or(0.0, |snr| snr.0)));
     }
 }
 
@@ -142,4 +145,26 @@ fn frames_to_a_robot_do_not_go_to_a_mobile_anchor() {
     assert_eq!(with(None), None);
     let anchor: Box<dyn Broadcast> = Box::new(Place { stops_left: 1 });
     assert_eq!(with(Some(anchor)).as_deref(), Some("traffic.periodic.acknowledged"));
+}
+
+#[test]
+fn a_mobile_anchor_with_sectors_sends_from_each_of_them_and_the_best_one_points_at_the_node() {
+    let mut setup = setup(Some(Box::new(Place { stops_left: 9 })), Listening::AtStops, SILENT);
+    setup.networks[0].link = broadcasts::link(broadcasts::EIGHT);
+    let simulation = Simulation::with_nodes(setup, vec![Ear::default(), Ear::default()]).expect("good settings");
+    let (survey, nodes) = simulation.run_nodes(&mut Unobserved);
+    let best_at = |x_m: f64| {
+        let frames =
+            nodes[0].heard.iter().zip(&nodes[0].sectors).filter(|((_, place), _)| (place - x_m).abs() < 1e-9);
+        frames.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1)).and_then(|(_, frame)| frame.0)
+    };
+    // Sectors are 45 degrees apart. The node is at 90 degrees from the first stop, at 166 from the second.
+    assert_eq!((best_at(0.0), best_at(4.0)), (Some(2), Some(4)));
+    let robot = &survey.robots[0];
+    assert_eq!((robot.stops, robot.ending), (2, Some(Ending::Complete)));
+    assert_eq!(survey.end, SimTime::ZERO + Duration::from_secs(6));
+    let sent = survey.networks[0].packets[2];
+    // Two stops, two broadcasts each, of eight frames.
+    assert_eq!((sent.offered, sent.received, sent.transmissions), (4, 4, 32));
+    assert!(survey.log.stops().is_empty());
 }

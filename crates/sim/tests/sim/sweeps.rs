@@ -53,6 +53,7 @@ impl Scene {
             nodes: sectors(self.node_sectors),
             robots: sectors(self.robot_sectors),
             node_headings: HeadingsConfig::Random,
+            node_tilts_deg: vec![0.0],
             misalignment_loss: 0.0,
         };
         let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
@@ -305,4 +306,30 @@ fn the_frame_of_an_answer_that_is_on_air_when_the_node_dies_is_its_last() {
     assert_eq!(of_node(&on_air), alive[..11]);
     let p = survey.packets;
     assert_eq!((p.offered, p.received, p.pending), (2, 1, 1));
+}
+
+#[test]
+fn the_answer_of_a_raised_antenna_is_heard_with_its_gain_in_that_direction() {
+    // The robot stands 0.7 m above the node, 2 m away.
+    let place = Position::new(2.0, 0.0, -0.7);
+    let rssi_dbm = |tilt_deg: f64| {
+        let mut setup = Scene::of(vec![place]).setup();
+        let text = format!(
+            "nodes.sectors = {{ azimuth_sectors = 8, vertical_width_deg = 40, pattern.elliptical = {{}} }}\n\
+             robots.sectors = {{ azimuth_sectors = 16, boresight_gain_dbi = 0.0 }}\n\
+             node_headings = \"aligned\"\nnode_tilts_deg = [{tilt_deg}]"
+        );
+        let antennas = Antennas::read(&toml::from_str(&text).expect("antennas"), Path::new("")).expect("antennas");
+        let antenna = antennas.nodes().clone();
+        let Technology::Ieee80211ad(links) = &mut setup.networks[0].link.technology else { panic!("sweeps") };
+        links.antennas = antennas;
+        let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
+        let length = place.distance_m(Position::ORIGIN);
+        let direction = Position::new(-2.0 / length, 0.0, 0.7 / length);
+        let gain_dbi = antenna.gain(antenna.best_sector(direction), direction).0;
+        (receptions(&survey, 0)[0].rssi_dbm.expect("a power"), gain_dbi)
+    };
+    let ((level_dbm, level_dbi), (raised_dbm, raised_dbi)) = (rssi_dbm(0.0), rssi_dbm(20.0));
+    assert!(raised_dbi > level_dbi + 1.0, "{raised_dbi} and {level_dbi} dBi");
+    assert!((raised_dbm - level_dbm - (raised_dbi - level_dbi)).abs() < 1e-9, "{raised_dbm} and {level_dbm} dBm");
 }

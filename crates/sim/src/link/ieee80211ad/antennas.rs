@@ -14,11 +14,14 @@ use crate::air::Mount;
 use crate::purpose;
 use crate::station::{Kind, Roll};
 
+/// Most tilts of the antennas of nodes.
+const MOST_TILTS: usize = 256;
+
 /// The antennas of a network with sector sweeps, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AntennasConfig {
-    /// The antenna of each node.
+    /// The antenna of each node; if they are raised by several angles, by the first one.
     pub nodes: AntennaConfig,
     /// The antenna of each robot and each sink. Robots have a compass: their antennas keep their directions in the world
     /// while they turn.
@@ -26,10 +29,22 @@ pub struct AntennasConfig {
     /// How the antennas of nodes are turned.
     #[serde(default)]
     pub node_headings: HeadingsConfig,
+    /// Angles by which the antennas of nodes are raised (degrees): each node has one of them, at random, for all its
+    /// sectors (Gunathillake 2018, chapter 5). Only antennas of the kind `sectors` can be raised.
+    #[serde(default = "not_tilted", skip_serializing_if = "is_not_tilted")]
+    pub node_tilts_deg: Vec<f64>,
     /// Probability that an answer to a sweep of a steered antenna is lost because the antenna has moved on; 0 leaves only
     /// the losses of the link (Gunathillake 2018, chapter 4: 0.6).
     #[serde(default)]
     pub misalignment_loss: f64,
+}
+
+fn not_tilted() -> Vec<f64> {
+    vec![0.0]
+}
+
+fn is_not_tilted(tilts_deg: &[f64]) -> bool {
+    tilts_deg == not_tilted()
 }
 
 /// How the antennas of nodes are turned, as written in a scenario.
@@ -56,7 +71,10 @@ impl AntennasConfig {
 /// The antennas of a network with sector sweeps.
 #[derive(Clone, Debug)]
 pub struct Antennas {
-    nodes: Arc<Antenna>,
+    /// The antenna of nodes at each tilt: at least one. All have the same sectors, in other directions.
+    nodes: Vec<Arc<Antenna>>,
+    /// The tilts (rad).
+    tilts_rad: Vec<f64>,
     robots: Arc<Antenna>,
     headings: HeadingsConfig,
     misalignment_loss: f64,
@@ -78,9 +96,11 @@ impl Antennas {
             let found = "a steered antenna";
             return Err(SettingError::new("nodes.sectors.vertical", found, "\"array\": nodes answer with one sweep"));
         }
+        let nodes = tilted(config, &nodes)?;
+        let tilts_rad = config.node_tilts_deg.iter().map(|deg| deg.to_radians()).collect();
         let robots = antenna("robots", &config.robots)?;
         let misalignment_loss = SettingError::in_range("misalignment_loss", config.misalignment_loss, 0.0, 1.0)?;
-        Ok(Self { nodes, robots, headings: config.node_headings, misalignment_loss })
+        Ok(Self { nodes, tilts_rad, robots, headings: config.node_headings, misalignment_loss })
     }
 
     /// Whether nodes can answer sweeps in this way.
@@ -88,13 +108,13 @@ impl Antennas {
     /// # Errors
     /// If the sectors of a node do not fit in a slot.
     pub fn check_answers(&self, sweep: &SweepSettings) -> Result<(), SettingError> {
-        sweep.check_responder(&layout(&self.nodes)?)
+        sweep.check_responder(&layout(self.nodes())?)
     }
 
     /// The antenna of each node.
     #[must_use]
     pub fn nodes(&self) -> &Antenna {
-        &self.nodes
+        &self.nodes[0]
     }
 
     /// The antenna of each robot and each sink.
@@ -114,8 +134,8 @@ impl Antennas {
     /// node is heard only if both directions work.
     #[must_use]
     pub fn sweep_gain(&self) -> Db {
-        let along = |sends: &Antenna, hears: &Antenna| sends.greatest_gain().0 + hears.quasi_omni().0;
-        Db(along(&self.robots, &self.nodes).min(along(&self.nodes, &self.robots)))
+        let robots = self.robots.greatest_gain().0 + self.nodes().quasi_omni().0;
+        Db(robots.min(self.greatest_gain_of_nodes() + self.robots.quasi_omni().0))
     }
 
     /// The heading of the antenna of each of `nodes` nodes, counterclockwise from x (rad).
@@ -131,6 +151,28 @@ impl Antennas {
         }
     }
 
+    /// The angle by which the antenna of each of `nodes` nodes is raised (rad).
+    #[must_use]
+    pub fn node_tilts_rad(&self, seed: Seed, nodes: usize) -> Vec<f64> {
+        (0..nodes).map(|node| self.tilts_rad[self.tilt(seed, StationId::from_index(node))]).collect()
+    }
+
+    /// The antenna of each of `nodes` nodes, raised by its angle.
+    #[must_use]
+    pub fn node_antennas(&self, seed: Seed, nodes: usize) -> Vec<&Antenna> {
+        (0..nodes).map(|node| &*self.nodes[self.tilt(seed, StationId::from_index(node))]).collect()
+    }
+
+    /// The number of the tilt of a node: each is equally likely.
+    fn tilt(&self, seed: Seed, node: StationId) -> usize {
+        if self.nodes.len() == 1 {
+            return 0;
+        }
+        // The upper 32 bits scaled to the range.
+        let bits = seed.bits(purpose::TILT, [node.0.into(), 0, 0]);
+        usize::try_from(((bits >> 32) * self.nodes.len() as u64) >> 32).expect("below 2^32")
+    }
+
     /// Probability that an answer to a sweep of a steered antenna is lost.
     pub(crate) fn misalignment_loss(&self) -> f64 {
         if self.robots.sweeps() > 1 { self.misalignment_loss } else { 0.0 }
@@ -138,13 +180,17 @@ impl Antennas {
 
     /// Largest gain of both antennas of a link together.
     pub(crate) fn greatest_gain(&self) -> Db {
-        let greatest = |antenna: &Antenna| antenna.greatest_gain().0;
-        Db(2.0 * greatest(&self.nodes).max(greatest(&self.robots)))
+        Db(2.0 * self.greatest_gain_of_nodes().max(self.robots.greatest_gain().0))
     }
 
+    fn greatest_gain_of_nodes(&self) -> f64 {
+        self.nodes.iter().map(|antenna| antenna.greatest_gain().0).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The antenna of a kind of stations; if it is raised by several angles, by the first one.
     pub(crate) fn of(&self, kind: Kind) -> &Arc<Antenna> {
         match kind {
-            Kind::Node(_) => &self.nodes,
+            Kind::Node(_) => &self.nodes[0],
             Kind::Robot(_) | Kind::Sink(_) => &self.robots,
         }
     }
@@ -152,13 +198,47 @@ impl Antennas {
     /// The antenna of a station as it is mounted.
     pub(crate) fn mount(&self, roll: &Roll, station: StationId, seed: Seed) -> Mount {
         let kind = roll.kind(station);
-        let antenna = Arc::clone(self.of(kind));
-        let orientation = match kind {
-            Kind::Node(_) => Orientation::heading(self.heading_rad(seed, station)),
-            Kind::Robot(_) | Kind::Sink(_) => Orientation::heading(0.0),
+        let (antenna, heading_rad) = match kind {
+            Kind::Node(_) => (&self.nodes[self.tilt(seed, station)], self.heading_rad(seed, station)),
+            Kind::Robot(_) | Kind::Sink(_) => (&self.robots, 0.0),
         };
+        let (antenna, orientation) = (Arc::clone(antenna), Orientation::heading(heading_rad));
         Mount { ripple: antenna.ripple(seed, station), antenna, orientation }
     }
+}
+
+/// The antenna of nodes at each of its tilts; `level` is the one at none. The folder of files is not needed, because only
+/// antennas without files can be raised.
+///
+/// # Errors
+/// If there is no tilt, the antenna cannot be raised, or a ring of sectors would point beyond the vertical.
+fn tilted(config: &AntennasConfig, level: &Arc<Antenna>) -> Result<Vec<Arc<Antenna>>, SettingError> {
+    if config.node_tilts_deg.is_empty() || config.node_tilts_deg.len() > MOST_TILTS {
+        let found = format!("a list of {}", config.node_tilts_deg.len());
+        return Err(SettingError::new("node_tilts_deg", found, format!("1 to {MOST_TILTS} angles")));
+    }
+    let raised = |(i, &tilt_deg): (usize, &f64)| {
+        let key = format!("node_tilts_deg[{i}]");
+        SettingError::in_range(&key, tilt_deg, -180.0, 180.0)?;
+        if tilt_deg == 0.0 {
+            return Ok(Arc::clone(level));
+        }
+        let AntennaConfig::Sectors(sectors) = &config.nodes else {
+            let allowed = "0: only an antenna of the kind `nodes.sectors` can be raised";
+            return Err(SettingError::new(key, tilt_deg, allowed));
+        };
+        let mut sectors = sectors.clone();
+        for elevation_deg in &mut sectors.elevations_deg {
+            *elevation_deg += tilt_deg;
+            if !(-90.0..=90.0).contains(elevation_deg) {
+                let found = format!("{tilt_deg}, which raises a ring of sectors to {elevation_deg} degrees");
+                return Err(SettingError::new(key, found, "elevations of -90 to 90 degrees"));
+            }
+        }
+        let antenna = Antenna::try_from(AntennaConfig::Sectors(sectors)).map_err(|error| error.within("nodes"))?;
+        Ok(Arc::new(antenna))
+    };
+    config.node_tilts_deg.iter().enumerate().map(raised).collect()
 }
 
 /// The sectors of one sweep of an antenna, by DMG antenna.
