@@ -4,8 +4,10 @@ use std::time::Duration;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, SimTime};
 use sextant_mapper::{AnchorSilence, DirectionRule, EstimateKind, OwnPlace, OwnPlaceConfig};
+
+use super::schedule::{Schedule, Window};
 
 /// Settings of a map that is computed in the nodes, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -126,6 +128,18 @@ impl DistributedMapping {
     #[must_use]
     pub fn mobile_phase(&self) -> Duration {
         self.mobile_phase
+    }
+
+    /// When a map is computed at the latest: all iterations are over. `has_sectors` tells whether the network has them.
+    ///
+    /// # Panics
+    /// Never: iterations end.
+    #[must_use]
+    pub fn longest(&self, has_sectors: bool) -> Duration {
+        let start = SimTime::ZERO + self.mobile_phase;
+        let schedule = Schedule { start, window: self.window, has_sectors, iterations: self.max_iterations };
+        let end = (0..).find(|&number| schedule.at(number).1 == Window::End).expect("iterations end");
+        schedule.start_of(end) - SimTime::ZERO
     }
 
     /// Radius of communication (m).

@@ -44,7 +44,8 @@ pub fn map(
                 let (map, alignment) = in_world(map, truth.as_deref());
                 let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
                 let learned = learned.as_ref();
-                let summary = measure(named, &map, learned, input.log.names(), truth, &settings.metrics, watch)?;
+                let summary =
+                    measure(&named.into(), &map, learned, input.log.names(), truth, &settings.metrics, watch)?;
                 Ok((map, alignment, summary))
             });
         let (map, alignment, summary) = match made {

@@ -1,7 +1,9 @@
 //! The summary of a map: its properties, and its errors if the truth is known.
 
 mod outline;
+mod subject;
 mod truth;
 
 pub use outline::outline;
+pub use subject::Subject;
 pub use truth::{NodeSectors, Truth, displacement, in_world, measure};

@@ -1,11 +1,11 @@
 //! The properties of a map in the summary, without the truth.
 
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, Mapper, ObstacleKnowledge,
-    PositionError, SoughtHeights, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, ObstacleKnowledge, PositionError,
+    SoughtHeights, TopologyMap,
 };
 
-use crate::scenario::NamedMap;
+use super::subject::Subject;
 use crate::summary::{
     CalibrationSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary, MapSummary,
     NetworkProfileSummary,
@@ -13,7 +13,7 @@ use crate::summary::{
 
 /// The properties of a map of nodes with these `names`, without the truth.
 #[must_use]
-pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
+pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
     let mut at_bound = Vec::new();
     let mut fitted_profiles = Vec::new();
     let (fitted_profile, calibration) = match learned {
@@ -30,16 +30,13 @@ pub fn outline(named: &NamedMap, map: &TopologyMap, learned: Option<&Learned>, n
         }
         _ => (None, None),
     };
-    let name = &named.name;
+    let name = subject.name;
     let coincident = map.coincident();
     MapSummary {
         name: (name != map.algorithm).then(|| name.to_owned()),
         algorithm: map.algorithm.to_owned(),
-        knowledge: named.mapper.uses().to_vec(),
-        networks: match &named.mapper {
-            Mapper::Joint(joint) => joint.networks().map(str::to_owned).collect(),
-            _ => named.network.iter().cloned().collect(),
-        },
+        knowledge: subject.knowledge.to_vec(),
+        networks: subject.networks.clone(),
         fitted_profile,
         fitted_profiles,
         calibration,

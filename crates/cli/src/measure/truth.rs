@@ -9,7 +9,8 @@ use sextant_mapper::{
 };
 
 use super::outline::outline;
-use crate::scenario::{MetricsConfig, NamedMap};
+use super::subject::Subject;
+use crate::scenario::MetricsConfig;
 use crate::summary::{
     AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS, POSITION_ERRORS_M,
 };
@@ -50,7 +51,7 @@ const LEAST_TO_ALIGN: usize = 4;
 /// # Errors
 /// If `watch` stops the work.
 pub fn measure(
-    named: &NamedMap,
+    subject: &Subject<'_>,
     map: &TopologyMap,
     learned: Option<&Learned>,
     names: &[String],
@@ -59,12 +60,12 @@ pub fn measure(
     watch: &dyn Watch,
 ) -> Result<MapSummary, Interrupted> {
     let Some(Truth { places: truth, anchors }) = truth else {
-        return Ok(outline(named, map, learned, names));
+        return Ok(outline(subject, map, learned, names));
     };
     let mapped = map.positions();
     let mut found = mapped.clone();
     let mut sought = truth.len();
-    if named.mapper.uses().contains(&KnowledgeKind::Anchors) {
+    if subject.knowledge.contains(&KnowledgeKind::Anchors) {
         for anchor in anchors {
             found[anchor.node.index()] = None;
         }
@@ -84,7 +85,7 @@ pub fn measure(
         false_neighbour_rate: first.false_neighbour_rate,
         topology_preservation_error: topology_preservation_error(truth, &mapped, watch)?,
         connectivity_errors,
-        ..outline(named, map, learned, names)
+        ..outline(subject, map, learned, names)
     })
 }
 

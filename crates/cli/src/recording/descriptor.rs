@@ -95,7 +95,12 @@ mod tests {
     use super::Declaration;
 
     fn declarations() -> impl Iterator<Item = &'static Declaration> {
-        let own = [messages::DECLARATIONS, messages::networks::DECLARATIONS, messages::sensing::DECLARATIONS];
+        let own = [
+            messages::DECLARATIONS,
+            messages::distributed::DECLARATIONS,
+            messages::networks::DECLARATIONS,
+            messages::sensing::DECLARATIONS,
+        ];
         own.into_iter().flatten()
     }
 

@@ -43,9 +43,11 @@ macro_rules! recorded {
     };
 }
 
+pub(super) mod distributed;
 pub(super) mod networks;
 pub(super) mod sensing;
 
+pub use distributed::MappedNodeMessage;
 pub use networks::{NetworksMessage, SectorMessage};
 pub use sensing::{SensedMessage, SensorsMessage};
 

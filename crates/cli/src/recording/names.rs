@@ -14,6 +14,8 @@ pub(super) const NEIGHBOURS_TOPIC: &str = "/neighbours";
 pub(super) const BEACONS_TOPIC: &str = "/beacons";
 /// Topic of the nodes that know their position.
 pub(super) const ANCHORS_TOPIC: &str = "/anchors";
+/// Topic of what nodes found that computed a map themselves.
+pub(super) const MAPPED_NODES_TOPIC: &str = "/distributed/nodes";
 /// Topic of the sensors that the nodes have.
 pub(super) const SENSORS_TOPIC: &str = "/sensors";
 /// Topic of what sensors said.

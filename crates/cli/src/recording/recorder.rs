@@ -18,8 +18,8 @@ use super::drawing::{self, GridPlane, PlacedNode, Solid};
 use super::error::RecordingError;
 use super::messages;
 use super::names::{
-    ANCHORS_TOPIC, BEACONS_TOPIC, LogTopics, NEIGHBOURS_TOPIC, NETWORKS_TOPIC, ORIGIN_METADATA, SCENARIO_ATTACHMENT,
-    SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ANCHORS_TOPIC, BEACONS_TOPIC, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC, ORIGIN_METADATA,
+    SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
 use super::sink::Sink;
 use crate::output::Draft;
@@ -361,6 +361,14 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn map(&mut self, time: SimTime, algorithm: &str, nodes: &[PlacedNode]) -> Result<(), RecordingError> {
         self.write(time, &format!("/map/{algorithm}"), &drawing::cloud(time, nodes))
+    }
+
+    /// Writes what a node found that computed its own place.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn mapped_node(&mut self, time: SimTime, node: &messages::MappedNodeMessage) -> Result<(), RecordingError> {
+        self.write(time, MAPPED_NODES_TOPIC, node)
     }
 
     /// Writes the likelihood of `node` by `algorithm`.

@@ -71,7 +71,7 @@ impl Discoveries {
     /// If the recording cannot be written.
     pub(super) fn record(&self, scenario: &Scenario, recorder: &mut FileRecorder) -> Result<(), RecordingError> {
         let uses_anchors = scenario.maps().iter().any(|map| map.mapper.least_anchors(2) > 0);
-        if uses_anchors {
+        if uses_anchors || scenario.distributed().is_some() {
             recorder.anchors(scenario.anchors())?;
         }
         if let Some(neighbours) = &self.neighbours {

@@ -54,13 +54,21 @@ pub fn evaluate(
             let is_of_first = networks == scenario.surveyed()[..1];
             is_of_first && named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)
         }),
-        ..measure(named, &map, learned.as_ref(), logs.of(named).names(), Some(truth), scenario.metrics(), watch)?
+        ..measure(
+            &named.into(),
+            &map,
+            learned.as_ref(),
+            logs.of(named).names(),
+            Some(truth),
+            scenario.metrics(),
+            watch,
+        )?
     };
     Ok(Evaluation { map, learned, summary })
 }
 
 /// The sector displacement of a map from the logs of `networks`; `None` if the nodes have no sectors in any of them.
-fn sector_displacement(
+pub(super) fn sector_displacement(
     scenario: &Scenario,
     networks: &[NetworkId],
     map: &TopologyMap,

@@ -21,6 +21,7 @@ pub(super) struct Gathering<'a> {
     sniffer: Option<Sniffer<'a>>,
     interrupt: &'a Interrupt,
     progress: terminal::Progress,
+    shown: Shown,
     robots: Vec<Track>,
     world: &'a World,
     /// The surveyed networks whose logs have topics of their own, by name: all but the first.
@@ -30,6 +31,17 @@ pub(super) struct Gathering<'a> {
     /// The fields, with the sources that were removed so far.
     fields: Vec<Field>,
     failure: Option<RecordingError>,
+}
+
+/// What the progress bar shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// Nodes heard by robots.
+    NodesHeard,
+    /// Simulated seconds, and packets.
+    Packets,
+    /// Simulated seconds, and messages of nodes that compute a map.
+    Messages,
 }
 
 /// Captures frames.
@@ -99,7 +111,7 @@ impl<'a> Gathering<'a> {
         frames: bool,
         sniffer: Option<Sniffer<'a>>,
         interrupt: &'a Interrupt,
-        progress: terminal::Progress,
+        (progress, shown): (terminal::Progress, Shown),
         names: impl Iterator<Item = String>,
         scenario: &'a Scenario,
     ) -> Self {
@@ -116,6 +128,7 @@ impl<'a> Gathering<'a> {
             sniffer,
             interrupt,
             progress,
+            shown,
             robots,
             world,
             others,
@@ -223,13 +236,23 @@ impl Observer for Gathering<'_> {
     }
 
     fn goes_on(&mut self, progress: Progress) -> bool {
-        if self.robots.is_empty() {
-            let whole_seconds = progress.time.as_nanos() / 1_000_000_000;
-            self.progress.set(whole_seconds, format!("s simulated, {} packets offered", progress.packets_offered));
-        } else {
-            let seconds = progress.time.as_secs_f64();
-            let note = format!("nodes heard, {} stops, {seconds:.0} s simulated", progress.stops);
-            self.progress.set(progress.nodes_heard as u64, note);
+        let whole_seconds = progress.time.as_nanos() / 1_000_000_000;
+        match self.shown {
+            Shown::Packets => {
+                self.progress
+                    .set(whole_seconds, format!("s simulated, {} packets offered", progress.packets_offered));
+            }
+            Shown::Messages => {
+                let stops =
+                    if self.robots.is_empty() { String::new() } else { format!(", {} stops", progress.stops) };
+                let note = format!("s simulated at most, {} messages{stops}", progress.packets_offered);
+                self.progress.set(whole_seconds, note);
+            }
+            Shown::NodesHeard => {
+                let seconds = progress.time.as_secs_f64();
+                let note = format!("nodes heard, {} stops, {seconds:.0} s simulated", progress.stops);
+                self.progress.set(progress.nodes_heard as u64, note);
+            }
         }
         self.failure.is_none() && !self.interrupt.is_requested()
     }

@@ -31,7 +31,7 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
             RoleConfig::Anchor => Vec::new(),
         },
     });
-    let has_robots = !survey.robots.is_empty();
+    let has_robots = scenario.config().robots.iter().any(|robot| robot.role == RoleConfig::Survey);
     let mut traffic = mac::traffic(scenario, survey).into_iter();
     Summary {
         scenario: Some(identity(scenario)),

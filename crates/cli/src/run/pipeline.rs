@@ -6,14 +6,16 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, SimTime, Watch};
 use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
-use sextant_sim::{Field, SensorsConfig, Simulation, Survey};
+use sextant_sim::{Field, SensorsConfig, Survey};
 
 use super::discovery::Discoveries;
+use super::distributed::{evaluate_distributed, messages_of_nodes};
 use super::evaluation::{self, Evaluation};
 use super::fields;
-use super::gather::{Gathering, Sniffed, Sniffer, Track};
+use super::gather::{Gathering, Shown, Sniffed, Sniffer, Track};
 use super::outcome::sum_up;
 use super::request::Request;
+use super::simulator::{Simulated, Simulator};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::recording::{FileCapture, FileRecorder, GridPlane, Level, Origin, PlacedNode, Solid, Technologies};
@@ -31,14 +33,15 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     let watcher = Watcher::new(interrupt, request.quiet);
     let discoveries = Discoveries::of(scenario, &watcher)?;
     watcher.clear();
-    let simulation = Simulation::new(scenario.setup()).map_err(|error| Failure::bad_input(error.to_string()))?;
+    let simulator = Simulator::new(scenario).map_err(|error| Failure::bad_input(error.to_string()))?;
     let _keeper = interrupt.keep();
     let mut recorder = FileRecorder::create(request.recording)?;
     let mut capture = request.pcap.map(|path| FileCapture::create(path, technologies(scenario))).transpose()?;
     open(&mut recorder, scenario)?;
     discoveries.record(scenario, &mut recorder)?;
     let outputs = Outputs { recorder: &mut recorder, capture: capture.as_mut() };
-    let (survey, tracks, fields) = gather(simulation, outputs, scenario, interrupt, request.quiet)?;
+    let (simulated, tracks, fields) = gather(simulator, outputs, scenario, interrupt, request.quiet)?;
+    let survey = &simulated.survey;
     if let Some(capture) = capture {
         capture.finish()?;
     }
@@ -49,13 +52,14 @@ pub fn record(scenario: &Scenario, request: Request<'_>, interrupt: &Interrupt) 
     fields::record(scenario, &fields, survey.end, &mut recorder)?;
     let map_start = Stopwatch::start();
     let mut maps = Vec::new();
-    let interrupted = match map(scenario, &survey, &discoveries, (&mut recorder, &mut maps), &watcher) {
+    record_distributed(scenario, &simulated, &mut recorder, &mut maps)?;
+    let interrupted = match map(scenario, survey, &discoveries, (&mut recorder, &mut maps), &watcher) {
         Err(Failure::Interrupted) => true,
         outcome => outcome.map(|()| false)?,
     };
     watcher.clear();
     let map_s = map_start.elapsed_s();
-    let mut summary = Summary { interrupted, ..sum_up(scenario, &survey, &discoveries, maps) };
+    let mut summary = Summary { interrupted, ..sum_up(scenario, survey, &discoveries, maps) };
     recorder.summary(&summary.to_json()?)?;
     recorder.finish()?;
     let events_per_s = survey.events as f64 / gather_s;
@@ -135,17 +139,24 @@ struct Outputs<'a> {
 }
 
 fn gather(
-    simulation: Simulation,
+    simulator: Simulator,
     outputs: Outputs<'_>,
     scenario: &Scenario,
     interrupt: &Interrupt,
     quiet: bool,
-) -> Result<(Survey, Vec<Track>, Vec<Field>), Failure> {
-    // Without robots, the end is a time.
-    let progress = match scenario.config().duration_s.filter(|_| scenario.config().robots.is_empty()) {
-        Some(end_s) => terminal::Progress::new("simulating", Duration::from_secs_f64(end_s).as_secs(), quiet),
-        None => terminal::Progress::new("gathering", scenario.world().nodes.len() as u64, quiet),
+) -> Result<(Simulated, Vec<Track>, Vec<Field>), Failure> {
+    let duration = scenario.config().duration_s.map(Duration::from_secs_f64);
+    // Without robots, the end is a time; nodes know when they have computed a map at the latest.
+    let end = match scenario.distributed() {
+        Some(map) => Some(duration.map_or(map.longest(), |duration| duration.min(map.longest()))),
+        None => duration.filter(|_| scenario.config().robots.is_empty()),
     };
+    let (what, steps, shown) = match (end, scenario.distributed()) {
+        (Some(end), Some(_)) => ("in nodes", end.as_secs(), Shown::Messages),
+        (Some(end), None) => ("simulating", end.as_secs(), Shown::Packets),
+        (None, _) => ("gathering", scenario.world().nodes.len() as u64, Shown::NodesHeard),
+    };
+    let progress = (terminal::Progress::new(what, steps, quiet), shown);
     let names = scenario.config().robots.iter().map(|robot| robot.name.clone());
     let sniffer = outputs.capture.map(|capture| Sniffer {
         capture,
@@ -155,9 +166,60 @@ fn gather(
     });
     let frames = scenario.recording().frames;
     let mut gathering = Gathering::new(outputs.recorder, frames, sniffer, interrupt, progress, names, scenario);
-    let survey = simulation.run(&mut gathering);
+    let simulated = simulator.run(&mut gathering);
     let (tracks, fields) = gathering.finish()?;
-    Ok((survey, tracks, fields))
+    Ok((simulated, tracks, fields))
+}
+
+/// Records and measures the map that the nodes computed, if they did: also what they had when the user interrupted.
+fn record_distributed(
+    scenario: &Scenario,
+    simulated: &Simulated,
+    recorder: &mut FileRecorder,
+    summaries: &mut Vec<MapSummary>,
+) -> Result<(), Failure> {
+    let (Some(map), Some(evaluation)) = (scenario.distributed(), evaluate_distributed(scenario, simulated)) else {
+        return Ok(());
+    };
+    let end = simulated.survey.end;
+    for message in messages_of_nodes(simulated, map) {
+        recorder.mapped_node(end, &message)?;
+    }
+    let summary = evaluation.summary;
+    record_map(recorder, end, &map.name, &evaluation.map, (&summary, &evaluation::truth(scenario)))?;
+    if let Some(distributed) = &summary.distributed {
+        let mut warn = |note: String| recorder.note(end, Level::Warning, &map.name, &note);
+        if !distributed.unplaced.is_empty() {
+            let (unplaced, all) = (distributed.unplaced.len(), simulated.nodes.len());
+            let names = distributed.unplaced.join(", ");
+            warn(format!("{unplaced} of {all} nodes could not work out a place: {names}"))?;
+        }
+        if !distributed.converged {
+            warn(distributed.unsettled(simulated.survey.interrupted))?;
+        }
+    }
+    summaries.push(summary);
+    Ok(())
+}
+
+/// Records a map and its main errors.
+fn record_map(
+    recorder: &mut FileRecorder,
+    end: SimTime,
+    name: &str,
+    map: &TopologyMap,
+    (summary, truth): (&MapSummary, &[Position]),
+) -> Result<(), Failure> {
+    recorder.map(end, name, &placed(map, truth))?;
+    for (what, value) in [
+        ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
+        ("connectivity_error", summary.connectivity_error),
+    ] {
+        if let Some(value) = value {
+            recorder.metric(end, &format!("{name}/{what}"), value)?;
+        }
+    }
+    Ok(())
 }
 
 /// Computes, records and measures the maps of the scenario in order, until the user interrupts.
@@ -174,15 +236,7 @@ fn map(
     for named in scenario.maps() {
         let Evaluation { map, learned, summary } =
             evaluation::evaluate(scenario, named, (survey, discoveries), bound_m, watch)?;
-        recorder.map(survey.end, &named.name, &placed(&map, &truth))?;
-        for (what, value) in [
-            ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
-            ("connectivity_error", summary.connectivity_error),
-        ] {
-            if let Some(value) = value {
-                recorder.metric(survey.end, &format!("{}/{what}", named.name), value)?;
-            }
-        }
+        record_map(recorder, survey.end, &named.name, &map, (&summary, &truth))?;
         if map.unmapped() > 0 {
             let note = format!("{} of {} nodes were never heard and are not mapped", map.unmapped(), truth.len());
             recorder.note(survey.end, Level::Warning, &named.name, &note)?;

@@ -8,6 +8,7 @@ use sextant_kernel::{Seed, SettingError};
 use sextant_sim::{Discovery, Sensors, Setup, Simulation, World};
 
 use super::config::ScenarioConfig;
+use super::distributed::{DistributedMap, check_distributed};
 use super::errors::Errors;
 use super::known_channel::KnownChannel;
 use super::known_networks::KnownNetworks;
@@ -24,6 +25,7 @@ pub(super) struct Parts {
     pub(super) anchors: Vec<Anchor>,
     pub(super) discovery: Discovery,
     pub(super) known_channel: KnownChannel,
+    pub(super) distributed: Option<DistributedMap>,
 }
 
 /// Checks each part of the scenario, then all parts together.
@@ -47,7 +49,7 @@ pub(super) fn check(
         let checked = SettingError::in_range("duration_s", duration_s, 1e-6, 1e7).map(Duration::from_secs_f64);
         errors.take("", checked)
     });
-    if config.robots.is_empty() && config.duration_s.is_none() {
+    if config.robots.is_empty() && config.duration_s.is_none() && config.distributed_mapping.is_none() {
         let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
         errors.refuse(&SettingError::new("robots", "none", allowed));
     }
@@ -76,14 +78,19 @@ pub(super) fn check(
         }
     }
     let seed = Seed(config.seed);
-    let setup = Setup { world, networks, robots, sinks, duration: duration.flatten(), faults, seed };
+    let mut setup = Setup { world, networks, robots, sinks, duration: duration.flatten(), faults, seed };
+    let distributed = check_distributed(config, &tables, &mut setup, (&anchors, &maps), errors);
     if errors.found.is_empty() {
         // The simulation checks what depends on several parts, such as the size of frames.
-        if let Err(error) = Simulation::new(setup.clone()) {
-            errors.refuse(&error);
-        }
+        let simulation = match &distributed {
+            None => Simulation::new(setup.clone()).map(drop),
+            Some(map) => {
+                Simulation::with_nodes(setup.clone(), map.nodes(setup.world.nodes.len(), &anchors)).map(drop)
+            }
+        };
+        errors.take("", simulation);
     }
-    (Some(Parts { setup, anchors, discovery, known_channel }), maps)
+    (Some(Parts { setup, anchors, discovery, known_channel, distributed }), maps)
 }
 
 /// The nodes that know their position; checks that there are enough for each of `maps`.

@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_apps::ControllerConfig;
+use sextant_apps::distributed::DistributedMappingConfig;
 use sextant_channel::ChannelConfig;
 use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
@@ -43,7 +44,7 @@ pub struct ScenarioConfig {
     /// How nodes share the channel; unslotted CSMA-CA as in the standard if absent.
     #[serde(default)]
     pub mac: MacConfig,
-    /// What the nodes send, and when; required unless each of `networks` has its own.
+    /// What the nodes send, and when; required unless each of `networks` has its own, or the nodes compute a map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traffic: Option<TrafficConfig>,
     /// Which frames are received; those with an SINR of at least 3 dB if absent, with sector sweeps those with a ratio of
@@ -60,7 +61,7 @@ pub struct ScenarioConfig {
     /// of its own; one network with the tables of the scenario if absent.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub networks: BTreeMap<String, NetworkConfig>,
-    /// When the simulation ends (s); if absent, when the last robot has finished.
+    /// When the simulation ends (s); if absent, when the last robot has finished and the nodes have computed their map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
     /// The fixed sinks, which always listen.
@@ -81,6 +82,9 @@ pub struct ScenarioConfig {
     /// The maps to compute from the receptions.
     #[serde(default)]
     pub maps: Vec<MapConfig>,
+    /// A map that the nodes compute themselves, from messages among them; none if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distributed_mapping: Option<DistributedMappingConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]
     pub metrics: MetricsConfig,

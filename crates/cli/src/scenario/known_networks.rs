@@ -6,7 +6,7 @@ use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelLaw, Db};
 use sextant_kernel::SettingError;
 use sextant_mapper::{AlgorithmConfig, MapConfig};
-use sextant_sim::{Antennas, MacConfig, RobotConfig};
+use sextant_sim::{Antennas, MacConfig, RobotConfig, RoleConfig};
 
 use super::known_channel::KnownChannel;
 use super::networks::NetworkTables;
@@ -32,7 +32,7 @@ impl KnownNetworks {
         folder: Option<&Path>,
     ) -> Self {
         let surveys = |table: &&NetworkTables<'_>| {
-            robots.iter().any(|robot| {
+            robots.iter().filter(|robot| robot.role == RoleConfig::Survey).any(|robot| {
                 let named = robot.networks.iter().chain(&robot.network);
                 table.name.is_none() || named.into_iter().any(|name| Some(name.as_str()) == table.name)
             })

@@ -10,6 +10,7 @@ use sextant_sim::{BusyNetwork, Discovery, NetworkId, Setup, World};
 use super::build::{Parts, check};
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
+use super::distributed::DistributedMap;
 use super::document::Document;
 use super::error::ScenarioErrors;
 use super::errors::Errors;
@@ -140,6 +141,12 @@ impl Scenario {
         &self.parts.discovery
     }
 
+    /// The map that the nodes compute themselves, if they do.
+    #[must_use]
+    pub fn distributed(&self) -> Option<&DistributedMap> {
+        self.parts.distributed.as_ref()
+    }
+
     /// How maps are compared with the truth.
     #[must_use]
     pub fn metrics(&self) -> &MetricsConfig {
@@ -180,7 +187,7 @@ impl Scenario {
             counted(world.obstacles.len(), "obstacle"),
             counted(self.config.robots.len(), "robot"),
             counted(self.config.sinks.len(), "sink"),
-            counted(self.maps.len(), "map"),
+            counted(self.maps.len() + usize::from(self.distributed().is_some()), "map"),
         ]
         .join(", ")
     }

@@ -31,16 +31,21 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
             continue;
         };
         let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-        if name.is_empty() || !name.chars().all(is_plain) {
-            let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";
-            errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(&table));
-        }
-        if maps.iter().any(|map| map.name == name) {
-            let found = format!("`{name}`, the name of an earlier map");
-            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
-        }
+        check_name(&name, &table, &maps, errors);
         maps.push(NamedMap { name, network: config.network, mapper });
     }
     maps
+}
+
+/// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
+pub(super) fn check_name(name: &str, table: &str, others: &[NamedMap], errors: &mut Errors<'_>) {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    if name.is_empty() || !name.chars().all(is_plain) {
+        let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";
+        errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(table));
+    }
+    if others.iter().any(|map| map.name == name) {
+        let found = format!("`{name}`, the name of an earlier map");
+        errors.refuse(&SettingError::new("name", found, "a unique name").within(table));
+    }
 }

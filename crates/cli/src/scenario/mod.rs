@@ -3,6 +3,7 @@
 mod build;
 mod config;
 mod deserialize;
+mod distributed;
 mod document;
 mod effective;
 mod error;
@@ -27,6 +28,7 @@ mod survey_identity;
 mod sweep;
 
 pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
+pub use distributed::DistributedMap;
 pub use error::{ScenarioError, ScenarioErrors};
 pub use known_channel::KnownChannel;
 pub use loaded::Scenario;

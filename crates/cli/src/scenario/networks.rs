@@ -35,7 +35,7 @@ pub(super) struct NetworkTables<'a> {
 
 /// A value and the key of its table.
 pub(super) struct Keyed<T> {
-    key: String,
+    pub(super) key: String,
     /// Whether the network has the table itself, and not the scenario for all.
     is_own: bool,
     pub(super) value: T,
@@ -142,6 +142,10 @@ impl<'a> NetworkTables<'a> {
                 let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), folder);
                 // Names of nodes are not known without a world.
                 nodes.and_then(|_| errors.take(&self.traffic.key, plan))
+            }
+            // Nodes that compute a map send their messages alone.
+            (None, _, nodes) if config.distributed_mapping.is_some() => {
+                nodes.and_then(|nodes| TrafficPlan::new(&silent, nodes, folder).ok())
             }
             (None, ..) => errors.take("", Err(self.missing("traffic"))),
         };

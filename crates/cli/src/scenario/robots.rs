@@ -33,6 +33,10 @@ pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, error
         }
         let robot = robot(i, robot_config, obstacles, Seed(config.seed)).and_then(|mut robot| {
             robot.body.networks = surveyed(robot_config, &config.networks)?;
+            if robot_config.role == RoleConfig::Anchor && config.distributed_mapping.is_none() {
+                let allowed = "\"survey\", or a table `[distributed_mapping]`: a mobile anchor tells nodes its place";
+                return Err(SettingError::new("role", "\"anchor\"", allowed));
+            }
             Ok(robot)
         });
         let Some(robot) = errors.take(&table, robot) else {
@@ -91,10 +95,6 @@ fn robot(
     seed: Seed,
 ) -> Result<Robot, SettingError> {
     let body = RobotBody::try_from(config)?;
-    if config.role == RoleConfig::Anchor {
-        let allowed = "\"survey\": no map of the scenario has messages for a mobile anchor to send";
-        return Err(SettingError::new("role", "\"anchor\"", allowed));
-    }
     if let Some((found, allowed)) = obstacles.fault(body.start) {
         return Err(SettingError::new("start_m", found, allowed));
     }

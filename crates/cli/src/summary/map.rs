@@ -3,6 +3,8 @@
 use serde::Serialize;
 use sextant_mapper::KnowledgeKind;
 
+use super::distributed::DistributedSummary;
+
 /// One map and its errors.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MapSummary {
@@ -81,8 +83,8 @@ pub struct MapSummary {
     /// Share of the pairs of nodes along lines of the network whose order differs on the map, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topology_preservation_error: Option<f64>,
-    /// Energy of the nodes by the message count of the thesis (J; eq. 3.17 to 3.19). The energy of the simulated radios
-    /// is in `gathering` and `discovery`.
+    /// Energy of the nodes by the message count of the thesis (J; eq. 3.17 to 3.19, and 5.9 and 5.10 for maps that the
+    /// nodes compute). The energy of the simulated radios is in `gathering`, `discovery` and `distributed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message_energy_j: Option<f64>,
     /// Share of the nodes whose antenna would point 0, 1, .. sectors away from a neighbour if it followed the map: of each
@@ -98,6 +100,9 @@ pub struct MapSummary {
     /// Number of likelihoods computed, over all nodes and vertices.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertices_evaluated: Option<u64>,
+    /// How the nodes computed the map, and what it took, if they did it themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distributed: Option<DistributedSummary>,
 }
 
 /// A reception profile that was estimated from the log.

@@ -3,6 +3,8 @@
 //! Numbers are in SI units. A key that does not apply is absent. New keys may be added; existing keys do not change.
 //! Everything except [`Summary::timing`] depends on scenario and seed alone.
 
+mod distributed;
+mod distributed_table;
 mod gathering;
 mod mac;
 mod mac_table;
@@ -12,6 +14,9 @@ mod results;
 mod table;
 mod timing;
 
+pub use distributed::{
+    AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
+};
 pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSummary, RoundSummary};
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{

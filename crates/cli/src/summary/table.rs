@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
 use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
@@ -42,6 +43,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         fitted_profiles(&summary.maps, out)?;
         calibrations(&summary.maps, out)?;
         displacements(&summary.maps, out)?;
+        distributed_table::write(&summary.maps, summary.interrupted, out)?;
         bounds(&summary.maps, out)?;
         heights(&summary.maps, out)?;
         writeln!(out)?;

@@ -23,6 +23,8 @@ pub struct Plan {
     surveys: usize,
     keys: Vec<Column>,
     maps: Vec<String>,
+    /// Names of the maps that nodes compute.
+    by_nodes: Vec<String>,
     fingerprint: String,
 }
 
@@ -66,7 +68,7 @@ impl Plan {
         }
         let keys = keys.iter().map(|(key, values)| Column::new(key, kind(values))).collect();
         let mut surveys: Vec<SurveyIdentity> = Vec::new();
-        let mut maps: Vec<String> = Vec::new();
+        let (mut maps, mut by_nodes): (Vec<String>, Vec<String>) = Default::default();
         let mut cells = Vec::with_capacity(sweep.cells.len());
         let mut digest = Sha256::new();
         let mut contents = Contents::default();
@@ -79,9 +81,13 @@ impl Plan {
             for file in scenario.named_files() {
                 digest.update(contents.of(file)?);
             }
-            for named in scenario.maps() {
-                if !maps.contains(&named.name) {
-                    maps.push(named.name.clone());
+            if let Some(map) = scenario.distributed().filter(|map| !by_nodes.contains(&map.name)) {
+                by_nodes.push(map.name.clone());
+            }
+            let names = scenario.maps().iter().map(|named| &named.name);
+            for name in scenario.distributed().map(|map| &map.name).into_iter().chain(names) {
+                if !maps.contains(name) {
+                    maps.push(name.clone());
                 }
             }
             let survey = scenario.survey_identity();
@@ -94,7 +100,7 @@ impl Plan {
         }
         let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
         digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
-        for measure in measures::all(&maps) {
+        for measure in measures::all(&maps, &by_nodes) {
             digest.update(measure.column() + "\n");
         }
         let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
@@ -107,6 +113,7 @@ impl Plan {
             surveys: surveys.len(),
             keys,
             maps,
+            by_nodes,
             fingerprint,
         })
     }
@@ -144,7 +151,7 @@ impl Plan {
     /// The measures of each run, in the order of the columns.
     #[must_use]
     pub fn measures(&self) -> Vec<Measure<'_>> {
-        measures::all(&self.maps)
+        measures::all(&self.maps, &self.by_nodes)
     }
 
     /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a failed run, and the

@@ -1,28 +1,28 @@
 //! The run of one unit of a sweep.
 
-use sextant_sim::{Observer, Progress, Simulation, Survey};
+use sextant_sim::{Observer, Progress};
 
 use super::plan::{Plan, Unit};
 use super::row::Row;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::run;
+use crate::run::{self, Simulated, Simulator};
 use crate::scenario::{Scenario, ScenarioErrors};
 
 /// The rows of `unit`; `None` if the user interrupts.
 pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec<Row>> {
-    let mut survey: Option<(Survey, Option<f64>)> = None;
+    let mut gathered: Option<(Simulated, Option<f64>)> = None;
     let mut rows = Vec::with_capacity(unit.cells.len());
     for &cell in &unit.cells {
         let outcome = plan.scenario(cell, unit.replicate).map_err(message).and_then(|scenario| {
-            if survey.is_none() {
-                let gathered = gather(&scenario, interrupt)?;
+            if gathered.is_none() {
+                let simulated = gather(&scenario, interrupt)?;
                 // All cells of the unit have the same world, so they share the bound.
-                let bound_m = run::bound_m(&scenario, &gathered, interrupt).map_err(|error| error.to_string())?;
-                survey = Some((gathered, bound_m));
+                let bound_m = run::bound_m(&scenario, &simulated.survey, interrupt);
+                gathered = Some((simulated, bound_m.map_err(|error| error.to_string())?));
             }
-            let (survey, bound_m) = survey.as_ref().expect("the survey was just made");
-            measured(plan, &scenario, survey, *bound_m, interrupt)
+            let (simulated, bound_m) = gathered.as_ref().expect("the survey was just made");
+            measured(plan, &scenario, simulated, *bound_m, interrupt)
         });
         if interrupt.is_requested() {
             return None;
@@ -32,21 +32,23 @@ pub(super) fn run(plan: &Plan, unit: &Unit, interrupt: &Interrupt) -> Option<Vec
     Some(rows)
 }
 
-fn gather(scenario: &Scenario, interrupt: &Interrupt) -> Result<Survey, String> {
-    let simulation = Simulation::new(scenario.setup()).map_err(|error| error.to_string())?;
-    Ok(simulation.run(&mut Watch { interrupt }))
+fn gather(scenario: &Scenario, interrupt: &Interrupt) -> Result<Simulated, String> {
+    let simulator = Simulator::new(scenario).map_err(|error| error.to_string())?;
+    Ok(simulator.run(&mut Watch { interrupt }))
 }
 
 /// The values of all measures of `plan`.
 fn measured(
     plan: &Plan,
     scenario: &Scenario,
-    survey: &Survey,
+    simulated: &Simulated,
     bound_m: Option<f64>,
     interrupt: &Interrupt,
 ) -> Result<Vec<Option<f64>>, String> {
     let discoveries = run::Discoveries::of(scenario, interrupt).map_err(|failure| reason(&failure))?;
-    let mut maps = Vec::new();
+    let survey = &simulated.survey;
+    let distributed = run::evaluate_distributed(scenario, simulated);
+    let mut maps: Vec<_> = distributed.into_iter().map(|evaluation| evaluation.summary).collect();
     for named in scenario.maps() {
         let evaluation = run::evaluate(scenario, named, (survey, &discoveries), bound_m, interrupt);
         maps.push(evaluation.map_err(|failure| reason(&failure))?.summary);

@@ -1,7 +1,7 @@
 //! A number of a run or of one of its maps.
 
 use super::number::{Number, Unit};
-use super::{map, node_errors, position_errors, run};
+use super::{distributed, map, node_errors, position_errors, run};
 use crate::summary::{MapSummary, Summary};
 
 /// A number of a run or of one of its maps.
@@ -57,12 +57,16 @@ impl PartialEq for Measure<'_> {
     }
 }
 
-/// All measures of a run whose maps are called `maps`, in the order of their columns.
-pub fn all(maps: &[String]) -> Vec<Measure<'_>> {
+/// All measures of a run whose maps are called `maps`, in the order of their columns. Those in `by_nodes` are computed by
+/// the nodes.
+pub fn all<'a>(maps: &'a [String], by_nodes: &[String]) -> Vec<Measure<'a>> {
     let of_run = run::ALL.iter().map(|number| Measure::OfRun(number));
-    let numbers = || map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL);
-    let of_map = |map| numbers().map(move |number| Measure::OfMap(map, number));
-    of_run.chain(maps.iter().flat_map(|map| of_map(map.as_str()))).collect()
+    let of_map = |map: &'a String| {
+        let own = if by_nodes.contains(map) { distributed::ALL } else { &[] };
+        let numbers = map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL).chain(own);
+        numbers.map(move |number| Measure::OfMap(map.as_str(), number))
+    };
+    of_run.chain(maps.iter().flat_map(of_map)).collect()
 }
 
 #[cfg(test)]
@@ -99,7 +103,7 @@ mod tests {
     #[test]
     fn no_two_measures_share_a_column() {
         let maps = ["ml-tm".to_owned(), "tpm".to_owned()];
-        let mut columns: Vec<_> = all(&maps).iter().map(Measure::column).collect();
+        let mut columns: Vec<_> = all(&maps, &maps[1..]).iter().map(Measure::column).collect();
         let count = columns.len();
         columns.sort();
         columns.dedup();

@@ -1,5 +1,6 @@
 //! The numbers of a summary by name. A sweep writes them as columns, and `reproduce` compares them with the thesis.
 
+pub mod distributed;
 pub mod map;
 mod measure;
 pub mod node_errors;

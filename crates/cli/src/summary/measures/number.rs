@@ -5,12 +5,16 @@
 pub enum Unit {
     /// A count.
     Count,
+    /// A mean of counts.
+    MeanCount,
     /// A share or a rate, 0 to 1.
     Share,
     /// Metres.
     Metre,
     /// Seconds.
     Second,
+    /// Degrees.
+    Degree,
     /// Joules.
     Joule,
     /// Bits per second.
@@ -22,10 +26,11 @@ impl Unit {
     #[must_use]
     pub fn for_people(self) -> (f64, &'static str) {
         match self {
-            Self::Count => (1.0, ""),
+            Self::Count | Self::MeanCount => (1.0, ""),
             Self::Share => (100.0, "%"),
             Self::Metre => (1.0, "m"),
             Self::Second => (1.0, "s"),
+            Self::Degree => (1.0, "°"),
             Self::Joule => (1000.0, "mJ"),
             Self::BitPerSecond => (1e-3, "kbit/s"),
         }

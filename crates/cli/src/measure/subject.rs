@@ -1,0 +1,26 @@
+//! What is measured: a map by its name.
+
+use sextant_mapper::{KnowledgeKind, Mapper};
+
+use crate::scenario::NamedMap;
+
+/// What a summary says of a map that the map itself does not know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject<'a> {
+    /// Its name in tables and recordings.
+    pub name: &'a str,
+    /// The knowledge that its algorithm uses.
+    pub knowledge: &'a [KnowledgeKind],
+    /// The networks that it uses, if the scenario names them.
+    pub networks: Vec<String>,
+}
+
+impl<'a> From<&'a NamedMap> for Subject<'a> {
+    fn from(named: &'a NamedMap) -> Self {
+        let networks = match &named.mapper {
+            Mapper::Joint(joint) => joint.networks().map(str::to_owned).collect(),
+            _ => named.network.iter().cloned().collect(),
+        };
+        Self { name: &named.name, knowledge: named.mapper.uses(), networks }
+    }
+}
