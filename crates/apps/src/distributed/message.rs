@@ -6,7 +6,7 @@
 //! | octets | field |
 //! | --- | --- |
 //! | 1 | version (1) in the high four bits, kind in the low four: 1 PLACE, 2 REPORT, 3 BEACON, 4 COORDINATES |
-//! | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad |
+//! | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad, bit 4 earlier places |
 //! | 12 | place of the sender: x, y, z as `f32` |
 //! | 24 | with bit 0: covariance of the place as six `f32`: xx, xy, xz, yy, yz, zz (m²) |
 //!
@@ -26,6 +26,13 @@
 //! | 1 | sectors in a ring |
 //! | 1 | rings |
 //! | 8 | for each ring: lowest and highest elevation |
+//!
+//! In a BEACON with bit 4, for a mobile anchor:
+//!
+//! | octets | field |
+//! | --- | --- |
+//! | 1 | number of earlier places |
+//! | 12 | each of them: where it sent the beacons before this one |
 //!
 //! In a BEACON with bit 2, up to the end, anchors that the sender has heard:
 //!
@@ -52,6 +59,7 @@ const HAS_COVARIANCE: u8 = 1;
 const HAS_DIRECTIONS: u8 = 2;
 const HAS_OTHERS: u8 = 4;
 const IS_BAD: u8 = 8;
+const HAS_EARLIER: u8 = 16;
 
 /// Octets of an entry of a REPORT.
 const HEARD_OCTETS: usize = 5;
@@ -92,6 +100,8 @@ pub struct Beacon {
     pub belief: Belief,
     /// The directions of its sectors, if it has sectors and knows them.
     pub directions: Option<Directions>,
+    /// Where a mobile anchor sent its beacons before this one (m), at most 255 places.
+    pub earlier: Vec<Position>,
     /// Other anchors with their places (m).
     pub others: Vec<(StationId, Position)>,
 }
@@ -151,8 +161,10 @@ impl Message {
             Self::Place(_) => (PLACE, 0),
             Self::Report(..) => (REPORT, 0),
             Self::Beacon(beacon) => {
-                let directions = if beacon.directions.is_some() { HAS_DIRECTIONS } else { 0 };
-                (BEACON, directions | if beacon.others.is_empty() { 0 } else { HAS_OTHERS })
+                let flag = |flag, is_set| if is_set { flag } else { 0 };
+                let directions = flag(HAS_DIRECTIONS, beacon.directions.is_some());
+                let earlier = flag(HAS_EARLIER, !beacon.earlier.is_empty());
+                (BEACON, directions | earlier | flag(HAS_OTHERS, !beacon.others.is_empty()))
             }
             Self::Coordinates { is_bad, .. } => (COORDINATES, if *is_bad { IS_BAD } else { 0 }),
         };
@@ -172,12 +184,16 @@ impl Message {
                     octets.push(*sector);
                 }
             }
-            Self::Beacon(Beacon { directions, others, .. }) => {
+            Self::Beacon(Beacon { directions, earlier, others, .. }) => {
                 if let Some(Directions { azimuth_rad, azimuth_sigma_rad, sectors, rings }) = directions {
                     put(octets, *azimuth_rad);
                     put(octets, *azimuth_sigma_rad);
                     octets.extend([*sectors, u8::try_from(rings.len()).expect("at most 255 rings")]);
                     rings.iter().flatten().for_each(|&elevation_rad| put(octets, elevation_rad));
+                }
+                if !earlier.is_empty() {
+                    octets.push(u8::try_from(earlier.len()).expect("at most 255 places"));
+                    earlier.iter().for_each(|&place| put_place(octets, place));
                 }
                 for (station, place) in others {
                     octets.extend(station.0.to_le_bytes());
@@ -223,6 +239,13 @@ impl Message {
             }
             BEACON => {
                 let directions = (flags & HAS_DIRECTIONS != 0).then(|| reader.directions()).transpose()?;
+                let mut earlier = Vec::new();
+                if flags & HAS_EARLIER != 0 {
+                    let [count] = reader.take("the earlier places")?;
+                    for _ in 0..count {
+                        earlier.push(reader.place("the earlier places")?);
+                    }
+                }
                 let mut others = Vec::new();
                 if flags & HAS_OTHERS != 0 {
                     others.reserve(reader.rest.len() / OTHER_OCTETS);
@@ -230,7 +253,7 @@ impl Message {
                         others.push((reader.station("another anchor")?, reader.place("another anchor")?));
                     }
                 }
-                Self::Beacon(Beacon { belief, directions, others })
+                Self::Beacon(Beacon { belief, directions, earlier, others })
             }
             _ => Self::Coordinates { belief, is_bad: flags & IS_BAD != 0 },
         };

@@ -1,8 +1,9 @@
 //! A mobile anchor: a robot that tells its place and the directions of its sectors at each stop.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
-use sextant_channel::SectorTable;
+use sextant_channel::{Position, SectorTable};
 use sextant_kernel::SimTime;
 use sextant_sim::{Broadcast, Pose};
 
@@ -10,11 +11,16 @@ use super::belief::Belief;
 use super::config::DistributedMapping;
 use super::message::{Beacon, Directions, Message};
 
+/// Most earlier stops that a beacon tells, with and without sectors: they fit in a frame.
+const MOST_EARLIER: [usize; 2] = [24, 5];
+
 /// What a mobile anchor says at its stops. It has a compass, so it knows the directions of its sectors.
 #[derive(Clone, Debug)]
 pub struct MobileAnchor {
     settings: Arc<DistributedMapping>,
     directions: Option<Directions>,
+    /// Its last stops, the latest one last.
+    stops: VecDeque<Position>,
 }
 
 impl MobileAnchor {
@@ -28,7 +34,7 @@ impl MobileAnchor {
             let azimuth_rad = first.azimuth_from_rad + 0.5 * first.azimuth_width_rad;
             Some(Directions { azimuth_rad, azimuth_sigma_rad: 0.0, sectors: per_ring, rings })
         });
-        Self { settings, directions }
+        Self { settings, directions, stops: VecDeque::new() }
     }
 }
 
@@ -37,8 +43,19 @@ impl Broadcast for MobileAnchor {
         if now >= SimTime::ZERO + self.settings.mobile_phase() {
             return None;
         }
-        let beacon =
-            Beacon { belief: Belief::exact(pose.position), directions: self.directions.clone(), others: Vec::new() };
+        let beacon = Beacon {
+            belief: Belief::exact(pose.position),
+            directions: self.directions.clone(),
+            earlier: self.stops.iter().copied().collect(),
+            others: Vec::new(),
+        };
+        if self.settings.passes_on {
+            self.stops.push_back(pose.position);
+            let most = MOST_EARLIER[usize::from(self.directions.is_none())];
+            if self.stops.len() > most {
+                self.stops.pop_front();
+            }
+        }
         let mut octets = Vec::new();
         Message::Beacon(beacon).write(&mut octets);
         Some(octets)

@@ -16,6 +16,8 @@ pub(super) struct Neighbours {
     by_station: BTreeMap<StationId, Neighbour>,
     /// Anchors that others have heard, with their places.
     hearsay: BTreeMap<StationId, Position>,
+    /// Where mobile anchors sent beacons before those that were heard: by station, each place once.
+    passed: BTreeMap<StationId, Vec<Position>>,
     /// Who has heard this station, where that is, and in which sector of this station.
     reports: BTreeMap<StationId, (Belief, u8)>,
 }
@@ -38,8 +40,8 @@ struct Sighting {
     belief: Belief,
     /// The best signal-to-noise ratio (dB), and the sector from which it came.
     best: Option<(f64, u8)>,
-    /// Whether it said that it is an anchor, and the directions of its sectors.
-    beacon: Option<Option<Directions>>,
+    /// The directions of its sectors, if it has told them.
+    directions: Option<Directions>,
 }
 
 impl Sighting {
@@ -51,15 +53,15 @@ impl Sighting {
         }
     }
 
-    /// As evidence on the place of the listener; `None` if the sender is no anchor.
-    fn evidence(&self) -> Option<HeardAnchor> {
-        let directions = self.beacon.as_ref()?;
-        let sector = directions.as_ref().zip(self.best).and_then(|(directions, (_, sector))| {
+    /// As evidence on the place of the listener. Only anchors are sighted; one that has not told its directions is heard
+    /// all the same.
+    fn evidence(&self) -> HeardAnchor {
+        let sector = self.directions.as_ref().zip(self.best).and_then(|(directions, (_, sector))| {
             let wedge = directions.wedge(sector)?;
             Some(SectorEvidence { wedge, azimuth_sigma_rad: directions.azimuth_sigma_rad })
         });
         let Belief { place, covariance } = self.belief;
-        Some(HeardAnchor { place, sector, covariance, packets: 1 })
+        HeardAnchor { place, sector, covariance, packets: 1 }
     }
 }
 
@@ -86,7 +88,7 @@ impl Neighbours {
             Message::Place(_) | Message::Report(..) | Message::Beacon(_) => {
                 let known = neighbour.sightings.iter().position(|sighting| sighting.belief == belief);
                 let index = known.unwrap_or_else(|| {
-                    neighbour.sightings.push(Sighting { belief, best: None, beacon: None });
+                    neighbour.sightings.push(Sighting { belief, best: None, directions: None });
                     neighbour.sightings.len() - 1
                 });
                 &mut neighbour.sightings[index]
@@ -100,8 +102,13 @@ impl Neighbours {
                     self.reports.insert(delivery.from, (belief, sector));
                 }
             }
-            Message::Beacon(Beacon { directions, others, .. }) => {
-                sighting.beacon = Some(directions);
+            Message::Beacon(Beacon { directions, earlier, others, .. }) => {
+                sighting.directions = directions;
+                if !earlier.is_empty() {
+                    let passed = self.passed.entry(delivery.from).or_default();
+                    let new: Vec<Position> = earlier.into_iter().filter(|place| !passed.contains(place)).collect();
+                    passed.extend(new);
+                }
                 self.hearsay.extend(others.into_iter().filter(|(station, _)| *station != own));
             }
             Message::Coordinates { .. } => {}
@@ -138,14 +145,20 @@ impl Neighbours {
 
     /// The anchors heard, as evidence on the place of this station.
     pub(super) fn evidence(&self) -> Vec<HeardAnchor> {
-        self.by_station.values().flat_map(|neighbour| &neighbour.sightings).filter_map(Sighting::evidence).collect()
+        self.by_station.values().flat_map(|neighbour| &neighbour.sightings).map(Sighting::evidence).collect()
     }
 
-    /// The anchors of which others have told, and which this station has not heard.
+    /// The anchors of which others have told, and the earlier places of mobile anchors, that this station has not heard.
     pub(super) fn silent(&self) -> Vec<HeardAnchor> {
         let is_silent = |station: &StationId| !self.by_station.contains_key(station);
-        let silent = self.hearsay.iter().filter(|(station, _)| is_silent(station));
-        silent.map(|(_, &place)| HeardAnchor { place, sector: None, covariance: None, packets: 1 }).collect()
+        let silent = self.hearsay.iter().filter(|(station, _)| is_silent(station)).map(|(_, &place)| place);
+        let missed = self.passed.iter().flat_map(|(station, passed)| {
+            let heard = self.by_station.get(station).map_or(&[][..], |neighbour| &neighbour.sightings);
+            let was_heard = move |place: &Position| heard.iter().any(|sighting| sighting.belief.place == *place);
+            passed.iter().copied().filter(move |place| !was_heard(place))
+        });
+        let evidence = |place| HeardAnchor { place, sector: None, covariance: None, packets: 1 };
+        silent.chain(missed).map(evidence).collect()
     }
 
     /// Number of places from which mobile anchors were heard.
@@ -159,9 +172,7 @@ impl Neighbours {
 
     /// Number of anchors heard that stand still.
     pub(super) fn anchors(&self) -> usize {
-        let is_anchor = |neighbour: &&Neighbour| {
-            !neighbour.is_mobile && neighbour.sightings.iter().any(|sighting| sighting.beacon.is_some())
-        };
+        let is_anchor = |neighbour: &&Neighbour| !neighbour.is_mobile && !neighbour.sightings.is_empty();
         self.by_station.values().filter(is_anchor).count()
     }
 
@@ -169,7 +180,7 @@ impl Neighbours {
     pub(super) fn octets(&self) -> usize {
         let belief = |belief: &Belief| if belief.covariance.is_some() { 36 } else { 12 };
         let sighting = |sighting: &Sighting| {
-            let directions = sighting.beacon.as_ref().and_then(Option::as_ref);
+            let directions = sighting.directions.as_ref();
             // Best sector with its ratio, and the directions.
             belief(&sighting.belief) + 2 + directions.map_or(0, |directions| 10 + 8 * directions.rings.len())
         };
@@ -177,6 +188,7 @@ impl Neighbours {
             4 + belief(&neighbour.belief) + neighbour.sightings.iter().map(sighting).sum::<usize>()
         };
         let reports = self.reports.values().map(|(place, _)| 5 + belief(place)).sum::<usize>();
-        self.by_station.values().map(neighbour).sum::<usize>() + 16 * self.hearsay.len() + reports
+        let passed = self.passed.values().map(|places| 4 + 12 * places.len()).sum::<usize>();
+        self.by_station.values().map(neighbour).sum::<usize>() + 16 * self.hearsay.len() + passed + reports
     }
 }

@@ -278,7 +278,7 @@ impl MappingNode {
             let room = (self.largest_octets() - 64) / 16;
             others.extend(self.neighbours.asking_places(iteration).take(room));
         }
-        Beacon { belief, directions, others }
+        Beacon { belief, directions, earlier: Vec::new(), others }
     }
 
     fn largest_octets(&self) -> usize {

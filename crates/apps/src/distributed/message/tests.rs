@@ -33,11 +33,9 @@ fn message() -> impl Strategy<Value = Message> {
     let heard =
         (any::<u32>(), any::<u8>()).prop_map(|(station, sector)| HeardSector { station: StationId(station), sector });
     let others = prop::collection::vec((any::<u32>().prop_map(StationId), place()), 0..5);
-    let beacon = (belief(), prop::option::of(directions()), others).prop_map(|(belief, directions, others)| Beacon {
-        belief,
-        directions,
-        others,
-    });
+    let earlier = prop::collection::vec(place(), 0..4);
+    let beacon = (belief(), prop::option::of(directions()), earlier, others)
+        .prop_map(|(belief, directions, earlier, others)| Beacon { belief, directions, earlier, others });
     prop_oneof![
         belief().prop_map(Message::Place),
         (belief(), prop::collection::vec(heard, 0..9)).prop_map(|(belief, heard)| Message::Report(belief, heard)),
@@ -72,15 +70,17 @@ proptest! {
 fn the_octets_of_a_beacon_are_those_of_the_table() {
     let belief = Belief::exact(Position::new(1.0, -2.0, 0.5));
     let directions = Directions { azimuth_rad: 0.25, azimuth_sigma_rad: 0.125, sectors: 8, rings: vec![[-0.5, 0.5]] };
-    let others = vec![(StationId(258), Position::ORIGIN)];
+    let (earlier, others) = (vec![Position::new(0.5, 0.5, 0.5)], vec![(StationId(258), Position::ORIGIN)]);
     let mut octets = Vec::new();
-    Message::Beacon(Beacon { belief, directions: Some(directions), others }).write(&mut octets);
+    Message::Beacon(Beacon { belief, directions: Some(directions), earlier, others }).write(&mut octets);
     let expected: Vec<u8> = [
-        &[0x13, 0x06][..],
+        &[0x13, 0x16][..],
         // 1, -2 and 0.5 as binary32.
         &[0, 0, 0x80, 0x3F, 0, 0, 0, 0xC0, 0, 0, 0, 0x3F],
         // 0.25 and 0.125, 8 sectors in one ring from -0.5 to 0.5.
         &[0, 0, 0x80, 0x3E, 0, 0, 0, 0x3E, 8, 1, 0, 0, 0, 0xBF, 0, 0, 0, 0x3F],
+        // One earlier place, and one other anchor.
+        &[1, 0, 0, 0, 0x3F, 0, 0, 0, 0x3F, 0, 0, 0, 0x3F],
         &[2, 1, 0, 0],
         &[0; 12],
     ]
