@@ -37,8 +37,9 @@ pub struct DistributedMappingConfig {
     /// The coordinates of a node are bad if more than this share of its neighbours is scattered.
     #[serde(default = "default_bad_above")]
     pub bad_above: f64,
-    /// A node does not become an anchor while the standard deviation of its place is above this, along x, y or z (m);
-    /// any deviation will do if absent.
+    /// A node does not become an anchor while the standard deviation of its place, along that of x, y and z that it knows
+    /// worst, is above this times the square root of the iteration (m): those that know their places best join first.
+    /// Any deviation will do if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub new_anchor_sigma_m: Option<f64>,
     /// Most iterations.

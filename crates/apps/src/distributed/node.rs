@@ -210,8 +210,8 @@ impl MappingNode {
         self.scattering =
             Scattering::of(self.belief.map(|belief| belief.place), self.neighbours.places(), settings.range_m);
         let sigma_m = self.belief.as_ref().and_then(Belief::greatest_sigma_m);
-        let is_sure =
-            settings.new_anchor_sigma_m.is_none_or(|most_m| sigma_m.is_some_and(|sigma_m| sigma_m <= most_m));
+        let most_m = settings.new_anchor_sigma_m.map(|most_m| most_m * f64::from(iteration).sqrt());
+        let is_sure = most_m.is_none_or(|most_m| sigma_m.is_some_and(|sigma_m| sigma_m <= most_m));
         self.category = Category::of(self.scattering, settings.new_anchor_below, settings.bad_above, is_sure);
         if self.category == Category::NewAnchor {
             self.role = MappingRole::NewAnchor { iteration };

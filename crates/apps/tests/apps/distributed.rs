@@ -258,6 +258,24 @@ fn posterior_means_with_weights_are_better_than_the_literal_estimates() {
 }
 
 #[test]
+fn nodes_that_know_their_places_best_become_anchors_first() {
+    let settings = "exchange = \"posterior\"\nrecompute = \"all\"\nnew_anchor_sigma_m = 0.35\n\
+                    place.estimate = \"posterior_mean\"\nplace.model = \"soft\"\nplace.silence = \"missed\"";
+    let records = Scene { anchor_every: 9, ..Scene::new(settings) }.run(&mut Unobserved);
+    let mut iterations = Vec::new();
+    for record in &records {
+        let MappingRole::NewAnchor { iteration } = record.role else { continue };
+        let covariance = record.estimate.as_ref().and_then(|estimate| estimate.covariance).expect("a posterior mean");
+        let sigma_m = (0..3).map(|axis| covariance[axis][axis].sqrt()).fold(0.0, f64::max);
+        assert!(sigma_m <= 0.35 * f64::from(iteration).sqrt() + 1e-6, "{sigma_m} m in iteration {iteration}");
+        iterations.push(iteration);
+    }
+    iterations.sort_unstable();
+    iterations.dedup();
+    assert!(iterations.len() > 2, "{iterations:?}");
+}
+
+#[test]
 fn nodes_that_hear_no_anchor_are_not_placed_and_say_so() {
     let scene = Scene { side: 4, island: 5, ..Scene::new("max_iterations = 2") };
     let records = scene.run(&mut Unobserved);

@@ -18,10 +18,12 @@ use crate::world::layout::PlacedNode;
 /// The design is D-optimal: it maximises the logarithm of the determinant of the information on each node, summed over all
 /// nodes. A node has four unknowns, its place and the azimuth of its antenna, as nodes that know their places become anchors
 /// themselves (and as anchors do not know their azimuth either). An anchor at the distance d in the direction u, of which
-/// obstacles absorb less than 3 dB, adds `S [(1 − u uᵀ)/(d σ_φ)² + u uᵀ/σ_r²]` on the place and `S/σ_φ²` on the azimuth,
-/// with `σ_φ = HBW/√12` (a direction that is uniform in a sector, `HBW = 360°/sectors`), `σ_r = range_m/√12`, and
-/// `S = 1 − d/range_m` how likely it is heard. Distances below a tenth of the range count as a tenth. Beforehand a place
-/// has the standard deviation `range_m` along each axis, and an azimuth is uniform on the circle.
+/// obstacles absorb less than 3 dB, adds `S [l lᵀ/(ρ σ_φ)² + u uᵀ/σ_r²]` on the place and `S/σ_φ²` on the azimuth, with ρ the
+/// horizontal distance, l the horizontal direction across u, `σ_φ = HBW/√12` (an azimuth that is uniform in a sector,
+/// `HBW = 360°/sectors`), `σ_r = range_m/√12`, and `S = 1 − d/range_m` how likely it is heard. Horizontal distances below a
+/// tenth of the range count as a tenth. One ring of sectors tells nothing about the elevation, so heights become known
+/// from anchors above and below. Beforehand a place has the standard deviation `range_m` along each axis, and an azimuth is
+/// uniform on the circle.
 ///
 /// The sum is submodular: an anchor adds the less, the more there are. The greedy choice is therefore within `1 − 1/e` of
 /// the best one (Nemhauser, Wolsey and Fisher 1978), and the lazy evaluation of Minoux (1978) finds it. Of anchors that
@@ -89,22 +91,25 @@ impl OptimisedAnchorsConfig {
     fn gift(&self, node: usize, apart: Position) -> Gift {
         let sigma = TAU / f64::from(self.sectors) / 12.0_f64.sqrt();
         let distance_m = apart.length_m();
-        let counted_m = distance_m.max(NEAREST * self.range_m);
+        let least_m = NEAREST * self.range_m;
         let heard = 1.0 - distance_m / self.range_m;
-        let across = heard / (counted_m * sigma).powi(2);
-        if distance_m <= 0.0 {
-            return Gift { node, told: Knowledge { place: [across, across, across, 0.0, 0.0, 0.0], azimuth: 0.0 } };
-        }
         let along = heard * 12.0 / (self.range_m * self.range_m);
+        let across = |across_m: f64| heard / (across_m.max(least_m) * sigma).powi(2);
+        if distance_m <= 0.0 {
+            let all = across(0.0);
+            return Gift { node, told: Knowledge { place: [all, all, all, 0.0, 0.0, 0.0], azimuth: 0.0 } };
+        }
         let [x, y, z] = <[f64; 3]>::from(apart).map(|component| component / distance_m);
-        let more = along - across;
+        let level_m = libm::hypot(apart.x_m, apart.y_m);
+        let [left_x, left_y] = if level_m > 0.0 { [-apart.y_m / level_m, apart.x_m / level_m] } else { [0.0, 0.0] };
+        let across = across(level_m);
         let place = [
-            across + more * x * x,
-            across + more * y * y,
-            across + more * z * z,
-            more * x * y,
-            more * x * z,
-            more * y * z,
+            along * x * x + across * left_x * left_x,
+            along * y * y + across * left_y * left_y,
+            along * z * z,
+            along * x * y + across * left_x * left_y,
+            along * x * z,
+            along * y * z,
         ];
         Gift { node, told: Knowledge { place, azimuth: heard / (sigma * sigma) } }
     }
