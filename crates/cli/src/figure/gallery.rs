@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use super::distribution::{self, NodeError};
 use super::file::Figure;
 use super::source::Source;
-use super::{displacement, field, likelihood, map, network, sectors, targets};
+use super::{displacement, field, likelihood, map, network, scattering, sectors, targets};
 
 /// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
 /// field, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
-/// positions are known, `sector-displacement` if nodes have sectors, and `likelihood-NAME-NODE` for each likelihood surface.
+/// positions are known, `sector-displacement` if nodes have sectors, `neighbour-scattering` if nodes computed a map, and `likelihood-NAME-NODE` for each likelihood surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
     let mut figures = vec![("network".to_owned(), network::draw(source))];
@@ -26,6 +26,7 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
         figures.extend(distribution::draw(source, what).map(|picture| (name.to_owned(), picture)));
     }
     figures.extend(displacement::draw(source).map(|picture| ("sector-displacement".to_owned(), picture)));
+    figures.extend(scattering::draw(source).map(|picture| ("neighbour-scattering".to_owned(), picture)));
     for surface in &source.drawn.likelihoods {
         let name = format!("likelihood-{}-{}", surface.map, surface.node);
         figures.push((name, likelihood::draw(source, surface)));

@@ -1,11 +1,12 @@
 //! A map compared with the truth: the position of each node, and its distance from the true position.
 
+use plotters::style::RGBColor;
 use sextant_kernel::NodeId;
 use sextant_mapper::PositionError;
 
-use crate::recording::Places;
+use crate::recording::{DrawnRole, Places};
 
-use super::palette::{ACCENT, CURVES, Ramp, THREAD};
+use super::palette::{ACCENT, CURVES, INK, Ramp, THREAD};
 use super::picture::{Picture, Stroke};
 use super::sheet::{ColourBar, Entry, Sheet, Symbol};
 use super::silhouette::draw_solids;
@@ -13,6 +14,10 @@ use super::source::Source;
 
 /// Lines from true positions to mapped positions.
 const ERROR: Stroke = Stroke::new(THREAD, 1.0);
+/// A node that knew its place, in a map that the nodes computed.
+const INITIAL_ANCHOR: RGBColor = ACCENT;
+/// The rim of a node that became an anchor.
+const NEW_ANCHOR: Stroke = Stroke::new(INK, 1.3);
 /// A node that is not on the map.
 const ABSENT: Stroke = Stroke::new(ACCENT, 1.6);
 
@@ -32,6 +37,8 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
         let symbol = Symbol::Line { stroke: ERROR, pattern: &[] };
         legend.push(Entry { symbol, text: "line to its true position".to_owned() });
     }
+    let anchors = Anchors::of(source, name, places);
+    anchors.explain(radius, fill, &mut legend);
     if !absent.is_empty() {
         let text = "node that is not mapped".to_owned();
         legend.push(Entry { symbol: Symbol::Cross { stroke: ABSENT }, text });
@@ -58,6 +65,12 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
             let fill = sheet.bar.as_ref().map_or(CURVES[0], |bar| bar.color(error_m));
             picture.disc(panel.at(places[&node]), radius, fill);
         }
+        for node in &anchors.new {
+            picture.ring(panel.at(places[node]), radius, NEW_ANCHOR);
+        }
+        for node in &anchors.initial {
+            picture.square(panel.at(places[node]), 2.0 * radius, INITIAL_ANCHOR);
+        }
         panel.axes.draw(&mut picture);
     }
     picture
@@ -81,5 +94,38 @@ fn heading(source: &Source<'_>, name: &str, mapped: usize, distribution: Option<
             format!("{}; median {median:.2} m, 90 % below {p90:.2} m, largest {max:.2} m", source.title),
         ),
         None => (share, format!("{}; true positions unknown", source.title)),
+    }
+}
+
+/// The anchors on a map that the nodes computed.
+#[derive(Default)]
+struct Anchors {
+    initial: Vec<NodeId>,
+    new: Vec<NodeId>,
+}
+
+impl Anchors {
+    /// Those on the map `name`; none if the nodes did not compute it.
+    fn of(source: &Source<'_>, name: &str, places: &Places) -> Self {
+        if source.map_of_nodes() != Some(name) {
+            return Self::default();
+        }
+        let with = |role| {
+            let nodes = source.drawn.mapped_nodes.iter().filter(move |node| node.role == role);
+            nodes.map(|node| node.node).filter(|node| places.contains_key(node)).collect()
+        };
+        Self { initial: with(DrawnRole::InitialAnchor), new: with(DrawnRole::NewAnchor) }
+    }
+
+    /// Their entries in the legend; other nodes have a disc of `radius`, filled with `fill`.
+    fn explain(&self, radius: f64, fill: RGBColor, legend: &mut Vec<Entry>) {
+        if !self.initial.is_empty() {
+            let symbol = Symbol::Square { side: 2.0 * radius, fill: INITIAL_ANCHOR };
+            legend.push(Entry { symbol, text: "anchor from the beginning".to_owned() });
+        }
+        if !self.new.is_empty() {
+            let symbol = Symbol::RimmedDisc { radius, fill, rim: NEW_ANCHOR };
+            legend.push(Entry { symbol, text: "node that became an anchor".to_owned() });
+        }
     }
 }

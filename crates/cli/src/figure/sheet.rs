@@ -35,6 +35,7 @@ pub(super) struct Entry {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Symbol {
     Disc { radius: f64, fill: RGBColor },
+    RimmedDisc { radius: f64, fill: RGBColor, rim: Stroke },
     Square { side: f64, fill: RGBColor },
     Body { fill: RGBColor, rim: Stroke },
     Line { stroke: Stroke, pattern: &'static [f64] },
@@ -135,6 +136,10 @@ impl Symbol {
     fn draw(self, picture: &mut Picture, at: Point) {
         match self {
             Self::Disc { radius, fill } => picture.disc(at, radius, fill),
+            Self::RimmedDisc { radius, fill, rim } => {
+                picture.disc(at, radius, fill);
+                picture.ring(at, radius, rim);
+            }
             Self::Square { side, fill } => picture.square(at, side, fill),
             Self::Body { fill, rim } => {
                 let area = Area { left: at.x - 8.0, top: at.y - 6.0, width: 16.0, height: 12.0 };

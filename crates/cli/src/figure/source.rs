@@ -23,7 +23,7 @@ pub struct Source<'a> {
     pub sector_displacements: &'a [(String, Vec<f64>)],
 }
 
-/// A smaller error (m) means that the map was given the position.
+/// At a smaller distance (m) from the position of an anchor, the map was given the position.
 const TOLD_M: f64 = 1e-6;
 
 impl Source<'_> {
@@ -57,15 +57,21 @@ impl Source<'_> {
         &self.drawn.obstacles
     }
 
-    /// The distances between mapped and true positions (m), in the order of the nodes. An anchor exactly at its position
+    /// The distances between mapped and true positions (m), in the order of the nodes. An anchor where it believes to be
     /// is not an estimate and does not count.
     pub(super) fn errors(&self, places: &Places) -> Vec<(NodeId, f64)> {
         let error = |(&node, &place): (&NodeId, &Position)| {
             let error_m = self.drawn.nodes.get(&node)?.distance_m(place);
-            let was_told = self.drawn.anchors.contains(&node) && error_m < TOLD_M;
+            let was_told = self.drawn.anchors.get(&node).is_some_and(|told| told.distance_m(place) < TOLD_M);
             (!was_told).then_some((node, error_m))
         };
         places.iter().filter_map(error).collect()
+    }
+
+    /// Name of the map that the nodes computed themselves, if they did: it comes before all others.
+    pub(super) fn map_of_nodes(&self) -> Option<&str> {
+        let is_there = !self.drawn.mapped_nodes.is_empty();
+        self.drawn.maps.first().filter(|_| is_there).map(|(name, _)| name.as_str())
     }
 
     /// The node of this name.

@@ -1,8 +1,9 @@
 //! Reads from a recording what figures show: positions, shapes and likelihood surfaces.
 
+pub(super) mod distributed;
 pub(super) mod sensing;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use foxglove::messages::{Grid, PointCloud, SceneUpdate};
@@ -13,10 +14,12 @@ use sextant_kernel::{NodeId, SimTime};
 use super::drawing::{self, GridPlane, Solid, place};
 use super::error::RecordingError;
 use super::names::{
-    ANCHORS_TOPIC, FIELDS_TOPICS, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ANCHORS_TOPIC, FIELDS_TOPICS, MAPPED_NODES_TOPIC, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC,
+    WORLD_SINKS_TOPIC,
 };
 use super::reader::sound;
 use super::scan::Piece;
+use distributed::DrawnMappedNode;
 use sensing::{Detection, DrawnField, DrawnTarget, Sample};
 
 /// Positions by node (m).
@@ -29,14 +32,16 @@ pub struct Drawn {
     pub nodes: Places,
     /// The positions of the sinks, by number.
     pub sinks: Places,
-    /// The nodes that know their position.
-    pub anchors: BTreeSet<NodeId>,
+    /// The nodes that know their position, and where they believe to be.
+    pub anchors: Places,
     /// The obstacles.
     pub obstacles: Vec<Solid>,
     /// Robots and their paths, in the order of the file.
     pub paths: Vec<(String, Vec<Position>)>,
     /// Maps and their positions of nodes, in the order of the file.
     pub maps: Vec<(String, Places)>,
+    /// The nodes that computed a map themselves.
+    pub mapped_nodes: Vec<DrawnMappedNode>,
     /// Likelihood surfaces in the order of the file.
     pub likelihoods: Vec<DrawnLikelihood>,
     /// The targets, in the order of the file.
@@ -92,7 +97,8 @@ impl Drawn {
                 }
             }
             _ if topic == ANCHORS_TOPIC => {
-                self.anchors.insert(super::known::anchor(data, usize::MAX)?.node);
+                let anchor = super::known::anchor(data, usize::MAX)?;
+                self.anchors.insert(anchor.node, anchor.position);
             }
             "foxglove.SceneUpdate" if topic == "/world/obstacles" => self.obstacles = solids(data)?,
             "foxglove.PosesInFrame" => {
@@ -116,6 +122,7 @@ impl Drawn {
                     self.add_target(name, time, drawing::place_of(data)?);
                 }
             }
+            _ if topic == MAPPED_NODES_TOPIC => self.mapped_nodes.push(distributed::mapped_node(data)?),
             _ if topic == SENSORS_TOPIC => self.detection_radius_m = sensing::radius_m(data)?,
             _ if topic == SENSED_TOPIC => self.add_sensed(time, data)?,
             _ => {}

@@ -40,6 +40,7 @@ mod sink;
 
 pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
 pub use drawing::{GridPlane, PlacedNode, Solid};
+pub use drawn::distributed::{DrawnMappedNode, DrawnRole};
 pub use drawn::sensing::{Detection, DrawnField, DrawnTarget, Sample};
 pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
 pub use error::RecordingError;
