@@ -8,7 +8,7 @@ use sextant_apps::distributed::{
 };
 use sextant_channel::{Anchor, Antenna, AntennaConfig, SectorTable};
 use sextant_kernel::{NodeId, SettingError};
-use sextant_sim::{Antennas, Broadcast, BusyNetwork, NetworkId, Robot, RoleConfig, Setup};
+use sextant_sim::{Antennas, Broadcast, BusyNetwork, MacConfig, NetworkId, Robot, RoleConfig, Setup};
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
@@ -90,6 +90,7 @@ pub(super) fn check_distributed(
         let found = format!("a network without {outside} of the {nodes} nodes");
         errors.refuse(&SettingError::new("network", found, "a network of all nodes").within(TABLE));
     }
+    check_receivers(&tables[at], errors);
     let antennas = antennas(busy, &tables[at], has_mobile, errors)?;
     let settings = Arc::new(errors.take(TABLE, DistributedMapping::try_from(written))?);
     let sectors = antennas.as_ref().map(|(_, of_robots, per_ring)| (of_robots, *per_ring));
@@ -118,6 +119,22 @@ fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mu
         _ => return,
     };
     errors.refuse(&SettingError::new("mobile_phase_s", found, allowed).within(TABLE));
+}
+
+/// Nodes must hear each other.
+fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors<'_>) {
+    let why = "because nodes must hear each other's messages at any time";
+    let error = match tables.mac.value {
+        MacConfig::SectorSweep(_) => return,
+        MacConfig::CsmaUnslotted(csma) if csma.rx_on_when_idle => return,
+        MacConfig::CsmaUnslotted(_) => {
+            SettingError::new("csma_unslotted.rx_on_when_idle", "false", format!("true, {why}"))
+        }
+        MacConfig::BeaconEnabled(_) => {
+            SettingError::new("beacon_enabled", "a table", format!("`sector_sweep` or `csma_unslotted`, {why}"))
+        }
+    };
+    errors.refuse(&error.within(&tables.mac.key));
 }
 
 /// A mobile anchor sends in the network of the map, and in no other.

@@ -3,6 +3,7 @@
 mod architecture;
 mod command_line;
 mod comparators;
+mod distributed;
 mod failing_disk;
 mod faults;
 mod figure;

@@ -57,6 +57,9 @@ def plain(schema, m):
         return [getattr(m, name) if m.HasField(name) else None for name in names]
     if schema == "sextant.Sensed":
         return [m.time_ns, m.node, m.what, m.name, m.value if m.HasField("value") else None]
+    if schema == "sextant.MappedNode":
+        # Fields that are present: optional ones that were set, and others that are not zero.
+        return {field.name: value for field, value in m.ListFields()}
     if schema == "sextant.Metric":
         return [m.time_ns, m.name, m.value]
     if schema == "foxglove.PointCloud":

@@ -73,6 +73,10 @@ fn independent_readers_decode_every_message() {
         [14, 1, "sampled", "intruder", -0.5],
         [15, 1, "left", "intruder", null],
     ]);
+    let mapped_node = json!({
+        "node": 1, "role": "new_anchor", "anchor_since": 2, "category": "good", "x_m": 1.25, "neighbours": 40,
+        "scattered": 3, "vertices": 1_u64 << 40, "energy_j": 0.1, "bearings": 0,
+    });
     // The script does the comparison, because its JSON reader is exact to the last bit of a number.
     let expectation = json!({
         "library": concat!("sextant ", env!("CARGO_PKG_VERSION")),
@@ -98,6 +102,7 @@ fn independent_readers_decode_every_message() {
             "/metrics": topic("sextant.Metric", json!([[7, "path_length_m", 12.5]])),
             "/log": topic("foxglove.Log", json!([[8, 3, "survey", "nobody heard"]])),
             "/likelihood/ml-tm/n12": topic("foxglove.Grid", json!([likelihood])),
+            "/distributed/nodes": topic("sextant.MappedNode", json!([mapped_node])),
             "/sensors": topic("sextant.Sensors", json!([[2.5, null, null, null]])),
             "/sensed": topic("sextant.Sensed", sensed),
             "/world/targets/intruder":

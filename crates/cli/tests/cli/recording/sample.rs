@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sextant::recording::messages::FrameMessage;
+use sextant::recording::messages::{FrameMessage, MappedNodeMessage};
 use sextant::recording::{
     FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Sensation, Solid,
 };
@@ -145,6 +145,22 @@ pub(crate) fn record_all<W: std::io::Write>(
         recorder.sensed(at(nanos), NodeId(1), "intruder", sensation)?;
     }
     recorder.field(at(16), "gas", &plane)?;
+    recorder.mapped_node(
+        at(17),
+        &MappedNodeMessage {
+            node: 1,
+            role: "new_anchor".to_owned(),
+            anchor_since: Some(2),
+            category: "good".to_owned(),
+            x_m: Some(1.25),
+            neighbours: 40,
+            scattered: 3,
+            vertices: 1 << 40,
+            energy_j: 0.1,
+            bearings: Some(0),
+            ..MappedNodeMessage::default()
+        },
+    )?;
     recorder.summary("{\"maps\": []}")
 }
 
