@@ -94,6 +94,15 @@ pub enum OrientationMethod {
 }
 
 impl RingOrientation {
+    /// Share of the neighbours with a direction that agree on the azimuth; 0 for the circular mean.
+    #[must_use]
+    pub fn agreement(&self) -> f64 {
+        match self.method {
+            OrientationMethod::Intersected { agreeing } => agreeing as f64 / self.bearings as f64,
+            OrientationMethod::CircularMean => 0.0,
+        }
+    }
+
     /// Standard deviation of the azimuth (rad): that of a uniform law over the interval, or that of the circular mean.
     #[must_use]
     pub fn azimuth_sigma_rad(&self) -> f64 {

@@ -42,6 +42,11 @@ pub struct DistributedMappingConfig {
     /// Any deviation will do if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub new_anchor_sigma_m: Option<f64>,
+    /// An anchor gives up its place, and works it out as other nodes do, if less than this share of its bearings, of which
+    /// it has at least four, agree on how its antenna is turned: the place is wrong, or the antenna has moved. No anchor
+    /// does so if absent. Needs `directions = "intervals"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doubt_below: Option<f64>,
     /// Most iterations.
     #[serde(default = "default_max_iterations")]
     pub max_iterations: u32,
@@ -115,6 +120,7 @@ pub struct DistributedMapping {
     pub(super) new_anchor_below: f64,
     pub(super) bad_above: f64,
     pub(super) new_anchor_sigma_m: Option<f64>,
+    pub(super) doubt_below: Option<f64>,
     pub(super) max_iterations: u32,
     pub(super) directions: DirectionRule,
     pub(super) exchange: Exchange,
@@ -175,6 +181,13 @@ impl TryFrom<&DistributedMappingConfig> for DistributedMapping {
         if let Some(sigma_m) = config.new_anchor_sigma_m {
             SettingError::positive("new_anchor_sigma_m", sigma_m)?;
         }
+        if let Some(share) = config.doubt_below {
+            SettingError::in_range("doubt_below", share, 0.0, 1.0)?;
+            if config.directions != DirectionRule::Intervals {
+                let found = format!("{share}, with `directions = \"circular_mean\"`");
+                return Err(SettingError::new("doubt_below", found, "`directions = \"intervals\"` beside it"));
+            }
+        }
         let place = OwnPlace::try_from(config.place.clone()).map_err(|error| error.within("place"))?;
         let needs_posterior = config.exchange == Exchange::Posterior || config.new_anchor_sigma_m.is_some();
         if needs_posterior && config.place.estimate != EstimateKind::PosteriorMean {
@@ -190,6 +203,7 @@ impl TryFrom<&DistributedMappingConfig> for DistributedMapping {
             new_anchor_below,
             bad_above,
             new_anchor_sigma_m: config.new_anchor_sigma_m,
+            doubt_below: config.doubt_below,
             max_iterations: whole("max_iterations", config.max_iterations, MOST_ITERATIONS)?,
             directions: config.directions,
             exchange: config.exchange,

@@ -17,6 +17,9 @@
 //!    that has no place, computes again with the new anchors. All nodes act at the same instants, so the order of the
 //!    nodes does not matter. This repeats until no node is bad, or as often as allowed.
 //!
+//! An anchor whose bearings contradict each other can give up its place (`doubt_below`): then it was put up elsewhere than it
+//! was told, and works out its place as the other nodes do.
+//!
 //! Without sectors (IEEE 802.15.4) PLACE and REPORT are left out, and the distance alone is evidence.
 
 mod belief;

@@ -40,8 +40,8 @@ struct Sighting {
     belief: Belief,
     /// The best signal-to-noise ratio (dB), and the sector from which it came.
     best: Option<(f64, u8)>,
-    /// The directions of its sectors, if it has told them.
-    directions: Option<Directions>,
+    /// What its beacon said of the directions of its sectors; `None` if it has sent no beacon, so that it is no anchor yet.
+    beacon: Option<Option<Directions>>,
 }
 
 impl Sighting {
@@ -53,15 +53,15 @@ impl Sighting {
         }
     }
 
-    /// As evidence on the place of the listener. Only anchors are sighted; one that has not told its directions is heard
-    /// all the same.
-    fn evidence(&self) -> HeardAnchor {
-        let sector = self.directions.as_ref().zip(self.best).and_then(|(directions, (_, sector))| {
+    /// As evidence on the place of the listener; `None` if the sender is no anchor.
+    fn evidence(&self) -> Option<HeardAnchor> {
+        let directions = self.beacon.as_ref()?;
+        let sector = directions.as_ref().zip(self.best).and_then(|(directions, (_, sector))| {
             let wedge = directions.wedge(sector)?;
             Some(SectorEvidence { wedge, azimuth_sigma_rad: directions.azimuth_sigma_rad })
         });
         let Belief { place, covariance } = self.belief;
-        HeardAnchor { place, sector, covariance, packets: 1 }
+        Some(HeardAnchor { place, sector, covariance, packets: 1 })
     }
 }
 
@@ -88,7 +88,7 @@ impl Neighbours {
             Message::Place(_) | Message::Report(..) | Message::Beacon(_) => {
                 let known = neighbour.sightings.iter().position(|sighting| sighting.belief == belief);
                 let index = known.unwrap_or_else(|| {
-                    neighbour.sightings.push(Sighting { belief, best: None, directions: None });
+                    neighbour.sightings.push(Sighting { belief, best: None, beacon: None });
                     neighbour.sightings.len() - 1
                 });
                 &mut neighbour.sightings[index]
@@ -103,7 +103,7 @@ impl Neighbours {
                 }
             }
             Message::Beacon(Beacon { directions, earlier, others, .. }) => {
-                sighting.directions = directions;
+                sighting.beacon = Some(directions);
                 if !earlier.is_empty() {
                     let passed = self.passed.entry(delivery.from).or_default();
                     let new: Vec<Position> = earlier.into_iter().filter(|place| !passed.contains(place)).collect();
@@ -145,7 +145,7 @@ impl Neighbours {
 
     /// The anchors heard, as evidence on the place of this station.
     pub(super) fn evidence(&self) -> Vec<HeardAnchor> {
-        self.by_station.values().flat_map(|neighbour| &neighbour.sightings).map(Sighting::evidence).collect()
+        self.by_station.values().flat_map(|neighbour| &neighbour.sightings).filter_map(Sighting::evidence).collect()
     }
 
     /// The anchors of which others have told, and the earlier places of mobile anchors, that this station has not heard.
@@ -172,7 +172,9 @@ impl Neighbours {
 
     /// Number of anchors heard that stand still.
     pub(super) fn anchors(&self) -> usize {
-        let is_anchor = |neighbour: &&Neighbour| !neighbour.is_mobile && !neighbour.sightings.is_empty();
+        let is_anchor = |neighbour: &&Neighbour| {
+            !neighbour.is_mobile && neighbour.sightings.iter().any(|sighting| sighting.beacon.is_some())
+        };
         self.by_station.values().filter(is_anchor).count()
     }
 
@@ -180,7 +182,7 @@ impl Neighbours {
     pub(super) fn octets(&self) -> usize {
         let belief = |belief: &Belief| if belief.covariance.is_some() { 36 } else { 12 };
         let sighting = |sighting: &Sighting| {
-            let directions = sighting.directions.as_ref();
+            let directions = sighting.beacon.as_ref().and_then(Option::as_ref);
             // Best sector with its ratio, and the directions.
             belief(&sighting.belief) + 2 + directions.map_or(0, |directions| 10 + 8 * directions.rings.len())
         };

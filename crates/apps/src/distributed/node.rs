@@ -22,6 +22,9 @@ const SENDING_SHARE: f64 = 0.75;
 /// Largest payload of a message (octets), with and without sectors: it fits in a frame.
 const LARGEST_OCTETS: [usize; 2] = [900, 90];
 
+/// An anchor with fewer bearings does not doubt its place.
+const LEAST_BEARINGS: usize = 4;
+
 /// The antenna of each node: one ring of equal sectors, all raised by the same angle, which nobody knows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeAntenna {
@@ -140,8 +143,13 @@ impl MappingNode {
                 }
                 if let (true, Some(belief)) = (self.joins, self.belief) {
                     self.joins = false;
-                    let beacon = self.beacon(belief, iteration);
-                    self.put(&Message::Beacon(beacon));
+                    self.directions = self.antenna.and_then(|antenna| self.orientation(belief, antenna));
+                    if self.is_doubtful() {
+                        self.give_up(iteration);
+                    } else {
+                        let beacon = self.beacon(belief, iteration);
+                        self.put(&Message::Beacon(beacon));
+                    }
                 }
             }
             Window::Coordinates => {
@@ -259,20 +267,35 @@ impl MappingNode {
         has_changed
     }
 
-    /// What this anchor tells, after it has worked out the directions of its sectors.
-    fn beacon(&mut self, belief: Belief, iteration: u32) -> Beacon {
-        let directions = self.antenna.and_then(|antenna| {
-            let bearing =
-                |&(Belief { place, covariance }, sector): &(Belief, u8)| Bearing { place, covariance, sector };
-            let bearings: Vec<Bearing> = self.neighbours.reports().map(bearing).collect();
-            let Belief { place, covariance } = belief;
-            let NodeAntenna { sectors, vertical_width_rad } = antenna;
-            let ring = UnorientedRing { place, covariance, sectors, vertical_width_rad, bearings: &bearings };
-            let found = ring.orientation(self.settings.directions)?;
-            let directions = directions_of(&found, antenna);
-            self.directions = Some(found);
-            Some(directions)
-        });
+    /// How the antenna of this anchor is turned, by the reports of others.
+    fn orientation(&self, belief: Belief, antenna: NodeAntenna) -> Option<RingOrientation> {
+        let bearing = |&(Belief { place, covariance }, sector): &(Belief, u8)| Bearing { place, covariance, sector };
+        let bearings: Vec<Bearing> = self.neighbours.reports().map(bearing).collect();
+        let Belief { place, covariance } = belief;
+        let NodeAntenna { sectors, vertical_width_rad } = antenna;
+        UnorientedRing { place, covariance, sectors, vertical_width_rad, bearings: &bearings }
+            .orientation(self.settings.directions)
+    }
+
+    /// Whether the bearings contradict the place of this anchor.
+    fn is_doubtful(&self) -> bool {
+        let (Some(least), Some(found)) = (self.settings.doubt_below, self.directions) else { return false };
+        found.bearings >= LEAST_BEARINGS && found.agreement() < least
+    }
+
+    /// This anchor does not trust its place: it is a node from now on that has none.
+    fn give_up(&mut self, iteration: u32) {
+        self.record.gave_up |= self.role == MappingRole::InitialAnchor;
+        self.record.last_change = iteration;
+        (self.role, self.category) = (MappingRole::Node, Category::Bad);
+        (self.belief, self.estimate, self.directions) = (None, None, None);
+        self.evidence = 0;
+    }
+
+    /// What this anchor tells.
+    fn beacon(&self, belief: Belief, iteration: u32) -> Beacon {
+        let directions =
+            self.directions.as_ref().zip(self.antenna).map(|(found, antenna)| directions_of(found, antenna));
         let mut others = Vec::new();
         if self.settings.passes_on {
             let room = (self.largest_octets() - 64) / 16;

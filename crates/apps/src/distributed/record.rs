@@ -42,6 +42,8 @@ pub struct MappingRecord {
     pub anchors_heard: usize,
     /// Places from which mobile anchors were heard.
     pub mobile_stops_heard: usize,
+    /// Whether it was an initial anchor and has given up its place, because the bearings to other anchors contradict it.
+    pub gave_up: bool,
     /// The last iteration in which its place or its part has changed.
     pub last_change: u32,
     /// Messages that it made.
