@@ -32,6 +32,8 @@ struct Scene {
     has_sectors: bool,
     /// Nodes far away from all others, none of them an anchor.
     island: usize,
+    /// Each so manyth anchor believes to be 5 m north of its place; none if 0.
+    liar_every: usize,
     /// Stops of a mobile anchor.
     mobile: Vec<Position>,
     settings: String,
@@ -44,7 +46,16 @@ impl Scene {
             "range_m = {REACH_M}\nplace.grid_step_m = 0.25\n\
              place.profile.trapezoid = {{ p0 = 0.95, plateau_m = 5.0, range_m = {REACH_M} }}\n{settings}"
         );
-        Self { side: 8, anchor_every: 5, has_sectors: true, island: 0, mobile: Vec::new(), settings, seed: 1 }
+        Self {
+            side: 8,
+            anchor_every: 5,
+            has_sectors: true,
+            island: 0,
+            liar_every: 0,
+            mobile: Vec::new(),
+            settings,
+            seed: 1,
+        }
     }
 
     fn places(&self) -> Vec<Position> {
@@ -117,7 +128,8 @@ impl Scene {
         let antenna =
             self.has_sectors.then_some(NodeAntenna { sectors: 8, vertical_width_rad: std::f64::consts::PI });
         let node = |(i, &place): (usize, &Position)| {
-            let anchor = (i % self.anchor_every == 0 && i < self.side * self.side).then_some(place);
+            let believed = if self.lies(i) { place + Position::new(0.0, 5.0, 0.0) } else { place };
+            let anchor = (i % self.anchor_every == 0 && i < self.side * self.side).then_some(believed);
             MappingNode::new(Arc::clone(&settings), NetworkId(0), antenna, anchor)
         };
         let nodes = places.iter().enumerate().map(node).collect();
@@ -146,6 +158,10 @@ impl Scene {
         let sectors = self.antennas().robot_sectors();
         let broadcast = MobileAnchor::new(Arc::clone(settings), self.has_sectors.then_some((&sectors, 8)));
         Some(Robot { body, controller, broadcast: Some(Box::new(broadcast)) })
+    }
+
+    fn lies(&self, node: usize) -> bool {
+        self.liar_every > 0 && node % self.anchor_every == 0 && (node / self.anchor_every) % self.liar_every == 1
     }
 
     /// Mean error of the nodes that are no initial anchors (m).
@@ -273,6 +289,25 @@ fn nodes_that_know_their_places_best_become_anchors_first() {
     iterations.sort_unstable();
     iterations.dedup();
     assert!(iterations.len() > 2, "{iterations:?}");
+}
+
+#[test]
+fn anchors_at_wrong_places_find_out_and_give_them_up() {
+    let settings = "directions = \"intervals\"\nplace.estimate = \"posterior_mean\"\nplace.model = \"soft\"";
+    let scene =
+        |doubt| Scene { anchor_every: 3, liar_every: 5, ..Scene::new(&format!("{settings}\ndoubt_below = {doubt}")) };
+    let (trusting, doubting) = (scene(0.0), scene(0.75));
+    let (with_trust, with_doubt) = (trusting.run(&mut Unobserved), doubting.run(&mut Unobserved));
+    assert!(with_trust.iter().all(|record| !record.gave_up));
+    let gave_up = with_doubt.iter().enumerate().filter(|(_, record)| record.gave_up).map(|(i, _)| i);
+    let (liars, honest): (Vec<usize>, Vec<usize>) = gave_up.partition(|&node| doubting.lies(node));
+    assert!(liars.len() >= 3 && honest.len() <= 1, "{liars:?} and {honest:?} gave up");
+    for &liar in &liars {
+        let place = with_doubt[liar].place.expect("it hears other anchors");
+        assert!(place.distance_m(doubting.places()[liar]) < 2.5, "{place:?}");
+    }
+    let (trust_m, doubt_m) = (trusting.mean_error_m(&with_trust), doubting.mean_error_m(&with_doubt));
+    assert!(doubt_m < 0.9 * trust_m, "{trust_m} m, with doubt {doubt_m} m");
 }
 
 #[test]

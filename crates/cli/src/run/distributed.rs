@@ -114,10 +114,13 @@ fn is_anchor(node: &&MappingRecord) -> bool {
 }
 
 fn anchors(map: &DistributedMap, nodes: &[MappingRecord]) -> AnchorCounts {
-    let initial = nodes.iter().filter(|node| node.role == MappingRole::InitialAnchor).count();
+    let count = |is: fn(&MappingRecord) -> bool| nodes.iter().filter(|node| is(node)).count();
+    let gave_up = count(|node| node.gave_up);
+    let initial = count(|node| node.role == MappingRole::InitialAnchor) + gave_up;
+    let new = count(|node| matches!(node.role, MappingRole::NewAnchor { .. }));
     let all = nodes.iter().filter(is_anchor);
     let without_directions = map.has_sectors().then(|| all.clone().filter(|node| node.directions.is_none()).count());
-    AnchorCounts { initial, new: all.count() - initial, without_directions }
+    AnchorCounts { initial, gave_up, new, without_directions }
 }
 
 fn messages(nodes: &[MappingRecord], record: &NetworkRecord) -> MessagesSummary {

@@ -11,6 +11,7 @@ pub(super) fn message(node: NodeId, record: &MappingRecord, energy_j: f64) -> Ma
     let (role, anchor_since) = match record.role {
         MappingRole::InitialAnchor => ("initial_anchor", None),
         MappingRole::NewAnchor { iteration } => ("new_anchor", Some(iteration)),
+        MappingRole::Node if record.gave_up => ("former_anchor", None),
         MappingRole::Node => ("node", None),
     };
     let category = match record.category {

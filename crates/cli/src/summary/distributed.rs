@@ -63,6 +63,8 @@ impl DistributedSummary {
 pub struct AnchorCounts {
     /// Nodes that knew their place.
     pub initial: usize,
+    /// Of these, those that gave up their place, because the bearings to others contradict it.
+    pub gave_up: usize,
     /// Nodes that became anchors.
     pub new: usize,
     /// Anchors, initial or new, that did not work out the directions of their sectors, because no anchor told that it

@@ -50,6 +50,9 @@ pub(super) fn write(maps: &[MapSummary], interrupted: bool, out: &mut impl Write
 
 fn anchors(work: &DistributedSummary) -> String {
     let mut words = format!("{}, then {} more", counted(work.anchors.initial, "anchor"), work.anchors.new);
+    if work.anchors.gave_up > 0 {
+        words += &format!(", {} gave up their place", work.anchors.gave_up);
+    }
     if let Some(error) = &work.orientation_error_deg {
         words += &format!(", azimuths off by {:.1} degrees on average", error.mean);
     }
@@ -81,7 +84,7 @@ mod tests {
             iterations: 10,
             bad: 1,
             unplaced: (0..12).map(|node| format!("n{node}")).collect(),
-            anchors: AnchorCounts { initial: 5, new: 7, without_directions: Some(2) },
+            anchors: AnchorCounts { initial: 5, gave_up: 1, new: 7, without_directions: Some(2) },
             messages: MessagesSummary { mean_per_node: 3.25, ..MessagesSummary::default() },
             mobile: Some(MobileAnchorsSummary { heard_share: 0.6, stops: 40, ..MobileAnchorsSummary::default() }),
             memory_octets: MeanAndMax { mean: 12_345.0, max: 20_000.0 },
@@ -97,7 +100,7 @@ mod tests {
         };
         insta::assert_snapshot!(text(work.clone(), false), @r"
         dmmtm-hs: warning: did not converge: 1 node with bad coordinates and 12 nodes without a place at the end
-        dmmtm-hs: 5 anchors, then 7 more, 2 without directions
+        dmmtm-hs: 5 anchors, then 7 more, 1 gave up their place, 2 without directions
         dmmtm-hs: 60.0 % of the nodes heard mobile anchors, at 0.0 of 40 stops on average
         dmmtm-hs: of a node on average 3.2 messages, 80.0 frames received, 12.50 mJ of radio energy, 12 kB of memory
         dmmtm-hs: warning: 12 nodes without a place: n0, n1, n2, n3, n4, n5, n6, n7, n8, n9 and 2 more

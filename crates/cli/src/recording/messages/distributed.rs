@@ -11,7 +11,7 @@ pub struct MappedNodeMessage {
     /// Index of the node.
     #[prost(uint32, tag = "1")]
     pub node: u32,
-    /// `initial_anchor`, `new_anchor` or `node`.
+    /// `initial_anchor`, `new_anchor`, `node`, or `former_anchor` for one that gave up its place.
     #[prost(string, tag = "2")]
     pub role: String,
     /// The iteration in which it became an anchor.

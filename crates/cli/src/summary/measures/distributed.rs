@@ -24,6 +24,7 @@ numbers! { MapSummary {
     UNPLACED "distributed.unplaced" Count |map| of(map, |of| nodes(of.unplaced.len()));
     ANCHORS_INITIAL "distributed.anchors.initial" Count |map| of(map, |of| nodes(of.anchors.initial));
     ANCHORS_NEW "distributed.anchors.new" Count |map| of(map, |of| nodes(of.anchors.new));
+    ANCHORS_THAT_GAVE_UP "distributed.anchors.gave_up" Count |map| Some(nodes(map.distributed.as_ref()?.anchors.gave_up));
     ANCHORS_WITHOUT_DIRECTIONS "distributed.anchors.without_directions" Count
         |map| map.distributed.as_ref()?.anchors.without_directions.map(nodes);
     ORIENTATION_ERROR_MEAN_DEG "distributed.orientation_error_deg.mean" Degree
