@@ -144,7 +144,8 @@ impl DistributedMapping {
     #[must_use]
     pub fn longest(&self, has_sectors: bool) -> Duration {
         let start = SimTime::ZERO + self.mobile_phase;
-        let schedule = Schedule { start, window: self.window, has_sectors, iterations: self.max_iterations };
+        let asks = has_sectors || self.passes_on;
+        let schedule = Schedule { start, window: self.window, asks, iterations: self.max_iterations };
         let end = (0..).find(|&number| schedule.at(number).1 == Window::End).expect("iterations end");
         schedule.start_of(end) - SimTime::ZERO
     }

@@ -268,6 +268,17 @@ impl Message {
     }
 }
 
+impl Beacon {
+    /// Number of other anchors for which a message of at most `octets` has room beside the rest; at least one.
+    #[must_use]
+    pub fn room_for_others(&self, octets: usize) -> usize {
+        let covariance = if self.belief.covariance.is_some() { 24 } else { 0 };
+        let directions = self.directions.as_ref().map_or(0, |directions| 10 + 8 * directions.rings.len());
+        let earlier = if self.earlier.is_empty() { 0 } else { 1 + 12 * self.earlier.len() };
+        (octets.saturating_sub(14 + covariance + directions + earlier) / OTHER_OCTETS).max(1)
+    }
+}
+
 impl Directions {
     /// The directions of sector number `sector`; `None` if there is no such sector.
     #[must_use]

@@ -20,7 +20,8 @@
 //! An anchor whose bearings contradict each other can give up its place (`doubt_below`): then it was put up elsewhere than it
 //! was told, and works out its place as the other nodes do.
 //!
-//! Without sectors (IEEE 802.15.4) PLACE and REPORT are left out, and the distance alone is evidence.
+//! Without sectors (IEEE 802.15.4) there is no REPORT, nor a PLACE unless beacons pass on the places of other anchors, and
+//! the distance alone is evidence.
 
 mod belief;
 mod config;

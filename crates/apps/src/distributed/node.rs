@@ -20,7 +20,7 @@ const WINDOW: Timer = Timer(0);
 /// The share of a window in which messages are sent: what waits for the channel then is still sent in it.
 const SENDING_SHARE: f64 = 0.75;
 /// Largest payload of a message (octets), with and without sectors: it fits in a frame.
-const LARGEST_OCTETS: [usize; 2] = [900, 90];
+const LARGEST_OCTETS: [usize; 2] = [900, 102];
 
 /// An anchor with fewer bearings does not doubt its place.
 const LEAST_BEARINGS: usize = 4;
@@ -73,7 +73,7 @@ impl MappingNode {
         let schedule = Schedule {
             start: sextant_kernel::SimTime::ZERO + settings.mobile_phase,
             window: settings.window,
-            has_sectors: antenna.is_some(),
+            asks: antenna.is_some() || settings.passes_on,
             iterations: settings.max_iterations,
         };
         Self {
@@ -138,7 +138,7 @@ impl MappingNode {
                 }
             }
             Window::Beacon => {
-                if !self.schedule.has_sectors {
+                if !self.schedule.asks {
                     self.filter(iteration, port);
                 }
                 if let (true, Some(belief)) = (self.joins, self.belief) {
@@ -147,8 +147,7 @@ impl MappingNode {
                     if self.is_doubtful() {
                         self.give_up(iteration);
                     } else {
-                        let beacon = self.beacon(belief, iteration);
-                        self.put(&Message::Beacon(beacon));
+                        self.put_beacons(belief, iteration);
                     }
                 }
             }
@@ -292,20 +291,26 @@ impl MappingNode {
         self.evidence = 0;
     }
 
-    /// What this anchor tells.
-    fn beacon(&self, belief: Belief, iteration: u32) -> Beacon {
+    /// Adds what this anchor tells: a beacon, or as many as the places of the other anchors need.
+    fn put_beacons(&mut self, belief: Belief, iteration: u32) {
         let directions =
             self.directions.as_ref().zip(self.antenna).map(|(found, antenna)| directions_of(found, antenna));
-        let mut others = Vec::new();
-        if self.settings.passes_on {
-            let room = (self.largest_octets() - 64) / 16;
-            others.extend(self.neighbours.asking_places(iteration).take(room));
+        let mut others: Vec<_> =
+            if self.settings.passes_on { self.neighbours.asking_places(iteration).collect() } else { Vec::new() };
+        loop {
+            let mut beacon =
+                Beacon { belief, directions: directions.clone(), earlier: Vec::new(), others: Vec::new() };
+            let room = beacon.room_for_others(self.largest_octets());
+            beacon.others = others.drain(..room.min(others.len())).collect();
+            self.put(&Message::Beacon(beacon));
+            if others.is_empty() {
+                return;
+            }
         }
-        Beacon { belief, directions, earlier: Vec::new(), others }
     }
 
     fn largest_octets(&self) -> usize {
-        LARGEST_OCTETS[usize::from(!self.schedule.has_sectors)]
+        LARGEST_OCTETS[usize::from(self.antenna.is_none())]
     }
 }
 

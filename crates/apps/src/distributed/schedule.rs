@@ -1,7 +1,7 @@
 //! When which messages are sent: windows of equal length, one after the other, which all stations know in advance.
 //!
-//! In a network with sectors anchors join in three windows: PLACE, REPORT, BEACON; without sectors in one, BEACON. The
-//! initial anchors join first. Each iteration has a window for COORDINATES, and then those in which new anchors join.
+//! In a network with sectors anchors join in three windows: PLACE, REPORT, BEACON; without sectors in one, BEACON, unless
+//! beacons pass on the places of others. The initial anchors join first. Each iteration has a window for COORDINATES, and then those in which new anchors join.
 
 use std::time::Duration;
 
@@ -25,8 +25,9 @@ pub(super) struct Schedule {
     pub(super) start: SimTime,
     /// Length of a window.
     pub(super) window: Duration,
-    /// Whether the network has sectors.
-    pub(super) has_sectors: bool,
+    /// Whether anchors tell their place before their beacons: to learn the directions of their sectors, or to pass on the
+    /// places of others.
+    pub(super) asks: bool,
     /// Most iterations.
     pub(super) iterations: u32,
 }
@@ -35,7 +36,7 @@ const JOINING: [Window; 3] = [Window::Place, Window::Report, Window::Beacon];
 
 impl Schedule {
     fn joining(&self) -> &'static [Window] {
-        if self.has_sectors { &JOINING } else { &JOINING[2..] }
+        if self.asks { &JOINING } else { &JOINING[2..] }
     }
 
     /// What is sent in window number `number`, and in which iteration; 0 is the joining of the initial anchors.
@@ -63,8 +64,8 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    fn schedule(has_sectors: bool) -> Schedule {
-        Schedule { start: SimTime::ZERO, window: Duration::from_secs(2), has_sectors, iterations: 2 }
+    fn schedule(asks: bool) -> Schedule {
+        Schedule { start: SimTime::ZERO, window: Duration::from_secs(2), asks, iterations: 2 }
     }
 
     #[test]

@@ -224,6 +224,23 @@ fn without_sectors_distances_alone_place_the_nodes_roughly() {
 }
 
 #[test]
+fn anchors_that_a_node_has_not_heard_tell_where_it_is_not() {
+    // Without sectors all that a node knows is who is in reach.
+    let settings = "window_s = 10.0\nplace.estimate = \"posterior_mean\"\nplace.silence = ";
+    let error_m = |silence: &str| {
+        let scene = Scene {
+            side: 10,
+            anchor_every: 4,
+            has_sectors: false,
+            ..Scene::new(&format!("{settings}\"{silence}\""))
+        };
+        scene.mean_error_m(&scene.run(&mut Unobserved))
+    };
+    let (ignored_m, missed_m) = (error_m("ignored"), error_m("missed"));
+    assert!(missed_m < 0.8 * ignored_m, "{ignored_m} m, {missed_m} m with those not heard");
+}
+
+#[test]
 fn a_mobile_anchor_helps() {
     let fixed = Scene { anchor_every: 11, ..Scene::new("") };
     let stops = (0..12).map(|i| Position::new(1.3 * f64::from(i), 15.0 - 1.2 * f64::from(i), HEIGHT_M)).collect();

@@ -124,6 +124,23 @@ fn many_reports_are_split_into_messages_that_fit() {
 }
 
 #[test]
+fn other_anchors_fill_a_beacon_up_to_its_room() {
+    let directions = Directions { azimuth_rad: 0.0, azimuth_sigma_rad: 0.0, sectors: 8, rings: vec![[0.0; 2]; 2] };
+    for (directions, covariance, earlier) in
+        [(None, None, 0), (Some(directions.clone()), Some([[0.0; 3]; 3]), 0), (Some(directions), None, 3)]
+    {
+        let belief = Belief { place: Position::ORIGIN, covariance };
+        let earlier = vec![Position::ORIGIN; earlier];
+        let mut beacon = Beacon { belief, directions, earlier, others: Vec::new() };
+        let room = beacon.room_for_others(200);
+        beacon.others = vec![(StationId(1), Position::ORIGIN); room];
+        let mut octets = Vec::new();
+        Message::Beacon(beacon).write(&mut octets);
+        assert!((185..=200).contains(&octets.len()), "{} octets with {room} others", octets.len());
+    }
+}
+
+#[test]
 fn sectors_are_numbered_ring_by_ring() {
     let directions =
         Directions { azimuth_rad: 1.0, azimuth_sigma_rad: 0.0, sectors: 4, rings: vec![[-0.5, 0.0], [0.0, 0.5]] };
