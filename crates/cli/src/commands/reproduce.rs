@@ -57,7 +57,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let mut finished = Vec::new();
     let mut outcome = Ok(());
     for experiment in &experiments {
-        let new = runs.make(&experiment.scenarios(), interrupt, arguments.work.quiet);
+        let tell = |size: &str| arguments.work.note(&format!("{}: {size}", experiment.id));
+        let new = runs.make(&experiment.scenarios(), tell, interrupt, arguments.work.quiet);
         write_runs(&runs, &experiment.scenarios(), out)?;
         let new = match new {
             Ok(new) => new,

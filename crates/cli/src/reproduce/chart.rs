@@ -39,7 +39,16 @@ pub struct ChartLine {
     /// Its name in the legend.
     pub name: String,
     /// The measure at each horizontal value.
-    pub points: Vec<(f64, Term)>,
+    pub points: Vec<(Across, Term)>,
+}
+
+/// A horizontal value.
+#[derive(Clone, Debug)]
+pub enum Across {
+    /// A setting.
+    Setting(f64),
+    /// The mean of what came out, not in its printed unit.
+    Measured(Term),
 }
 
 impl Chart {
@@ -59,6 +68,15 @@ impl Chart {
     }
 }
 
+impl Across {
+    fn value(&self, runs: &Runs) -> Option<f64> {
+        match self {
+            Self::Setting(value) => Some(*value),
+            Self::Measured(term) => runs.mean(term).map(|mean| mean.mean),
+        }
+    }
+}
+
 impl ChartKind {
     /// The part of `series` that is drawn.
     fn shown(self, series: Series) -> Series {
@@ -72,10 +90,10 @@ impl ChartKind {
 impl ChartLine {
     fn series(&self, runs: &Runs) -> Series {
         let mut series = Series { name: self.name.clone(), points: Vec::new(), half_widths: Vec::new() };
-        for (x, term) in &self.points {
-            let Some(mean) = runs.mean(term) else { continue };
+        for (across, term) in &self.points {
+            let (Some(x), Some(mean)) = (across.value(runs), runs.mean(term)) else { continue };
             let mean = mean.times(term.measure.unit().for_people().0);
-            series.points.push((*x, mean.mean));
+            series.points.push((x, mean.mean));
             series.half_widths.push(mean.half_width_95.unwrap_or(0.0));
         }
         series

@@ -9,7 +9,7 @@ use super::runs::{Runs, Term};
 use crate::diagnostic::Failure;
 use crate::figure::{self, Curves, Figure, FileFormat, Series, Source};
 use crate::interrupt::Interrupt;
-use crate::recording::{read_drawn, read_log};
+use crate::recording::{read_drawn, read_run};
 use crate::run::{self, Request};
 use crate::scenario::Scenario;
 use crate::summary::{Measure, NODE_ERRORS, measures::node_errors};
@@ -29,7 +29,7 @@ pub fn write_pictures(names: &[&str], scenarios: &Path, out: &Path, interrupt: &
         if interrupt.is_requested() {
             return Err(Failure::Interrupted);
         }
-        let (run, drawn) = (read_log(&recording)?, read_drawn(&recording)?);
+        let (run, drawn) = (read_run(&recording)?, read_drawn(&recording)?);
         let displacements = run.sector_displacements();
         let source =
             Source { title: scenario.name(), log: &run.log, drawn: &drawn, sector_displacements: &displacements };

@@ -8,6 +8,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::summary::Measure;
 use crate::sweep::{self, Mean, Plan, Row};
+use crate::text::counted;
 
 /// A measure of a cell of a scenario.
 #[derive(Clone, Debug)]
@@ -43,20 +44,25 @@ impl Runs {
         Self { folder, count, of: BTreeMap::new() }
     }
 
-    /// Runs those of `scenarios` that have not been run yet, and returns their names. If the user interrupts, finished
-    /// runs are kept.
+    /// Runs those of `scenarios` that have not been run yet, and returns their names. Before it starts, `tell` gets how
+    /// many runs that are, in words. If the user interrupts, finished runs are kept.
     ///
     /// # Errors
     /// If a scenario is invalid, or the user interrupts.
     pub fn make(
         &mut self,
         scenarios: &[&'static str],
+        tell: impl FnOnce(&str),
         interrupt: &Interrupt,
         quiet: bool,
     ) -> Result<Vec<&'static str>, Failure> {
         let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(name)).collect();
         let plan = |scenario: &&'static str| Plan::read(&self.folder.join(scenario), &[], None, Some(self.count));
         let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        if !new.is_empty() {
+            let runs = counted(plans.iter().map(Plan::survey_count).sum(), "run");
+            tell(&format!("{runs} of {}, then one of each for its figures", counted(new.len(), "scenario")));
+        }
         let (rows, outcome) = sweep::rows(&plans, interrupt, quiet);
         for (scenario, made) in new.iter().zip(plans.into_iter().zip(rows)) {
             self.insert(scenario, made);

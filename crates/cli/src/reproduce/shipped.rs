@@ -13,6 +13,32 @@ macro_rules! shipped {
 
 /// The scenarios and the files that they name: path below the folder of scenarios, and text.
 pub const SHIPPED: &[(&str, &str)] = shipped![
+    "dmtm/anchors-hs-greenhouse.toml",
+    "dmtm/anchors-hs-warehouse.toml",
+    "dmtm/anchors-improved-greenhouse.toml",
+    "dmtm/anchors-improved-warehouse.toml",
+    "dmtm/anchors-ss-greenhouse.toml",
+    "dmtm/anchors-ss-warehouse.toml",
+    "dmtm/comparison-greenhouse.toml",
+    "dmtm/comparison-warehouse.toml",
+    "dmtm/faults-deaths.toml",
+    "dmtm/faults-liars.toml",
+    "dmtm/faults-loss.toml",
+    "dmtm/heard-greenhouse.toml",
+    "dmtm/heard-warehouse.toml",
+    "dmtm/hs-greenhouse.toml",
+    "dmtm/hs-warehouse.toml",
+    "dmtm/improved-greenhouse.toml",
+    "dmtm/improved-rf.toml",
+    "dmtm/improved-warehouse.toml",
+    "dmtm/mmtm-greenhouse.toml",
+    "dmtm/mmtm-warehouse.toml",
+    "dmtm/optimised-anchors.toml",
+    "dmtm/rf.toml",
+    "dmtm/scattering-greenhouse.toml",
+    "dmtm/scattering-warehouse.toml",
+    "dmtm/ss-greenhouse.toml",
+    "dmtm/ss-warehouse.toml",
     "ml-tm/circular.toml",
     "ml-tm/classics.toml",
     "ml-tm/comparison-circular.toml",
@@ -74,7 +100,7 @@ mod tests {
     fn every_scenario_of_the_chapters_ships() {
         let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
         let mut names = Vec::new();
-        for folder in ["ml-tm", "mmtm"] {
+        for folder in ["dmtm", "ml-tm", "mmtm"] {
             let files = std::fs::read_dir(scenarios.join(folder)).unwrap();
             names.extend(files.map(|file| format!("{folder}/{}", file.unwrap().file_name().to_str().unwrap())));
         }

@@ -74,6 +74,7 @@ fn an_interrupted_reproduction_keeps_the_finished_experiments() {
         (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned());
     assert_eq!(output.status.code(), Some(130), "{notes}");
     assert!(printed.contains("P of node p at (1, 3)"), "{printed}");
+    assert!(notes.contains("3.3: 4000 runs of 4 scenarios"), "{notes}");
     assert!(notes.contains("1 of 2 experiments are done"), "{notes}");
     assert!(!out.join("3.3.csv").exists());
     let runs = std::fs::read_to_string(out.join("runs-ml-tm-trajectory-s.csv")).unwrap();

@@ -1,11 +1,12 @@
 //! MmTM in three set-ups against DR-MDS and NTLDV-HOP (section 4.4.2).
 
-use super::super::chart::{Chart, ChartKind, ChartLine};
+use super::super::chart::{Across, Chart, ChartKind, ChartLine};
 use super::super::claim::{Check, Claim};
+use super::super::environment::Environment;
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
-use super::place::{DR_MDS, ESTIMATORS, Environment, Estimator, MMTM, NTLDV_HOP, Setup};
+use super::place::{DR_MDS, ESTIMATORS, Estimator, MMTM, NTLDV_HOP, Setup};
 use crate::summary::measures::{map, position_errors};
 use crate::summary::{MapSummary, Number, POSITION_ERRORS_M};
 
@@ -197,12 +198,12 @@ fn claims(contenders: &Contenders) -> Vec<Claim> {
 /// The distribution of the errors, and the sector displacements.
 fn charts(id: &str, environment: Environment, contenders: &Contenders) -> Vec<Chart> {
     let cdf = |contender: &Contender| {
-        let limits_m = POSITION_ERRORS_M.into_iter().map(f64::log10);
+        let limits_m = POSITION_ERRORS_M.into_iter().map(|limit_m| Across::Setting(limit_m.log10()));
         let shares = position_errors::ALL.iter().map(|number| contender.term(number));
         ChartLine { name: contender.name.clone(), points: limits_m.zip(shares).collect() }
     };
     let displacements = |contender: &Contender| {
-        let sectors = (0_u8..).map(f64::from);
+        let sectors = (0_u8..).map(|sectors| Across::Setting(f64::from(sectors)));
         let shares = DISPLACEMENTS.into_iter().map(|number| contender.term(number));
         ChartLine { name: contender.name.clone(), points: sectors.zip(shares).collect() }
     };

@@ -1,9 +1,10 @@
 //! The energy that MmTM costs the nodes (section 4.5.1).
 
 use super::super::claim::{Check, Claim};
+use super::super::environment::Environment;
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::runs::Term;
-use super::place::{Environment, MMTM, Setup};
+use super::place::{MMTM, Setup};
 use crate::summary::measures::{map, run};
 use crate::summary::{Measure, Number, Summary};
 

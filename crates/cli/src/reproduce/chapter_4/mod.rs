@@ -5,8 +5,9 @@ mod energy;
 mod place;
 mod sectors;
 
+use super::environment::Environment;
 use super::experiment::Experiment;
-use place::{Environment, Setup};
+use place::Setup;
 
 /// All experiments, in the order of the thesis.
 #[must_use]

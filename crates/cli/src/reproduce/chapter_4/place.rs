@@ -1,25 +1,9 @@
-//! The environments and set-ups of the chapter, their scenarios, and the maps of these.
+//! The set-ups of the chapter, their scenarios, and the maps of these.
 
+use super::super::environment::Environment;
 use crate::summary::{MapSummary, Measure, Number};
 
-/// An environment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Environment {
-    Warehouse,
-    Greenhouse,
-}
-
 impl Environment {
-    /// In the order of the thesis.
-    pub(super) const ALL: [Self; 2] = [Self::Warehouse, Self::Greenhouse];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Warehouse => "warehouse",
-            Self::Greenhouse => "greenhouse",
-        }
-    }
-
     /// The scenario with the maps of other algorithms.
     pub(super) fn comparison(self) -> &'static str {
         match self {

@@ -1,11 +1,12 @@
 //! The number of sectors of the robot (section 4.4.1): errors of MmTM in three set-ups and two environments.
 
-use super::super::chart::{Chart, ChartKind, ChartLine};
+use super::super::chart::{Across, Chart, ChartKind, ChartLine};
 use super::super::claim::{Check, Claim};
+use super::super::environment::Environment;
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
-use super::place::{ESTIMATORS, Environment, Estimator, MMTM, Setup};
+use super::place::{ESTIMATORS, Estimator, MMTM, Setup};
 use crate::summary::measures::{map, position_errors, run};
 use crate::summary::{MapSummary, Measure, Number};
 
@@ -275,7 +276,7 @@ fn of_space() -> Vec<Claim> {
 fn chart(id: &str, setup: Setup, name: &str, up: &'static str, number: &'static Number<MapSummary>) -> Chart {
     let line = |environment: Environment, estimator: &'static Estimator| {
         let place = Place { setup, environment };
-        let point = |sectors| (f64::from(sectors), place.term(sectors, estimator.measure(number)));
+        let point = |sectors| (Across::Setting(f64::from(sectors)), place.term(sectors, estimator.measure(number)));
         let name = format!("{}, {}", environment.name(), estimator.name);
         ChartLine { name, points: SECTORS.map(point).to_vec() }
     };

@@ -36,5 +36,7 @@ numbers! { MapSummary {
     STOPS_HEARD_MEAN "distributed.mobile.stops_heard_mean" MeanCount |map| of_mobile(map, |mobile| mobile.stops_heard_mean);
     VERTICES_MEAN "distributed.vertices_mean" MeanCount |map| map.distributed.as_ref()?.vertices_mean;
     MEMORY_MEAN "distributed.memory_octets.mean" MeanCount |map| of(map, |of| of.memory_octets.mean);
+    RADIO_ENERGY_TOTAL_J "distributed.radio_energy_j.total" Joule
+        |map| of(map, |of| of.radio_energy_j.mean).map(|mean_j| mean_j * nodes(map.mapped + map.unmapped));
     RADIO_ENERGY_MEAN_J "distributed.radio_energy_j.mean" Joule |map| of(map, |of| of.radio_energy_j.mean);
 }}

@@ -1,7 +1,7 @@
 //! A number of a run or of one of its maps.
 
 use super::number::{Number, Unit};
-use super::{distributed, map, node_errors, position_errors, run};
+use super::{distributed, map, node_errors, position_errors, run, scattering, time};
 use crate::summary::{MapSummary, Summary};
 
 /// A number of a run or of one of its maps.
@@ -60,9 +60,11 @@ impl PartialEq for Measure<'_> {
 /// All measures of a run whose maps are called `maps`, in the order of their columns. Those in `by_nodes` are computed by
 /// the nodes.
 pub fn all<'a>(maps: &'a [String], by_nodes: &[String]) -> Vec<Measure<'a>> {
-    let of_run = run::ALL.iter().map(|number| Measure::OfRun(number));
+    let of_nodes = if by_nodes.is_empty() { &[] } else { time::ALL };
+    let of_run = run::ALL.iter().chain(of_nodes).map(|number| Measure::OfRun(number));
     let of_map = |map: &'a String| {
-        let own = if by_nodes.contains(map) { distributed::ALL } else { &[] };
+        let own = if by_nodes.contains(map) { [distributed::ALL, scattering::ALL] } else { [&[][..]; 2] };
+        let own = own.into_iter().flatten();
         let numbers = map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL).chain(own);
         numbers.map(move |number| Measure::OfMap(map.as_str(), number))
     };

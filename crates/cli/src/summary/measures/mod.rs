@@ -7,6 +7,8 @@ pub mod node_errors;
 mod number;
 pub mod position_errors;
 pub mod run;
+pub mod scattering;
+pub mod time;
 
 pub use measure::{Measure, all};
 pub use number::{Number, Unit};
