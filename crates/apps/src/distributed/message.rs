@@ -1,45 +1,4 @@
 //! The messages of maps that are computed in the nodes, as octets.
-//!
-//! All numbers are little-endian, all lengths in metres, all angles in radians; `f32` is IEEE 754 binary32. The sender
-//! is the transmitter address of the frame, and the sector in which a frame was sent is named by the frame.
-//!
-//! | octets | field |
-//! | --- | --- |
-//! | 1 | version (1) in the high four bits, kind in the low four: 1 PLACE, 2 REPORT, 3 BEACON, 4 COORDINATES |
-//! | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad, bit 4 earlier places |
-//! | 12 | place of the sender: x, y, z as `f32` |
-//! | 24 | with bit 0: covariance of the place as six `f32`: xx, xy, xz, yy, yz, zz (m²) |
-//!
-//! Then in a REPORT, for each station heard:
-//!
-//! | octets | field |
-//! | --- | --- |
-//! | 4 | station |
-//! | 1 | its sector that was heard best |
-//!
-//! In a BEACON with bit 1:
-//!
-//! | octets | field |
-//! | --- | --- |
-//! | 4 | azimuth of the boresight of sector 0, counterclockwise from x |
-//! | 4 | standard deviation of that azimuth |
-//! | 1 | sectors in a ring |
-//! | 1 | rings |
-//! | 8 | for each ring: lowest and highest elevation |
-//!
-//! In a BEACON with bit 4, for a mobile anchor:
-//!
-//! | octets | field |
-//! | --- | --- |
-//! | 1 | number of earlier places |
-//! | 12 | each of them: where it sent the beacons before this one |
-//!
-//! In a BEACON with bit 2, up to the end, anchors that the sender has heard:
-//!
-//! | octets | field |
-//! | --- | --- |
-//! | 4 | station |
-//! | 12 | its place |
 
 use std::f64::consts::TAU;
 
@@ -66,7 +25,48 @@ const HEARD_OCTETS: usize = 5;
 /// Octets of an anchor that a BEACON passes on.
 const OTHER_OCTETS: usize = 16;
 
-/// A message.
+/// A message, as octets in this layout.
+///
+/// All numbers are little-endian, all lengths in metres, all angles in radians; `f32` is IEEE 754 binary32. The sender
+/// is the transmitter address of the frame, and the sector in which a frame was sent is named by the frame.
+///
+/// | octets | field |
+/// | --- | --- |
+/// | 1 | version (1) in the high four bits, kind in the low four: 1 PLACE, 2 REPORT, 3 BEACON, 4 COORDINATES |
+/// | 1 | flags: bit 0 covariance, bit 1 directions, bit 2 other anchors, bit 3 the coordinates are bad, bit 4 earlier places |
+/// | 12 | place of the sender: x, y, z as `f32` |
+/// | 24 | with bit 0: covariance of the place as six `f32`: xx, xy, xz, yy, yz, zz (m²) |
+///
+/// Then in a REPORT, for each station heard:
+///
+/// | octets | field |
+/// | --- | --- |
+/// | 4 | station |
+/// | 1 | its sector that was heard best |
+///
+/// In a BEACON with bit 1:
+///
+/// | octets | field |
+/// | --- | --- |
+/// | 4 | azimuth of the boresight of sector 0, counterclockwise from x |
+/// | 4 | standard deviation of that azimuth |
+/// | 1 | sectors in a ring |
+/// | 1 | rings |
+/// | 8 | for each ring: lowest and highest elevation |
+///
+/// In a BEACON with bit 4, for a mobile anchor:
+///
+/// | octets | field |
+/// | --- | --- |
+/// | 1 | number of earlier places |
+/// | 12 | each of them: where it sent the beacons before this one |
+///
+/// In a BEACON with bit 2, up to the end, anchors that the sender has heard:
+///
+/// | octets | field |
+/// | --- | --- |
+/// | 4 | station |
+/// | 12 | its place |
 #[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     /// An anchor that does not know the directions of its sectors asks other anchors in which of them they hear it.

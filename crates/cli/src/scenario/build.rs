@@ -12,7 +12,7 @@ use super::distributed::{DistributedMap, check_distributed};
 use super::errors::Errors;
 use super::known_channel::KnownChannel;
 use super::known_networks::KnownNetworks;
-use super::maps::{NamedMap, check_maps};
+use super::maps::{NamedMap, check_log_of_maps, check_maps};
 use super::networks::NetworkTables;
 use super::robots::{check_robots, check_target_names};
 use super::sinks::check_sinks;
@@ -55,6 +55,7 @@ pub(super) fn check(
     }
     let known = KnownNetworks::new(&tables, &config.robots, Some(folder));
     let maps = check_maps(&config.maps, &known, errors);
+    check_log_of_maps(config, &maps, errors);
     check_target_names(&config.robots, world.as_ref(), errors);
     errors.take("metrics", config.metrics.check());
     if let Some(snapshots) = &config.recording.fields {

@@ -1,8 +1,10 @@
 //! The maps of a scenario.
 
 use sextant_kernel::SettingError;
-use sextant_mapper::{MapConfig, Mapper};
+use sextant_mapper::{KnowledgeKind, MapConfig, Mapper};
+use sextant_sim::RoleConfig;
 
+use super::config::ScenarioConfig;
 use super::errors::Errors;
 use super::known_networks::KnownNetworks;
 
@@ -35,6 +37,18 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
         maps.push(NamedMap { name, network: config.network, mapper });
     }
     maps
+}
+
+/// Refuses maps of what robots heard, if no robot surveys.
+pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[NamedMap], errors: &mut Errors<'_>) {
+    if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
+        return;
+    }
+    let of_log = |map: &&NamedMap| map.mapper.uses().contains(&KnowledgeKind::RobotReceptions);
+    if let Some(map) = maps.iter().find(of_log) {
+        let allowed = format!("a robot that surveys: the map `{}` is made from what robots hear", map.name);
+        errors.refuse(&SettingError::new("robots", "no surveying robot", allowed));
+    }
 }
 
 /// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
