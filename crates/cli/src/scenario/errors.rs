@@ -16,8 +16,8 @@ impl Errors<'_> {
         self.found.push(self.document.outside(error));
     }
 
-    /// The value; an error is collected as one within `table`.
+    /// The value; an error is collected as one within `table`, or of the scenario itself if that is empty.
     pub(super) fn take<T>(&mut self, table: &str, result: Result<T, SettingError>) -> Option<T> {
-        result.map_err(|error| self.refuse(&error.within(table))).ok()
+        result.map_err(|error| self.refuse(&if table.is_empty() { error } else { error.within(table) })).ok()
     }
 }
