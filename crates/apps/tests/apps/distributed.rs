@@ -161,7 +161,9 @@ impl Scene {
     }
 
     fn lies(&self, node: usize) -> bool {
-        self.liar_every > 0 && node % self.anchor_every == 0 && (node / self.anchor_every) % self.liar_every == 1
+        self.liar_every > 0
+            && node.is_multiple_of(self.anchor_every)
+            && (node / self.anchor_every) % self.liar_every == 1
     }
 
     /// Mean error of the nodes that are no initial anchors (m).
