@@ -27,7 +27,9 @@ fn evidence(azimuth_sigma_rad: f64) -> Vec<Vec<HeardAnchor>> {
         let truth = Position::new(0.0, 0.0, 3.0 * draw(0, 0));
         let anchors =
             (1..).map(|k| Position::new(14.0 * draw(k, 0) - 7.0, 14.0 * draw(k, 1) - 7.0, 3.0 * draw(k, 2)));
-        let near = anchors.filter(|place| place.distance_m(truth) < 0.95 * RANGE_M).take(ANCHORS as usize);
+        let near = anchors
+            .filter(|place| place.distance_m(truth) < 0.95 * RANGE_M)
+            .take(usize::try_from(ANCHORS).expect("few anchors"));
         let variance = 0.3 * 0.3;
         let heard = |(k, place): (u64, Position)| {
             let width = TAU / 8.0;
