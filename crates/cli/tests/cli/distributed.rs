@@ -161,6 +161,89 @@ fn a_mobile_anchor_is_heard_and_helps() {
 }
 
 #[test]
+fn a_robot_surveys_while_nodes_map_themselves() {
+    let survey = "
+[[robots]]
+name = \"surveyor\"
+start_m = [1.0, 1.0, 4.0]
+listen_s = 0.1
+controller.waypoints.places_m = [[1.0, 1.0, 4.0], [5.0, 1.0, 4.0], [5.0, 5.0, 4.0], [1.0, 5.0, 4.0]]
+[[maps]]
+algorithm.mmtm = { grid_step_m = 0.5, z_range_m = [0.0, 2.0], profile.trapezoid = { p0 = 0.9, plateau_m = 1.0, range_m = 5.0 } }
+";
+    // The robot drives above the nodes, whose beams are high enough to answer it.
+    let nodes = static_anchors().replacen("vertical_width_deg = 50.0\n", "vertical_width_deg = 170.0\n", 1);
+    let (_folder, summary) = run(&[&nodes, survey].concat(), &[]);
+    let maps = summary["maps"].as_array().unwrap();
+    let names: Vec<_> = maps.iter().map(|map| map["algorithm"].as_str().unwrap()).collect();
+    assert_eq!(names, ["dmmtm-ss", "mmtm"]);
+    assert!(number(&maps[0]["mapped"]) > 50.0 && number(&maps[1]["mapped"]) > 20.0, "{maps:?}");
+    assert_eq!(summary["gathering"]["stops"], 4);
+    // No map of what robots hear is made without a robot that surveys.
+    let map = survey.split("[[maps]]").nth(1).unwrap();
+    let without = refused(&[&static_anchors(), "[[maps]]", map].concat());
+    assert!(without.contains("no surveying robot"), "{without}");
+}
+
+#[test]
+fn nodes_use_the_network_that_the_table_names() {
+    let networks = "
+[networks.rf.radio]
+tx_power_dbm = -50.0
+sensitivity_dbm = -90.0
+[networks.rf.channel]
+environment = \"suburban\"
+max_range_m = 5.0
+[networks.rf.mac.csma_unslotted]
+rx_on_when_idle = true
+[networks.mmwave.radio]
+tx_power_dbm = 20.0
+sensitivity_dbm = -60.0
+";
+    let waves: String = MILLIMETRE_WAVES
+        .lines()
+        .map(|line| {
+            format!(
+                "{}\n",
+                line.replace("[channel]", "[networks.mmwave.channel]")
+                    .replace("[mac.", "[networks.mmwave.mac.")
+                    .replace("[antenna.", "[networks.mmwave.antenna.")
+            )
+        })
+        .collect();
+    let nodes = NODES.split("[radio]").next().unwrap();
+    let of = |network: &str| {
+        let mapping = MAPPING.replace("range_m = 5.0\n[", &format!("range_m = 5.0\nnetwork = \"{network}\"\n["));
+        let (_folder, summary) = run(&[nodes, networks, &waves, &mapping].concat(), &[]);
+        summary["maps"][0].clone()
+    };
+    let (rf, mmwave) = (of("rf"), of("mmwave"));
+    assert_eq!((&rf["networks"][0], &mmwave["networks"][0]), (&"rf".into(), &"mmwave".into()));
+    // Only nodes with sectors ask for reports.
+    let reports = |map: &Value| number(&map["distributed"]["messages"]["report"]);
+    assert!(reports(&rf) <= 0.0 && reports(&mmwave) > 0.0);
+}
+
+#[test]
+fn anchors_that_give_up_wrong_places_are_counted() {
+    let doubting =
+        MAPPING.replace("range_m = 5.0\n[", "range_m = 5.0\ndirections = \"intervals\"\ndoubt_below = 0.75\n[");
+    let scenario =
+        [NODES, MILLIMETRE_WAVES, &doubting].concat().replace("anchors.share = 0.15", "anchors.share = 0.5");
+    let lies = "[faults.lying_anchors]\nshare = 0.1\ndistance_m = 4.0\n";
+    let (_folder, honest) = run(&scenario, &[]);
+    let (_folder, lying) = run(&[&scenario, lies].concat(), &[]);
+    let gave_up = |summary: &Value| number(&summary["maps"][0]["distributed"]["anchors"]["gave_up"]);
+    assert_eq!(lying["faults"]["lying_anchors"].as_array().unwrap().len(), 3);
+    assert!(
+        gave_up(&honest) <= 1.0 && gave_up(&lying) >= gave_up(&honest) + 2.0,
+        "{} {}",
+        gave_up(&honest),
+        gave_up(&lying)
+    );
+}
+
+#[test]
 fn the_number_of_threads_changes_no_byte() {
     let bytes = |threads| std::fs::read(run(&mobile_anchor(), &["--threads", threads]).0.path().join("run.mcap"));
     assert!(bytes("1").unwrap() == bytes("2").unwrap());
