@@ -18,6 +18,11 @@ impl Belief {
         Self { place, covariance: None }
     }
 
+    /// Octets that it takes in a message.
+    pub(super) fn octets(&self) -> usize {
+        if self.covariance.is_some() { 36 } else { 12 }
+    }
+
     /// Standard deviation along the axis that is known worst among x, y and z (m); `None` without a covariance.
     #[must_use]
     pub fn greatest_sigma_m(&self) -> Option<f64> {

@@ -143,17 +143,19 @@ impl DistributedMapping {
     /// Never: iterations end.
     #[must_use]
     pub fn longest(&self, has_sectors: bool) -> Duration {
-        let start = SimTime::ZERO + self.mobile_phase;
-        let asks = has_sectors || self.passes_on;
-        let schedule = Schedule { start, window: self.window, asks, iterations: self.max_iterations };
+        let schedule = self.schedule(has_sectors);
         let end = (0..).find(|&number| schedule.at(number).1 == Window::End).expect("iterations end");
         schedule.start_of(end) - SimTime::ZERO
     }
 
-    /// Radius of communication (m).
-    #[must_use]
-    pub fn range_m(&self) -> f64 {
-        self.range_m
+    /// The windows. `has_sectors` tells whether the network has them.
+    pub(super) fn schedule(&self, has_sectors: bool) -> Schedule {
+        Schedule {
+            start: SimTime::ZERO + self.mobile_phase,
+            window: self.window,
+            asks: has_sectors || self.passes_on,
+            iterations: self.max_iterations,
+        }
     }
 }
 

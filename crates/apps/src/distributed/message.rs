@@ -20,6 +20,8 @@ const HAS_OTHERS: u8 = 4;
 const IS_BAD: u8 = 8;
 const HAS_EARLIER: u8 = 16;
 
+/// Octets before the place.
+const HEADER_OCTETS: usize = 2;
 /// Octets of an entry of a REPORT.
 const HEARD_OCTETS: usize = 5;
 /// Octets of an anchor that a BEACON passes on.
@@ -262,8 +264,7 @@ impl Message {
 
     /// The reports about `heard`, in as many messages of at most `octets` as they need. Without any, none.
     pub fn reports(belief: Belief, heard: &[HeardSector], octets: usize) -> impl Iterator<Item = Self> {
-        let header = if belief.covariance.is_some() { 38 } else { 14 };
-        let per_message = (octets.saturating_sub(header) / HEARD_OCTETS).max(1);
+        let per_message = (octets.saturating_sub(HEADER_OCTETS + belief.octets()) / HEARD_OCTETS).max(1);
         heard.chunks(per_message).map(move |part| Self::Report(belief, part.to_vec()))
     }
 }
@@ -272,14 +273,18 @@ impl Beacon {
     /// Number of other anchors for which a message of at most `octets` has room beside the rest; at least one.
     #[must_use]
     pub fn room_for_others(&self, octets: usize) -> usize {
-        let covariance = if self.belief.covariance.is_some() { 24 } else { 0 };
-        let directions = self.directions.as_ref().map_or(0, |directions| 10 + 8 * directions.rings.len());
+        let directions = self.directions.as_ref().map_or(0, Directions::octets);
         let earlier = if self.earlier.is_empty() { 0 } else { 1 + 12 * self.earlier.len() };
-        (octets.saturating_sub(14 + covariance + directions + earlier) / OTHER_OCTETS).max(1)
+        (octets.saturating_sub(HEADER_OCTETS + self.belief.octets() + directions + earlier) / OTHER_OCTETS).max(1)
     }
 }
 
 impl Directions {
+    /// Octets that they take in a message.
+    pub(super) fn octets(&self) -> usize {
+        10 + 8 * self.rings.len()
+    }
+
     /// The directions of sector number `sector`; `None` if there is no such sector.
     #[must_use]
     pub fn wedge(&self, sector: u8) -> Option<Wedge> {

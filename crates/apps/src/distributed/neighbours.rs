@@ -180,16 +180,15 @@ impl Neighbours {
 
     /// Memory of the tables (octets), each entry packed as in the messages.
     pub(super) fn octets(&self) -> usize {
-        let belief = |belief: &Belief| if belief.covariance.is_some() { 36 } else { 12 };
         let sighting = |sighting: &Sighting| {
             let directions = sighting.beacon.as_ref().and_then(Option::as_ref);
             // Best sector with its ratio, and the directions.
-            belief(&sighting.belief) + 2 + directions.map_or(0, |directions| 10 + 8 * directions.rings.len())
+            sighting.belief.octets() + 2 + directions.map_or(0, Directions::octets)
         };
         let neighbour = |neighbour: &Neighbour| {
-            4 + belief(&neighbour.belief) + neighbour.sightings.iter().map(sighting).sum::<usize>()
+            4 + neighbour.belief.octets() + neighbour.sightings.iter().map(sighting).sum::<usize>()
         };
-        let reports = self.reports.values().map(|(place, _)| 5 + belief(place)).sum::<usize>();
+        let reports = self.reports.values().map(|(belief, _)| 5 + belief.octets()).sum::<usize>();
         let passed = self.passed.values().map(|places| 4 + 12 * places.len()).sum::<usize>();
         self.by_station.values().map(neighbour).sum::<usize>() + 16 * self.hearsay.len() + passed + reports
     }

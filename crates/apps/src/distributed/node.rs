@@ -70,12 +70,7 @@ impl MappingNode {
         antenna: Option<NodeAntenna>,
         anchor: Option<Position>,
     ) -> Self {
-        let schedule = Schedule {
-            start: sextant_kernel::SimTime::ZERO + settings.mobile_phase,
-            window: settings.window,
-            asks: antenna.is_some() || settings.passes_on,
-            iterations: settings.max_iterations,
-        };
+        let schedule = settings.schedule(antenna.is_some());
         Self {
             settings,
             network,
@@ -236,15 +231,15 @@ impl MappingNode {
 
     /// Works out the own place from the anchors heard, if that is due; returns whether it has changed.
     fn locate(&mut self, iteration: u32) -> bool {
-        if self.is_anchor() {
-            return false;
-        }
-        let heard = self.neighbours.evidence();
         let is_due = match self.settings.recompute {
             Recompute::Bad => self.category == Category::Bad,
             Recompute::All => true,
         };
-        if !is_due || heard.len() == self.evidence {
+        if self.is_anchor() || !is_due {
+            return false;
+        }
+        let heard = self.neighbours.evidence();
+        if heard.len() == self.evidence {
             return false;
         }
         self.evidence = heard.len();

@@ -46,29 +46,23 @@ impl Trace {
 
 /// Boxes in space, each given by centre and size.
 pub(crate) fn solid_field(boxes: &[([f64; 3], [f64; 3])]) -> ObstacleField {
-    let obstacle = |&(center, size_m): &([f64; 3], [f64; 3])| {
-        let shape = ShapeConfig::Box(BoxConfig { center_m: center.into(), size_m, yaw_deg: 0.0 });
-        let config = ObstacleConfig {
-            name: None,
-            shape,
-            material: None,
-            absorption_per_m: Some(4.6),
-            loss_db: None,
-            solid: true,
-            reflection_loss_db: None,
-        };
-        Obstacle::try_from(config).expect("a box")
-    };
-    ObstacleField::new(boxes.iter().map(obstacle).collect())
+    concrete(boxes.iter().map(|&(center, size_m)| BoxConfig { center_m: center.into(), size_m, yaw_deg: 0.0 }))
 }
 
+/// Boxes that are 3 m high, each given by centre, size and yaw.
 pub(crate) fn field(boxes: &[([f64; 2], [f64; 2], f64)]) -> ObstacleField {
-    let obstacle = |&([x, y], [width, depth], yaw_deg): &([f64; 2], [f64; 2], f64)| {
-        let shape = BoxConfig { center_m: Position::new(x, y, 0.0), size_m: [width, depth, 3.0], yaw_deg };
-        let shape = ShapeConfig::Box(shape);
+    concrete(boxes.iter().map(|&([x, y], [width, depth], yaw_deg)| BoxConfig {
+        center_m: Position::new(x, y, 0.0),
+        size_m: [width, depth, 3.0],
+        yaw_deg,
+    }))
+}
+
+fn concrete(boxes: impl Iterator<Item = BoxConfig>) -> ObstacleField {
+    let obstacle = |shape: BoxConfig| {
         let config = ObstacleConfig {
             name: None,
-            shape,
+            shape: ShapeConfig::Box(shape),
             material: None,
             absorption_per_m: Some(4.6),
             loss_db: None,
@@ -77,7 +71,7 @@ pub(crate) fn field(boxes: &[([f64; 2], [f64; 2], f64)]) -> ObstacleField {
         };
         Obstacle::try_from(config).expect("a box")
     };
-    ObstacleField::new(boxes.iter().map(obstacle).collect())
+    ObstacleField::new(boxes.map(obstacle).collect())
 }
 
 pub(crate) fn place(nodes: &NodesConfig, field: &ObstacleField, seed: u64) -> Vec<Position> {

@@ -9,6 +9,7 @@ mod chapter_4;
 mod chapter_5;
 mod chart;
 mod claim;
+mod comparison_charts;
 mod environment;
 mod experiment;
 mod figures;

@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 use sextant_apps::distributed::{Category, MappingRecord, MappingRole};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, StationId, Unwatched};
-use sextant_mac::MessageEnergy;
 use sextant_mac::dmg::beacon_octets;
 use sextant_mac::dmg::timing::control_airtime;
 use sextant_mac::frame::DataFrame;
+use sextant_mac::{EnergySpent, MessageEnergy};
 use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, SectorDisplacement, TopologyMap};
 use sextant_sim::{Ieee80211ad, NetworkRecord, RobotRecord, RoleConfig, Technology};
 
@@ -105,7 +105,7 @@ fn summary(scenario: &Scenario, map: &DistributedMap, simulated: &Simulated) -> 
         vertices_max: computed().map(|node| node.vertices).max(),
         memory_octets: MeanAndMax::of(nodes.iter().map(|node| (node.grid_octets + node.table_octets) as f64)),
         scattering: scattering(nodes, &truth(scenario)),
-        radio_energy_j: MeanAndMax::of(joules.map(|spent| spent.tx_j + spent.rx_j + spent.idle_j + spent.sleep_j)),
+        radio_energy_j: MeanAndMax::of(joules.map(EnergySpent::total_j)),
     }
 }
 
@@ -225,8 +225,10 @@ pub(super) fn messages_of_nodes(
     map: &DistributedMap,
 ) -> impl Iterator<Item = MappedNodeMessage> {
     let energy = &simulated.survey.networks[map.network.index()].energy;
-    simulated.nodes.iter().zip(energy).enumerate().map(|(index, (node, spent))| {
-        let energy_j = spent.tx_j + spent.rx_j + spent.idle_j + spent.sleep_j;
-        mapped_node::message(NodeId::from_index(index), node, energy_j)
-    })
+    simulated
+        .nodes
+        .iter()
+        .zip(energy)
+        .enumerate()
+        .map(|(index, (node, spent))| mapped_node::message(NodeId::from_index(index), node, spent.total_j()))
 }

@@ -1,5 +1,7 @@
 //! The payloads of the frames that stations were given to send.
 
+use crate::service::report::Payload;
+
 /// What a frame carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
@@ -18,7 +20,8 @@ pub(super) struct Payloads {
 }
 
 impl Payloads {
-    pub(super) fn keep(&mut self, octets: &[u8]) -> Content {
+    pub(super) fn keep(&mut self, payload: Payload<'_>) -> Content {
+        let Payload::Octets(octets) = payload else { return Content::Filler };
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push(Vec::new());
             u32::try_from(self.slots.len() - 1).expect("at most 2^32 payloads")

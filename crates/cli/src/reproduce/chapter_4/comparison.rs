@@ -1,28 +1,19 @@
 //! MmTM in three set-ups against DR-MDS and NTLDV-HOP (section 4.4.2).
 
-use super::super::chart::{Across, Chart, ChartKind, ChartLine};
 use super::super::claim::{Check, Claim};
+use super::super::comparison_charts::{DISPLACEMENTS, comparison_charts};
 use super::super::environment::Environment;
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
 use super::place::{DR_MDS, ESTIMATORS, Estimator, MMTM, NTLDV_HOP, Setup};
 use crate::summary::measures::{map, position_errors};
-use crate::summary::{MapSummary, Number, POSITION_ERRORS_M};
+use crate::summary::{MapSummary, Number};
 
 const SECTION: &str = "section 4.4.2";
 
 const MEAN: &Number<MapSummary> = &map::POSITION_ERROR_MEAN_M;
 const NEAR: &Number<MapSummary> = &position_errors::WITHIN_0_7_M;
-
-/// Shares of the nodes with a sector displacement of 0, 1, .. sectors.
-const DISPLACEMENTS: [&Number<MapSummary>; 5] = [
-    &map::SECTOR_DISPLACEMENT_0,
-    &map::SECTOR_DISPLACEMENT_1,
-    &map::SECTOR_DISPLACEMENT_2,
-    &map::SECTOR_DISPLACEMENT_3,
-    &map::SECTOR_DISPLACEMENT_4,
-];
 
 const ERRORS: [(&str, &Number<MapSummary>); 4] = [
     ("mean distance error", MEAN),
@@ -89,6 +80,8 @@ pub(super) fn experiment(id: &'static str, environment: Environment) -> Experime
             quantities.push(contender.quantity("nodes with zero sector displacement", DISPLACEMENTS[0]));
         }
     }
+    let names = ["cdf", "displacement"].map(|what| format!("{id}-{what}"));
+    let maps: Vec<_> = contenders.all().map(|contender| (contender.name.clone(), contender)).collect();
     Experiment {
         id,
         title: match environment {
@@ -97,7 +90,7 @@ pub(super) fn experiment(id: &'static str, environment: Environment) -> Experime
         },
         content: Content::Quantities(quantities),
         distributions: &[],
-        charts: charts(id, environment, &contenders),
+        charts: comparison_charts(names, environment, &maps, |contender, number| contender.term(number)).to_vec(),
         claims: claims(&contenders),
         notes: &[
             "The robot has 16 sectors. The layouts are ours, because the figures of the thesis are lost.",
@@ -193,38 +186,4 @@ fn claims(contenders: &Contenders) -> Vec<Claim> {
         Check::Least([space, vaa, vbs].map(|contender| contender.term(MEAN)).to_vec()),
     ));
     claims
-}
-
-/// The distribution of the errors, and the sector displacements.
-fn charts(id: &str, environment: Environment, contenders: &Contenders) -> Vec<Chart> {
-    let cdf = |contender: &Contender| {
-        let limits_m = POSITION_ERRORS_M.into_iter().map(|limit_m| Across::Setting(limit_m.log10()));
-        let shares = position_errors::ALL.iter().map(|number| contender.term(number));
-        ChartLine { name: contender.name.clone(), points: limits_m.zip(shares).collect() }
-    };
-    let displacements = |contender: &Contender| {
-        let sectors = (0_u8..).map(|sectors| Across::Setting(f64::from(sectors)));
-        let shares = DISPLACEMENTS.into_iter().map(|number| contender.term(number));
-        ChartLine { name: contender.name.clone(), points: sectors.zip(shares).collect() }
-    };
-    vec![
-        Chart {
-            name: format!("{id}-cdf"),
-            kind: ChartKind::Distribution,
-            title: format!("Distance errors in the {}", environment.name()),
-            note: "share of the nodes with at most this error; mean over the runs".to_owned(),
-            across: "logarithm (base 10) of the distance error in metres",
-            up: "share of the nodes [%]",
-            lines: contenders.all().map(cdf).collect(),
-        },
-        Chart {
-            name: format!("{id}-displacement"),
-            kind: ChartKind::Bars,
-            title: format!("Sector displacement in the {}", environment.name()),
-            note: "mean over the runs, with 95 % intervals".to_owned(),
-            across: "sector displacement of a node [sectors]",
-            up: "share of the nodes [%]",
-            lines: contenders.all().map(displacements).collect(),
-        },
-    ]
 }

@@ -1,24 +1,21 @@
 //! DMmTM against MmTM, DR-MDS and NTLDV-HOP (section 5.3.5).
 
-use super::super::chart::{Across, Chart, ChartKind, ChartLine};
+use super::super::chart::Chart;
 use super::super::claim::{Check, Claim};
+use super::super::comparison_charts::{DISPLACEMENTS, comparison_charts};
 use super::super::environment::Environment;
 use super::super::experiment::{Content, Experiment, Quantity};
 use super::super::published::Published;
 use super::super::runs::Term;
 use super::subject::{DR_MDS, HS_15, MMTM, NTLDV_HOP, SS_35, Subject, claim};
 use super::swept::{MEAN, P95, THREE, WITHIN_1_M, ZERO};
-use crate::summary::measures::{distributed, map, position_errors, run, time};
-use crate::summary::{MapSummary, Measure, Number, POSITION_ERRORS_M};
+use crate::summary::measures::{distributed, map, run, time};
+use crate::summary::{MapSummary, Measure, Number};
 
 const SECTION: &str = "section 5.3.5";
 
 /// The maps that are compared.
 const SUBJECTS: [&Subject; 5] = [&SS_35, &HS_15, &MMTM, &DR_MDS, &NTLDV_HOP];
-
-/// Shares of the nodes with a sector displacement of 0, 1, .. sectors.
-const DISPLACEMENTS: [&Number<MapSummary>; 5] =
-    [ZERO, &map::SECTOR_DISPLACEMENT_1, &map::SECTOR_DISPLACEMENT_2, THREE, &map::SECTOR_DISPLACEMENT_4];
 
 const ERRORS: [(&str, &Number<MapSummary>); 5] = [
     ("mean distance error", MEAN),
@@ -174,35 +171,7 @@ fn claims(environment: Environment) -> Vec<Claim> {
 
 /// The distribution of the errors, and the sector displacements.
 fn charts(environment: Environment) -> [Chart; 2] {
-    let cdf = |subject: &Subject| {
-        let limits_m = POSITION_ERRORS_M.into_iter().map(|limit_m| Across::Setting(limit_m.log10()));
-        let shares = position_errors::ALL.iter().map(|number| subject.term(environment, number));
-        ChartLine { name: subject.name.to_owned(), points: limits_m.zip(shares).collect() }
-    };
-    let displacements = |subject: &Subject| {
-        let sectors = (0_u8..).map(|sectors| Across::Setting(f64::from(sectors)));
-        let shares = DISPLACEMENTS.into_iter().map(|number| subject.term(environment, number));
-        ChartLine { name: subject.name.to_owned(), points: sectors.zip(shares).collect() }
-    };
-    let name = environment.name();
-    [
-        Chart {
-            name: format!("5.11-cdf-{name}"),
-            kind: ChartKind::Distribution,
-            title: format!("Distance errors in the {name}"),
-            note: "share of the nodes with at most this error; mean over the runs".to_owned(),
-            across: "logarithm (base 10) of the distance error in metres",
-            up: "share of the nodes [%]",
-            lines: SUBJECTS.into_iter().map(cdf).collect(),
-        },
-        Chart {
-            name: format!("5.11-displacement-{name}"),
-            kind: ChartKind::Bars,
-            title: format!("Sector displacement in the {name}"),
-            note: "mean over the runs, with 95 % intervals".to_owned(),
-            across: "sector displacement of a node [sectors]",
-            up: "share of the nodes [%]",
-            lines: SUBJECTS.into_iter().map(displacements).collect(),
-        },
-    ]
+    let names = ["cdf", "displacement"].map(|what| format!("5.11-{what}-{}", environment.name()));
+    let maps = SUBJECTS.map(|subject| (subject.name.to_owned(), subject));
+    comparison_charts(names, environment, &maps, |subject, number| subject.term(environment, number))
 }

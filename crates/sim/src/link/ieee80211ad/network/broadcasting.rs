@@ -7,7 +7,6 @@ use sextant_mac::dmg::{MAX_BEACON_PAYLOAD_OCTETS, TxSector, beacon_octets, beaco
 use super::Network;
 use crate::link::ieee80211ad::broadcast::Broadcast;
 use crate::link::ieee80211ad::stack::Task;
-use crate::link::payloads::Content;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
@@ -42,10 +41,7 @@ impl Network {
             packets.lost_queue += 1;
             return Err(SendError::QueueFull(QUEUE_FRAMES));
         }
-        let content = match payload {
-            Payload::Filler(_) => Content::Filler,
-            Payload::Octets(octets) => self.payloads.keep(octets),
-        };
+        let content = self.payloads.keep(payload);
         let (offered, outcome) = (scene.now, FrameOutcome::NotListened);
         stack.waiting.push_back(Broadcast { id, content, payload_octets, offered, frames: 0, outcome });
         self.has_broadcasts = true;

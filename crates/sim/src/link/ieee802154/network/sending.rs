@@ -56,10 +56,7 @@ impl Network {
             packets.lost_queue += 1;
             return Err(SendError::QueueFull(self.queue_frames));
         }
-        let content = match payload {
-            Payload::Filler(_) => Content::Filler,
-            Payload::Octets(octets) => self.payloads.keep(octets),
-        };
+        let content = self.payloads.keep(payload);
         let frame = QueuedFrame { id, to, content, mpdu_octets, offered: scene.now };
         if is_busy {
             stack.waiting.push_back(frame);
