@@ -6,6 +6,7 @@ use sextant_channel::{Position, Wedge};
 use sextant_kernel::StationId;
 
 use super::belief::Belief;
+use crate::octets::{MessageError, Reader, put, put_place};
 
 const VERSION: u8 = 1;
 
@@ -122,31 +123,6 @@ pub struct Directions {
     pub rings: Vec<[f64; 2]>,
 }
 
-/// Why octets are not a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum MessageError {
-    /// The message ends too early.
-    #[error("the message has {octets} octets and ends within {part}")]
-    Truncated {
-        /// Its size (octets).
-        octets: usize,
-        /// Where it ends.
-        part: &'static str,
-    },
-    /// Octets are left over.
-    #[error("{0} octets follow the end of the message")]
-    TooLong(usize),
-    /// The version is another one.
-    #[error("the message has version {0}; allowed: 1")]
-    Version(u8),
-    /// The kind is another one.
-    #[error("the message has kind {0}; allowed: 1 to 4")]
-    Kind(u8),
-    /// A number is not finite.
-    #[error("{0} is not finite")]
-    NotFinite(&'static str),
-}
-
 impl Message {
     /// Where the sender believes to be.
     #[must_use]
@@ -210,14 +186,14 @@ impl Message {
     /// # Errors
     /// If the octets are not a message.
     pub fn read(octets: &[u8]) -> Result<Self, MessageError> {
-        let mut reader = Reader { octets: octets.len(), rest: octets };
+        let mut reader = Reader::new(octets);
         let [first, flags] = reader.take("the header")?;
         if first >> 4 != VERSION {
             return Err(MessageError::Version(first >> 4));
         }
         let kind = first & 0xF;
         if !(PLACE..=COORDINATES).contains(&kind) {
-            return Err(MessageError::Kind(kind));
+            return Err(MessageError::Kind { found: kind, allowed: "1 to 4" });
         }
         let place = reader.place("the place")?;
         let covariance = if flags & HAS_COVARIANCE == 0 {
@@ -231,8 +207,8 @@ impl Message {
         let message = match kind {
             PLACE => Self::Place(belief),
             REPORT => {
-                let mut heard = Vec::with_capacity(reader.rest.len() / HEARD_OCTETS);
-                while !reader.rest.is_empty() {
+                let mut heard = Vec::with_capacity(reader.left() / HEARD_OCTETS);
+                while reader.left() > 0 {
                     let station = reader.station("a report")?;
                     let [sector] = reader.take("a report")?;
                     heard.push(HeardSector { station, sector });
@@ -240,7 +216,7 @@ impl Message {
                 Self::Report(belief, heard)
             }
             BEACON => {
-                let directions = (flags & HAS_DIRECTIONS != 0).then(|| reader.directions()).transpose()?;
+                let directions = (flags & HAS_DIRECTIONS != 0).then(|| directions(&mut reader)).transpose()?;
                 let mut earlier = Vec::new();
                 if flags & HAS_EARLIER != 0 {
                     let [count] = reader.take("the earlier places")?;
@@ -250,8 +226,8 @@ impl Message {
                 }
                 let mut others = Vec::new();
                 if flags & HAS_OTHERS != 0 {
-                    others.reserve(reader.rest.len() / OTHER_OCTETS);
-                    while !reader.rest.is_empty() {
+                    others.reserve(reader.left() / OTHER_OCTETS);
+                    while reader.left() > 0 {
                         others.push((reader.station("another anchor")?, reader.place("another anchor")?));
                     }
                 }
@@ -259,7 +235,8 @@ impl Message {
             }
             _ => Self::Coordinates { belief, is_bad: flags & IS_BAD != 0 },
         };
-        if reader.rest.is_empty() { Ok(message) } else { Err(MessageError::TooLong(reader.rest.len())) }
+        reader.end()?;
+        Ok(message)
     }
 
     /// The reports about `heard`, in as many messages of at most `octets` as they need. Without any, none.
@@ -302,52 +279,14 @@ impl Directions {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "messages carry numbers as binary32")]
-fn put(octets: &mut Vec<u8>, number: f64) {
-    octets.extend((number as f32).to_le_bytes());
-}
-
-fn put_place(octets: &mut Vec<u8>, place: Position) {
-    [place.x_m, place.y_m, place.z_m].into_iter().for_each(|axis_m| put(octets, axis_m));
-}
-
-/// The rest of a message.
-struct Reader<'a> {
-    rest: &'a [u8],
-    /// Size of the whole message.
-    octets: usize,
-}
-
-impl Reader<'_> {
-    /// The next octets; `part` names them in the error.
-    fn take<const N: usize>(&mut self, part: &'static str) -> Result<[u8; N], MessageError> {
-        let (&head, rest) =
-            self.rest.split_first_chunk().ok_or(MessageError::Truncated { octets: self.octets, part })?;
-        self.rest = rest;
-        Ok(head)
-    }
-
-    fn number(&mut self, part: &'static str) -> Result<f64, MessageError> {
-        let number = f32::from_le_bytes(self.take(part)?);
-        if number.is_finite() { Ok(number.into()) } else { Err(MessageError::NotFinite(part)) }
-    }
-
-    fn station(&mut self, part: &'static str) -> Result<StationId, MessageError> {
-        Ok(StationId(u32::from_le_bytes(self.take(part)?)))
-    }
-
-    fn place(&mut self, part: &'static str) -> Result<Position, MessageError> {
-        Ok(Position::new(self.number(part)?, self.number(part)?, self.number(part)?))
-    }
-
-    fn directions(&mut self) -> Result<Directions, MessageError> {
-        let part = "the directions";
-        let (azimuth_rad, azimuth_sigma_rad) = (self.number(part)?, self.number(part)?);
-        let [sectors, rings] = self.take(part)?;
-        let ring = |_| Ok([self.number(part)?, self.number(part)?]);
-        let rings = (0..rings).map(ring).collect::<Result<_, MessageError>>()?;
-        Ok(Directions { azimuth_rad, azimuth_sigma_rad, sectors, rings })
-    }
+/// The directions that come next.
+fn directions(reader: &mut Reader<'_>) -> Result<Directions, MessageError> {
+    let part = "the directions";
+    let (azimuth_rad, azimuth_sigma_rad) = (reader.number(part)?, reader.number(part)?);
+    let [sectors, rings] = reader.take(part)?;
+    let ring = |_| Ok([reader.number(part)?, reader.number(part)?]);
+    let rings = (0..rings).map(ring).collect::<Result<_, MessageError>>()?;
+    Ok(Directions { azimuth_rad, azimuth_sigma_rad, sectors, rings })
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ mod schedule;
 pub use belief::Belief;
 pub use config::{DistributedMapping, DistributedMappingConfig, Exchange, Recompute};
 pub use filtration::{Category, Scattering};
-pub use message::{Beacon, Directions, HeardSector, Message, MessageError};
+pub use message::{Beacon, Directions, HeardSector, Message};
 pub use mobile_anchor::MobileAnchor;
 pub use node::{MappingNode, NodeAntenna};
 pub use record::{MappingRecord, MappingRole, MessageCounts};

@@ -100,7 +100,7 @@ fn what_is_no_message_says_why() {
         Message::read(&octets)
     };
     assert_eq!(with(0, 0x21), Err(MessageError::Version(2)));
-    assert_eq!(with(0, 0x15), Err(MessageError::Kind(5)));
+    assert_eq!(with(0, 0x15), Err(MessageError::Kind { found: 5, allowed: "1 to 4" }));
     // The exponent of an infinite number.
     assert!(with(5, 0x7F).is_ok());
     octets[4..6].copy_from_slice(&[0x80, 0x7F]);

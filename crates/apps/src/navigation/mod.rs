@@ -1,0 +1,18 @@
+//! What robots and nodes need that work on a map of the nodes: the map, polls of the nodes around a robot, the place of
+//! the robot on the map, and messages that reach all nodes hop by hop.
+//!
+//! A robot knows its odometry and what it hears. It asks the nodes around it ([`Request`]); those answer with their
+//! place on the map ([`Answer`]) and what they sensed. From the powers of the answers and its odometry it works out
+//! where it is on the map ([`PlaceOnMap`]).
+
+mod flood;
+mod heard;
+mod navigation_map;
+mod place_on_map;
+mod poll;
+
+pub use flood::{Flood, FloodKey};
+pub use heard::{HeardNode, Neighbourhood};
+pub use navigation_map::{MapFrame, NavigationMap};
+pub use place_on_map::PlaceOnMap;
+pub use poll::{Answer, Request};
