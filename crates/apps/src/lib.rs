@@ -24,6 +24,7 @@
 //! # Ok::<(), sextant_kernel::SettingError>(())
 //! ```
 
+mod application;
 mod area;
 mod automated_s;
 mod controller;
@@ -38,8 +39,10 @@ mod route;
 mod s_path;
 mod spiral;
 mod surroundings;
+pub mod target_search;
 mod waypoints;
 
+pub use application::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 pub use automated_s::{AutomatedS, AutomatedSConfig, LayersConfig, Until};
 pub use controller::ControllerConfig;
 pub use hilbert::{Hilbert, HilbertConfig};

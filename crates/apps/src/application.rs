@@ -1,0 +1,52 @@
+//! Applications on a map of the nodes, as written in a scenario.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::target_search::{DetarskConfig, PGConfig};
+
+/// An application on a map of the nodes, as written in a scenario. Its time begins at zero, with targets at their starts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ApplicationConfig {
+    /// Name in tables and recordings; that of the algorithm if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// The map that nodes and robots are given.
+    pub map: MapSourceConfig,
+    /// Names of the robots that take part. If absent, all robots with `role = "agent"`; if there are none, all that
+    /// survey, each from where its survey ended.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub robots: Vec<String>,
+    /// Name of the network over which nodes and robots exchange messages; the first one if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<String>,
+    /// When it ends at the latest (s).
+    pub duration_s: f64,
+    /// What it does.
+    pub algorithm: AlgorithmConfig,
+}
+
+/// The map that nodes and robots are given, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum MapSourceConfig {
+    /// The true places of the nodes.
+    Physical {},
+    /// The map of this name that is computed in the same run.
+    Computed(String),
+    /// The map in this file, in the format of tables of nodes: `node,x_m,y_m,z_m`.
+    File(PathBuf),
+}
+
+/// What an application does, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AlgorithmConfig {
+    /// A search for targets that predicts where they are (DeTarSK).
+    Detarsk(DetarskConfig),
+    /// A search for targets along a pseudo-gradient of hop counts (P-G).
+    PG(PGConfig),
+}

@@ -1,0 +1,183 @@
+//! Settings of a target search.
+
+use std::time::Duration;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
+
+/// Settings of DeTarSK, as written in a scenario (Gunathillake 2018, chapter 6).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DetarskConfig {
+    /// A robot that touches a target at this distance between their centres has captured it (m).
+    pub capture_m: f64,
+    /// How long after the first detection of a target the robots start (s).
+    pub start_delay_s: f64,
+    /// Time between two polls, two estimates and two decisions of a robot, and between two instants at which the place of
+    /// a target is worked out (s).
+    pub step_s: f64,
+    /// Nodes within this distance of a robot on the map always answer it, and their powers tell the robot its place (m).
+    /// If absent, one and a half times the way of the robot in one step (thesis, neighbourhood V + ε with ε = V/2).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neighbourhood_m: Option<f64>,
+    /// Which nodes tell a robot what they detected.
+    pub informants: Informants,
+    /// How a robot works out where it is on the map.
+    pub own_place: OwnPlaceRule,
+    /// How the detected places of a target are smoothed.
+    pub filter: FilterConfig,
+    /// How the place of a target is predicted from the past.
+    pub prediction: Prediction,
+    /// Where a robot drives.
+    pub aim: Aim,
+    /// How it gets there.
+    pub path: PathRule,
+    /// Largest speed that a target is believed to have (m/s).
+    pub max_target_speed_m_per_s: f64,
+}
+
+/// Which nodes tell a robot what they detected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Informants {
+    /// Those in its neighbourhood on the map (thesis).
+    Neighbourhood,
+    /// All that hear it and have something new to tell.
+    #[default]
+    AllThatHear,
+}
+
+/// How a robot works out where it is on the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OwnPlaceRule {
+    /// From the mean of the places of its neighbours, weighted by received power (thesis).
+    ReceivedPower,
+    /// From these means along its way and its odometry.
+    #[default]
+    Fused,
+}
+
+/// How the detected places of a target are smoothed, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FilterConfig {
+    /// A robust Kalman filter (thesis).
+    RobustKalman(RobustKalmanConfig),
+    /// A particle filter.
+    Particles(ParticlesConfig),
+}
+
+/// Settings of the robust Kalman filter, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RobustKalmanConfig {
+    /// The speed of the target along an axis is uncertain by this share of itself: 0 (a Kalman filter) to below 1.
+    pub zeta: f64,
+    /// Standard deviation of its acceleration (m/s²).
+    pub acceleration_sigma_m_per_s2: f64,
+}
+
+/// Settings of the particle filter, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ParticlesConfig {
+    /// Number of particles.
+    pub particles: usize,
+    /// Standard deviation of the acceleration of the target (m/s²).
+    pub acceleration_sigma_m_per_s2: f64,
+}
+
+/// How the place of a target is predicted from the past.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Prediction {
+    /// Along curves whose derivatives vanish where the target turned and where it is expected to turn.
+    #[default]
+    Turns,
+    /// The same with curves that have one and the same value at all turns (thesis, as printed).
+    Product,
+    /// Straight on, as the filter says.
+    Straight,
+}
+
+/// Where a robot drives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Aim {
+    /// To where the target is predicted to be now (thesis).
+    Pursuit,
+    /// To the first place where it can meet the target on its predicted way.
+    #[default]
+    Interception,
+}
+
+/// How a robot gets to where it drives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PathRule {
+    /// On the shortest way round the obstacles that it has seen (A*).
+    #[default]
+    AStar,
+    /// To the best of the eight places around it (thesis, as printed): it cannot leave a bay.
+    Greedy,
+}
+
+/// Settings of P-G, as written in a scenario (Deshpande, Grant, Henderson, "Target localization and autonomous navigation
+/// using wireless sensor networks: a pseudogradient algorithm approach", IEEE Systems Journal 8(1), reconstructed).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PGConfig {
+    /// A robot that touches a target at this distance between their centres has captured it (m).
+    pub capture_m: f64,
+    /// How long after the first detection of a target the robots start (s).
+    pub start_delay_s: f64,
+    /// Time between two decisions of a robot (s).
+    pub step_s: f64,
+    /// Time between two rounds in which the pseudo-gradient is worked out anew (s).
+    pub update_s: f64,
+    /// How a robot works out where it is on the map.
+    pub own_place: OwnPlaceRule,
+}
+
+impl Default for DetarskConfig {
+    fn default() -> Self {
+        Self {
+            capture_m: 1.0,
+            start_delay_s: 5.0,
+            step_s: 1.0,
+            neighbourhood_m: None,
+            informants: Informants::default(),
+            own_place: OwnPlaceRule::default(),
+            filter: FilterConfig::RobustKalman(RobustKalmanConfig::default()),
+            prediction: Prediction::default(),
+            aim: Aim::default(),
+            path: PathRule::default(),
+            max_target_speed_m_per_s: 2.0,
+        }
+    }
+}
+
+impl Default for RobustKalmanConfig {
+    fn default() -> Self {
+        Self { zeta: 0.3, acceleration_sigma_m_per_s2: 0.5 }
+    }
+}
+
+impl Default for ParticlesConfig {
+    fn default() -> Self {
+        Self { particles: 500, acceleration_sigma_m_per_s2: 0.5 }
+    }
+}
+
+impl Default for PGConfig {
+    fn default() -> Self {
+        Self { capture_m: 1.0, start_delay_s: 5.0, step_s: 1.0, update_s: 2.0, own_place: OwnPlaceRule::default() }
+    }
+}
+
+/// A time in a scenario (s).
+pub(super) fn span(key: &str, seconds: f64, [least, most]: [f64; 2]) -> Result<Duration, SettingError> {
+    SettingError::in_range(key, seconds, least, most).map(Duration::from_secs_f64)
+}
