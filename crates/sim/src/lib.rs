@@ -108,8 +108,8 @@ pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
 pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
-pub use applications::journey::Robot;
 pub use applications::node_traffic::NodeTraffic;
+pub use applications::robot::{Robot, RobotTask};
 pub use applications::traffic::{
     GroupConfig, Next, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig,
     TraceConfig, Traffic, TrafficConfig, TrafficPlan,
@@ -123,6 +123,7 @@ pub use link::{Ieee80211ad, Ieee802154, MacConfig, RadioConfig, Technology};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use service::delivery::{Delivery, DriveEnd};
+pub use service::estimate::Estimate;
 pub use service::network_id::NetworkId;
 pub use service::outcome::FrameOutcome;
 pub use service::packets::{NetworkRecord, Packets};
@@ -131,6 +132,7 @@ pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
 pub use simulation::Simulation;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
+pub use simulation::own::OwnApplications;
 pub use simulation::setup::{BusyNetwork, Setup};
 pub use station::{
     Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, RoleConfig, Sink, SinkConfig,

@@ -5,6 +5,7 @@ use std::time::Duration;
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime, StationId};
 
+use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
 use crate::service::sensed::{FieldId, Sensed, TargetId};
@@ -65,8 +66,18 @@ pub trait Observer {
     /// `receptions`.
     fn stopped(&mut self, _network: NetworkId, _index: u32, _stop: &Stop, _end: SimTime, _receptions: &[Reception]) {}
 
-    /// A target is at `position` at `time`: the start or the end of a leg, or the end of the simulation.
+    /// A station has worked out something about the world.
+    fn estimated(&mut self, _station: StationId, _time: SimTime, _estimate: &Estimate) {}
+
+    /// A target is at `position` at `time`: the start or the end of a leg, the end of its way through the world, or the
+    /// end of the simulation.
     fn target_moved(&mut self, _target: TargetId, _time: SimTime, _position: Position) {}
+
+    /// A robot captured a target, which is gone then: [`Observer::target_gone`] follows.
+    fn captured(&mut self, _robot: usize, _target: TargetId, _time: SimTime) {}
+
+    /// A target is not in the world any more: it left or was captured where [`Observer::target_moved`] has just said.
+    fn target_gone(&mut self, _target: TargetId, _time: SimTime) {}
 
     /// A sensor of a node says something.
     fn sensed(&mut self, _node: NodeId, _time: SimTime, _sensed: &Sensed) {}
@@ -141,6 +152,18 @@ impl Observer for Told<'_> {
 
     fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, end: SimTime, receptions: &[Reception]) {
         self.observer.stopped(network, index, stop, end, receptions);
+    }
+
+    fn estimated(&mut self, station: StationId, time: SimTime, estimate: &Estimate) {
+        self.observer.estimated(station, time, estimate);
+    }
+
+    fn captured(&mut self, robot: usize, target: TargetId, time: SimTime) {
+        self.observer.captured(robot, target, time);
+    }
+
+    fn target_gone(&mut self, target: TargetId, time: SimTime) {
+        self.observer.target_gone(target, time);
     }
 
     fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {

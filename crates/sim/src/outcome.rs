@@ -42,14 +42,14 @@ pub struct Survey {
 pub struct RobotRecord {
     /// Its name.
     pub name: String,
-    /// Number of stops to listen.
+    /// Number of stops to listen, or of a mobile anchor to send; none with an application of its own.
     pub stops: usize,
     /// Length of its path (m).
     pub path_length_m: f64,
-    /// Why it finished; `None` if it was interrupted.
+    /// Why it finished; `None` if it was interrupted, or has an application of its own.
     pub ending: Option<Ending>,
     /// Time at which it finished.
     pub end: Option<SimTime>,
-    /// Number of packets that it heard from each node while it listened.
+    /// Number of packets that it heard from each node while it surveyed.
     pub packets: Vec<u32>,
 }

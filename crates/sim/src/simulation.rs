@@ -1,6 +1,7 @@
-//! Surveys and studies of traffic: every scenario runs as one of these.
+//! Surveys, studies of traffic and own applications: every scenario runs as one of these.
 
 pub(crate) mod discovery;
+pub(crate) mod own;
 pub(crate) mod setup;
 mod stations;
 
@@ -10,8 +11,9 @@ use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::EnergySpent;
 
 use crate::application::Application;
-use crate::applications::journey::Journey;
+use crate::applications::journey::{Journey, JourneyRecord};
 use crate::applications::node_traffic::NodeTraffic;
+use crate::applications::robot::{Robot, RobotTask};
 use crate::applications::source::Source;
 use crate::applications::standard::Standard;
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
@@ -19,14 +21,18 @@ use crate::observer::{Observer, Told};
 use crate::outcome::{RobotRecord, Survey};
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
-use crate::station::Roll;
+use crate::station::{Kind, RobotBody, Roll};
+use own::OwnApplications;
 use setup::{BusyNetwork, Setup};
 use stations::{Stations, too_many};
 
-/// A simulation that runs once, to its end. Its nodes have applications of the type `N`.
+/// A simulation that runs once, to its end. Its nodes have applications of the type `N`; its robots and sinks have
+/// them too in [`Simulation::with_own`].
 pub struct Simulation<N: Application = NodeTraffic> {
     engine: Engine<Standard<N>>,
-    nodes: usize,
+    roll: Roll,
+    /// Names of the robots.
+    robots: Vec<String>,
     /// The networks that robots survey; the first one if no robot surveys.
     surveyed: Vec<NetworkId>,
 }
@@ -38,7 +44,7 @@ impl Simulation {
     /// If the frames are too small for the addresses, there are several robots but frames are sent to one of them,
     /// or the superframes do not fit the world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
-        Self::with_applications(setup, |stations, networks| {
+        Self::with_applications(setup, Vec::new(), Vec::new(), |stations, networks| {
             let mut sources: Vec<Vec<Source>> = vec![Vec::new(); stations.roll.nodes];
             for (id, network) in (0..=u8::MAX).map(NetworkId).zip(networks) {
                 stations.check_frames(id, network)?;
@@ -70,15 +76,18 @@ impl<N: Application> Simulation<N> {
     /// If there is not one application for each node.
     pub fn with_nodes(setup: Setup, nodes: Vec<N>) -> Result<Self, SettingError> {
         assert_eq!(nodes.len(), setup.world.nodes.len(), "one application for each node");
-        Self::with_applications(setup, |stations, networks| {
+        Self::with_applications(setup, Vec::new(), Vec::new(), |stations, networks| {
             networks.iter().try_for_each(|network| refuse_traffic(network, stations.roll.nodes))?;
             Ok(nodes)
         })
     }
 
-    /// A simulation with the applications of nodes that `nodes` makes for these stations and networks.
+    /// A simulation with the applications of nodes that `nodes` makes for these stations and networks, and these own
+    /// applications of robots that wait for one, and of sinks, if they have any.
     fn with_applications(
         setup: Setup,
+        own_robots: Vec<N>,
+        own_sinks: Vec<N>,
         nodes: impl FnOnce(&Stations<'_>, &[BusyNetwork]) -> Result<Vec<N>, SettingError>,
     ) -> Result<Self, SettingError> {
         let surveyed = setup.surveyed();
@@ -95,41 +104,62 @@ impl<N: Application> Simulation<N> {
         stations.check_mobile_anchors(&networks)?;
         let coordinator = stations.coordinator(&networks, seed)?;
         let links = networks.into_iter().enumerate().map(|(i, network)| stations.joined(i, network)).collect();
-        let bodies = robots.iter().map(|robot| robot.body.clone()).collect();
-        let applications = (nodes.into_iter().map(Standard::Node))
-            .chain(robots.into_iter().map(|robot| Standard::Robot(Box::new(Journey::new(robot, roll.nodes)))))
-            .chain(sinks.iter().map(|_| Standard::Sink))
-            .collect();
+        let bodies: Vec<RobotBody> = robots.iter().map(|robot| robot.body.clone()).collect();
+        let names = bodies.iter().map(|body| body.name.clone()).collect();
+        let (mut own_robots, mut own_sinks) = (own_robots.into_iter(), own_sinks.into_iter());
+        let mut applications: Vec<_> = nodes.into_iter().map(Standard::Own).collect();
+        for (i, Robot { body, task }) in robots.into_iter().enumerate() {
+            let journey = match task {
+                RobotTask::Survey(controller) => Journey::of_survey(body, controller, roll.nodes),
+                RobotTask::MobileAnchor { controller, broadcast } => {
+                    Journey::of_mobile_anchor(body, controller, broadcast, roll.nodes)
+                }
+                RobotTask::Own => {
+                    let own = own_robots.next().ok_or_else(|| without_application(i))?;
+                    applications.push(Standard::Own(own));
+                    continue;
+                }
+            };
+            applications.push(Standard::Robot(Box::new(journey)));
+        }
+        applications.extend(sinks.iter().map(|_| own_sinks.next().map_or(Standard::Sink, Standard::Own)));
         let setup = EngineSetup { world, robots: bodies, sinks, networks: links, duration, faults, seed };
         let extras = Extras { first_packet: 0, channel_seed: seed, coordinator };
-        Ok(Self { engine: Engine::with(setup, applications, extras)?, nodes: roll.nodes, surveyed })
+        Ok(Self { engine: Engine::with(setup, applications, extras)?, roll, robots: names, surveyed })
     }
 
     /// Runs until the tasks of all robots and nodes are done, or the time is over, or the observer ends the simulation.
     /// Returns also what is left of the applications of the nodes.
     pub fn run_nodes(self, observer: &mut impl Observer) -> (Survey, Vec<N>) {
-        self.run_told(observer)
+        let (survey, own) = self.run_told(observer);
+        (survey, own.nodes)
     }
 
     /// The same for any observer: one engine for all, compiled once for each type of applications and not wherever an
     /// observer is declared.
-    fn run_told(self, observer: &mut dyn Observer) -> (Survey, Vec<N>) {
+    fn run_told(self, observer: &mut dyn Observer) -> (Survey, OwnApplications<N>) {
         let observer = &mut Told::new(observer);
-        let Self { engine, nodes, surveyed } = self;
+        let Self { engine, roll, robots: names, surveyed } = self;
         let Ended { applications, logs, path_lengths_m, networks, end, events, sensed, deaths, interrupted } =
             engine.run(observer);
-        let mut own = Vec::with_capacity(nodes);
+        let mut own =
+            OwnApplications { nodes: Vec::with_capacity(roll.nodes), robots: Vec::new(), sinks: Vec::new() };
         let mut journeys = Vec::new();
-        for application in applications {
-            match application {
-                Standard::Node(node) => own.push(node),
-                Standard::Robot(journey) => journeys.push(journey.into_record()),
-                Standard::Sink => {}
+        for (station, application) in roll.stations().zip(applications) {
+            match (application, roll.kind(station)) {
+                (Standard::Own(node), Kind::Node(_)) => own.nodes.push(node),
+                (Standard::Own(robot), Kind::Robot(_)) => {
+                    own.robots.push(robot);
+                    journeys.push(JourneyRecord::none(roll.nodes));
+                }
+                (Standard::Own(sink), Kind::Sink(_)) => own.sinks.push(sink),
+                (Standard::Robot(journey), _) => journeys.push(journey.into_record()),
+                (Standard::Sink, _) => {}
             }
         }
-        let robots = (journeys.into_iter().zip(path_lengths_m))
-            .map(|(journey, path_length_m)| RobotRecord {
-                name: journey.name,
+        let robots = (names.into_iter().zip(journeys).zip(path_lengths_m))
+            .map(|((name, journey), path_length_m)| RobotRecord {
+                name,
                 stops: journey.stops,
                 path_length_m,
                 ending: journey.ending.map(|(ending, _)| ending),
@@ -140,8 +170,8 @@ impl<N: Application> Simulation<N> {
         let mut energy = EnergySpent::default();
         let mut packets = Packets::default();
         for network in &networks {
-            network.energy[..nodes].iter().for_each(|&spent| energy += spent);
-            packets += network.packets[..nodes].iter().copied().sum();
+            network.energy[..roll.nodes].iter().for_each(|&spent| energy += spent);
+            packets += network.packets[..roll.nodes].iter().copied().sum();
         }
         let mut logs = (0..=u8::MAX).map(NetworkId).zip(logs).filter(|(network, _)| surveyed.contains(network));
         let (_, log) = logs.next().expect("a network is surveyed");
@@ -150,6 +180,12 @@ impl<N: Application> Simulation<N> {
             Survey { log, other_logs, robots, packets, energy, networks, sensed, deaths, end, events, interrupted };
         (survey, own)
     }
+}
+
+/// The error of a robot that nothing drives.
+fn without_application(robot: usize) -> SettingError {
+    let found = "a robot without a controller, among nodes that have applications alone";
+    SettingError::new(format!("robots[{robot}]"), found, "a controller, or an own application")
 }
 
 /// Refuses traffic of nodes that have applications of their own.

@@ -16,8 +16,8 @@ use sextant_mac::dmg::SweepConfig;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Antennas, AntennasConfig, BusyNetwork, DmgRadio, Faults, Ieee80211ad, Ieee802154, Mac, NetworkId, NetworkSetup,
-    Observer, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, Setup, SilentConfig, Simulation, Technology,
-    Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
+    Observer, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, SilentConfig, Simulation,
+    Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
 /// Reach of the radios (m).
@@ -157,7 +157,8 @@ impl Scene {
         let controller = sextant_apps::ControllerConfig::Waypoints(waypoints).build(&surroundings).expect("a path");
         let sectors = self.antennas().robot_sectors();
         let broadcast = MobileAnchor::new(Arc::clone(settings), self.has_sectors.then_some((&sectors, 8)));
-        Some(Robot { body, controller, broadcast: Some(Box::new(broadcast)) })
+        let task = RobotTask::MobileAnchor { controller, broadcast: Box::new(broadcast) };
+        Some(Robot { body, task })
     }
 
     fn lies(&self, node: usize) -> bool {

@@ -98,7 +98,7 @@ pub(super) fn check_distributed(
     for (i, robot) in config.robots.iter().enumerate().filter(|(_, robot)| robot.role == RoleConfig::Anchor) {
         let Some(built) = setup.robots.iter_mut().find(|built| built.body.name == robot.name) else { continue };
         check_network(i, built, network, config, errors);
-        built.broadcast = Some(broadcast.clone());
+        *built = built.clone().with_broadcast(broadcast.clone());
     }
     Some(DistributedMap {
         name,

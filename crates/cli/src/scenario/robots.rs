@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::ObstacleField;
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::{NetworkId, Robot, RobotBody, RobotConfig, RoleConfig, World};
+use sextant_sim::{NetworkId, Robot, RobotBody, RobotConfig, RobotTask, RoleConfig, World};
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
@@ -101,5 +101,5 @@ fn robot(
     let surroundings =
         Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };
     let controller = config.controller.build(&surroundings).map_err(|error| error.within("controller"))?;
-    Ok(Robot { body, controller, broadcast: None })
+    Ok(Robot { body, task: RobotTask::Survey(controller) })
 }

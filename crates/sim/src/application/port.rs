@@ -9,6 +9,7 @@ use crate::event::{Event, Timer};
 use crate::model::{Course, Model, Note};
 use crate::purpose;
 use crate::service::delivery::DriveEnd;
+use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sensed::{FieldId, TargetId};
@@ -273,17 +274,38 @@ impl Port<'_> {
         self.model.notes.push(Note::Stopped(network, Stop { robot, time: since, position }, receptions));
     }
 
-    /// The targets that are within `reach_m` of the station now, by number: what it can touch.
+    /// Tells the observer what the application has worked out.
+    pub fn tell(&mut self, estimate: Estimate) {
+        self.model.notes.push(Note::Estimated(self.station, estimate));
+    }
+
+    /// The targets that are truly within `reach_m` of the station now, by number: what it can touch.
     #[must_use]
     pub fn targets_within(&self, reach_m: f64) -> Vec<TargetId> {
-        let place = self.pose().position;
+        let place = self.model.scene.place(self.station);
         let places = self.model.sensing.places(self.now());
         places.filter(|(_, target)| target.distance_m(place) <= reach_m).map(|(target, _)| target).collect()
     }
 
-    /// Removes the sources of fields whose centres are within `reach_m` of the station. Returns their number.
+    /// A robot captures the targets that are truly within `reach_m` of it now: they are gone from the world. A sensor
+    /// that detects one says [`Left`](crate::Sensed::Left) at this instant, after the call. Returns them by number.
+    ///
+    /// # Panics
+    /// If the station is no robot.
+    pub fn capture(&mut self, reach_m: f64) -> Vec<TargetId> {
+        let robot = self.model.robot(self.station);
+        let captured = self.targets_within(reach_m);
+        for &target in &captured {
+            self.model.notes.push(Note::Captured(robot, target));
+            let place = self.model.sensing.vanish(target, &mut self.model.scene);
+            self.model.notes.push(Note::TargetGone(target, place));
+        }
+        captured
+    }
+
+    /// Removes the sources of fields whose centres are truly within `reach_m` of the station. Returns their number.
     pub fn remove_sources(&mut self, reach_m: f64) -> usize {
-        let (place, now) = (self.pose().position, self.now());
+        let (place, now) = (self.model.scene.place(self.station), self.now());
         let mut removed = 0;
         for (i, field) in self.model.world.fields.iter_mut().enumerate() {
             for source in 0..field.gaussians().len() {

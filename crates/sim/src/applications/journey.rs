@@ -23,26 +23,6 @@ const IDLE_COMMANDS: u32 = 1000;
 /// The timer of the start.
 const START: Timer = Timer(0);
 
-/// A robot: a body and what drives it. A copy starts afresh from where this one is.
-#[derive(Clone)]
-pub struct Robot {
-    /// The body.
-    pub body: RobotBody,
-    /// What drives it.
-    pub controller: Box<dyn Controller>,
-    /// What it sends to all at each stop, if it is a mobile anchor; `None` if it surveys. A mobile anchor hears
-    /// nothing, and its stops are in no log: mappers would take them for stops where it heard nobody.
-    pub broadcast: Option<Box<dyn Broadcast>>,
-}
-
-impl Robot {
-    /// Whether it listens at its stops, and logs them.
-    #[must_use]
-    pub fn is_surveying(&self) -> bool {
-        self.broadcast.is_none()
-    }
-}
-
 /// A robot on its way.
 pub(crate) struct Journey {
     controller: Box<dyn Controller>,
@@ -65,11 +45,17 @@ enum Work {
 
 /// What a journey leaves behind.
 pub(crate) struct JourneyRecord {
-    pub(crate) name: String,
     pub(crate) stops: usize,
     pub(crate) ending: Option<(Ending, SimTime)>,
     /// Number of packets of each node, in all networks.
     pub(crate) packets: Vec<u32>,
+}
+
+impl JourneyRecord {
+    /// That of a robot that made none, among `nodes` nodes.
+    pub(crate) fn none(nodes: usize) -> Self {
+        Self { stops: 0, ending: None, packets: vec![0; nodes] }
+    }
 }
 
 /// What a robot does during a slot.
@@ -108,12 +94,24 @@ impl Work {
 }
 
 impl Journey {
-    pub(crate) fn new(robot: Robot, nodes: usize) -> Self {
-        let Robot { body, controller, broadcast } = robot;
-        let work = match broadcast {
-            None => Work::Survey(Survey::new(&body, nodes)),
-            Some(broadcast) => Work::Broadcast(Broadcasting::new(broadcast, &body)),
-        };
+    /// The way of a robot that surveys `nodes` nodes.
+    pub(crate) fn of_survey(body: RobotBody, controller: Box<dyn Controller>, nodes: usize) -> Self {
+        let work = Work::Survey(Survey::new(&body, nodes));
+        Self::new(body, controller, work, nodes)
+    }
+
+    /// The way of a mobile anchor.
+    pub(crate) fn of_mobile_anchor(
+        body: RobotBody,
+        controller: Box<dyn Controller>,
+        broadcast: Box<dyn Broadcast>,
+        nodes: usize,
+    ) -> Self {
+        let work = Work::Broadcast(Broadcasting::new(broadcast, &body));
+        Self::new(body, controller, work, nodes)
+    }
+
+    fn new(body: RobotBody, controller: Box<dyn Controller>, work: Work, nodes: usize) -> Self {
         Self { controller, work, body, nodes, slot: None, drive_end: None, stops: 0, ending: None }
     }
 
@@ -198,7 +196,7 @@ impl Journey {
             Work::Survey(survey) => survey.into_packets(),
             Work::Broadcast(_) => vec![0; self.nodes],
         };
-        JourneyRecord { name: self.body.name, stops: self.stops, ending: self.ending, packets }
+        JourneyRecord { stops: self.stops, ending: self.ending, packets }
     }
 }
 

@@ -6,6 +6,7 @@ pub(crate) mod controller;
 pub(crate) mod hello;
 pub(crate) mod journey;
 pub(crate) mod node_traffic;
+pub(crate) mod robot;
 mod slot;
 pub(crate) mod source;
 pub(crate) mod standard;

@@ -8,12 +8,13 @@ use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
+use crate::station::Kind;
 
-/// The application of a station of a scenario, whose nodes have applications of the type `N`.
+/// The application of a station of a scenario. Nodes have applications of the type `N`, and robots and sinks may.
 pub(crate) enum Standard<N> {
-    /// Of a node.
-    Node(N),
-    /// Of a robot: its way.
+    /// Of a station that says itself what it does.
+    Own(N),
+    /// Of a robot that its controller drives: its way.
     Robot(Box<Journey>),
     /// Of a sink: it takes what it receives.
     Sink,
@@ -22,19 +23,19 @@ pub(crate) enum Standard<N> {
 impl<N: Application> Application for Standard<N> {
     fn hears(&self) -> bool {
         match self {
-            Self::Node(node) => node.hears(),
+            Self::Own(own) => own.hears(),
             Self::Robot(journey) => journey.hears(),
             Self::Sink => true,
         }
     }
 
     fn senses(&self) -> bool {
-        matches!(self, Self::Node(node) if node.senses())
+        matches!(self, Self::Own(own) if own.senses())
     }
 
     fn has_task(&self) -> bool {
         match self {
-            Self::Node(node) => node.has_task(),
+            Self::Own(own) => own.has_task(),
             Self::Robot(journey) => journey.has_task(),
             Self::Sink => false,
         }
@@ -42,7 +43,12 @@ impl<N: Application> Application for Standard<N> {
 
     fn started(&mut self, port: &mut Port<'_>) {
         match self {
-            Self::Node(node) => node.started(port),
+            Self::Own(own) => {
+                if matches!(port.kind(), Kind::Robot(_)) {
+                    port.tell_start();
+                }
+                own.started(port);
+            }
             Self::Robot(journey) => journey.started(port),
             Self::Sink => {}
         }
@@ -51,7 +57,7 @@ impl<N: Application> Application for Standard<N> {
     #[inline]
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
         match self {
-            Self::Node(node) => node.timed(timer, port),
+            Self::Own(own) => own.timed(timer, port),
             Self::Robot(journey) => journey.timed(timer, port),
             Self::Sink => {}
         }
@@ -59,7 +65,7 @@ impl<N: Application> Application for Standard<N> {
 
     fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
         match self {
-            Self::Node(node) => node.delivered(delivery, port),
+            Self::Own(own) => own.delivered(delivery, port),
             Self::Robot(journey) => journey.delivered(delivery, port),
             Self::Sink => {}
         }
@@ -68,41 +74,43 @@ impl<N: Application> Application for Standard<N> {
     #[inline]
     fn sent(&mut self, network: NetworkId, report: &SendReport, port: &mut Port<'_>) {
         match self {
-            Self::Node(node) => node.sent(network, report, port),
+            Self::Own(own) => own.sent(network, report, port),
             Self::Robot(journey) => journey.sent(network, report, port),
             Self::Sink => {}
         }
     }
 
     fn sensed(&mut self, sensed: &Sensed, port: &mut Port<'_>) {
-        if let Self::Node(node) = self {
-            node.sensed(sensed, port);
+        if let Self::Own(own) = self {
+            own.sensed(sensed, port);
         }
     }
 
     fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
-        if let Self::Robot(journey) = self {
-            journey.drive_ended(end, port);
+        match self {
+            Self::Own(own) => own.drive_ended(end, port),
+            Self::Robot(journey) => journey.drive_ended(end, port),
+            Self::Sink => {}
         }
     }
 
     fn swept(&mut self, network: NetworkId, answers: &[SweepAnswer], port: &mut Port<'_>) {
         match self {
-            Self::Node(node) => node.swept(network, answers, port),
+            Self::Own(own) => own.swept(network, answers, port),
             Self::Robot(journey) => journey.swept(network, answers, port),
             Self::Sink => {}
         }
     }
 
     fn announced(&mut self, announcement: &Announcement, port: &mut Port<'_>) {
-        if let Self::Node(node) = self {
-            node.announced(announcement, port);
+        if let Self::Own(own) = self {
+            own.announced(announcement, port);
         }
     }
 
     fn listened(&mut self, network: NetworkId, port: &mut Port<'_>) {
         match self {
-            Self::Node(node) => node.listened(network, port),
+            Self::Own(own) => own.listened(network, port),
             Self::Robot(journey) => journey.listened(network, port),
             Self::Sink => {}
         }

@@ -24,7 +24,7 @@ use crate::scene::Scene;
 use crate::sensing::Sensing;
 use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
-use crate::service::sensed::{Sensations, Sensed};
+use crate::service::sensed::Sensations;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
@@ -60,6 +60,16 @@ pub(crate) struct Extras {
     pub(crate) coordinator: Option<(StationId, Coordinator)>,
 }
 
+/// Refuses superframes in networks of stations with own applications.
+pub(crate) fn refuse_beacons<'a>(networks: impl IntoIterator<Item = &'a NetworkSetup>) -> Result<(), SettingError> {
+    let mac = |network: &'a NetworkSetup| network.technology.ieee802154().map(|settings| &settings.mac);
+    if networks.into_iter().any(|network| matches!(mac(network), Some(Mac::BeaconEnabled(_)))) {
+        let found = "set for stations with own applications, none of which sends beacons";
+        return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
+    }
+    Ok(())
+}
+
 impl<A: Application> Engine<A> {
     /// An engine with an application for each station: nodes come first, then robots, then sinks.
     ///
@@ -70,11 +80,7 @@ impl<A: Application> Engine<A> {
     /// # Panics
     /// If the number of applications is not that of the stations.
     pub fn new(setup: EngineSetup, applications: Vec<A>) -> Result<Self, SettingError> {
-        let settings = |network: &NetworkSetup| network.technology.ieee802154().map(|settings| settings.mac.clone());
-        if setup.networks.iter().any(|network| matches!(settings(network), Some(Mac::BeaconEnabled(_)))) {
-            let found = "set for stations with own applications, none of which sends beacons";
-            return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
-        }
+        refuse_beacons(&setup.networks)?;
         let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator: None };
         Self::with(setup, applications, extras)
     }
@@ -269,8 +275,8 @@ impl<A: Application> Engine<A> {
                 self.applications[station.index()].drive_ended(end, &mut port);
             }
             Event::TargetTurned(target) => self.turn(target, observer),
-            Event::TargetEntered(station, target) => self.tell_sensed(station, &Sensed::Entered(target), observer),
-            Event::TargetLeft(station, target) => self.tell_sensed(station, &Sensed::Left(target), observer),
+            Event::TargetEntered(station, target) => self.enter(station, target, observer),
+            Event::TargetLeft(station, target) => self.leave(station, target, observer),
             Event::SampleDue(station) => self.sample(station, observer),
             Event::Died(station) => self.die(station),
         }

@@ -11,8 +11,23 @@ impl<A: Application> Engine<A> {
     /// A target begins its next leg.
     pub(super) fn turn(&mut self, target: TargetId, observer: &mut impl Observer) {
         let model = &mut self.model;
-        let place = model.sensing.turn(target, &mut model.scene, &model.world.obstacles);
-        observer.target_moved(target, model.scene.now, place);
+        if let Some(place) = model.sensing.turn(target, &mut model.scene, &model.world.obstacles) {
+            observer.target_moved(target, model.scene.now, place);
+        }
+    }
+
+    /// A target enters the radius of detection of a node.
+    pub(super) fn enter(&mut self, station: StationId, target: TargetId, observer: &mut impl Observer) {
+        if self.model.sensing.enter(station, target) {
+            self.tell_sensed(station, &Sensed::Entered(target), observer);
+        }
+    }
+
+    /// A target leaves the radius of detection of a node, or is gone.
+    pub(super) fn leave(&mut self, station: StationId, target: TargetId, observer: &mut impl Observer) {
+        if self.model.sensing.leave(station, target) {
+            self.tell_sensed(station, &Sensed::Left(target), observer);
+        }
     }
 
     /// A node samples the fields.

@@ -11,8 +11,9 @@ use crate::link::network::Network;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::sensing::Sensing;
+use crate::service::estimate::Estimate;
 use crate::service::network_id::NetworkId;
-use crate::service::sensed::FieldId;
+use crate::service::sensed::{FieldId, TargetId};
 use crate::station::{Kind, Pose};
 use crate::world::World;
 
@@ -49,6 +50,12 @@ pub(crate) enum Note {
     Stopped(NetworkId, Stop, Vec<Reception>),
     /// A source of a field was removed.
     SourceRemoved(FieldId, usize),
+    /// A robot captured a target.
+    Captured(RobotId, TargetId),
+    /// A target is gone, from this place.
+    TargetGone(TargetId, Position),
+    /// A station has worked out something.
+    Estimated(StationId, Estimate),
 }
 
 impl Model {
@@ -78,6 +85,12 @@ impl Model {
                     logs.contacts.push(contact);
                 }
                 Note::SourceRemoved(field, source) => observer.source_removed(field, source, now),
+                Note::Captured(robot, target) => observer.captured(robot.index(), target, now),
+                Note::TargetGone(target, place) => {
+                    observer.target_moved(target, now, place);
+                    observer.target_gone(target, now);
+                }
+                Note::Estimated(station, estimate) => observer.estimated(station, now, &estimate),
                 Note::Stopped(network, stop, receptions) => {
                     stopped = true;
                     logs.stop(network, stop, receptions, |index, stop, receptions| {

@@ -36,6 +36,10 @@ struct Tracked {
     leg: Leg,
     /// The nodes that detect it at the end of the leg, by number.
     detected_by: Vec<NodeId>,
+    /// The nodes that detect it now, by number.
+    detected_now: Vec<NodeId>,
+    /// Whether it is not in the world any more.
+    is_gone: bool,
 }
 
 impl Sensing {
@@ -49,6 +53,8 @@ impl Sensing {
             course: target.course(scene.seed),
             leg: Leg::standing(target.start(), SimTime::ZERO),
             detected_by: Vec::new(),
+            detected_now: Vec::new(),
+            is_gone: false,
         };
         Self {
             targets: world.targets.iter().map(tracked).collect(),
@@ -71,9 +77,17 @@ impl Sensing {
         }
     }
 
-    /// A target is at the end of its leg: it begins the next one. Returns where it is.
-    pub(crate) fn turn(&mut self, target: TargetId, scene: &mut Scene, obstacles: &ObstacleField) -> Position {
+    /// A target is at the end of its leg: it begins the next one. Returns where it is, unless it is gone.
+    pub(crate) fn turn(
+        &mut self,
+        target: TargetId,
+        scene: &mut Scene,
+        obstacles: &ObstacleField,
+    ) -> Option<Position> {
         let tracked = &mut self.targets[target.index()];
+        if tracked.is_gone {
+            return None;
+        }
         let here = tracked.leg.to;
         match tracked.course.next_leg(obstacles) {
             Some(leg) => {
@@ -101,7 +115,36 @@ impl Sensing {
                 }
             }
         }
-        here
+        Some(here)
+    }
+
+    /// A target is gone from the world now: the sensors that detect it say at once that it has left. Returns where it
+    /// was.
+    pub(crate) fn vanish(&mut self, target: TargetId, scene: &mut Scene) -> Position {
+        let tracked = &mut self.targets[target.index()];
+        tracked.is_gone = true;
+        for node in &tracked.detected_now {
+            scene.at(scene.now, Event::TargetLeft(StationId(node.0), target));
+        }
+        tracked.leg.at(scene.now)
+    }
+
+    /// Whether a node detects a target from now on that enters its radius: not if the target is gone.
+    pub(crate) fn enter(&mut self, station: StationId, target: TargetId) -> bool {
+        let (tracked, node) = (&mut self.targets[target.index()], NodeId(station.0));
+        match tracked.detected_now.binary_search(&node) {
+            Err(place) if !tracked.is_gone => {
+                tracked.detected_now.insert(place, node);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a node has detected a target until now that leaves its radius: not if it has said so before.
+    pub(crate) fn leave(&mut self, station: StationId, target: TargetId) -> bool {
+        let detected = &mut self.targets[target.index()].detected_now;
+        detected.binary_search(&NodeId(station.0)).map(|place| detected.remove(place)).is_ok()
     }
 
     /// What a node reads now of the field number `field`.
@@ -122,9 +165,10 @@ impl Sensing {
         }
     }
 
-    /// The place of each target now.
+    /// The place of each target now that is not gone.
     pub(crate) fn places(&self, now: SimTime) -> impl Iterator<Item = (TargetId, Position)> {
-        self.target_ids().zip(self.targets.iter().map(move |tracked| tracked.leg.at(now)))
+        let present = self.target_ids().zip(&self.targets).filter(|(_, tracked)| !tracked.is_gone);
+        present.map(move |(target, tracked)| (target, tracked.leg.at(now)))
     }
 
     fn target_ids(&self) -> impl Iterator<Item = TargetId> + use<> {

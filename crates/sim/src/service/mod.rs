@@ -1,6 +1,7 @@
 //! What links and applications say to each other: frames to send and how they ended, deliveries, counts.
 
 pub(crate) mod delivery;
+pub(crate) mod estimate;
 pub(crate) mod network_id;
 pub(crate) mod outcome;
 pub(crate) mod packets;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use sextant_kernel::{NodeId, Seed};
 
-use crate::applications::journey::Robot;
+use crate::applications::robot::Robot;
 use crate::applications::traffic::TrafficPlan;
 use crate::engine::NetworkSetup;
 use crate::faults::Faults;

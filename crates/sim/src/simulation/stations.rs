@@ -7,7 +7,7 @@ use sextant_mac::frame::DataFrame;
 use sextant_mac::superframe::BeaconEnabled;
 
 use super::setup::BusyNetwork;
-use crate::applications::journey::Robot;
+use crate::applications::robot::Robot;
 use crate::applications::traffic::Traffic;
 use crate::engine::NetworkSetup;
 use crate::link::ieee802154::network::pan;
@@ -65,7 +65,7 @@ impl Stations<'_> {
 
     /// Refuses mobile anchors in networks whose robots send nothing.
     pub(super) fn check_mobile_anchors(&self, networks: &[BusyNetwork]) -> Result<(), SettingError> {
-        for (i, robot) in self.robots.iter().enumerate().filter(|(_, robot)| !robot.is_surveying()) {
+        for (i, robot) in self.robots.iter().enumerate().filter(|(_, robot)| robot.is_mobile_anchor()) {
             if robot.body.networks.iter().any(|id| beacons(&networks[id.index()]).is_some()) {
                 let found = "anchor, in a network with superframes";
                 let allowed = "another network: in one with `mac.beacon_enabled` robots send nothing but beacons";

@@ -13,7 +13,8 @@ use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ended, Ending, Engine,
     EngineSetup, Faults, FrameOnAir, FrameOutcome, Listening, Mac, NetworkId, Observer, Payload, PeriodicConfig,
-    Port, Pose, Robot, RobotBody, RobotCommand, Setup, Simulation, Situation, Timer, TrafficConfig, Unobserved,
+    Port, Pose, Robot, RobotBody, RobotCommand, RobotTask, Setup, Simulation, Situation, Timer, TrafficConfig,
+    Unobserved,
 };
 
 use crate::network;
@@ -504,7 +505,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
     });
     let mut setup: Setup = network::setup(&[Position::new(0.0, 2.0, 0.0)], 0.0, hard_range(), traffic, 5);
     setup.world.obstacles = field(vec![wall()]);
-    setup.robots = vec![Robot { body, controller: Box::new(Bend(0)), broadcast: None }];
+    setup.robots = vec![Robot { body, task: RobotTask::Survey(Box::new(Bend(0))) }];
     let survey = Simulation::new(setup).expect("good settings").run(&mut Unobserved);
     let stops = survey.log.stops();
     // Half a circle of radius 2 m around (0, 2) in 6.28 s: three slots, at 30, 90 and 150 degrees. Then a stop of 2 s.

@@ -17,6 +17,7 @@ mod networks;
 mod odometry;
 mod on_air;
 mod one_shot;
+mod own;
 mod phy;
 mod queue;
 mod scripted;

@@ -54,12 +54,17 @@ fn setup(broadcast: Option<Box<dyn Broadcast>>, listening: Listening, traffic: T
     let places = [Position::new(0.0, 1.0, 0.0), Position::new(20.0, 0.0, 0.0)];
     let robot = network::tour(vec![Position::ORIGIN, Position::new(4.0, 0.0, 0.0)], 0.25, Duration::from_secs(1));
     let body = RobotBody { sweeps_per_stop: 2, listening, ..robot.body };
+    let robot = Robot { body, ..robot };
+    let robot = match broadcast {
+        Some(broadcast) => robot.with_broadcast(broadcast),
+        None => robot,
+    };
     let link = network::link(10.0, network::prompt());
     let nodes = network::nodes(&places);
     Setup {
         networks: vec![BusyNetwork { name: None, link, traffic: network::plan(traffic, places.len()), nodes: None }],
         world: World { nodes, ..World::default() },
-        robots: vec![Robot { body, broadcast, ..robot }],
+        robots: vec![robot],
         sinks: Vec::new(),
         duration: None,
         faults: Faults::default(),

@@ -10,7 +10,7 @@ use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
     Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Faults, Ieee802154,
     Listening, Mac, NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
-    RobotCommand, Setup, Situation, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
+    RobotCommand, RobotTask, Setup, Situation, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -39,7 +39,7 @@ impl Controller for Tour {
 /// A robot that starts at the origin and listens at each of `places`.
 pub(crate) fn tour(places: Vec<Position>, radius_m: f64, listen: Duration) -> Robot {
     let body = RobotBody { radius_m, listen, ..surveyor_body() };
-    Robot { body, controller: Box::new(Tour { places, next: 0 }), broadcast: None }
+    Robot { body, task: RobotTask::Survey(Box::new(Tour { places, next: 0 })) }
 }
 
 /// A robot at the origin that drives at 1 m/s.

@@ -9,7 +9,7 @@ use sextant_channel::{
 use sextant_kernel::SimTime;
 use sextant_sim::{
     CommandOutcome, Controller, Ending, Observer, Odometry, OdometryConfig, PeriodicConfig, Pose, Robot, RobotBody,
-    RobotCommand, Setup, Simulation, Situation, Survey, TrafficConfig,
+    RobotCommand, RobotTask, Setup, Simulation, Situation, Survey, TrafficConfig,
 };
 
 use crate::network;
@@ -197,7 +197,7 @@ fn range_sensors_measure_from_the_true_place_and_contacts_are_logged_where_the_r
         reflection_loss_db: None,
     };
     let robot =
-        Robot { body: network::surveyor_body(), controller: Box::new(ToTheWall { contacts: 0 }), broadcast: None };
+        Robot { body: network::surveyor_body(), task: RobotTask::Survey(Box::new(ToTheWall { contacts: 0 })) };
     let mut setup = setup(robot, OdometryConfig { scale_error: 0.25, ..EXACT }, 1);
     setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, Path::new("")).expect("a good wall")]);
     let (survey, trace) = survey(setup);

@@ -49,18 +49,18 @@ impl Observer for Notebook {
     }
 }
 
-fn seconds(seconds: f64) -> SimTime {
+pub(crate) fn seconds(seconds: f64) -> SimTime {
     SimTime::ZERO + Duration::from_secs_f64(seconds)
 }
 
 /// A target over `places` at `speed_m_per_s`.
-fn way(places: &[[f64; 3]], speed_m_per_s: f64, at_end: AtEnd) -> TargetMotionConfig {
+pub(crate) fn way(places: &[[f64; 3]], speed_m_per_s: f64, at_end: AtEnd) -> TargetMotionConfig {
     let places_m = places.iter().copied().map(Position::from).collect();
     TargetMotionConfig::Waypoints(WaypointsConfig { places_m, speed_m_per_s, at_end })
 }
 
 /// Targets called `t0`, `t1`, ... among `obstacles`.
-fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField) -> Vec<Target> {
+pub(crate) fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField) -> Vec<Target> {
     let target = |(i, motion): (usize, &TargetMotionConfig)| {
         TargetConfig { name: format!("t{i}"), motion: motion.clone() }
             .build(i as u64, obstacles)
@@ -70,7 +70,7 @@ fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField) -> Vec<Tar
 }
 
 /// Sensors that detect targets within `radius_m`.
-fn discs(radius_m: f64) -> Sensors {
+pub(crate) fn discs(radius_m: f64) -> Sensors {
     let targets = Some(TargetSensorConfig { radius_m });
     Sensors::try_from(SensorsConfig { targets, fields: None }).expect("good settings")
 }

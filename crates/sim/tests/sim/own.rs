@@ -1,0 +1,40 @@
+//! Nodes, robots and sinks that all have applications of their own.
+
+mod capture;
+
+use std::time::Duration;
+
+use sextant_channel::Position;
+use sextant_kernel::Seed;
+use sextant_mac::csma::CsmaConfig;
+use sextant_sim::{
+    BusyNetwork, Faults, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World,
+};
+
+use crate::network;
+
+/// A world whose nodes, of one network with a range of 10 m, send nothing by themselves, a robot that starts at each of
+/// `robots` and drives at 1 m/s, and sinks.
+fn setup(world: World, robots: &[[f64; 3]], sinks: &[[f64; 3]], duration_s: f64, seed: u64) -> Setup {
+    let traffic = network::plan(TrafficConfig::Silent(SilentConfig {}), world.nodes.len());
+    let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
+    let link = network::link(10.0, csma);
+    let body = |(i, &start): (usize, &[f64; 3])| RobotBody {
+        speed_m_per_s: 1.0,
+        ..network::body(&format!("robot-{i}"), start.into())
+    };
+    let sink = |(i, &position): (usize, &[f64; 3])| Sink {
+        name: format!("sink-{i}"),
+        position: Position::from(position),
+        networks: None,
+    };
+    Setup {
+        world,
+        networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+        robots: robots.iter().enumerate().map(body).map(|body| Robot { body, task: RobotTask::Own }).collect(),
+        sinks: sinks.iter().enumerate().map(sink).collect(),
+        duration: Some(Duration::from_secs_f64(duration_s)),
+        faults: Faults::default(),
+        seed: Seed(seed),
+    }
+}
