@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::source_seeking::{GradientConfig, LevelSetConfig};
 use crate::target_search::{DetarskConfig, PGConfig};
 
 /// An application on a map of the nodes, as written in a scenario. Its time begins at zero, with targets at their starts.
@@ -49,4 +50,8 @@ pub enum AlgorithmConfig {
     Detarsk(DetarskConfig),
     /// A search for targets along a pseudo-gradient of hop counts (P-G).
     PG(PGConfig),
+    /// Seeking of the source of a field by its value and rate of change alone (level set, sliding mode).
+    LevelSet(LevelSetConfig),
+    /// Seeking of the source of a field up the gradient of the readings around the robot.
+    Gradient(GradientConfig),
 }

@@ -37,6 +37,7 @@ mod purpose;
 mod random_walk;
 mod route;
 mod s_path;
+pub mod source_seeking;
 mod spiral;
 mod surroundings;
 pub mod target_search;

@@ -1,0 +1,173 @@
+//! Settings of source seeking, as written in a scenario.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::field_estimate::EstimateConfig;
+use super::level_set::HigherField;
+use super::rate::RateConfig;
+
+/// What robots seek, as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GoalConfig {
+    /// Name of the field; may be absent if there is only one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<String>,
+    /// The value that is sought, in the unit of the field: a robot that believes to be where the field has it has arrived.
+    pub level: f64,
+    /// A robot has arrived when the field is at most this much below the level.
+    #[serde(default = "default_tolerance")]
+    pub tolerance: f64,
+    /// How long the field must stay within the tolerance below and above the level (s). If 0, a robot has arrived when
+    /// it first crosses the level less the tolerance.
+    #[serde(default)]
+    pub hold_s: f64,
+    /// What a robot does when it has arrived as often as it should.
+    #[serde(default)]
+    pub then: AfterArrival,
+    /// How often each robot should arrive: the number of sources, if it removes them.
+    #[serde(default = "one")]
+    pub arrivals: u32,
+    /// A robot that has arrived removes the sources that are truly within this distance (m). If absent, it removes none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remove_within_m: Option<f64>,
+}
+
+/// What a robot does when it has arrived as often as it should.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AfterArrival {
+    /// It stops there.
+    #[default]
+    Stop,
+    /// It drives on, round the level set, until the end.
+    Circle,
+}
+
+/// How robots ask nodes for their readings, as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PollConfig {
+    /// Time between two polls (s).
+    pub interval_s: f64,
+    /// Nodes within this distance of the robot on the map answer, in the unit of the map (m); 5.5 times the spacing of the
+    /// nodes if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reach_m: Option<f64>,
+    /// A reading counts for so long after it was heard (s).
+    pub memory_s: f64,
+}
+
+impl Default for PollConfig {
+    fn default() -> Self {
+        Self { interval_s: 1.0, reach_m: None, memory_s: 5.0 }
+    }
+}
+
+/// Settings of the law of sliding mode that takes a robot to a level set (Gunathillake 2018, chapter 7; Matveev, Teimoori,
+/// Savkin 2012), as written in a scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LevelSetConfig {
+    /// What robots seek.
+    pub goal: GoalConfig,
+    /// The values of the settings that are absent.
+    #[serde(default)]
+    pub preset: Preset,
+    /// Largest turn rate of the robots (rad/s).
+    #[serde(default = "default_turn_rate_max")]
+    pub turn_rate_max_rad_per_s: f64,
+    /// Time between two decisions (s).
+    #[serde(default = "default_control_s")]
+    pub control_s: f64,
+    /// Gain γ of the law (1/s). Presets: 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gamma_per_s: Option<f64>,
+    /// Distance δ from the level beyond which the climb is as fast as it gets, in the unit of the field. Preset
+    /// `thesis`: 0.1. The climb γ δ must be slower than the speed of the robot times the gradient of the field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delta: Option<f64>,
+    /// Instead of `delta`: the climb as a share of the steepest one, which is worked out from the readings on the way.
+    /// Preset `adaptive`: 0.7.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub climb_share: Option<f64>,
+    /// On which hand the field is higher on a level set. Presets: right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub higher_field: Option<HigherField>,
+    /// The turn rate is proportional within this share of the climb rate γ δ, which avoids chattering; 0 for the bare
+    /// sign. Preset `thesis`: 0, `adaptive`: 0.5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary_layer: Option<f64>,
+    /// How the field at the robot is worked out from readings of nodes. Preset `thesis`: power weights; `adaptive`: local
+    /// fit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<EstimateConfig>,
+    /// How its rate of change is worked out. Presets: least squares of 5 samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<RateConfig>,
+    /// Torsion of the path (1/m) of robots that move in space: the law bends the path, and this torsion turns the plane in
+    /// which it does. Robots move in the plane if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torsion_per_m: Option<f64>,
+    /// How robots ask nodes for their readings.
+    #[serde(default)]
+    pub poll: PollConfig,
+}
+
+/// The values of settings of the law that are absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// The climb is a share of the steepest one around the robot, so that the law can always reach its sliding mode; a robot
+    /// that still turns in circles climbs more slowly.
+    #[default]
+    Adaptive,
+    /// The law and its numbers as in the thesis.
+    Thesis,
+}
+
+/// Settings of a robot that follows the gradient of a plane through the readings of the nodes around it (after Rosero and
+/// Werner 2014, "Cooperative source seeking via gradient estimation and formation control", UKACC Control), as written in a
+/// scenario.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GradientConfig {
+    /// What robots seek.
+    pub goal: GoalConfig,
+    /// Largest turn rate of the robots (rad/s).
+    #[serde(default = "default_turn_rate_max")]
+    pub turn_rate_max_rad_per_s: f64,
+    /// Time between two decisions (s).
+    #[serde(default = "default_control_s")]
+    pub control_s: f64,
+    /// Turn rate for each radian between the heading and the gradient (1/s).
+    #[serde(default = "default_heading_gain")]
+    pub heading_gain_per_s: f64,
+    /// How the field at the robot is worked out from readings of nodes, which tells whether it has arrived.
+    #[serde(default)]
+    pub estimate: EstimateConfig,
+    /// How robots ask nodes for their readings.
+    #[serde(default)]
+    pub poll: PollConfig,
+}
+
+fn default_tolerance() -> f64 {
+    0.1
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn default_turn_rate_max() -> f64 {
+    1.0
+}
+
+fn default_control_s() -> f64 {
+    0.1
+}
+
+fn default_heading_gain() -> f64 {
+    2.0
+}

@@ -1,0 +1,411 @@
+//! The application of a robot.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+use sextant_sim::{
+    Application, Delivery, Destination, DriveEnd, Driving, Estimate, NetworkId, Payload, Port, Pose, Timer,
+};
+
+use super::arrival::ArrivalWatch;
+use super::boundary::Boundary;
+use super::config::AfterArrival;
+use super::field_estimate::{EstimateConfig, FieldEstimate, LocalFitConfig, Readings};
+use super::gradient::{gradient, turn_rate, wrapped};
+use super::local_fit::{Axes, Sample};
+use super::message::SeekMessage;
+use super::record::{Arrival, RobotSeekRecord, SeekState};
+use super::settings::SourceSeeking;
+use super::steering::{SpatialCourse, Steering};
+use crate::navigation::{HeardNode, NavigationMap, Neighbourhood, PlaceOnMap, Request};
+
+const POLL: Timer = Timer(0);
+const CONTROL: Timer = Timer(1);
+
+/// Distance from which nodes answer, as a multiple of their spacing.
+const REACH_SPACINGS: f64 = 5.5;
+/// A robot does not begin before it has heard so many nodes.
+const LEAST_NODES: usize = 3;
+/// A robot that meets an obstacle so soon after it has left one goes on round it.
+const SOON: Duration = Duration::from_secs(2);
+
+/// A robot: it polls the nodes around it, works out the field where it is, and drives to where that has the level sought.
+#[derive(Debug)]
+pub struct SeekRobot {
+    settings: Arc<SourceSeeking>,
+    map: Arc<NavigationMap>,
+    network: NetworkId,
+    speed_m_per_s: f64,
+    place: PlaceOnMap,
+    /// The nodes that answered the latest poll.
+    neighbourhood: Neighbourhood,
+    /// Where the nodes of the poll before it said that the robot was, on the map (m).
+    centroid: Option<Position>,
+    readings: Readings,
+    /// Number of the latest poll, and where the robot was then by its odometry.
+    poll: u16,
+    polled_at: Option<Position>,
+    steering: Steering,
+    mode: Mode,
+    /// The obstacle that it left last, and when.
+    left: Option<(Boundary, SimTime)>,
+    watch: ArrivalWatch,
+    record: RobotSeekRecord,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Mode {
+    Waiting,
+    Seeking,
+    Avoiding(Boundary),
+    /// It turns on the spot, and then goes on round an obstacle into this direction (rad).
+    Turning(Boundary, f64),
+    Arrived,
+}
+
+/// What it knows at an instant.
+#[derive(Clone, Copy, Debug)]
+struct Outlook {
+    pose: Pose,
+    /// On the map (m).
+    place: Option<Position>,
+    field: FieldEstimate,
+}
+
+impl SeekRobot {
+    /// A robot that drives at `speed_m_per_s` and uses `network`.
+    #[must_use]
+    pub fn new(
+        settings: Arc<SourceSeeking>,
+        map: Arc<NavigationMap>,
+        network: NetworkId,
+        speed_m_per_s: f64,
+    ) -> Self {
+        Self {
+            steering: Steering::new(&settings.guidance),
+            place: PlaceOnMap::new(map.frame()),
+            settings,
+            map,
+            network,
+            speed_m_per_s,
+            neighbourhood: Neighbourhood::default(),
+            centroid: None,
+            readings: Readings::default(),
+            poll: 0,
+            polled_at: None,
+            mode: Mode::Waiting,
+            left: None,
+            watch: ArrivalWatch::default(),
+            record: RobotSeekRecord::default(),
+        }
+    }
+
+    /// What it leaves behind.
+    #[must_use]
+    pub fn into_record(self) -> RobotSeekRecord {
+        let circles = self.settings.goal.then == AfterArrival::Circle && self.has_arrived_often_enough();
+        let state = match self.mode {
+            Mode::Waiting => SeekState::Waiting,
+            Mode::Seeking if circles => SeekState::Circling,
+            Mode::Seeking => SeekState::Seeking,
+            Mode::Avoiding(_) | Mode::Turning(..) => SeekState::Avoiding,
+            Mode::Arrived => SeekState::Arrived,
+        };
+        RobotSeekRecord { state, ..self.record }
+    }
+
+    fn has_arrived_often_enough(&self) -> bool {
+        self.record.arrivals.len() >= self.settings.goal.arrivals as usize
+    }
+
+    fn reach_m(&self) -> f64 {
+        self.settings.poll.reach_m.unwrap_or(REACH_SPACINGS * self.map.spacing_m())
+    }
+
+    fn axes(&self) -> Axes {
+        if self.steering.is_spatial() { Axes::Space } else { Axes::Plane }
+    }
+
+    /// Length of the way between two decisions (m).
+    fn step_m(&self) -> f64 {
+        self.speed_m_per_s * self.settings.control.as_secs_f64()
+    }
+
+    /// Uses the answers of the last poll, and begins the next one.
+    fn ask(&mut self, port: &mut Port<'_>) {
+        let now = port.now();
+        let odometry = port.pose().position;
+        if let (Some(map), Some(then)) = (self.neighbourhood.centroid(), self.polled_at) {
+            // Answers came all along the way since then.
+            self.place.fix((then + odometry) * 0.5, map);
+            self.centroid = Some(map);
+        }
+        self.neighbourhood.forget_before(now);
+        self.readings.forget_before(before(now, self.settings.poll.memory));
+        self.poll = self.poll.wrapping_add(1);
+        self.polled_at = Some(odometry);
+        let interval = self.settings.poll.interval;
+        let near = self.place_on_map(odometry).map(|place| (place, self.reach_m()));
+        let request = Request { number: self.poll, window: interval, near };
+        let octets = SeekMessage::Request(request, self.settings.goal.field).to_octets();
+        match port.send(self.network, Destination::All, Payload::Octets(&octets)) {
+            Ok(_) => {
+                self.record.polls += 1;
+                self.record.octets += octets.len() as u64;
+            }
+            Err(_) => self.record.refused += 1,
+        }
+        port.listen(self.network, interval + interval / 4);
+        port.after(interval, POLL);
+    }
+
+    /// Where it is on the map (m).
+    fn place_on_map(&self, odometry: Position) -> Option<Position> {
+        self.place.to_map(odometry).or(self.centroid)
+    }
+
+    /// The field at a place on the map (m) at the time `now`; `None` if it has not heard enough.
+    fn field_at(&self, place: Option<Position>, now: SimTime) -> Option<FieldEstimate> {
+        match self.settings.estimate {
+            EstimateConfig::PowerWeights {} => {
+                let value = self.readings.power_weighted(before(now, self.settings.poll.interval))?;
+                Some(FieldEstimate { value, smooth: value, slope_per_m: None })
+            }
+            EstimateConfig::LocalFit(LocalFitConfig { bandwidth_spacings, significance }) => {
+                let bandwidth_m = bandwidth_spacings * self.map.spacing_m();
+                self.readings.fitted(place?, self.axes(), [bandwidth_m, self.reach_m()], significance)
+            }
+        }
+    }
+
+    /// What it knows now; `None` until it has heard enough.
+    fn look(&mut self, port: &mut Port<'_>) -> Option<Outlook> {
+        let pose = port.pose();
+        let place = self.place_on_map(pose.position);
+        let field = self.field_at(place, port.now())?;
+        if let Some(place) = place {
+            port.tell(Estimate::OwnPlace(place));
+        }
+        port.tell(Estimate::FieldValue { field: self.settings.goal.field, value: field.value });
+        if self.record.largest.is_none_or(|largest| field.value > largest) {
+            self.record.largest = Some(field.value);
+        }
+        Some(Outlook { pose, place, field })
+    }
+
+    /// Looks at what it knows, and drives on.
+    fn decide(&mut self, port: &mut Port<'_>) {
+        if matches!(self.mode, Mode::Waiting) {
+            if self.poll < 2 || self.readings.len() < LEAST_NODES {
+                port.after(self.settings.control, CONTROL);
+                return;
+            }
+            self.mode = Mode::Seeking;
+            self.record.oriented = Some(port.now());
+        }
+        let Some(outlook) = self.look(port) else {
+            port.after(self.settings.control, CONTROL);
+            return;
+        };
+        if !self.has_arrived_often_enough()
+            && self.watch.arrives(&self.settings.goal, outlook.field.value, port.now())
+        {
+            self.arrive(outlook, port);
+            if matches!(self.mode, Mode::Arrived) {
+                return;
+            }
+        }
+        match self.mode {
+            Mode::Avoiding(boundary) => self.go_round(boundary, outlook, port),
+            Mode::Turning(boundary, direction) => {
+                self.mode = Mode::Avoiding(boundary);
+                self.step(direction, outlook, port);
+            }
+            Mode::Waiting | Mode::Seeking | Mode::Arrived => self.seek(outlook, port),
+        }
+    }
+
+    fn arrive(&mut self, Outlook { pose, place, field }: Outlook, port: &mut Port<'_>) {
+        let removed = self.settings.goal.remove_within_m.map_or(0, |reach_m| port.remove_sources(reach_m));
+        self.record.removed += removed;
+        let value = field.value;
+        self.record.arrivals.push(Arrival { time: port.now(), value, place, odometry: pose.position, removed });
+        if self.has_arrived_often_enough() && self.settings.goal.then == AfterArrival::Stop {
+            self.mode = Mode::Arrived;
+            port.finish();
+        } else {
+            self.steering.restart();
+        }
+    }
+
+    /// Drives on where nothing is in the way.
+    fn seek(&mut self, outlook: Outlook, port: &mut Port<'_>) {
+        let span = self.settings.control;
+        let span_s = span.as_secs_f64();
+        let course_rad = self.course_rad(&outlook);
+        let (step_m, turn_rate_max) = (self.step_m(), self.settings.turn_rate_max_rad_per_s);
+        let scale = self.place.scale().unwrap_or(1.0);
+        let driving = match &mut self.steering {
+            Steering::Gradient { gain_per_s } => {
+                let heading_rad = outlook.pose.heading_rad;
+                let rate =
+                    course_rad.map_or(0.0, |course| turn_rate(heading_rad, course, *gain_per_s, turn_rate_max));
+                self.record.turned_rad += (rate * span_s).abs();
+                port.steer(span, rate)
+            }
+            Steering::LevelSet(steering) => {
+                let map_speed_per_s = self.speed_m_per_s * scale;
+                let time_s = port.now().as_secs_f64();
+                let turn_rate = steering.turn_rate(time_s, &outlook.field, map_speed_per_s, span_s);
+                self.record.turned_rad += (turn_rate * span_s).abs();
+                match &mut steering.space {
+                    None => port.steer(span, turn_rate),
+                    Some(SpatialCourse { torsion_per_m, frame }) => {
+                        let step = frame.advance(step_m, turn_rate / self.speed_m_per_s, *torsion_per_m);
+                        port.drive(outlook.pose.position + step)
+                    }
+                }
+            }
+        };
+        if let Driving::Over(end) = driving {
+            self.ended(end, port);
+        }
+    }
+
+    /// Where the gradient points, by odometry (rad).
+    fn course_rad(&self, outlook: &Outlook) -> Option<f64> {
+        let Steering::Gradient { .. } = self.steering else { return None };
+        let place = outlook.place?;
+        let samples: Vec<Sample> = self.readings.samples(place, Axes::Plane, |_| 1.0).collect();
+        let slope = gradient(&samples)?;
+        let steepness = slope.length_m();
+        if steepness <= 0.0 {
+            return None;
+        }
+        let ahead = place + slope * (self.map.spacing_m() / steepness);
+        let way = self.place.to_odometry(ahead)? - self.place.to_odometry(place)?;
+        Some(libm::atan2(way.y_m, way.x_m))
+    }
+
+    /// A drive is over.
+    fn ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
+        match end {
+            DriveEnd::Arrived => self.decide(port),
+            DriveEnd::Blocked(contact) => {
+                self.record.blocked += 1;
+                port.log_contact(port.now(), contact);
+                self.meet(port);
+                port.after(self.settings.control, CONTROL);
+            }
+        }
+    }
+
+    /// An obstacle is in the way.
+    fn meet(&mut self, port: &Port<'_>) {
+        let place = self.place_on_map(port.pose().position);
+        let value = self.field_at(place, port.now()).map_or(f64::NEG_INFINITY, |field| field.smooth);
+        let heading_rad = port.pose().heading_rad;
+        let boundary = match (self.mode, self.left.take()) {
+            (Mode::Avoiding(boundary) | Mode::Turning(boundary, _), _) => boundary,
+            (_, Some((mut boundary, left))) if port.now().saturating_since(left) < SOON => {
+                boundary.met_again(value);
+                boundary
+            }
+            _ => Boundary::meet(heading_rad, value, self.step_m(), clearance(port, self.step_m())),
+        };
+        self.mode = Mode::Avoiding(boundary);
+    }
+
+    /// Goes on round an obstacle, or leaves it.
+    fn go_round(&mut self, mut boundary: Boundary, outlook: Outlook, port: &mut Port<'_>) {
+        let step_m = self.step_m();
+        let heading_rad = outlook.pose.heading_rad;
+        let course_rad = self.course_rad(&outlook).unwrap_or(heading_rad);
+        let levels = [outlook.field.smooth, self.settings.goal.level];
+        if boundary.may_leave(course_rad, levels, step_m, clearance(port, f64::INFINITY)) {
+            self.left = Some((boundary, port.now()));
+            self.mode = Mode::Seeking;
+            self.steering.take_over(heading_rad);
+            self.seek(outlook, port);
+            return;
+        }
+        let Some(direction) = boundary.direction(heading_rad, step_m, clearance(port, step_m)) else {
+            self.mode = Mode::Avoiding(boundary);
+            port.after(self.settings.control, CONTROL);
+            return;
+        };
+        let turn_rad = wrapped(direction - heading_rad).abs();
+        self.record.turned_rad += turn_rad;
+        let turn_s = turn_rad / self.settings.turn_rate_max_rad_per_s;
+        if turn_s > self.settings.control.as_secs_f64() {
+            // It turns on the spot, which takes time.
+            self.mode = Mode::Turning(boundary, direction);
+            port.after(Duration::from_secs_f64(turn_s), CONTROL);
+        } else {
+            self.mode = Mode::Avoiding(boundary);
+            self.step(direction, outlook, port);
+        }
+    }
+
+    /// Drives a step into a direction.
+    fn step(&mut self, direction_rad: f64, outlook: Outlook, port: &mut Port<'_>) {
+        let towards = Position::new(libm::cos(direction_rad), libm::sin(direction_rad), 0.0);
+        if let Driving::Over(end) = port.drive(outlook.pose.position + towards * self.step_m()) {
+            self.ended(end, port);
+        }
+    }
+}
+
+/// The time so long before `now`; the start if there was none.
+fn before(now: SimTime, span: Duration) -> SimTime {
+    SimTime::ZERO + now.saturating_since(SimTime::ZERO).saturating_sub(span)
+}
+
+/// How far the robot can drive into a direction by its odometry (rad), up to `range_m`.
+fn clearance(port: &Port<'_>, range_m: f64) -> impl Fn(f64) -> f64 {
+    move |direction_rad| {
+        let direction = Position::new(libm::cos(direction_rad), libm::sin(direction_rad), 0.0);
+        port.clearance_m(direction, range_m)
+    }
+}
+
+impl Application for SeekRobot {
+    fn hears(&self) -> bool {
+        true
+    }
+
+    fn has_task(&self) -> bool {
+        true
+    }
+
+    fn started(&mut self, port: &mut Port<'_>) {
+        self.steering.take_over(port.pose().heading_rad);
+        self.ask(port);
+        port.after(self.settings.poll.interval, CONTROL);
+    }
+
+    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
+        match (timer, self.mode) {
+            (_, Mode::Arrived) => {}
+            (POLL, _) => self.ask(port),
+            _ => self.decide(port),
+        }
+    }
+
+    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
+        let Ok(SeekMessage::Answer(answer, field, value)) = SeekMessage::read(delivery.payload) else { return };
+        if delivery.network != self.network || field != self.settings.goal.field {
+            return;
+        }
+        self.record.answers += 1;
+        let heard = HeardNode { place: answer.place, gain: delivery.rssi - answer.tx_power, time: port.now() };
+        self.neighbourhood.hear(delivery.from, heard);
+        self.readings.hear(delivery.from, heard, value);
+    }
+
+    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
+        self.ended(end, port);
+    }
+}

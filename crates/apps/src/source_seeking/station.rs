@@ -1,0 +1,124 @@
+//! One type for the applications of all stations that take part in source seeking.
+
+use std::sync::Arc;
+
+use sextant_channel::Dbm;
+use sextant_kernel::NodeId;
+use sextant_sim::{Application, Delivery, DriveEnd, NetworkId, OwnApplications, Port, RobotBody, Sensed, Timer};
+
+use super::node::SeekNode;
+use super::record::SeekRecord;
+use super::robot::SeekRobot;
+use super::settings::SourceSeeking;
+use crate::navigation::NavigationMap;
+
+/// The application of a station that takes part in source seeking.
+#[derive(Debug)]
+pub enum SeekStation {
+    /// Of a node.
+    Node(Box<SeekNode>),
+    /// Of a robot.
+    Robot(Box<SeekRobot>),
+    /// Of a sink: it does nothing.
+    Sink,
+}
+
+/// Who takes part in source seeking.
+#[derive(Clone, Copy, Debug)]
+pub struct SeekTeam<'a> {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// The robots.
+    pub robots: &'a [RobotBody],
+    /// Number of sinks.
+    pub sinks: usize,
+    /// The network over which they exchange messages.
+    pub network: NetworkId,
+    /// Transmit power of the nodes in it.
+    pub tx_power: Dbm,
+}
+
+impl SourceSeeking {
+    /// The applications of all stations, which know `map`.
+    #[must_use]
+    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SeekTeam<'_>) -> OwnApplications<SeekStation> {
+        let SeekTeam { nodes, robots, sinks, network, tx_power } = team;
+        let node = |node: usize| {
+            let node = SeekNode::new(network, map.place(NodeId::from_index(node)), tx_power);
+            SeekStation::Node(Box::new(node))
+        };
+        let robot = |body: &RobotBody| {
+            let robot = SeekRobot::new(Arc::clone(self), Arc::clone(map), network, body.speed_m_per_s);
+            SeekStation::Robot(Box::new(robot))
+        };
+        OwnApplications {
+            nodes: (0..nodes).map(node).collect(),
+            robots: robots.iter().map(robot).collect(),
+            sinks: (0..sinks).map(|_| SeekStation::Sink).collect(),
+        }
+    }
+}
+
+impl SeekStation {
+    /// What it leaves behind.
+    #[must_use]
+    pub fn into_record(self) -> SeekRecord {
+        match self {
+            Self::Node(node) => SeekRecord::Node(node.into_record()),
+            Self::Robot(robot) => SeekRecord::Robot(Box::new(robot.into_record())),
+            Self::Sink => SeekRecord::Sink,
+        }
+    }
+
+    fn application(&mut self) -> Option<&mut dyn Application> {
+        match self {
+            Self::Node(node) => Some(node.as_mut()),
+            Self::Robot(robot) => Some(robot.as_mut()),
+            Self::Sink => None,
+        }
+    }
+}
+
+impl Application for SeekStation {
+    fn hears(&self) -> bool {
+        !matches!(self, Self::Sink)
+    }
+
+    fn senses(&self) -> bool {
+        matches!(self, Self::Node(_))
+    }
+
+    fn has_task(&self) -> bool {
+        matches!(self, Self::Robot(_))
+    }
+
+    fn started(&mut self, port: &mut Port<'_>) {
+        if let Some(application) = self.application() {
+            application.started(port);
+        }
+    }
+
+    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
+        if let Some(application) = self.application() {
+            application.timed(timer, port);
+        }
+    }
+
+    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
+        if let Some(application) = self.application() {
+            application.delivered(delivery, port);
+        }
+    }
+
+    fn sensed(&mut self, sensed: &Sensed, port: &mut Port<'_>) {
+        if let Some(application) = self.application() {
+            application.sensed(sensed, port);
+        }
+    }
+
+    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
+        if let Some(application) = self.application() {
+            application.drive_ended(end, port);
+        }
+    }
+}
