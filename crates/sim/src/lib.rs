@@ -141,7 +141,7 @@ pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};
 pub use world::target::{
-    AtEnd, Course, Leg, RandomWalkConfig, StraightConfig, Target, TargetConfig, TargetMotionConfig, TurnConfig,
-    WaypointsConfig,
+    AtEnd, Course, EvadeConfig, Leg, RandomWalkConfig, StraightConfig, Target, TargetConfig, TargetMotionConfig,
+    TurnConfig, WanderConfig, WaypointsConfig,
 };
 pub use world::{World, WorldConfig, layout};

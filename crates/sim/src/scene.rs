@@ -55,6 +55,11 @@ impl Scene {
         u32::try_from(((bits >> 32) * (u64::from(max_inclusive) + 1)) >> 32).expect("below 2^32")
     }
 
+    /// Where the robots are now.
+    pub(crate) fn robots(&self) -> impl Iterator<Item = Position> {
+        (0..self.roll.robots).map(|robot| self.place(self.roll.robot(robot)))
+    }
+
     /// Where a station is now.
     #[inline]
     pub(crate) fn place(&self, station: StationId) -> Position {

@@ -5,14 +5,21 @@ use sextant_kernel::{NodeId, StationId};
 use super::Engine;
 use crate::application::{Application, Port};
 use crate::observer::Observer;
+use crate::sensing::Turned;
 use crate::service::sensed::{Sensed, TargetId};
 
 impl<A: Application> Engine<A> {
     /// A target begins its next leg.
     pub(super) fn turn(&mut self, target: TargetId, observer: &mut impl Observer) {
         let model = &mut self.model;
-        if let Some(place) = model.sensing.turn(target, &mut model.scene, &model.world.obstacles) {
-            observer.target_moved(target, model.scene.now, place);
+        let Some(turned) = model.sensing.turn(target, &mut model.scene, &model.world.obstacles) else { return };
+        let now = model.scene.now;
+        match turned {
+            Turned::At(place) => observer.target_moved(target, now, place),
+            Turned::Gone(place) => {
+                observer.target_moved(target, now, place);
+                observer.target_gone(target, now);
+            }
         }
     }
 

@@ -28,6 +28,17 @@ pub(crate) struct Sensing {
     /// How nodes sample fields, if any does.
     readings: Option<Readings>,
     near: Vec<NodeId>,
+    /// The places of the robots now.
+    robots: Vec<Position>,
+}
+
+/// What a target does at the end of a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Turned {
+    /// It goes on or stands at a place.
+    At(Position),
+    /// It is gone from a place.
+    Gone(Position),
 }
 
 /// A target on its way.
@@ -62,6 +73,7 @@ impl Sensing {
                 .map(|sensor| NodeIndex::new(nodes().map(|node| (node, place(node))), sensor.radius_m())),
             readings: samplers.map(|sensor| Readings::new(sensor, world, nodes().collect(), scene.seed)),
             near: Vec::new(),
+            robots: Vec::new(),
         }
     }
 
@@ -77,23 +89,24 @@ impl Sensing {
         }
     }
 
-    /// A target is at the end of its leg: it begins the next one. Returns where it is, unless it is gone.
-    pub(crate) fn turn(
-        &mut self,
-        target: TargetId,
-        scene: &mut Scene,
-        obstacles: &ObstacleField,
-    ) -> Option<Position> {
+    /// A target is at the end of its leg: it begins the next one, or is gone. Returns where it is, unless it was gone
+    /// before.
+    pub(crate) fn turn(&mut self, target: TargetId, scene: &mut Scene, obstacles: &ObstacleField) -> Option<Turned> {
         let tracked = &mut self.targets[target.index()];
         if tracked.is_gone {
             return None;
         }
         let here = tracked.leg.to;
-        match tracked.course.next_leg(obstacles) {
+        self.robots.clear();
+        if tracked.course.sees_robots() {
+            self.robots.extend(scene.robots());
+        }
+        match tracked.course.next_leg_among(obstacles, &self.robots) {
             Some(leg) => {
                 tracked.leg = leg;
                 scene.at(leg.end, Event::TargetTurned(target));
             }
+            None if tracked.course.leaves() => return Some(Turned::Gone(self.vanish(target, scene))),
             None => tracked.leg = Leg::standing(here, scene.now),
         }
         if let Some(detectors) = &self.detectors {
@@ -115,7 +128,7 @@ impl Sensing {
                 }
             }
         }
-        Some(here)
+        Some(Turned::At(here))
     }
 
     /// A target is gone from the world now: the sensors that detect it say at once that it has left. Returns where it

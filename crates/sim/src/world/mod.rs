@@ -68,11 +68,15 @@ impl WorldConfig {
     /// relative to `folder`.
     ///
     /// # Errors
-    /// If an obstacle has no volume, a node or target is in an obstacle, the nodes do not fit, or a field is invalid.
+    /// If an obstacle has no volume, a node or target is in an obstacle, the nodes do not fit, a target is far from all
+    /// nodes or has no way, or a field is invalid.
     pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
         let obstacles = Self::set_up_obstacles(&self.obstacles, folder)?;
         let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;
-        let target = |(i, config): (usize, &TargetConfig)| config.build(i as u64, &obstacles);
+        let target = |(i, config): (usize, &TargetConfig)| {
+            config.check_places(&nodes)?;
+            config.build(i as u64, &obstacles, seed)
+        };
         let targets = all("targets", &self.targets, target)?;
         unique("targets", targets.iter().map(Target::name))?;
         let fields = all("fields", &self.fields, |(_, config)| Field::try_from(config))?;

@@ -206,7 +206,7 @@ fn the_sensors_of_a_dead_node_are_silent() {
     let sensors = SensorsConfig { targets: Some(TargetSensorConfig { radius_m: 1.0 }), fields: None };
     let nodes = nodes(2);
     let world = World {
-        targets: vec![target.build(0, &sextant_channel::ObstacleField::default()).expect("a good target")],
+        targets: vec![target.build(0, &sextant_channel::ObstacleField::default(), Seed(1)).expect("a good target")],
         sensors: Sensors::try_from(sensors).expect("good sensors"),
         nodes: nodes.clone(),
         ..World::default()

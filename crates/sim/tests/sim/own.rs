@@ -1,6 +1,7 @@
 //! Nodes, robots and sinks that all have applications of their own.
 
 mod capture;
+mod polling;
 
 use std::time::Duration;
 
@@ -8,16 +9,18 @@ use sextant_channel::Position;
 use sextant_kernel::Seed;
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    BusyNetwork, Faults, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World,
+    BusyNetwork, Faults, NetworkId, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World,
 };
 
 use crate::network;
+
+const NETWORK: NetworkId = NetworkId(0);
 
 /// A world whose nodes, of one network with a range of 10 m, send nothing by themselves, a robot that starts at each of
 /// `robots` and drives at 1 m/s, and sinks.
 fn setup(world: World, robots: &[[f64; 3]], sinks: &[[f64; 3]], duration_s: f64, seed: u64) -> Setup {
     let traffic = network::plan(TrafficConfig::Silent(SilentConfig {}), world.nodes.len());
-    let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
+    let csma = CsmaConfig { rx_on_when_idle: true, queue_frames: 4, ..CsmaConfig::default() };
     let link = network::link(10.0, csma);
     let body = |(i, &start): (usize, &[f64; 3])| RobotBody {
         speed_m_per_s: 1.0,

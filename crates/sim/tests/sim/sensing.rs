@@ -1,7 +1,9 @@
 //! Targets on their ways, and what the sensors of nodes say.
 
 mod crossings;
+mod evasion;
 mod fields;
+mod visits;
 mod walks;
 
 use std::time::Duration;
@@ -37,11 +39,16 @@ impl Application for Watcher {
 struct Notebook {
     moved: Vec<(TargetId, SimTime, Position)>,
     sensed: Vec<(NodeId, SimTime, Sensed)>,
+    gone: Vec<(TargetId, SimTime)>,
 }
 
 impl Observer for Notebook {
     fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
         self.moved.push((target, time, position));
+    }
+
+    fn target_gone(&mut self, target: TargetId, time: SimTime) {
+        self.gone.push((target, time));
     }
 
     fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
@@ -63,7 +70,7 @@ pub(crate) fn way(places: &[[f64; 3]], speed_m_per_s: f64, at_end: AtEnd) -> Tar
 pub(crate) fn targets(motions: &[TargetMotionConfig], obstacles: &ObstacleField) -> Vec<Target> {
     let target = |(i, motion): (usize, &TargetMotionConfig)| {
         TargetConfig { name: format!("t{i}"), motion: motion.clone() }
-            .build(i as u64, obstacles)
+            .build(i as u64, obstacles, Seed(1))
             .expect("good settings")
     };
     motions.iter().enumerate().map(target).collect()

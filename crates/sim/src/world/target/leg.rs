@@ -14,7 +14,7 @@ pub struct Leg {
     pub to: Position,
     /// When it begins.
     pub start: SimTime,
-    /// When it ends: later than it begins, except where a target stands.
+    /// When it ends: later than it begins, except where a target stands for ever.
     pub end: SimTime,
 }
 

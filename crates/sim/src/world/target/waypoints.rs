@@ -30,6 +30,8 @@ pub enum AtEnd {
     Stay,
     /// It goes to the first place, and over all places again.
     Loop,
+    /// It is gone from the world.
+    Leave,
 }
 
 /// A way over listed places.
@@ -50,6 +52,10 @@ impl WaypointsConfig {
             if let Some((found, allowed)) = obstacles.fault(place) {
                 return Err(SettingError::new(format!("places_m[{i}]"), found, allowed));
             }
+        }
+        if self.at_end == AtEnd::Leave && self.places_m.len() < 2 {
+            let allowed = "`stay` or `loop`, or at least two places in `places_m`";
+            return Err(SettingError::new("at_end", "leave, with one place", allowed));
         }
         let way = Waypoints {
             places: self.places_m.clone(),
@@ -84,11 +90,16 @@ impl Waypoints {
         self.places[0]
     }
 
-    /// Number of legs before the target stays or repeats its way.
+    /// Whether the target is gone after its last leg.
+    pub(super) fn leaves(&self) -> bool {
+        self.at_end == AtEnd::Leave
+    }
+
+    /// Number of legs before the target stays, is gone or repeats its way.
     fn leg_count(&self) -> usize {
         match (self.at_end, self.places.len()) {
             (_, 1) => 0,
-            (AtEnd::Stay, places) => places - 1,
+            (AtEnd::Stay | AtEnd::Leave, places) => places - 1,
             (AtEnd::Loop, places) => places,
         }
     }
@@ -99,11 +110,11 @@ impl Waypoints {
         (place(i), place(i + 1))
     }
 
-    /// Leg number `i`, which begins at `start`; `None` if the target stays where it is.
+    /// Leg number `i`, which begins at `start`; `None` if the target stays where it is, or is gone.
     pub(super) fn leg(&self, i: usize, start: SimTime) -> Option<Leg> {
         let count = self.leg_count();
         let i = match self.at_end {
-            AtEnd::Stay => i,
+            AtEnd::Stay | AtEnd::Leave => i,
             AtEnd::Loop if count == 0 => return None,
             AtEnd::Loop => i % count,
         };

@@ -4,6 +4,11 @@ use sextant_channel::Position;
 
 use super::{Region, Shape, sides};
 
+/// Places of the border that are nearer to each other are the same (m).
+const SAME_M: f64 = 1e-6;
+/// Halvings of a way that find its crossing of the border to the last bit.
+const HALVINGS: u32 = 60;
+
 /// Where a straight way leaves a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Border {
@@ -37,6 +42,46 @@ impl Region {
                 .reduce(Border::or)
                 .unwrap_or(Border { distance_m: 0.0, normal: direction }),
         }
+    }
+
+    /// Whether the straight way from `inside` to `outside` crosses the border once.
+    pub(crate) fn is_left_once(&self, inside: Position, outside: Position) -> bool {
+        let way = outside - inside;
+        let length_m = way.length_m();
+        let Shape::Polygon(_) = self.shape else { return true };
+        if length_m <= 0.0 {
+            return false;
+        }
+        let ahead = way * (1.0 / length_m);
+        let first_m = self.way_out(inside, ahead).distance_m;
+        // Seen from outside, the nearest side is the last one.
+        let last_m = || self.way_out(outside, ahead * -1.0).distance_m;
+        first_m >= length_m - SAME_M || (first_m + last_m() - length_m).abs() < SAME_M
+    }
+
+    /// Whether `p` is so near to a side of a polygon that a way that leads inwards may seem to leave there.
+    pub(crate) fn is_on_side(&self, p: Position) -> bool {
+        let Shape::Polygon(corners) = &self.shape else { return false };
+        let place = |[x_m, y_m]: [f64; 2]| Position::new(x_m, y_m, p.z_m);
+        let is_near = |(a, b): ([f64; 2], [f64; 2])| {
+            let (a, b) = (place(a), place(b));
+            let side = b - a;
+            let share = ((p - a).dot(side) / side.dot(side)).clamp(0.0, 1.0);
+            p.distance_m(a + side * share) < SAME_M
+        };
+        sides(corners).any(is_near)
+    }
+
+    /// How far from `outside` the border is on the straight way to `inside`, which crosses it once (m). The place there
+    /// may be outside by rounding.
+    pub(crate) fn way_in_m(&self, outside: Position, inside: Position) -> f64 {
+        let (mut before, mut after) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (before + after);
+            let is_inside = self.contains(outside + (inside - outside) * middle);
+            if is_inside { after = middle } else { before = middle }
+        }
+        after * outside.distance_m(inside)
     }
 
     fn way_out_of_bounds(&self, from: Position, direction: Position) -> Border {
