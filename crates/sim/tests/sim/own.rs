@@ -2,6 +2,7 @@
 
 mod capture;
 mod polling;
+mod space;
 
 use std::time::Duration;
 
