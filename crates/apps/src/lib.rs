@@ -24,6 +24,7 @@
 //! # Ok::<(), sextant_kernel::SettingError>(())
 //! ```
 
+mod a_star;
 mod application;
 mod area;
 mod automated_s;

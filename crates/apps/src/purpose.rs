@@ -4,3 +4,5 @@ use sextant_kernel::Purpose;
 
 /// Decisions of robots.
 pub(crate) const ROBOT: Purpose = Purpose::new(7);
+/// Particles that follow a target.
+pub(crate) const SEARCH: Purpose = Purpose::new(25);

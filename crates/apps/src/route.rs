@@ -1,18 +1,11 @@
 //! The way round obstacles: a shortest path on a lattice, with its needless corners removed.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use sextant_channel::{Bounds, Position};
 
-/// Length of a step of the lattice in the integer units of cost.
-const STEP: u64 = 1_000_000;
-/// Length of a diagonal step, √2 steps.
-const DIAGONAL: u64 = 1_414_214;
+use crate::a_star::{self, Graph, SquareLattice};
+
 /// Maximum number of vertices of the lattice. If there would be more, the step is made longer.
 const MAX_VERTICES: f64 = 1e6;
-/// The cost of a vertex to which no way is known.
-const UNKNOWN: u64 = u64::MAX;
 
 /// Where to search for a way.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +20,8 @@ pub(crate) struct Search {
 
 impl Search {
     /// Places to drive to, in order; the last is `to`. Each drive is `passable`. `None` if there is no way on the
-    /// lattice. The search is A* with moves to eight neighbours at the height of `from` (Hart, Nilsson and Raphael
-    /// 1968); corners that are not needed are then removed.
+    /// lattice. The search is A* with moves to eight neighbours at the height of `from`; corners that are not needed
+    /// are then removed.
     pub(crate) fn way(
         &self,
         from: Position,
@@ -40,36 +33,11 @@ impl Search {
         }
         let lattice = Lattice::new(self, from, to);
         let reach_m = self.reach_m.max(1.5 * lattice.step_m);
-        let mut cost = vec![UNKNOWN; lattice.columns * lattice.rows];
-        let mut before = vec![usize::MAX; cost.len()];
-        let mut open = BinaryHeap::new();
-        cost[lattice.start] = 0;
-        open.push(Reverse((lattice.least_cost(lattice.start, to, reach_m), 0, lattice.start)));
-        while let Some(Reverse((_, spent, vertex))) = open.pop() {
-            if spent > cost[vertex] {
-                continue;
-            }
-            let place = lattice.place(vertex);
-            if place.distance_m(to) <= reach_m && passable(place, to) {
-                let mut way = vec![to, place];
-                let mut vertex = vertex;
-                while before[vertex] != usize::MAX {
-                    vertex = before[vertex];
-                    way.push(lattice.place(vertex));
-                }
-                way.reverse();
-                return Some(pulled_straight(&way, passable));
-            }
-            for (neighbour, step) in lattice.neighbours(vertex) {
-                let total = spent + step;
-                if total < cost[neighbour] && passable(place, lattice.place(neighbour)) {
-                    cost[neighbour] = total;
-                    before[neighbour] = vertex;
-                    open.push(Reverse((total + lattice.least_cost(neighbour, to, reach_m), total, neighbour)));
-                }
-            }
-        }
-        None
+        let round = WayRound { lattice: &lattice, to, reach_m, passable: &passable };
+        let vertices = a_star::shortest(&round, lattice.start)?.vertices;
+        let mut way: Vec<_> = vertices.into_iter().map(|vertex| lattice.place(vertex)).collect();
+        way.push(to);
+        Some(pulled_straight(&way, passable))
     }
 }
 
@@ -106,8 +74,7 @@ struct Lattice {
     /// Exact place of the vertex `start`.
     from: Position,
     step_m: f64,
-    columns: usize,
-    rows: usize,
+    square: SquareLattice,
     start: usize,
 }
 
@@ -121,44 +88,53 @@ impl Lattice {
         let (west, south) = (steps(from.x_m - min.x_m), steps(from.y_m - min.y_m));
         let columns = whole(west + steps(max.x_m - from.x_m)) + 1;
         let rows = whole(south + steps(max.y_m - from.y_m)) + 1;
-        Self { from, step_m, columns, rows, start: whole(south) * columns + whole(west) }
+        let square = SquareLattice { columns, rows };
+        Self { from, step_m, square, start: whole(south) * columns + whole(west) }
     }
 
     fn place(&self, vertex: usize) -> Position {
-        let (column, row) = (vertex % self.columns, vertex / self.columns);
-        let (west, south) = (self.start % self.columns, self.start / self.columns);
+        let (column, row) = self.square.column_and_row(vertex);
+        let (west, south) = self.square.column_and_row(self.start);
         let (east, north) = (number(column) - number(west), number(row) - number(south));
         self.from + Position::new(east * self.step_m, north * self.step_m, 0.0)
     }
+}
 
-    fn neighbours(&self, vertex: usize) -> impl Iterator<Item = (usize, u64)> {
-        const MOVES: [(isize, isize, u64); 8] = [
-            (1, 0, STEP),
-            (0, 1, STEP),
-            (-1, 0, STEP),
-            (0, -1, STEP),
-            (1, 1, DIAGONAL),
-            (-1, 1, DIAGONAL),
-            (-1, -1, DIAGONAL),
-            (1, -1, DIAGONAL),
-        ];
-        let (column, row, columns, rows) = (vertex % self.columns, vertex / self.columns, self.columns, self.rows);
-        MOVES.into_iter().filter_map(move |(east, north, step)| {
-            let column = column.checked_add_signed(east).filter(|&column| column < columns)?;
-            let row = row.checked_add_signed(north).filter(|&row| row < rows)?;
-            Some((row * columns + column, step))
-        })
+/// The search for a way round obstacles on a lattice.
+struct WayRound<'a, P> {
+    lattice: &'a Lattice,
+    to: Position,
+    reach_m: f64,
+    passable: &'a P,
+}
+
+impl<P: Fn(Position, Position) -> bool> Graph for WayRound<'_, P> {
+    fn vertices(&self) -> usize {
+        self.lattice.square.vertices()
     }
 
-    /// A lower bound of the remaining cost: the straight line without the last drive.
-    fn least_cost(&self, vertex: usize, to: Position, reach_m: f64) -> u64 {
-        let left_m = (self.place(vertex).distance_m(to) - reach_m).max(0.0);
-        whole(left_m / self.step_m * 1e6) as u64
+    fn neighbours(&self, vertex: usize) -> impl Iterator<Item = (usize, u64)> {
+        self.lattice.square.neighbours(vertex)
+    }
+
+    fn is_passable(&self, from: usize, to: usize) -> bool {
+        (self.passable)(self.lattice.place(from), self.lattice.place(to))
+    }
+
+    /// The straight line without the last drive.
+    fn least_cost(&self, vertex: usize) -> u64 {
+        let left_m = (self.lattice.place(vertex).distance_m(self.to) - self.reach_m).max(0.0);
+        whole(left_m / self.lattice.step_m * 1e6) as u64
+    }
+
+    fn is_goal(&self, vertex: usize) -> bool {
+        let place = self.lattice.place(vertex);
+        place.distance_m(self.to) <= self.reach_m && (self.passable)(place, self.to)
     }
 }
 
 /// The way without corners that are not needed, and without its first place.
-fn pulled_straight(way: &[Position], passable: impl Fn(Position, Position) -> bool) -> Vec<Position> {
+pub(crate) fn pulled_straight(way: &[Position], passable: impl Fn(Position, Position) -> bool) -> Vec<Position> {
     let mut corners = Vec::new();
     let mut here = 0;
     while here + 1 < way.len() {
@@ -166,6 +142,14 @@ fn pulled_straight(way: &[Position], passable: impl Fn(Position, Position) -> bo
         corners.push(way[here]);
     }
     corners
+}
+
+/// Distance from `p` to the drive from `a` to `b` (m).
+pub(crate) fn distance_to_drive_m(p: Position, a: Position, b: Position) -> f64 {
+    let along = b - a;
+    let length2 = along.dot(along);
+    let share = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance_m(a + along * share)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast from f64 saturates")]

@@ -5,7 +5,7 @@ use sextant_sim::{Heard, Situation};
 
 use super::rules::Rules;
 use super::visit::Visit;
-use crate::route::Search;
+use crate::route::{Search, distance_to_drive_m};
 
 /// A node, as the robot knows it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -214,7 +214,7 @@ impl Knowledge {
             self.contacts.iter().all(|&contact| {
                 // A robot that stands close to an obstacle may leave it.
                 let (from_m, to_m) = (a.distance_m(contact), b.distance_m(contact));
-                distance_to_segment_m(contact, a, b) >= keep_m.min(from_m) && (to_m >= keep_m || to_m >= from_m)
+                distance_to_drive_m(contact, a, b) >= keep_m.min(from_m) && (to_m >= keep_m || to_m >= from_m)
             })
         };
         let passable = |a: Position, b: Position| {
@@ -235,11 +235,4 @@ impl Knowledge {
 
 fn nearest(places: impl Iterator<Item = Position>, here: Position) -> Option<Position> {
     places.min_by(|a, b| a.distance_m(here).total_cmp(&b.distance_m(here)))
-}
-
-fn distance_to_segment_m(p: Position, a: Position, b: Position) -> f64 {
-    let along = b - a;
-    let length2 = along.dot(along);
-    let share = if length2 > 0.0 { ((p - a).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance_m(a + along * share)
 }
