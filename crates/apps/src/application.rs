@@ -26,6 +26,10 @@ pub struct ApplicationConfig {
     pub network: Option<String>,
     /// When it ends at the latest (s).
     pub duration_s: f64,
+    /// Whether robots may be slower than the targets that they search, which they can then only meet by luck or by a good
+    /// prediction.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub allow_slower: bool,
     /// What it does.
     pub algorithm: AlgorithmConfig,
 }
@@ -54,4 +58,28 @@ pub enum AlgorithmConfig {
     LevelSet(LevelSetConfig),
     /// Seeking of the source of a field up the gradient of the readings around the robot.
     Gradient(GradientConfig),
+}
+
+impl AlgorithmConfig {
+    /// Its key in a scenario.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Detarsk(_) => "detarsk",
+            Self::PG(_) => "p_g",
+            Self::LevelSet(_) => "level_set",
+            Self::Gradient(_) => "gradient",
+        }
+    }
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Detarsk(_) => "detarsk",
+            Self::PG(_) => "p-g",
+            Self::LevelSet(_) => "level-set",
+            Self::Gradient(_) => "gradient",
+        }
+    }
 }

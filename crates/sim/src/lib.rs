@@ -114,7 +114,7 @@ pub use applications::traffic::{
     GroupConfig, Next, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig,
     TraceConfig, Traffic, TrafficConfig, TrafficPlan,
 };
-pub use engine::{Ended, Engine, EngineSetup, NetworkSetup};
+pub use engine::{EndPose, Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
 pub use link::ieee80211ad::{Antennas, AntennasConfig, DmgRadio, HeadingsConfig};

@@ -5,6 +5,7 @@ use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
+use crate::engine::EndPose;
 use crate::faults::Death;
 use crate::service::network_id::NetworkId;
 use crate::service::packets::{NetworkRecord, Packets};
@@ -52,4 +53,6 @@ pub struct RobotRecord {
     pub end: Option<SimTime>,
     /// Number of packets that it heard from each node while it surveyed.
     pub packets: Vec<u32>,
+    /// Where it is at the end of the simulation.
+    pub end_pose: EndPose,
 }

@@ -140,8 +140,18 @@ impl<N: Application> Simulation<N> {
     fn run_told(self, observer: &mut dyn Observer) -> (Survey, OwnApplications<N>) {
         let observer = &mut Told::new(observer);
         let Self { engine, roll, robots: names, surveyed } = self;
-        let Ended { applications, logs, path_lengths_m, networks, end, events, sensed, deaths, interrupted } =
-            engine.run(observer);
+        let Ended {
+            applications,
+            logs,
+            path_lengths_m,
+            end_poses,
+            networks,
+            end,
+            events,
+            sensed,
+            deaths,
+            interrupted,
+        } = engine.run(observer);
         let mut own =
             OwnApplications { nodes: Vec::with_capacity(roll.nodes), robots: Vec::new(), sinks: Vec::new() };
         let mut journeys = Vec::new();
@@ -157,14 +167,15 @@ impl<N: Application> Simulation<N> {
                 (Standard::Sink, _) => {}
             }
         }
-        let robots = (names.into_iter().zip(journeys).zip(path_lengths_m))
-            .map(|((name, journey), path_length_m)| RobotRecord {
+        let robots = (names.into_iter().zip(journeys).zip(path_lengths_m).zip(end_poses))
+            .map(|(((name, journey), path_length_m), end_pose)| RobotRecord {
                 name,
                 stops: journey.stops,
                 path_length_m,
                 ending: journey.ending.map(|(ending, _)| ending),
                 end: journey.ending.map(|(_, end)| end),
                 packets: journey.packets,
+                end_pose,
             })
             .collect();
         let mut energy = EnergySpent::default();

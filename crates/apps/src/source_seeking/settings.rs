@@ -144,6 +144,17 @@ impl SourceSeeking {
         self.goal.level
     }
 
+    /// The rate γ δ at which the value rises far below the level (1/s), if the law has a fixed one.
+    #[must_use]
+    pub fn climb_rate(&self) -> Option<f64> {
+        match self.guidance {
+            Guidance::LevelSet { law: LevelSet { gamma_per_s, climb: Climb::Delta(delta), .. }, .. } => {
+                Some(gamma_per_s * delta)
+            }
+            Guidance::LevelSet { .. } | Guidance::Gradient { .. } => None,
+        }
+    }
+
     /// How far below the level a robot has arrived.
     #[must_use]
     pub fn tolerance(&self) -> f64 {

@@ -7,7 +7,7 @@ use plotters::style::RGBColor;
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::recording::{Detection, Drawn, DrawnTarget, Sensation};
+use crate::recording::{Detection, Drawn, Sensation};
 use crate::text::counted;
 
 use super::palette::{CURVES, INK, PAPER};
@@ -51,7 +51,7 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
             picture.disc(panel.at(node), radius, INK);
         }
         for (i, target) in drawn.targets.iter().enumerate() {
-            let points: Vec<Point> = target.way.iter().map(|&(_, place)| panel.at(place)).collect();
+            let points: Vec<Point> = target.way.places().map(|place| panel.at(place)).collect();
             picture.path(points.clone(), way(i));
             if let Some(&start) = points.first() {
                 picture.square(start, 2.0 * START, color(i));
@@ -59,7 +59,7 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
         }
         for (i, target) in drawn.targets.iter().enumerate() {
             for detection in drawn.detections.iter().filter(|detection| detection.target == target.name) {
-                let Some(place) = target.at(detection.time) else { continue };
+                let Some(place) = target.way.at(detection.time) else { continue };
                 let at = panel.at(place);
                 picture.disc(at, CROSSING, color(i));
                 if detection.sensation == Sensation::Left {
@@ -96,7 +96,7 @@ fn sheet(source: &Source<'_>, radius: f64) -> Sheet {
     }
     legend.extend(source.obstacle_entry());
     let count = drawn.detections.iter().filter(|detection| detection.sensation == Sensation::Entered).count();
-    let length_m: f64 = drawn.targets.iter().map(length_m).sum();
+    let length_m: f64 = drawn.targets.iter().map(|target| target.way.length_m()).sum();
     let note = [
         counted(drawn.nodes.len(), "node"),
         counted(drawn.targets.len(), "target"),
@@ -107,7 +107,7 @@ fn sheet(source: &Source<'_>, radius: f64) -> Sheet {
 }
 
 fn ways(drawn: &Drawn) -> impl Iterator<Item = Position> {
-    drawn.targets.iter().flat_map(|target| &target.way).map(|&(_, place)| place)
+    drawn.targets.iter().flat_map(|target| target.way.places())
 }
 
 /// The corners of boxes around the discs of all nodes, so that the discs are in the picture.
@@ -130,8 +130,4 @@ fn color(i: usize) -> RGBColor {
 /// The line style of the `i`th target.
 fn way(i: usize) -> Stroke {
     Stroke::new(color(i), 1.6)
-}
-
-fn length_m(target: &DrawnTarget) -> f64 {
-    target.way.windows(2).map(|pair| pair[0].1.distance_m(pair[1].1)).sum()
 }

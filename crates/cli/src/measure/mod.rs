@@ -1,9 +1,11 @@
 //! The summary of a map: its properties, and its errors if the truth is known.
 
 mod outline;
+mod placement;
 mod subject;
 mod truth;
 
 pub use outline::outline;
+pub use placement::Placement;
 pub use subject::Subject;
 pub use truth::{NodeSectors, Truth, displacement, in_world, measure};

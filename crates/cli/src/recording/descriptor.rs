@@ -97,6 +97,7 @@ mod tests {
     fn declarations() -> impl Iterator<Item = &'static Declaration> {
         let own = [
             messages::DECLARATIONS,
+            messages::applications::DECLARATIONS,
             messages::distributed::DECLARATIONS,
             messages::networks::DECLARATIONS,
             messages::sensing::DECLARATIONS,

@@ -1,5 +1,6 @@
 //! Reads from a recording what figures show: positions, shapes and likelihood surfaces.
 
+pub(super) mod applications;
 pub(super) mod distributed;
 pub(super) mod sensing;
 
@@ -14,11 +15,13 @@ use sextant_kernel::{NodeId, SimTime};
 use super::drawing::{self, GridPlane, Solid, place};
 use super::error::RecordingError;
 use super::names::{
-    ANCHORS_TOPIC, FIELDS_TOPICS, MAPPED_NODES_TOPIC, SENSED_TOPIC, SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC,
-    WORLD_SINKS_TOPIC,
+    ANCHORS_TOPIC, ApplicationTopics, FIELDS_TOPICS, MAPPED_NODES_TOPIC, PHASES_METADATA, SENSED_TOPIC,
+    SENSORS_TOPIC, TARGETS_TOPICS, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
+use super::phase;
 use super::reader::sound;
 use super::scan::Piece;
+use applications::DrawnApplication;
 use distributed::DrawnMappedNode;
 use sensing::{Detection, DrawnField, DrawnTarget, Sample};
 
@@ -54,6 +57,9 @@ pub struct Drawn {
     pub fields: Vec<DrawnField>,
     /// What nodes read of the fields, in the order of the file.
     pub samples: Vec<Sample>,
+    /// The applications, in the order of the file. If there are any, what sensors said, targets and fields are those of the
+    /// first phase of the run.
+    pub applications: Vec<DrawnApplication>,
 }
 
 /// The likelihood of one node in one map.
@@ -73,15 +79,24 @@ pub struct DrawnLikelihood {
 /// If the file cannot be read, is damaged, or has a drawing with another layout than [`super::Recorder`] writes.
 pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
     let mut drawn = Drawn::default();
+    let mut phases = Vec::new();
     sound(path, &mut |piece| {
-        let Piece::Message { channel, header, data } = piece else {
-            return Ok(());
+        let (channel, header, data) = match piece {
+            Piece::Message { channel, header, data } => (channel, header, data),
+            Piece::Metadata(record) if record.name == PHASES_METADATA => {
+                phases = phase::read(&record.metadata).ok_or_else(|| {
+                    RecordingError::message(path, PHASES_METADATA, "names and times of different lengths".to_owned())
+                })?;
+                return Ok(());
+            }
+            _ => return Ok(()),
         };
         let schema = channel.schema.as_ref().map_or("", |schema| schema.name.as_str());
         drawn
             .add(&channel.topic, schema, SimTime::from_nanos(header.log_time), data)
             .map_err(|problem| RecordingError::message(path, &channel.topic, problem))
     })?;
+    drawn.divide(&phases);
     Ok(drawn)
 }
 
@@ -104,6 +119,8 @@ impl Drawn {
             "foxglove.PosesInFrame" => {
                 if let Some(name) = drawing::robot_of_path(topic) {
                     replace(&mut self.paths, name, drawing::path_of(data)?);
+                } else if let Some((name, rest)) = ApplicationTopics::application(topic) {
+                    self.add_application(name, rest, time, data)?;
                 }
             }
             "foxglove.Grid" => {
@@ -125,7 +142,12 @@ impl Drawn {
             _ if topic == MAPPED_NODES_TOPIC => self.mapped_nodes.push(distributed::mapped_node(data)?),
             _ if topic == SENSORS_TOPIC => self.detection_radius_m = sensing::radius_m(data)?,
             _ if topic == SENSED_TOPIC => self.add_sensed(time, data)?,
-            _ => {}
+            "sextant.Metric" => self.add_metric(time, data)?,
+            _ => {
+                if let Some((name, rest)) = ApplicationTopics::application(topic) {
+                    self.add_application(name, rest, time, data)?;
+                }
+            }
         }
         Ok(())
     }

@@ -43,10 +43,12 @@ macro_rules! recorded {
     };
 }
 
+pub(super) mod applications;
 pub(super) mod distributed;
 pub(super) mod networks;
 pub(super) mod sensing;
 
+pub use applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 pub use distributed::MappedNodeMessage;
 pub use networks::{NetworksMessage, SectorMessage};
 pub use sensing::{SensedMessage, SensorsMessage};

@@ -8,6 +8,8 @@ pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
 pub const SUMMARY_ATTACHMENT: &str = "summary.json";
 /// Name of the metadata record with `seed`, `version` and `scenario`.
 pub const ORIGIN_METADATA: &str = "sextant";
+/// Name of the metadata record with the phases of a run that has applications.
+pub(super) const PHASES_METADATA: &str = "phases";
 /// Topic of receptions between nodes.
 pub(super) const NEIGHBOURS_TOPIC: &str = "/neighbours";
 /// Topic of receptions of the anchors' packets by nodes.
@@ -60,5 +62,37 @@ impl LogTopics {
     pub(super) fn network(topic: &str) -> Option<&str> {
         let rest = topic.strip_prefix(NETWORKS_TOPICS)?;
         [STOPS_TOPIC, RECEPTIONS_TOPIC, SECTORS_TOPIC].iter().find_map(|end| rest.strip_suffix(end))
+    }
+}
+
+/// Start of the topics of applications; their names follow.
+const APPLICATION_TOPICS: &str = "/application/";
+
+/// The topics of an application.
+pub(super) struct ApplicationTopics {
+    /// What it is.
+    pub(super) description: String,
+    pub(super) estimates: String,
+    pub(super) captures: String,
+    /// Start of the topics of the paths of its robots; their names follow.
+    pub(super) paths: String,
+}
+
+impl ApplicationTopics {
+    /// Those of the application called `name`.
+    pub(super) fn new(name: &str) -> Self {
+        let topic = |end: &str| format!("{APPLICATION_TOPICS}{name}{end}");
+        Self {
+            description: topic(""),
+            estimates: topic("/estimates"),
+            captures: topic("/captures"),
+            paths: topic("/path/"),
+        }
+    }
+
+    /// Name of the application to which `topic` belongs, and the rest of the topic.
+    pub(super) fn application(topic: &str) -> Option<(&str, &str)> {
+        let rest = topic.strip_prefix(APPLICATION_TOPICS)?;
+        Some(rest.split_once('/').unwrap_or((rest, "")))
     }
 }

@@ -1,5 +1,6 @@
 //! The writer of recordings.
 
+mod applications;
 mod sensing;
 
 use std::collections::BTreeMap;

@@ -1,11 +1,14 @@
 //! A map as a CSV file.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use sextant_channel::Position;
 use sextant_mapper::TopologyMap;
 
 use super::error::RobotLogError;
 use super::output::Output;
+use super::truth::read_places;
 
 /// The entries of the symmetric covariance that are written: row, column, and name.
 const COVARIANCE: [(usize, usize, &str); 6] = [
@@ -16,6 +19,16 @@ const COVARIANCE: [(usize, usize, &str); 6] = [
     (1, 2, "cov_yz_m2"),
     (2, 2, "cov_zz_m2"),
 ];
+
+/// Reads the positions (m) in a file that [`write_map`] wrote, or in a table `node,x_m,y_m[,z_m]`, by name of node.
+///
+/// # Errors
+/// If the file cannot be read or has an invalid row; the error names file, line and column.
+pub fn read_map(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
+    let covariance = COVARIANCE.map(|(_, _, name)| name);
+    let optional = ["z_m", "ties", "infeasible"].into_iter().chain(covariance);
+    read_places(path, &optional.collect::<Vec<_>>())
+}
 
 /// Writes the mapped nodes to the file `path`, with the columns `node,x_m,y_m,z_m,ties,infeasible` and the covariance (m²)
 /// if the map has one. Unmapped nodes have no row. `names` are the names of the nodes in the log.

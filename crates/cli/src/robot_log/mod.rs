@@ -31,5 +31,5 @@ mod truth;
 
 pub use error::RobotLogError;
 pub use folder::{read, write};
-pub use map::write_map;
+pub use map::{read_map, write_map};
 pub use truth::read_truth;

@@ -13,7 +13,15 @@ use super::table::Table;
 /// # Errors
 /// If the file cannot be read or has an invalid row; the error names file, line and column.
 pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
-    let table = Table::read(path, &["node", "x_m", "y_m"], &["z_m"])?;
+    read_places(path, &["z_m"])
+}
+
+/// Reads the positions (m) in the file `path`, by name of node; columns that are `optional` and no position are ignored.
+pub(super) fn read_places(
+    path: &Path,
+    optional: &[&'static str],
+) -> Result<BTreeMap<String, Position>, RobotLogError> {
+    let table = Table::read(path, &["node", "x_m", "y_m"], optional)?;
     let node = table.column("node");
     let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
     let mut places = BTreeMap::new();

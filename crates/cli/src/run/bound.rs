@@ -21,7 +21,7 @@ pub(super) fn posterior_bound_m(
     let network = scenario.surveyed()[0];
     let settings = scenario.networks()[network.index()].link.technology.ieee802154();
     let beacons_come_first = settings.is_none_or(|settings| matches!(settings.mac, Mac::BeaconEnabled(_)));
-    let places_are_known = scenario.config().robots.iter().all(|robot| robot.odometry == OdometryConfig::default());
+    let places_are_known = scenario.robots_of_survey().all(|robot| robot.odometry == OdometryConfig::default());
     if !(known.is_independent() && known.is_alike_at_all_stops && places_are_known) || beacons_come_first {
         return Ok(None);
     }

@@ -12,6 +12,7 @@ use sextant_mac::{EnergySpent, MessageEnergy};
 use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, SectorDisplacement, TopologyMap};
 use sextant_sim::{Ieee80211ad, NetworkRecord, RobotRecord, RoleConfig, Technology};
 
+use super::application::MadeMap;
 use super::evaluation::{Evaluation, sector_displacement, truth};
 use super::mapped_node;
 use super::simulator::Simulated;
@@ -55,7 +56,8 @@ pub fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -> Optio
         distributed: Some(summary(scenario, map, simulated)),
         ..measured.expect("nobody stops the work")
     };
-    Some(Evaluation { map: found, learned: None, summary })
+    let made = MadeMap::new(&map.name, &found);
+    Some(Evaluation { map: found, made, learned: None, summary })
 }
 
 /// The places that the nodes believe in.
@@ -138,8 +140,7 @@ fn messages(nodes: &[MappingRecord], record: &NetworkRecord) -> MessagesSummary 
 }
 
 fn mobile(scenario: &Scenario, robots: &[RobotRecord], nodes: &[MappingRecord]) -> Option<MobileAnchorsSummary> {
-    let configs = &scenario.config().robots;
-    let mobile = || configs.iter().zip(robots).filter(|(config, _)| config.role == RoleConfig::Anchor);
+    let mobile = || scenario.robots_of_survey().zip(robots).filter(|(config, _)| config.role == RoleConfig::Anchor);
     mobile().next()?;
     let heard = nodes.iter().filter(|node| node.mobile_stops_heard > 0).count();
     Some(MobileAnchorsSummary {

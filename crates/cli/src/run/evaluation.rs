@@ -5,6 +5,7 @@ use sextant_kernel::{Interrupted, Watch};
 use sextant_mapper::{KnowledgeKind, Learned, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
+use super::application::MadeMap;
 use super::bound;
 use super::discovery::Discoveries;
 use super::message_energy::message_energy_j;
@@ -19,6 +20,8 @@ use crate::summary::MapSummary;
 pub struct Evaluation {
     /// The map, in world coordinates.
     pub map: TopologyMap,
+    /// The map as applications get it.
+    pub made: MadeMap,
     /// What else was estimated from the log.
     pub learned: Option<Learned>,
     /// Properties of the map, and its errors.
@@ -41,6 +44,7 @@ pub fn evaluate(
     let networks = scenario.networks_of(named);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
     let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
+    let made = MadeMap::new(&named.name, &map);
     let truth = truth(scenario);
     let (map, alignment) = in_world(map, Some(&truth));
     let displacement = sector_displacement(scenario, &networks, &map, &truth);
@@ -64,7 +68,7 @@ pub fn evaluate(
             watch,
         )?
     };
-    Ok(Evaluation { map, learned, summary })
+    Ok(Evaluation { map, made, learned, summary })
 }
 
 /// The sector displacement of a map from the logs of `networks`; `None` if the nodes have no sectors in any of them.

@@ -32,6 +32,42 @@ pub(super) fn record(
     Ok(())
 }
 
+/// Records `fields` in the phase of an application, which lasts `end` and begins after `offset` in the recording: at the
+/// instants that the scenario names and, if the application `seeks` a source, also at the beginning.
+pub(super) fn record_phase(
+    scenario: &Scenario,
+    fields: &[Field],
+    (end, offset): (SimTime, Duration),
+    seeks: bool,
+    recorder: &mut FileRecorder,
+) -> Result<(), Failure> {
+    let bounds = Bounds::of(scenario.world().nodes.iter().map(|node| node.position)).expect("a world has nodes");
+    let named = scenario.recording().fields.clone();
+    let size = bounds.max - bounds.min;
+    let own = SnapshotsConfig { at_s: Vec::new(), step_m: (size.x_m.max(size.y_m) / VERTICES).max(LEAST_STEP_M) };
+    let mut snapshots = named.unwrap_or(own);
+    if seeks {
+        snapshots.at_s.push(0.0);
+    }
+    snapshots.at_s.sort_by(f64::total_cmp);
+    snapshots.at_s.dedup();
+    for &at_s in &snapshots.at_s {
+        let time = SimTime::ZERO + Duration::from_secs_f64(at_s);
+        if time > end {
+            continue;
+        }
+        for field in fields {
+            recorder.field(time + offset, field.name(), &plane(field, time, bounds, &snapshots))?;
+        }
+    }
+    Ok(())
+}
+
+/// Vertices of a snapshot along the longer side of the world, if the scenario does not say how fine it is.
+const VERTICES: f64 = 120.0;
+/// Least distance of its vertices (m).
+const LEAST_STEP_M: f64 = 1e-3;
+
 /// The values of a field around `bounds`, on the level through their middle.
 fn plane(field: &Field, time: SimTime, bounds: Bounds, snapshots: &SnapshotsConfig) -> GridPlane {
     let step_m = snapshots.step_m;

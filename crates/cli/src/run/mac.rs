@@ -43,7 +43,7 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &BusyNetwork, recor
     let by_node = members
         .iter()
         .map(|&node| NamedTraffic { name: nodes[node.index()].name.clone(), traffic: of_nodes(&[node]) });
-    let collectors = (scenario.config().robots.iter().map(|robot| &robot.name))
+    let collectors = (scenario.robots_of_survey().map(|robot| &robot.name))
         .chain(scenario.config().sinks.iter().map(|sink| &sink.name));
     let sinks = collectors.zip(&record.deliveries[nodes.len()..]);
     let all_delays: Vec<f64> = delays.iter().flatten().copied().collect();

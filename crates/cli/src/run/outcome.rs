@@ -1,5 +1,6 @@
 //! The summary of a run.
 
+use sextant_apps::ControllerConfig;
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{BusyNetwork, Ending, NetworkRecord, RoleConfig, Survey};
 use sha2::{Digest, Sha256};
@@ -8,15 +9,56 @@ use super::discovery::Discoveries;
 use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
-    EnergySummary, FaultsSummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary, SensingSummary,
-    SimulationSummary, Summary,
+    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary,
+    SensingSummary, SimulationSummary, Summary,
 };
 
-/// The summary of a survey, of the discovery before it and of its maps, without timing.
+/// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
+/// applications.
 #[must_use]
-pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, maps: Vec<MapSummary>) -> Summary {
+pub fn sum_up(
+    scenario: &Scenario,
+    survey: Option<&Survey>,
+    discoveries: &Discoveries,
+    maps: Vec<MapSummary>,
+    applications: Vec<ApplicationSummary>,
+) -> Summary {
+    let of_survey = survey.map(|survey| of_survey(scenario, survey)).unwrap_or_default();
+    let time = |of: fn(&ApplicationSummary) -> f64| applications.iter().map(of).sum::<f64>();
+    let events: u64 = applications.iter().map(|application| application.events).sum();
+    Summary {
+        scenario: Some(identity(scenario)),
+        simulation: Some(SimulationSummary {
+            sim_time_s: survey.map_or(0.0, |survey| survey.end.as_secs_f64())
+                + time(|application| application.sim_time_s),
+            events: survey.map_or(0, |survey| survey.events) + events,
+            nodes: scenario.world().nodes.len(),
+            obstacles: scenario.world().obstacles.len(),
+        }),
+        discovery: discoveries.summary(scenario),
+        maps,
+        applications,
+        ..of_survey
+    }
+}
+
+/// The parts of a summary that tell of the survey.
+fn of_survey(scenario: &Scenario, survey: &Survey) -> Summary {
+    let has_robots = scenario.config().robots.iter().any(|robot| robot.role == RoleConfig::Survey);
+    let mut traffic = mac::traffic(scenario, survey).into_iter();
+    Summary {
+        mac: traffic.next(),
+        other_networks: traffic.collect(),
+        sensing: sensing(scenario, survey),
+        gathering: has_robots.then(|| gathering(scenario, survey)),
+        faults: faults(scenario, survey),
+        ..Summary::default()
+    }
+}
+
+fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
     let packets = survey.packets;
-    let robots = survey.robots.iter().zip(&scenario.config().robots).map(|(record, config)| RobotSummary {
+    let robots = survey.robots.iter().zip(scenario.robots_of_survey()).map(|(record, config)| RobotSummary {
         name: record.name.clone(),
         stops: record.stops,
         path_length_m: record.path_length_m,
@@ -27,51 +69,35 @@ pub fn sum_up(scenario: &Scenario, survey: &Survey, discoveries: &Discoveries, m
         }),
         duration_s: record.end.map(SimTime::as_secs_f64),
         unreached: match config.role {
-            RoleConfig::Survey => unreached(survey, config.controller.packets_per_node()),
-            RoleConfig::Anchor => Vec::new(),
+            RoleConfig::Survey => {
+                unreached(survey, config.controller.as_ref().map_or(1, ControllerConfig::packets_per_node))
+            }
+            RoleConfig::Anchor | RoleConfig::Agent => Vec::new(),
         },
     });
-    let has_robots = scenario.config().robots.iter().any(|robot| robot.role == RoleConfig::Survey);
-    let mut traffic = mac::traffic(scenario, survey).into_iter();
-    Summary {
-        scenario: Some(identity(scenario)),
-        mac: traffic.next(),
-        other_networks: traffic.collect(),
-        sensing: sensing(scenario, survey),
-        simulation: Some(SimulationSummary {
-            sim_time_s: survey.end.as_secs_f64(),
-            events: survey.events,
-            nodes: scenario.world().nodes.len(),
-            obstacles: scenario.world().obstacles.len(),
+    GatheringSummary {
+        path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
+        duration_s: Some(survey.end.as_secs_f64()),
+        packets_offered: Some(packets.offered),
+        packets_sent: Some(packets.sent),
+        packets_received: Some(packets.received),
+        lost_collision: Some(packets.lost_collision),
+        lost_channel_access: Some(packets.lost_channel_access),
+        lost_signal: Some(packets.lost_signal),
+        lost_queue: Some(packets.lost_queue),
+        out_of_range: Some(packets.out_of_range),
+        not_listened: Some(packets.not_listened),
+        pending: Some(packets.pending),
+        energy_j: Some(EnergySummary {
+            tx: survey.energy.tx_j,
+            rx: survey.energy.rx_j,
+            idle: survey.energy.idle_j + survey.energy.sleep_j,
         }),
-        gathering: has_robots.then(|| GatheringSummary {
-            path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
-            duration_s: Some(survey.end.as_secs_f64()),
-            packets_offered: Some(packets.offered),
-            packets_sent: Some(packets.sent),
-            packets_received: Some(packets.received),
-            lost_collision: Some(packets.lost_collision),
-            lost_channel_access: Some(packets.lost_channel_access),
-            lost_signal: Some(packets.lost_signal),
-            lost_queue: Some(packets.lost_queue),
-            out_of_range: Some(packets.out_of_range),
-            not_listened: Some(packets.not_listened),
-            pending: Some(packets.pending),
-            energy_j: Some(EnergySummary {
-                tx: survey.energy.tx_j,
-                rx: survey.energy.rx_j,
-                idle: survey.energy.idle_j + survey.energy.sleep_j,
-            }),
-            robots: robots.collect(),
-            interrupted: survey.interrupted,
-            stops: stops(scenario, survey),
-            sweeps: sweeps(scenario, survey),
-            receptions: heard(survey),
-        }),
-        faults: faults(scenario, survey),
-        discovery: discoveries.summary(scenario),
-        maps,
-        ..Summary::default()
+        robots: robots.collect(),
+        interrupted: survey.interrupted,
+        stops: stops(scenario, survey),
+        sweeps: sweeps(scenario, survey),
+        receptions: heard(survey),
     }
 }
 
@@ -89,7 +115,7 @@ fn faults(scenario: &Scenario, survey: &Survey) -> Option<FaultsSummary> {
 
 /// Stops at which robots listened.
 fn stops(scenario: &Scenario, survey: &Survey) -> usize {
-    let robots = survey.robots.iter().zip(&scenario.config().robots);
+    let robots = survey.robots.iter().zip(scenario.robots_of_survey());
     robots.filter(|(_, config)| config.role == RoleConfig::Survey).map(|(record, _)| record.stops).sum()
 }
 

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::{Discovery, Sensors, Setup, Simulation, World};
+use sextant_sim::{Discovery, RobotBody, Sensors, Setup, Simulation, World};
 
+use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
 use super::distributed::{DistributedMap, check_distributed};
 use super::errors::Errors;
@@ -14,18 +15,22 @@ use super::known_channel::KnownChannel;
 use super::known_networks::KnownNetworks;
 use super::maps::{NamedMap, check_log_of_maps, check_maps};
 use super::networks::NetworkTables;
-use super::robots::{check_robots, check_target_names};
+use super::robots::{Robots, check_robots, check_target_names};
 use super::sinks::check_sinks;
 use crate::text::counted;
 
 /// The validated settings. They are built once, because planning the paths of robots takes a while.
 #[derive(Clone)]
 pub(super) struct Parts {
+    /// The simulation of the survey.
     pub(super) setup: Setup,
+    /// The bodies of all robots, also of those that take no part in the survey.
+    pub(super) bodies: Vec<RobotBody>,
     pub(super) anchors: Vec<Anchor>,
     pub(super) discovery: Discovery,
     pub(super) known_channel: KnownChannel,
     pub(super) distributed: Option<DistributedMap>,
+    pub(super) applications: Vec<Application>,
 }
 
 /// Checks each part of the scenario, then all parts together.
@@ -49,7 +54,7 @@ pub(super) fn check(
         let checked = SettingError::in_range("duration_s", duration_s, 1e-6, 1e7).map(Duration::from_secs_f64);
         errors.take("", checked)
     });
-    if config.robots.is_empty() && config.duration_s.is_none() && config.distributed_mapping.is_none() {
+    if !config.has_traffic() && config.distributed_mapping.is_none() && config.applications.is_empty() {
         let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
         errors.refuse(&SettingError::new("robots", "none", allowed));
     }
@@ -79,9 +84,20 @@ pub(super) fn check(
         }
     }
     let seed = Seed(config.seed);
+    let Robots { of_survey: robots, bodies } = robots;
     let mut setup = Setup { world, networks, robots, sinks, duration: duration.flatten(), faults, seed };
     let distributed = check_distributed(config, &tables, &mut setup, (&anchors, &maps), errors);
-    if errors.found.is_empty() {
+    let surroundings = Surroundings {
+        config,
+        folder,
+        setup: &setup,
+        tables: &tables,
+        bodies: &bodies,
+        maps: &maps,
+        distributed: distributed.as_ref(),
+    };
+    let applications = check_applications(&surroundings, errors);
+    if errors.found.is_empty() && config.has_survey() {
         // The simulation checks what depends on several parts, such as the size of frames.
         let simulation = match &distributed {
             None => Simulation::new(setup.clone()).map(drop),
@@ -91,7 +107,7 @@ pub(super) fn check(
         };
         errors.take("", simulation);
     }
-    (Some(Parts { setup, anchors, discovery, known_channel, distributed }), maps)
+    (Some(Parts { setup, bodies, anchors, discovery, known_channel, distributed, applications }), maps)
 }
 
 /// The nodes that know their position; checks that there are enough for each of `maps`.

@@ -5,15 +5,15 @@ use std::ops::RangeInclusive;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_apps::ControllerConfig;
 use sextant_apps::distributed::DistributedMappingConfig;
+use sextant_apps::{ApplicationConfig, ControllerConfig};
 use sextant_channel::ChannelConfig;
 use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{MapConfig, NodeDisplacement};
 use sextant_sim::{
     AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, MacConfig, RadioConfig, ReceptionConfig,
-    RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
@@ -85,6 +85,9 @@ pub struct ScenarioConfig {
     /// A map that the nodes compute themselves, from messages among them; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distributed_mapping: Option<DistributedMappingConfig>,
+    /// What robots and nodes do on a map of the nodes, one after the other: each is a simulation of its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub applications: Vec<ApplicationConfig>,
     /// How maps are compared with the truth.
     #[serde(default)]
     pub metrics: MetricsConfig,
@@ -94,6 +97,22 @@ pub struct ScenarioConfig {
     /// The settings that a sweep varies; `run` ignores this table.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sweep: Option<SweepConfig>,
+}
+
+impl ScenarioConfig {
+    /// Whether there is a phase before the applications: robots survey or tell their place, nodes compute a map, traffic
+    /// is studied for a time, or maps are computed.
+    #[must_use]
+    pub fn has_survey(&self) -> bool {
+        self.has_traffic() || self.distributed_mapping.is_some() || !self.maps.is_empty()
+    }
+
+    /// Whether nodes send the traffic of their networks: to robots, or for a time.
+    #[must_use]
+    pub fn has_traffic(&self) -> bool {
+        let takes_part = |robot: &RobotConfig<ControllerConfig>| robot.role != RoleConfig::Agent;
+        self.duration_s.is_some() || self.robots.iter().any(takes_part)
+    }
 }
 
 fn is_faultless(faults: &FaultsConfig) -> bool {

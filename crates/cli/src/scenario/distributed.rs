@@ -122,7 +122,7 @@ fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mu
 }
 
 /// Nodes must hear each other.
-fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors<'_>) {
+pub(super) fn check_receivers(tables: &NetworkTables<'_>, errors: &mut Errors<'_>) {
     let why = "because nodes must hear each other's messages at any time";
     let error = match tables.mac.value {
         MacConfig::SectorSweep(_) => return,

@@ -3,7 +3,7 @@
 use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelLaw, Db};
 use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, ProfileConfig, RangingConfig};
-use sextant_sim::{RadioConfig, RobotConfig, TrafficConfig};
+use sextant_sim::{RadioConfig, RobotConfig, RoleConfig, TrafficConfig};
 
 /// The channel of a scenario, for maps that may know it.
 #[derive(Clone, Copy, Debug)]
@@ -44,12 +44,13 @@ impl KnownChannel {
                 | TrafficConfig::Silent(_) => 1.0,
             },
         };
+        let robots = || robots.iter().filter(|robot| robot.role != RoleConfig::Agent);
         // Slots on a drive are longer.
-        let stands = robots.iter().all(|robot| !robot.listen_while_driving);
-        let least = robots.iter().map(packets).fold(f64::INFINITY, f64::min);
-        let most = robots.iter().map(packets).fold(0.0, f64::max);
-        let mean = robots.iter().map(packets).sum::<f64>() / robots.len() as f64;
-        let packets_per_stop = if robots.is_empty() { 1.0 } else { mean };
+        let stands = robots().all(|robot| !robot.listen_while_driving);
+        let least = robots().map(packets).fold(f64::INFINITY, f64::min);
+        let most = robots().map(packets).fold(0.0, f64::max);
+        let count = robots().count();
+        let packets_per_stop = if count == 0 { 1.0 } else { robots().map(packets).sum::<f64>() / count as f64 };
         Self { radio, channel, gain, packets_per_stop, is_alike_at_all_stops: stands && least >= most }
     }
 

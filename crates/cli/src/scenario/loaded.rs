@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use sextant_apps::{ControllerConfig, MapSourceConfig};
 use sextant_channel::Anchor;
 use sextant_kernel::Seed;
 use sextant_mapper::Mapper;
-use sextant_sim::{BusyNetwork, Discovery, NetworkId, Setup, World};
+use sextant_sim::{BusyNetwork, Discovery, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
 
+use super::applications::Application;
 use super::build::{Parts, check};
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
@@ -111,6 +113,11 @@ impl Scenario {
         }
     }
 
+    /// The robots that take part in the survey, in their order: all but the agents.
+    pub fn robots_of_survey(&self) -> impl Iterator<Item = &RobotConfig<ControllerConfig>> {
+        self.config.robots.iter().filter(|robot| robot.role != RoleConfig::Agent)
+    }
+
     /// All its networks.
     #[must_use]
     pub fn networks(&self) -> &[BusyNetwork] {
@@ -147,6 +154,18 @@ impl Scenario {
         self.parts.distributed.as_ref()
     }
 
+    /// What robots and nodes do on maps of the nodes.
+    #[must_use]
+    pub fn applications(&self) -> &[Application] {
+        &self.parts.applications
+    }
+
+    /// The bodies of all robots.
+    #[must_use]
+    pub fn bodies(&self) -> &[RobotBody] {
+        &self.parts.bodies
+    }
+
     /// How maps are compared with the truth.
     #[must_use]
     pub fn metrics(&self) -> &MetricsConfig {
@@ -163,7 +182,7 @@ impl Scenario {
     #[must_use]
     pub fn captured_robot(&self) -> Option<usize> {
         let name = self.config.recording.pcap.robot.as_ref()?;
-        self.config.robots.iter().position(|robot| robot.name == *name)
+        self.robots_of_survey().position(|robot| robot.name == *name)
     }
 
     /// The setup of a simulation; each call returns robots at their start.
@@ -182,6 +201,8 @@ impl Scenario {
     #[must_use]
     pub fn outline(&self) -> String {
         let world = self.world();
+        let applications = Some(self.applications().len()).filter(|&count| count > 0);
+        let applications = applications.map(|count| counted(count, "application"));
         [
             counted(world.nodes.len(), "node"),
             counted(world.obstacles.len(), "obstacle"),
@@ -189,6 +210,9 @@ impl Scenario {
             counted(self.config.sinks.len(), "sink"),
             counted(self.maps.len() + usize::from(self.distributed().is_some()), "map"),
         ]
+        .into_iter()
+        .chain(applications)
+        .collect::<Vec<_>>()
         .join(", ")
     }
 }
@@ -199,6 +223,12 @@ fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Pa
     for (key, file) in config.world.files_mut() {
         document.rebase(&format!("world.{key}"), file, folder);
         named_files.push(folder.join(file));
+    }
+    for (i, application) in config.applications.iter_mut().enumerate() {
+        if let MapSourceConfig::File(file) = &mut application.map {
+            document.rebase(&format!("applications[{i}].map.file"), file, folder);
+            named_files.push(folder.join(file));
+        }
     }
     let of_traffic = config.traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic));
     let of_networks = config

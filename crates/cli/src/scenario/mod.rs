@@ -1,5 +1,7 @@
 //! Scenario files: read, merged and checked. Each error points at the key in the file.
 
+mod algorithm;
+mod applications;
 mod build;
 mod config;
 mod deserialize;
@@ -27,6 +29,8 @@ mod source;
 mod survey_identity;
 mod sweep;
 
+pub use algorithm::{Algorithm, Task};
+pub use applications::{Application, ApplicationMap};
 pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
 pub use distributed::DistributedMap;
 pub use error::{ScenarioError, ScenarioErrors};

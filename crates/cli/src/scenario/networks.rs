@@ -143,8 +143,8 @@ impl<'a> NetworkTables<'a> {
                 // Names of nodes are not known without a world.
                 nodes.and_then(|_| errors.take(&self.traffic.key, plan))
             }
-            // Nodes that compute a map send their messages alone.
-            (None, _, nodes) if config.distributed_mapping.is_some() => {
+            // Nodes that compute a map, or that only take part in applications, send their messages alone.
+            (None, _, nodes) if config.distributed_mapping.is_some() || !config.has_traffic() => {
                 nodes.and_then(|nodes| TrafficPlan::new(&silent, nodes, folder).ok())
             }
             (None, ..) => errors.take("", Err(self.missing("traffic"))),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sextant_apps::{ControllerConfig, Surroundings};
 use sextant_channel::ObstacleField;
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::{NetworkId, Robot, RobotBody, RobotConfig, RobotTask, RoleConfig, World};
+use sextant_sim::{Controller, NetworkId, Robot, RobotBody, RobotConfig, RobotTask, RoleConfig, World};
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
@@ -15,9 +15,18 @@ use super::networks;
 /// Maximum distance from the start of a robot to the nearest node (m).
 const FARTHEST_START_M: f64 = 1e5;
 
+/// The robots of a scenario.
+#[derive(Clone, Default)]
+pub(super) struct Robots {
+    /// Those that take part in the survey: all but the agents.
+    pub(super) of_survey: Vec<Robot>,
+    /// The bodies of all.
+    pub(super) bodies: Vec<RobotBody>,
+}
+
 /// The robots, with names of their own.
-pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Robot> {
-    let mut robots: Vec<Robot> = Vec::new();
+pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Robots {
+    let mut robots = Robots::default();
     for (i, robot_config) in config.robots.iter().enumerate() {
         let table = format!("robots[{i}]");
         let none = ObstacleField::default();
@@ -31,22 +40,25 @@ pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, error
             errors.refuse(&SettingError::new("start_m", format!("[{x}, {y}, {z}]"), allowed).within(&table));
             continue;
         }
-        let robot = robot(i, robot_config, obstacles, Seed(config.seed)).and_then(|mut robot| {
-            robot.body.networks = surveyed(robot_config, &config.networks)?;
+        let checked = body(robot_config, obstacles, config).and_then(|body| {
+            let controller = controller(i, robot_config, &body, obstacles, Seed(config.seed))?;
             if robot_config.role == RoleConfig::Anchor && config.distributed_mapping.is_none() {
                 let allowed = "\"survey\", or a table `[distributed_mapping]`: a mobile anchor tells nodes its place";
                 return Err(SettingError::new("role", "\"anchor\"", allowed));
             }
-            Ok(robot)
+            Ok((body, controller))
         });
-        let Some(robot) = errors.take(&table, robot) else {
+        let Some((body, controller)) = errors.take(&table, checked) else {
             continue;
         };
-        if robots.iter().any(|other| other.body.name == robot.body.name) {
-            let found = format!("`{}`, the name of an earlier robot", robot.body.name);
+        if robots.bodies.iter().any(|other| other.name == body.name) {
+            let found = format!("`{}`, the name of an earlier robot", body.name);
             errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
         }
-        robots.push(robot);
+        if let Some(controller) = controller {
+            robots.of_survey.push(Robot { body: body.clone(), task: RobotTask::Survey(controller) });
+        }
+        robots.bodies.push(body);
     }
     robots
 }
@@ -88,18 +100,40 @@ fn surveyed(
     Ok(numbers)
 }
 
-fn robot(
-    number: usize,
-    config: &RobotConfig<ControllerConfig>,
+/// The body of a robot at a free place, in its networks.
+fn body(
+    robot: &RobotConfig<ControllerConfig>,
     obstacles: &ObstacleField,
-    seed: Seed,
-) -> Result<Robot, SettingError> {
-    let body = RobotBody::try_from(config)?;
+    config: &ScenarioConfig,
+) -> Result<RobotBody, SettingError> {
+    let body = RobotBody::try_from(robot)?;
     if let Some((found, allowed)) = obstacles.fault(body.start) {
         return Err(SettingError::new("start_m", found, allowed));
     }
+    Ok(RobotBody { networks: surveyed(robot, &config.networks)?, ..body })
+}
+
+/// What drives robot `number` during the survey; `None` for an agent.
+fn controller(
+    number: usize,
+    robot: &RobotConfig<ControllerConfig>,
+    body: &RobotBody,
+    obstacles: &ObstacleField,
+    seed: Seed,
+) -> Result<Option<Box<dyn Controller>>, SettingError> {
+    let config = match (&robot.controller, robot.role) {
+        (None, RoleConfig::Agent) => return Ok(None),
+        (Some(_), RoleConfig::Agent) => {
+            let allowed = "no table: applications drive a robot with `role = \"agent\"`";
+            return Err(SettingError::new("controller", "a table", allowed));
+        }
+        (None, RoleConfig::Survey | RoleConfig::Anchor) => {
+            let allowed = "a table, which says how the robot drives, or `role = \"agent\"` for applications alone";
+            return Err(SettingError::new("controller", "absent", allowed));
+        }
+        (Some(config), RoleConfig::Survey | RoleConfig::Anchor) => config,
+    };
     let surroundings =
         Surroundings { obstacles, start: body.start, radius_m: body.radius_m, seed, robot: number as u64 };
-    let controller = config.controller.build(&surroundings).map_err(|error| error.within("controller"))?;
-    Ok(Robot { body, task: RobotTask::Survey(controller) })
+    config.build(&surroundings).map(Some).map_err(|error| error.within("controller"))
 }

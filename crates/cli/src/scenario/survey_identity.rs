@@ -71,6 +71,7 @@ impl SurveyIdentity {
             distributed_mapping,
             discovery: _,
             maps: _,
+            applications: _,
             metrics: _,
             recording: _,
             sweep: _,
@@ -107,7 +108,8 @@ mod tests {
     use super::*;
 
     /// Tables that a survey does not depend on; on the anchors it does if the nodes compute a map.
-    const OTHERS: [&str; 8] = ["name", "seed", "anchors", "discovery", "maps", "metrics", "recording", "sweep"];
+    const OTHERS: [&str; 9] =
+        ["name", "seed", "anchors", "discovery", "maps", "applications", "metrics", "recording", "sweep"];
 
     fn shipped(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).unwrap() {

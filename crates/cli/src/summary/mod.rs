@@ -3,6 +3,8 @@
 //! Numbers are in SI units. A key that does not apply is absent. New keys may be added; existing keys do not change.
 //! Everything except [`Summary::timing`] depends on scenario and seed alone.
 
+mod applications;
+mod applications_table;
 mod distributed;
 mod distributed_table;
 mod gathering;
@@ -14,6 +16,9 @@ mod results;
 mod table;
 mod timing;
 
+pub use applications::{
+    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary,
+};
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use super::applications::ApplicationSummary;
 use super::gathering::{DiscoverySummary, GatheringSummary};
 use super::mac::MacSummary;
 use super::map::MapSummary;
@@ -44,6 +45,9 @@ pub struct Summary {
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,
+    /// The applications, in the order of the scenario.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub applications: Vec<ApplicationSummary>,
     /// Time and memory on this machine: the only part that differs from run to run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,

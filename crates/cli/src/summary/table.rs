@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
@@ -47,6 +48,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         bounds(&summary.maps, out)?;
         heights(&summary.maps, out)?;
         writeln!(out)?;
+    }
+    if !summary.applications.is_empty() {
+        applications_table::write(&summary.applications, out)?;
     }
     if let Some(timing) = &summary.timing {
         writeln!(out, "{}", timing_line(timing))?;

@@ -10,7 +10,8 @@ use super::column::{Column, Kind};
 use super::row::{Row, written};
 use super::statistics::Mean;
 use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, Sweep};
-use crate::summary::{Measure, measures};
+use crate::summary::Measure;
+use crate::summary::measures::{self, Subjects};
 
 /// The cells and runs of a sweep.
 #[derive(Clone, Debug)]
@@ -22,9 +23,7 @@ pub struct Plan {
     cells: Vec<Cell>,
     surveys: usize,
     keys: Vec<Column>,
-    maps: Vec<String>,
-    /// Names of the maps that nodes compute.
-    by_nodes: Vec<String>,
+    subjects: Subjects,
     fingerprint: String,
 }
 
@@ -68,7 +67,7 @@ impl Plan {
         }
         let keys = keys.iter().map(|(key, values)| Column::new(key, kind(values))).collect();
         let mut surveys: Vec<SurveyIdentity> = Vec::new();
-        let (mut maps, mut by_nodes): (Vec<String>, Vec<String>) = Default::default();
+        let mut subjects = Subjects::default();
         let mut cells = Vec::with_capacity(sweep.cells.len());
         let mut digest = Sha256::new();
         let mut contents = Contents::default();
@@ -81,15 +80,12 @@ impl Plan {
             for file in scenario.named_files() {
                 digest.update(contents.of(file)?);
             }
-            if let Some(map) = scenario.distributed().filter(|map| !by_nodes.contains(&map.name)) {
-                by_nodes.push(map.name.clone());
-            }
-            let names = scenario.maps().iter().map(|named| &named.name);
-            for name in scenario.distributed().map(|map| &map.name).into_iter().chain(names) {
-                if !maps.contains(name) {
-                    maps.push(name.clone());
-                }
-            }
+            let by_nodes = scenario.distributed().map(|map| &map.name);
+            let maps = by_nodes.into_iter().chain(scenario.maps().iter().map(|named| &named.name));
+            let applications = scenario.applications().iter().map(|application| &application.name);
+            extend(&mut subjects.by_nodes, by_nodes.into_iter());
+            extend(&mut subjects.maps, maps);
+            extend(&mut subjects.applications, applications);
             let survey = scenario.survey_identity();
             let known = surveys.iter().position(|other| *other == survey);
             let survey = known.unwrap_or_else(|| {
@@ -100,7 +96,7 @@ impl Plan {
         }
         let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
         digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
-        for measure in measures::all(&maps, &by_nodes) {
+        for measure in measures::all(&subjects) {
             digest.update(measure.column() + "\n");
         }
         let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
@@ -112,8 +108,7 @@ impl Plan {
             cells,
             surveys: surveys.len(),
             keys,
-            maps,
-            by_nodes,
+            subjects,
             fingerprint,
         })
     }
@@ -145,13 +140,13 @@ impl Plan {
     /// Names of the maps that any cell computes.
     #[must_use]
     pub fn maps(&self) -> &[String] {
-        &self.maps
+        &self.subjects.maps
     }
 
     /// The measures of each run, in the order of the columns.
     #[must_use]
     pub fn measures(&self) -> Vec<Measure<'_>> {
-        measures::all(&self.maps, &self.by_nodes)
+        measures::all(&self.subjects)
     }
 
     /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a failed run, and the
@@ -258,6 +253,15 @@ impl Contents {
         let hash = Sha256::digest(bytes).into();
         self.0.insert(file.to_owned(), hash);
         Ok(hash)
+    }
+}
+
+/// Adds the names that are not in the list.
+fn extend<'a>(list: &mut Vec<String>, names: impl Iterator<Item = &'a String>) {
+    for name in names {
+        if !list.contains(name) {
+            list.push(name.clone());
+        }
     }
 }
 

@@ -57,11 +57,14 @@ fn each_recorded_detection_is_at_the_rim_of_the_node() {
     assert_eq!(drawn.detection_radius_m, Some(2.5));
     let [intruder, animal] = &drawn.targets[..] else { panic!("two targets") };
     // Seven places, the last one again at the end.
-    assert_eq!((intruder.name.as_str(), intruder.way.len(), animal.way.len() > 20), ("intruder", 8, true));
+    assert_eq!(
+        (intruder.name.as_str(), intruder.way.points().len(), animal.way.points().len() > 20),
+        ("intruder", 8, true)
+    );
     assert!(drawn.detections.len() > 150, "{}", drawn.detections.len());
     for detection in &drawn.detections {
         let target = drawn.targets.iter().find(|target| target.name == detection.target).unwrap();
-        let distance_m = target.at(detection.time).unwrap().distance_m(drawn.nodes[&detection.node]);
+        let distance_m = target.way.at(detection.time).unwrap().distance_m(drawn.nodes[&detection.node]);
         let starts_inside = detection.time == SimTime::ZERO && distance_m < 2.5;
         assert!(starts_inside || (distance_m - 2.5).abs() < 1e-8, "{detection:?} at {distance_m} m");
     }

@@ -6,6 +6,7 @@ use sextant_kernel::SimTime;
 use crate::faults::Death;
 use crate::service::packets::NetworkRecord;
 use crate::service::sensed::Sensations;
+use crate::station::Pose;
 
 /// What an engine leaves behind.
 #[derive(Debug)]
@@ -16,6 +17,8 @@ pub struct Ended<A> {
     pub logs: Vec<ReceptionLog>,
     /// Length of the path of each robot (m).
     pub path_lengths_m: Vec<f64>,
+    /// Where each robot is at the end.
+    pub end_poses: Vec<EndPose>,
     /// What became of the packets in each network, and of the energy.
     pub networks: Vec<NetworkRecord>,
     /// When it ended.
@@ -28,4 +31,22 @@ pub struct Ended<A> {
     pub deaths: Vec<Death>,
     /// Whether the observer ended it.
     pub interrupted: bool,
+}
+
+/// Where a robot is at the end of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndPose {
+    /// Where it is.
+    pub truth: Pose,
+    /// Where it believes to be.
+    pub belief: Pose,
+}
+
+impl EndPose {
+    /// Where it believes to start, if it starts there again and looks along x: `None` if it believes what is true.
+    #[must_use]
+    pub fn believed_start(&self) -> Option<Pose> {
+        let heading_rad = self.belief.heading_rad - self.truth.heading_rad;
+        (self.belief != self.truth).then_some(Pose { heading_rad, ..self.belief })
+    }
 }

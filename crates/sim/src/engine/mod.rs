@@ -28,7 +28,7 @@ use crate::service::sensed::Sensations;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
-pub use ended::Ended;
+pub use ended::{EndPose, Ended};
 pub use setup::{EngineSetup, NetworkSetup};
 
 /// Events between two looks at whether to go on.
@@ -334,6 +334,14 @@ impl<A: Application> Engine<A> {
         let now = self.model.scene.now;
         let names: Vec<String> = self.model.world.nodes.into_iter().map(|node| node.name).collect();
         let robots: Vec<String> = self.model.vehicles.iter().map(|vehicle| vehicle.body.name.clone()).collect();
+        let end_pose = |(robot, vehicle): (usize, &Vehicle)| {
+            let station = self.model.scene.roll.robot(robot);
+            EndPose {
+                truth: self.model.scene.motions[station.index()].pose_at(now),
+                belief: vehicle.believed_at(now),
+            }
+        };
+        let end_poses = self.model.vehicles.iter().enumerate().map(end_pose).collect();
         let logs = self.logs.build(&names, &robots).into_iter().zip(&self.model.networks);
         let logs = logs.map(|(log, network)| match network.robot_sectors() {
             None => log,
@@ -343,6 +351,7 @@ impl<A: Application> Engine<A> {
             applications: self.applications,
             logs: logs.collect(),
             path_lengths_m: self.model.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
+            end_poses,
             networks: self.model.networks.into_iter().map(|network| network.finish(now)).collect(),
             end: now,
             events: self.events,

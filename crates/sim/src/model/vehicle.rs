@@ -32,7 +32,7 @@ pub(crate) struct Drive {
 
 impl Vehicle {
     pub(crate) fn new(body: RobotBody) -> Self {
-        let belief = Motion::standing(body.start);
+        let belief = body.believed_start.map_or(Motion::standing(body.start), Motion::Standing);
         Self { body, belief, drive: None, path_length_m: 0.0, drives: 0 }
     }
 

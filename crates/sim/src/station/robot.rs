@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::SettingError;
 
+use super::motion::Pose;
 use super::odometry::{Odometry, OdometryConfig};
 use crate::service::network_id::NetworkId;
 
@@ -47,8 +48,9 @@ pub struct RobotConfig<C> {
     /// Errors of its odometry; exact if absent.
     #[serde(default)]
     pub odometry: OdometryConfig,
-    /// What drives it.
-    pub controller: C,
+    /// What drives it; an agent has none.
+    #[serde(default = "no_controller", skip_serializing_if = "Option::<C>::is_none")]
+    pub controller: Option<C>,
 }
 
 /// What a robot does at its stops, as written in a scenario.
@@ -61,12 +63,18 @@ pub enum RoleConfig {
     /// It is a mobile anchor: it tells all who hear it where it is, as often as `sweeps_per_stop` says, and listens to
     /// nobody. Its stops are in no log.
     Anchor,
+    /// It takes part in the applications, and does nothing before.
+    Agent,
 }
 
 impl RoleConfig {
     fn is_survey(&self) -> bool {
         *self == Self::Survey
     }
+}
+
+fn no_controller<C>() -> Option<C> {
+    None
 }
 
 fn one() -> u32 {
@@ -94,8 +102,10 @@ fn default_listen_s() -> f64 {
 pub struct RobotBody {
     /// Name.
     pub name: String,
-    /// Where it starts (m).
+    /// Where it starts (m). It looks along x.
     pub start: Position,
+    /// Where it believes to start, if its odometry has erred before.
+    pub believed_start: Option<Pose>,
     /// How fast it drives (m/s).
     pub speed_m_per_s: f64,
     /// Radius of its hull (m).
@@ -130,6 +140,7 @@ impl<C> TryFrom<&RobotConfig<C>> for RobotBody {
         Ok(Self {
             name: config.name.clone(),
             start: config.start_m,
+            believed_start: None,
             speed_m_per_s: SettingError::in_range("speed_m_per_s", config.speed_m_per_s, 1e-3, 1e3)?,
             radius_m: SettingError::in_range("radius_m", config.radius_m, 0.0, 1e3)?,
             listen: Duration::from_secs_f64(SettingError::in_range("listen_s", config.listen_s, 1e-3, 1e6)?),

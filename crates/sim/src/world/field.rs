@@ -175,6 +175,12 @@ impl Field {
 }
 
 impl Gaussian {
+    /// Its value at the centre, in the unit of the field.
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
     /// Its centre (m).
     #[must_use]
     pub fn center(&self) -> Position {

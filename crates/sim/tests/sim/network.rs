@@ -47,6 +47,7 @@ pub(crate) fn surveyor_body() -> RobotBody {
     RobotBody {
         name: "surveyor".into(),
         start: Position::ORIGIN,
+        believed_start: None,
         speed_m_per_s: 1.0,
         radius_m: 0.25,
         listen: Duration::from_secs(1),
@@ -179,6 +180,7 @@ pub(crate) fn body(name: &str, start: Position) -> RobotBody {
     RobotBody {
         name: name.into(),
         start,
+        believed_start: None,
         speed_m_per_s: 0.5,
         radius_m: 0.2,
         listen: Duration::from_secs(1),

@@ -1,16 +1,29 @@
-//! A number of a run or of one of its maps.
+//! A number of a run, of one of its maps or of one of its applications.
 
 use super::number::{Number, Unit};
-use super::{distributed, map, node_errors, position_errors, run, scattering, time};
-use crate::summary::{MapSummary, Summary};
+use super::{application, distributed, map, node_errors, position_errors, run, scattering, time};
+use crate::summary::{ApplicationSummary, MapSummary, Summary};
 
-/// A number of a run or of one of its maps.
+/// A number of a run, of one of its maps or of one of its applications.
 #[derive(Clone, Copy, Debug)]
 pub enum Measure<'a> {
     /// A number of the run as a whole.
     OfRun(&'static Number<Summary>),
     /// A number of the map of this name.
     OfMap(&'a str, &'static Number<MapSummary>),
+    /// A number of the application of this name.
+    OfApplication(&'a str, &'static Number<ApplicationSummary>),
+}
+
+/// What a run has numbers of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Subjects {
+    /// Names of its maps.
+    pub maps: Vec<String>,
+    /// Names of those that nodes compute.
+    pub by_nodes: Vec<String>,
+    /// Names of its applications.
+    pub applications: Vec<String>,
 }
 
 impl Measure<'_> {
@@ -20,6 +33,7 @@ impl Measure<'_> {
         match self {
             Self::OfRun(number) => number.column.to_owned(),
             Self::OfMap(map, number) => format!("{map}.{}", number.column),
+            Self::OfApplication(application, number) => format!("{application}.{}", number.column),
         }
     }
 
@@ -29,6 +43,7 @@ impl Measure<'_> {
         match self {
             Self::OfRun(number) => number.unit,
             Self::OfMap(_, number) => number.unit,
+            Self::OfApplication(_, number) => number.unit,
         }
     }
 
@@ -41,6 +56,9 @@ impl Measure<'_> {
                 let is_named = |map: &&MapSummary| map.name.as_ref().unwrap_or(&map.algorithm) == name;
                 summary.maps.iter().find(is_named).and_then(number.read)
             }
+            Self::OfApplication(name, number) => {
+                summary.applications.iter().find(|application| application.name == *name).and_then(number.read)
+            }
         };
         value.filter(|value| value.is_finite())
     }
@@ -52,23 +70,27 @@ impl PartialEq for Measure<'_> {
         match (self, other) {
             (Self::OfRun(a), Self::OfRun(b)) => a.column == b.column,
             (Self::OfMap(map_a, a), Self::OfMap(map_b, b)) => (map_a, a.column) == (map_b, b.column),
+            (Self::OfApplication(of_a, a), Self::OfApplication(of_b, b)) => (of_a, a.column) == (of_b, b.column),
             _ => false,
         }
     }
 }
 
-/// All measures of a run whose maps are called `maps`, in the order of their columns. Those in `by_nodes` are computed by
-/// the nodes.
-pub fn all<'a>(maps: &'a [String], by_nodes: &[String]) -> Vec<Measure<'a>> {
+/// All measures of a run with these subjects, in the order of their columns.
+#[must_use]
+pub fn all<'a>(subjects: &'a Subjects) -> Vec<Measure<'a>> {
+    let Subjects { maps, by_nodes, applications } = subjects;
     let of_nodes = if by_nodes.is_empty() { &[] } else { time::ALL };
     let of_run = run::ALL.iter().chain(of_nodes).map(|number| Measure::OfRun(number));
-    let of_map = |map: &'a String| {
+    let of_map = |map| {
         let own = if by_nodes.contains(map) { [distributed::ALL, scattering::ALL] } else { [&[][..]; 2] };
         let own = own.into_iter().flatten();
         let numbers = map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL).chain(own);
         numbers.map(move |number| Measure::OfMap(map.as_str(), number))
     };
-    of_run.chain(maps.iter().flat_map(of_map)).collect()
+    let of_application =
+        |name: &'a String| application::ALL.iter().map(move |number| Measure::OfApplication(name.as_str(), number));
+    of_run.chain(maps.iter().flat_map(of_map)).chain(applications.iter().flat_map(of_application)).collect()
 }
 
 #[cfg(test)]
@@ -104,8 +126,13 @@ mod tests {
 
     #[test]
     fn no_two_measures_share_a_column() {
-        let maps = ["ml-tm".to_owned(), "tpm".to_owned()];
-        let mut columns: Vec<_> = all(&maps, &maps[1..]).iter().map(Measure::column).collect();
+        let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+        let subjects = Subjects {
+            maps: names(&["ml-tm", "tpm"]),
+            by_nodes: names(&["tpm"]),
+            applications: names(&["detarsk", "p-g"]),
+        };
+        let mut columns: Vec<_> = all(&subjects).iter().map(Measure::column).collect();
         let count = columns.len();
         columns.sort();
         columns.dedup();

@@ -1,5 +1,6 @@
 //! The numbers of a summary by name. A sweep writes them as columns, and `reproduce` compares them with the thesis.
 
+pub mod application;
 pub mod distributed;
 pub mod map;
 mod measure;
@@ -10,5 +11,5 @@ pub mod run;
 pub mod scattering;
 pub mod time;
 
-pub use measure::{Measure, all};
+pub use measure::{Measure, Subjects, all};
 pub use number::{Number, Unit};

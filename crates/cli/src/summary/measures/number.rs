@@ -9,6 +9,8 @@ pub enum Unit {
     MeanCount,
     /// A share or a rate, 0 to 1.
     Share,
+    /// A number in the unit of a field.
+    Plain,
     /// Metres.
     Metre,
     /// Seconds.
@@ -26,7 +28,7 @@ impl Unit {
     #[must_use]
     pub fn for_people(self) -> (f64, &'static str) {
         match self {
-            Self::Count | Self::MeanCount => (1.0, ""),
+            Self::Count | Self::MeanCount | Self::Plain => (1.0, ""),
             Self::Share => (100.0, "%"),
             Self::Metre => (1.0, "m"),
             Self::Second => (1.0, "s"),

@@ -1,0 +1,165 @@
+//! Applications, as figures show them.
+
+use prost::Message as _;
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+
+use super::super::drawing::{self, place};
+use super::super::messages::MetricMessage;
+use super::super::messages::applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
+use super::super::phase::Phase;
+use super::super::way::Way;
+use super::Drawn;
+use super::sensing::{DrawnField, DrawnTarget};
+
+/// An application and its phase. All instants are those of the recording.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DrawnApplication {
+    /// Its name.
+    pub name: String,
+    /// Its algorithm.
+    pub algorithm: String,
+    /// Name of its map.
+    pub map: String,
+    /// Name of the field whose source it seeks; `None` if it searches targets.
+    pub field: Option<String>,
+    /// The level that it seeks, in the unit of the field.
+    pub level: Option<f64>,
+    /// When its phase begins.
+    pub start: SimTime,
+    /// The paths of its robots, by name.
+    pub paths: Vec<(String, Vec<Position>)>,
+    /// The targets in its phase.
+    pub targets: Vec<DrawnTarget>,
+    /// The recorded instants of the fields in its phase.
+    pub fields: Vec<DrawnField>,
+    /// Where stations thought that targets were, in the world.
+    pub target_places: Vec<DrawnTargetPlace>,
+    /// The captured targets.
+    pub captures: Vec<DrawnCapture>,
+    /// Its time series in the order of the file, each with its name below that of the application.
+    pub series: Vec<(String, Vec<(SimTime, f64)>)>,
+}
+
+/// Where a station thought that a target was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnTargetPlace {
+    /// When it thought so.
+    pub time: SimTime,
+    /// Name of the target.
+    pub target: String,
+    /// The place in the world.
+    pub place: Position,
+}
+
+/// A captured target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnCapture {
+    /// When.
+    pub time: SimTime,
+    /// Name of the robot.
+    pub robot: String,
+    /// Name of the target.
+    pub target: String,
+    /// Where the target was.
+    pub place: Position,
+}
+
+impl DrawnApplication {
+    /// The time series whose names end with `what`, each with the name of its station.
+    pub fn series_of<'a>(&'a self, what: &'a str) -> impl Iterator<Item = (&'a str, &'a [(SimTime, f64)])> {
+        let named = move |(name, points): &'a (String, Vec<_>)| {
+            let station = name.strip_suffix(what)?.strip_suffix('/')?;
+            Some((station, points.as_slice()))
+        };
+        self.series.iter().filter_map(named)
+    }
+}
+
+impl Drawn {
+    /// Adds a message on a topic of an application.
+    pub(super) fn add_application(
+        &mut self,
+        name: &str,
+        rest: &str,
+        time: SimTime,
+        data: &[u8],
+    ) -> Result<(), String> {
+        if rest.is_empty() {
+            let ApplicationMessage { name, algorithm, map, field, level, .. } =
+                ApplicationMessage::decode(data).map_err(|why| why.to_string())?;
+            let field = Some(field).filter(|field| !field.is_empty());
+            let application =
+                DrawnApplication { name, algorithm, map, field, level, start: time, ..DrawnApplication::default() };
+            self.applications.push(application);
+            return Ok(());
+        }
+        let Some(application) = self.applications.iter_mut().find(|application| application.name == name) else {
+            return Err(format!("there is no description of the application `{name}` before"));
+        };
+        match rest {
+            "estimates" => application.target_places.extend(target_place(data)?),
+            "captures" => application.captures.push(capture(data)?),
+            _ => {
+                if let Some(robot) = rest.strip_prefix("path/") {
+                    application.paths.push((robot.to_owned(), drawing::path_of(data)?));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a value of a time series, if it is one of an application.
+    pub(super) fn add_metric(&mut self, time: SimTime, data: &[u8]) -> Result<(), String> {
+        let MetricMessage { name, value, .. } = MetricMessage::decode(data).map_err(|why| why.to_string())?;
+        let Some((first, rest)) = name.split_once('/') else { return Ok(()) };
+        let Some(application) = self.applications.iter_mut().find(|application| application.name == first) else {
+            return Ok(());
+        };
+        match application.series.iter_mut().find(|(other, _)| other == rest) {
+            Some((_, points)) => points.push((time, value)),
+            None => application.series.push((rest.to_owned(), vec![(time, value)])),
+        }
+        Ok(())
+    }
+
+    /// Divides targets, fields and what sensors said by the phases of the run: those of the first phase stay.
+    pub(super) fn divide(&mut self, phases: &[Phase]) {
+        let Some(first) = phases.first() else { return };
+        for application in &mut self.applications {
+            let Some(phase) = phases.iter().find(|phase| phase.name == application.name) else { continue };
+            let within = |target: &DrawnTarget| {
+                let way = target.way.within(phase.start, phase.end);
+                DrawnTarget { name: target.name.clone(), way }
+            };
+            application.targets = self.targets.iter().map(within).collect();
+            application.fields = self.fields.iter().filter(|field| phase.contains(field.time)).cloned().collect();
+        }
+        for target in &mut self.targets {
+            target.way = target.way.within(first.start, first.end);
+        }
+        self.targets.retain(|target| target.way != Way::default());
+        self.fields.retain(|field| first.contains(field.time));
+        self.samples.retain(|sample| first.contains(sample.time));
+        self.detections.retain(|detection| first.contains(detection.time));
+    }
+}
+
+/// Where a station thought that a target was; `None` for other estimates.
+fn target_place(data: &[u8]) -> Result<Option<DrawnTargetPlace>, String> {
+    let message = EstimateMessage::decode(data).map_err(|why| why.to_string())?;
+    let EstimateMessage { world_x_m: Some(x_m), world_y_m: Some(y_m), world_z_m: Some(z_m), .. } = message else {
+        return Ok(None);
+    };
+    if message.what != "target_place" {
+        return Ok(None);
+    }
+    let place = place(x_m, y_m, z_m)?;
+    Ok(Some(DrawnTargetPlace { time: SimTime::from_nanos(message.time_ns), target: message.name, place }))
+}
+
+fn capture(data: &[u8]) -> Result<DrawnCapture, String> {
+    let CaptureMessage { time_ns, robot, target, x_m, y_m, z_m } =
+        CaptureMessage::decode(data).map_err(|why| why.to_string())?;
+    Ok(DrawnCapture { time: SimTime::from_nanos(time_ns), robot, target, place: place(x_m, y_m, z_m)? })
+}

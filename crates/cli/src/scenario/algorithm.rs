@@ -1,0 +1,71 @@
+//! What an application does, checked.
+
+use std::sync::Arc;
+
+use sextant_apps::AlgorithmConfig;
+use sextant_apps::source_seeking::SourceSeeking;
+use sextant_kernel::SettingError;
+use sextant_sim::{Field, Gaussian};
+
+/// What an application does, checked.
+#[derive(Clone, Debug)]
+pub struct Algorithm {
+    /// Its name in tables.
+    pub name: &'static str,
+    /// What robots and nodes do.
+    pub task: Task,
+}
+
+/// What robots and nodes do.
+#[derive(Clone, Debug)]
+pub enum Task {
+    /// They seek the source of a field.
+    Seek(Arc<SourceSeeking>),
+}
+
+impl Algorithm {
+    /// The checked form of `config` in a world with these fields.
+    pub(super) fn new(config: &AlgorithmConfig, fields: &[Field]) -> Result<Self, SettingError> {
+        let seek = |seek: SourceSeeking| Task::Seek(Arc::new(seek));
+        let task = match config {
+            AlgorithmConfig::Detarsk(_) | AlgorithmConfig::PG(_) => {
+                let allowed = "`level_set` or `gradient`: robots cannot search targets yet";
+                return Err(SettingError::new("algorithm", format!("`{}`", config.key()), allowed));
+            }
+            AlgorithmConfig::LevelSet(config) => SourceSeeking::level_set(config, fields).map(seek),
+            AlgorithmConfig::Gradient(config) => SourceSeeking::gradient(config, fields).map(seek),
+        };
+        let task = task.and_then(|task| match &task {
+            Task::Seek(seek) => check_level(seek, fields).map(|()| task),
+        });
+        let task = task.map_err(|error| error.within(format!("algorithm.{}", config.key())))?;
+        Ok(Self { name: config.name(), task })
+    }
+
+    /// Whether it searches targets; otherwise it seeks the source of a field.
+    #[must_use]
+    pub fn is_search(&self) -> bool {
+        match self.task {
+            Task::Seek(_) => false,
+        }
+    }
+
+    /// Number of the field whose source it seeks, and the level that it wants to reach, in the unit of the field.
+    #[must_use]
+    pub fn sought(&self) -> Option<(usize, f64)> {
+        match &self.task {
+            Task::Seek(seek) => Some((seek.field().index(), seek.level())),
+        }
+    }
+}
+
+/// Refuses levels that the field has nowhere: above the sum of all its peaks.
+fn check_level(seek: &SourceSeeking, fields: &[Field]) -> Result<(), SettingError> {
+    let field = &fields[seek.field().index()];
+    let highest: f64 = field.gaussians().iter().map(Gaussian::peak).filter(|peak| *peak > 0.0).sum();
+    if seek.level() - seek.tolerance() > highest {
+        let found = format!("{}, which the field `{}` has nowhere", seek.level(), field.name());
+        return Err(SettingError::new("goal.level", found, format!("at most {highest}, the sum of its peaks")));
+    }
+    Ok(())
+}
