@@ -31,5 +31,5 @@ pub use robust_kalman::{Multiplier, RobustKalman, RobustKalmanSettings, Robustne
 pub use sightings::{NodeSightings, Sighting, Sightings, SightingsSettings};
 pub use target_state::{AxisCovariance, Fix, TargetState};
 pub use trajectory::{
-    AxisForecast, CurveForm, Forecast, Limit, NextTurn, Trajectory, TrajectorySettings, TurnRule, TurnTimes,
+    AxisForecast, CurveForm, Forecast, Limit, NextTurn, Trajectory, TrajectorySettings, Trust, TurnRule, TurnTimes,
 };

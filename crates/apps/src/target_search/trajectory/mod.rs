@@ -4,13 +4,15 @@
 //! turn again after the mean interval between turns, up to one turn past the time asked for. A curve whose velocity is
 //! zero at all these times is fitted to the last filtered places, and is the prediction.
 //!
-//! An axis with fewer than two turns goes on as the filter says, at constant velocity. No prediction is farther from
+//! An axis with fewer than two turns goes on as the filter says, at constant velocity, and so does one whose turns are
+//! too irregular for the curve to have predicted the last places. No prediction is farther from
 //! the last place than the target can go, or outside the field.
 //!
 //! The thesis finds the turns at the zeros of the derivative of a polynomial through all places, and its curve is a
 //! polynomial in time too: [`TrajectorySettings::as_in_thesis`]. Such curves swing ever wider past their last data. The
 //! waves of [`TrajectorySettings::new`] do not.
 
+mod axis;
 mod legendre;
 mod shape;
 mod turn;
@@ -18,7 +20,7 @@ mod turn;
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::{SettingError, SimTime};
 
-use self::shape::Shape;
+use self::axis::Axis;
 use super::target_state::TargetState;
 pub use turn::{TurnRule, TurnTimes};
 
@@ -31,6 +33,8 @@ pub struct TrajectorySettings {
     pub next_turn: NextTurn,
     /// The curve through the turns.
     pub form: CurveForm,
+    /// Which axes follow a curve.
+    pub trust: Trust,
     /// Number of last filtered places to which the curve is fitted, 3 or more.
     pub fitted_places: usize,
     /// Largest speed of the target (m/s).
@@ -47,6 +51,7 @@ impl TrajectorySettings {
             turn_times: TurnTimes::Extremes(1.0),
             next_turn: NextTurn::AfterLastTurn,
             form: CurveForm::Waves,
+            trust: Trust::Proven,
             fitted_places: 5,
             max_speed_m_per_s,
             field,
@@ -60,6 +65,7 @@ impl TrajectorySettings {
             turn_times: TurnTimes::Polynomial { rule: TurnRule::Increment(1.0), most_degree: 8 },
             next_turn: NextTurn::AfterLastSample,
             form: CurveForm::Integral,
+            trust: Trust::Always,
             fitted_places: 3,
             ..Self::new(max_speed_m_per_s, field)
         }
@@ -102,6 +108,17 @@ pub enum CurveForm {
     Product,
 }
 
+/// Which axes follow a curve through their turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Trust {
+    /// Those on which the curve would have predicted the last places with less than half of the squared error of
+    /// constant velocity (hindcast).
+    #[default]
+    Proven,
+    /// All that turned twice, as in the thesis.
+    Always,
+}
+
 /// How a coordinate was predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisForecast {
@@ -114,6 +131,8 @@ pub enum AxisForecast {
     },
     /// At the velocity of the filter, because there are fewer than two turns.
     TooFewTurns,
+    /// At the velocity of the filter, because the curve would not have predicted the last places clearly better.
+    StraightIsBetter,
     /// At the velocity of the filter, because the target should have turned long ago.
     Overdue,
     /// At the velocity of the filter, because the curve hardly changes where the last places are.
@@ -166,12 +185,7 @@ impl Trajectory {
             let points: Vec<_> = (filtered.iter())
                 .map(|&(time, place)| (time.saturating_since(origin).as_secs_f64(), coordinate(place)))
                 .collect();
-            Axis {
-                turns_s: settings.turn_times.of(&points),
-                recent: points[points.len().saturating_sub(settings.fitted_places)..].to_vec(),
-                velocity_m_per_s: coordinate(state.velocity_m_per_s),
-                place_m: coordinate(state.place),
-            }
+            Axis::new(&settings, &points, coordinate(state.place), coordinate(state.velocity_m_per_s))
         };
         Self { settings, origin, last, state, axes: [0, 1, 2].map(axis) }
     }
@@ -181,7 +195,7 @@ impl Trajectory {
     pub fn at(&self, time: SimTime) -> Forecast {
         let ahead_s = time.saturating_since(self.last).as_secs_f64();
         let last_s = self.last.saturating_since(self.origin).as_secs_f64();
-        let forecasts = self.axes.each_ref().map(|axis| axis.forecast(&self.settings, last_s, ahead_s));
+        let forecasts = self.axes.each_ref().map(|axis| axis.forecast(last_s, ahead_s));
         let free = Position::from(forecasts.map(|(coordinate, _)| coordinate));
         let (way, most_m) = (free - self.state.place, self.settings.max_speed_m_per_s * ahead_s);
         let is_fast = way.length_m() > most_m;
@@ -204,59 +218,9 @@ impl Trajectory {
     /// Times at which the target turned along x, y and z, in seconds after the first sample.
     #[must_use]
     pub fn turns_s(&self) -> [&[f64]; 3] {
-        self.axes.each_ref().map(|axis| axis.turns_s.as_slice())
+        self.axes.each_ref().map(Axis::turns_s)
     }
 }
-
-/// One coordinate of the way.
-#[derive(Clone, Debug)]
-struct Axis {
-    /// Past turns, ascending (s).
-    turns_s: Vec<f64>,
-    /// The last filtered coordinates (s, m).
-    recent: Vec<(f64, f64)>,
-    velocity_m_per_s: f64,
-    place_m: f64,
-}
-
-impl Axis {
-    /// The coordinate `ahead_s` seconds after the last sample.
-    fn forecast(&self, settings: &TrajectorySettings, last_s: f64, ahead_s: f64) -> (f64, AxisForecast) {
-        let curve = || {
-            let future_s = self.future_turns_s(settings.next_turn, last_s, ahead_s)?;
-            let turns_s = [&self.turns_s[..], &future_s].concat();
-            let shape = Shape::new(settings.form, turns_s).ok_or(AxisForecast::FlatCurve)?;
-            let curve_m = shape.fitted(&self.recent, last_s + ahead_s).ok_or(AxisForecast::FlatCurve)?;
-            Ok((curve_m, AxisForecast::Curve { past: self.turns_s.len(), future: future_s.len() }))
-        };
-        curve().unwrap_or_else(|reason| (self.place_m + ahead_s * self.velocity_m_per_s, reason))
-    }
-
-    /// Turns after those that were seen, up to the first one after the time asked for.
-    ///
-    /// # Errors
-    /// The reason why there are none.
-    fn future_turns_s(&self, next_turn: NextTurn, last_s: f64, ahead_s: f64) -> Result<Vec<f64>, AxisForecast> {
-        let [first_s, .., newest_s] = self.turns_s[..] else { return Err(AxisForecast::TooFewTurns) };
-        let interval_s = (newest_s - first_s) / (self.turns_s.len() - 1) as f64;
-        let mut turn_s = match next_turn {
-            NextTurn::AfterLastTurn => newest_s + interval_s,
-            NextTurn::AfterLastSample => last_s + interval_s,
-        };
-        if turn_s + 0.5 * interval_s < last_s {
-            return Err(AxisForecast::Overdue);
-        }
-        let mut turns_s = vec![turn_s];
-        while turns_s.len() < MOST_FUTURE_TURNS && turn_s <= last_s + ahead_s {
-            turn_s += interval_s;
-            turns_s.push(turn_s);
-        }
-        Ok(turns_s)
-    }
-}
-
-/// Maximum number of future turns; a later time is predicted with these.
-const MOST_FUTURE_TURNS: usize = 16;
 
 #[cfg(test)]
 mod tests {
@@ -291,18 +255,37 @@ mod tests {
 
     #[test]
     fn the_next_half_wave_of_a_target_that_goes_to_and_fro_is_predicted() {
-        for end_s in 24..=60 {
-            let trajectory = sampled(TrajectorySettings::new(2.0, field()), sine, end_s);
+        // The curve is good as soon as there are two turns, and proven after three.
+        let ends = (24..=60).map(|end_s| (Trust::Always, end_s)).chain((44..=60).map(|end_s| (Trust::Proven, end_s)));
+        for (trust, end_s) in ends {
+            let trajectory =
+                sampled(TrajectorySettings { trust, ..TrajectorySettings::new(2.0, field()) }, sine, end_s);
             for ahead_s in 1..=11 {
                 let time_s = f64::from(end_s + ahead_s);
                 let Forecast { place, axes, limit } = trajectory.at(at(time_s));
-                assert!(matches!(axes[0], AxisForecast::Curve { .. }), "{axes:?}");
+                assert!(matches!(axes[0], AxisForecast::Curve { .. }), "{axes:?} at {end_s} s");
                 assert_eq!((axes[1], limit), (AxisForecast::TooFewTurns, Limit::None), "{end_s} {ahead_s}");
                 let error_m = (place.x_m - sine(time_s)).abs();
                 assert!(error_m < 0.5, "{error_m} m after {ahead_s} s from {end_s} s");
                 assert!((place.y_m - 0.25 * time_s).abs() < 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn a_target_that_turns_at_random_is_not_trusted_to_follow_its_curve() {
+        // Turns after 4, 9, 3, 12, 5 and 10 seconds.
+        let turns_s = [4.0, 13.0, 16.0, 28.0, 33.0, 43.0];
+        let velocity =
+            |t_s: f64| if turns_s.iter().filter(|&&turn_s| turn_s <= t_s).count() % 2 == 0 { 1.0 } else { -1.0 };
+        let x =
+            |t_s: f64| (0..1000).map(|i| velocity((f64::from(i) + 0.5) * t_s / 1000.0) * t_s / 1000.0).sum::<f64>();
+        let settings = TrajectorySettings::new(2.0, field());
+        let forecast = |trust| sampled(TrajectorySettings { trust, ..settings }, x, 40).at(at(42.0));
+        assert_eq!(forecast(Trust::Proven).axes[0], AxisForecast::StraightIsBetter);
+        assert!(matches!(forecast(Trust::Always).axes[0], AxisForecast::Curve { .. }));
+        let error_m = |trust| (forecast(trust).place.x_m - x(42.0)).abs();
+        assert!(error_m(Trust::Proven) < error_m(Trust::Always));
     }
 
     #[test]
@@ -318,8 +301,8 @@ mod tests {
     fn a_target_that_should_have_turned_long_ago_goes_straight_on() {
         // Turns at 5 s and 10 s, then straight on.
         let zigzag = |t_s: f64| if t_s < 5.0 { t_s } else { 5.0 - (t_s - 5.0) + 2.0 * (t_s - 10.0).max(0.0) };
-        let axis =
-            |end_s| sampled(TrajectorySettings::new(2.0, field()), zigzag, end_s).at(at(f64::from(end_s) + 1.0));
+        let settings = TrajectorySettings { trust: Trust::Always, ..TrajectorySettings::new(2.0, field()) };
+        let axis = |end_s| sampled(settings, zigzag, end_s).at(at(f64::from(end_s) + 1.0));
         assert_eq!(axis(17).axes[0], AxisForecast::Curve { past: 2, future: 2 });
         let late = axis(18);
         assert_eq!(late.axes[0], AxisForecast::Overdue);
