@@ -5,14 +5,16 @@
 //! place on the map ([`Answer`]) and what they sensed. From the powers of the answers and its odometry it works out
 //! where it is on the map ([`PlaceOnMap`]).
 
+mod asking;
 mod flood;
 mod heard;
 mod navigation_map;
 mod place_on_map;
 mod poll;
 
+pub use asking::Asking;
 pub use flood::{Flood, FloodKey};
 pub use heard::{HeardNode, Neighbourhood};
 pub use navigation_map::{MapFrame, NavigationMap};
 pub use place_on_map::PlaceOnMap;
-pub use poll::{Answer, Request};
+pub use poll::{Answer, Asked, Request};

@@ -6,8 +6,9 @@ use sextant_channel::Position;
 
 use super::navigation_map::MapFrame;
 
-/// Length of way after which a fix weighs 1/e (m).
+/// Length of way after which a fix weighs 1/e (m), in the frame of the robots and in an unknown one.
 const MEMORY_M: f64 = 15.0;
+const LONG_MEMORY_M: f64 = 40.0;
 /// Most fixes that are kept.
 const MOST_FIXES: usize = 64;
 /// Standard deviation of a fix along an axis (m): most nodes around a robot are farther away than that.
@@ -18,7 +19,9 @@ const TURN_SIGMA: f64 = 0.05;
 const OFFSET_SIGMA_M: f64 = 0.3;
 /// In an unknown frame: the robot must have driven so far from a straight line before the handedness of the map can be
 /// told, as a standard deviation (m).
-const LEAST_SPREAD_M: f64 = 1.2;
+const LEAST_SPREAD_M: f64 = 2.0;
+/// And the squared errors of one handedness must be this many times those of the other.
+const CLEAR: f64 = 1.5;
 
 /// Where a robot is on the map, from its odometry and from fixes: places on the map where the powers of nodes say that it
 /// is. The two frames differ by a similarity in the plane, which is fitted to the latest fixes by least squares. In the
@@ -91,10 +94,11 @@ impl PlaceOnMap {
         self.fixes.push_back(Fix { odometry, map, driven_m: self.driven_m });
         self.similarity = match self.frame {
             MapFrame::Robot => Some(self.fit(Handedness::Same).0),
-            MapFrame::Unknown if self.spread_m() < LEAST_SPREAD_M => None,
+            MapFrame::Unknown if self.similarity.is_none() && self.spread_m() < LEAST_SPREAD_M => None,
             MapFrame::Unknown => {
                 let (same, mirrored) = (self.fit(Handedness::Same), self.fit(Handedness::Mirrored));
-                Some(if mirrored.1 < same.1 { mirrored.0 } else { same.0 })
+                let (better, worse) = if mirrored.1 < same.1 { (mirrored, same) } else { (same, mirrored) };
+                (self.similarity.is_some() || worse.1 >= CLEAR * better.1).then_some(better.0)
             }
         };
     }
@@ -126,7 +130,11 @@ impl PlaceOnMap {
 
     /// The weights of the fixes.
     fn weighted(&self) -> impl Iterator<Item = (f64, &Fix)> + Clone {
-        self.fixes.iter().map(|fix| (libm::exp((fix.driven_m - self.driven_m) / MEMORY_M), fix))
+        let memory_m = match self.frame {
+            MapFrame::Robot => MEMORY_M,
+            MapFrame::Unknown => LONG_MEMORY_M,
+        };
+        self.fixes.iter().map(move |fix| (libm::exp((fix.driven_m - self.driven_m) / memory_m), fix))
     }
 
     /// How far the fixes lie from a straight line, by odometry (m, standard deviation).
@@ -204,7 +212,7 @@ mod tests {
     fn way() -> impl Iterator<Item = Position> {
         (0..12).map(|i| {
             let s = f64::from(i);
-            Position::new(s.min(6.0), (s - 6.0).max(0.0), 0.0)
+            Position::new(2.0 * s.min(6.0), 2.0 * (s - 6.0).max(0.0), 0.0)
         })
     }
 
@@ -247,9 +255,9 @@ mod tests {
         place.fix(probe, Position::new(6.0, 2.0, 0.0));
         assert!(place.to_map(probe).unwrap().distance_m(probe) < 0.2);
         // Many fixes that agree win over the prior.
-        for odometry in way().chain(way()).chain(way()).chain(way()) {
+        for odometry in (0..5).flat_map(|_| way()) {
             place.fix(odometry, odometry + Position::new(1.0, 0.0, 0.0));
         }
-        assert!(place.to_map(probe).unwrap().distance_m(Position::new(4.0, 0.0, 0.0)) < 0.75);
+        assert!(place.to_map(probe).unwrap().distance_m(Position::new(4.0, 0.0, 0.0)) < 0.9);
     }
 }

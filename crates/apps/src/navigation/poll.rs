@@ -12,16 +12,34 @@ use crate::octets::{MessageError, Reader, put, put_place};
 /// | --- | --- |
 /// | 2 | number of the poll |
 /// | 2 | window in which nodes answer (ms) |
-/// | 1 | 1 if a disc follows, otherwise 0 |
-/// | 16 | with a disc: its centre x, y, z, and its radius, on the map, as `f32` |
+/// | 1 | who is asked: 0 all that hear the request, 1 those in a disc on the map, 2 those that hear it well |
+/// | 16 | with 1: centre x, y, z and radius of the disc as `f32` |
+/// | 4 | with 2: least power of the request (dBm) as `f32` |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request {
     /// Number of the poll; after 65535 comes 0.
     pub number: u16,
     /// The time in which nodes answer, each at a random instant; whole milliseconds, below 65.536 s.
     pub window: Duration,
-    /// Centre and radius of the disc on the map whose nodes are asked (m); all that hear the request if absent.
-    pub near: Option<(Position, f64)>,
+    /// Who is asked.
+    pub asked: Asked,
+}
+
+/// Which nodes a robot asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// All that hear the request.
+    All,
+    /// Those in a disc on the map.
+    Near {
+        /// Its centre (m).
+        center: Position,
+        /// Its radius (m).
+        radius_m: f64,
+    },
+    /// Those that receive the request with at least this power: a robot that does not know where it is on the map gets
+    /// few answers, from the nodes that are near.
+    Loud(Dbm),
 }
 
 /// What each node that answers tells of itself. As octets:
@@ -42,30 +60,43 @@ pub struct Answer {
 }
 
 impl Request {
-    /// Whether a node at `place` on the map is asked.
+    /// Whether a node at `place` on the map is asked that received the request with the power `rssi`.
     #[must_use]
-    pub fn concerns(&self, place: Position) -> bool {
-        self.near.is_none_or(|(center, radius_m)| center.distance_m(place) <= radius_m)
+    pub fn concerns(&self, place: Position, rssi: Dbm) -> bool {
+        match self.asked {
+            Asked::All => true,
+            Asked::Near { center, radius_m } => center.distance_m(place) <= radius_m,
+            Asked::Loud(least) => rssi.0 >= least.0,
+        }
     }
 
     pub(crate) fn write(&self, octets: &mut Vec<u8>) {
         octets.extend(self.number.to_le_bytes());
         let window_ms = u16::try_from(self.window.as_millis()).expect("a window is shorter than 65.536 s");
         octets.extend(window_ms.to_le_bytes());
-        octets.push(self.near.is_some().into());
-        if let Some((center, radius_m)) = self.near {
-            put_place(octets, center);
-            put(octets, radius_m);
+        match self.asked {
+            Asked::All => octets.push(0),
+            Asked::Near { center, radius_m } => {
+                octets.push(1);
+                put_place(octets, center);
+                put(octets, radius_m);
+            }
+            Asked::Loud(least) => {
+                octets.push(2);
+                put(octets, least.0);
+            }
         }
     }
 
     pub(crate) fn read(reader: &mut Reader<'_>) -> Result<Self, MessageError> {
         let (number, window_ms) = (reader.u16("the request")?, reader.u16("the request")?);
-        let near = match reader.take("the request")? {
-            [0] => None,
-            _ => Some((reader.place("the disc")?, reader.number("the disc")?)),
+        let asked = match reader.take("the request")? {
+            [0] => Asked::All,
+            [1] => Asked::Near { center: reader.place("the disc")?, radius_m: reader.number("the disc")? },
+            [2] => Asked::Loud(Dbm(reader.number("the least power")?)),
+            [found] => return Err(MessageError::Kind { found, allowed: "0 to 2 for who is asked" }),
         };
-        Ok(Self { number, window: Duration::from_millis(window_ms.into()), near })
+        Ok(Self { number, window: Duration::from_millis(window_ms.into()), asked })
     }
 }
 

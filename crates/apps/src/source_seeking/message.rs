@@ -83,6 +83,7 @@ mod tests {
     use sextant_channel::{Dbm, Position};
 
     use super::*;
+    use crate::navigation::Asked;
 
     fn place() -> impl Strategy<Value = Position> {
         prop::array::uniform3(any::<f32>().prop_filter("finite", |x| x.is_finite()))
@@ -91,10 +92,14 @@ mod tests {
 
     fn message() -> impl Strategy<Value = SeekMessage> {
         let number = || any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(f64::from);
-        let near = prop::option::of((place(), number()));
-        let request = (any::<u16>(), any::<u16>(), near, any::<u16>()).prop_map(|(number, window, near, field)| {
+        let asked = prop_oneof![
+            Just(Asked::All),
+            (place(), number()).prop_map(|(center, radius_m)| Asked::Near { center, radius_m }),
+            number().prop_map(|least_dbm| Asked::Loud(Dbm(least_dbm))),
+        ];
+        let request = (any::<u16>(), any::<u16>(), asked, any::<u16>()).prop_map(|(number, window, asked, field)| {
             let window = Duration::from_millis(window.into());
-            SeekMessage::Request(Request { number, window, near }, FieldId(field))
+            SeekMessage::Request(Request { number, window, asked }, FieldId(field))
         });
         let answer = (any::<u16>(), place(), number(), any::<u16>(), number()).prop_map(
             |(number, place, tx_power, field, value)| {

@@ -52,8 +52,8 @@ impl SeekNode {
         self.record
     }
 
-    fn ask(&mut self, robot: StationId, request: Request, field: FieldId, port: &mut Port<'_>) {
-        if !self.place.is_some_and(|place| request.concerns(place)) {
+    fn ask(&mut self, (robot, rssi): (StationId, Dbm), request: Request, field: FieldId, port: &mut Port<'_>) {
+        if !self.place.is_some_and(|place| request.concerns(place, rssi)) {
             return;
         }
         let timer = self.next_answer;
@@ -84,7 +84,7 @@ impl Application for SeekNode {
         if let (true, Ok(SeekMessage::Request(request, field))) =
             (delivery.network == self.network, SeekMessage::read(delivery.payload))
         {
-            self.ask(delivery.from, request, field, port);
+            self.ask((delivery.from, delivery.rssi), request, field, port);
         }
     }
 

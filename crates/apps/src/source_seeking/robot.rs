@@ -19,7 +19,7 @@ use super::message::SeekMessage;
 use super::record::{Arrival, RobotSeekRecord, SeekState};
 use super::settings::SourceSeeking;
 use super::steering::{SpatialCourse, Steering};
-use crate::navigation::{HeardNode, NavigationMap, Neighbourhood, PlaceOnMap, Request};
+use crate::navigation::{Asked, Asking, HeardNode, MapFrame, NavigationMap, Neighbourhood, PlaceOnMap, Request};
 
 const POLL: Timer = Timer(0);
 const CONTROL: Timer = Timer(1);
@@ -45,7 +45,7 @@ pub struct SeekRobot {
     centroid: Option<Position>,
     readings: Readings,
     /// Number of the latest poll, and where the robot was then by its odometry.
-    poll: u16,
+    asking: Asking,
     polled_at: Option<Position>,
     steering: Steering,
     mode: Mode,
@@ -93,7 +93,7 @@ impl SeekRobot {
             neighbourhood: Neighbourhood::default(),
             centroid: None,
             readings: Readings::default(),
-            poll: 0,
+            asking: Asking::default(),
             polled_at: None,
             mode: Mode::Waiting,
             left: None,
@@ -142,13 +142,21 @@ impl SeekRobot {
             self.place.fix((then + odometry) * 0.5, map);
             self.centroid = Some(map);
         }
-        self.neighbourhood.forget_before(now);
+        let heard = std::mem::take(&mut self.neighbourhood);
         self.readings.forget_before(before(now, self.settings.poll.memory));
-        self.poll = self.poll.wrapping_add(1);
         self.polled_at = Some(odometry);
         let interval = self.settings.poll.interval;
-        let near = self.place_on_map(odometry).map(|place| (place, self.reach_m()));
-        let request = Request { number: self.poll, window: interval, near };
+        // Asking those near a place on the map says little about the place if the place itself is a guess.
+        let place = match self.map.frame() {
+            MapFrame::Robot => self.place_on_map(odometry),
+            MapFrame::Unknown => None,
+        };
+        let radius_m = self.reach_m();
+        let asked = match place {
+            Some(center) => Asked::Near { center, radius_m },
+            None => self.asking.loud(&heard),
+        };
+        let request = Request { number: self.asking.next_poll(), window: interval, asked };
         let octets = SeekMessage::Request(request, self.settings.goal.field).to_octets();
         match port.send(self.network, Destination::All, Payload::Octets(&octets)) {
             Ok(_) => {
@@ -198,7 +206,7 @@ impl SeekRobot {
     /// Looks at what it knows, and drives on.
     fn decide(&mut self, port: &mut Port<'_>) {
         if matches!(self.mode, Mode::Waiting) {
-            if self.poll < 2 || self.readings.len() < LEAST_NODES {
+            if self.asking.polls() < 2 || self.readings.len() < LEAST_NODES {
                 port.after(self.settings.control, CONTROL);
                 return;
             }
@@ -400,7 +408,12 @@ impl Application for SeekRobot {
             return;
         }
         self.record.answers += 1;
-        let heard = HeardNode { place: answer.place, gain: delivery.rssi - answer.tx_power, time: port.now() };
+        let heard = HeardNode {
+            place: answer.place,
+            gain: delivery.rssi - answer.tx_power,
+            rssi: delivery.rssi,
+            time: port.now(),
+        };
         self.neighbourhood.hear(delivery.from, heard);
         self.readings.hear(delivery.from, heard, value);
     }

@@ -28,7 +28,7 @@ pub struct DetarskConfig {
     /// How the detected places of a target are smoothed.
     pub filter: FilterConfig,
     /// How the place of a target is predicted from the past.
-    pub prediction: Prediction,
+    pub prediction: PredictionConfig,
     /// Where a robot drives.
     pub aim: Aim,
     /// How it gets there.
@@ -84,22 +84,31 @@ pub struct RobustKalmanConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct ParticlesConfig {
     /// Number of particles.
-    pub particles: usize,
-    /// Standard deviation of the acceleration of the target (m/s²).
+    pub particles: u32,
+    /// Radius within which nodes detect a target, as the robots believe (m).
+    pub sensing_radius_m: f64,
+    /// Mean number of turns of a target in a second.
+    pub turns_per_s: f64,
+    /// Standard deviation of the acceleration of the target between two turns (m/s²).
     pub acceleration_sigma_m_per_s2: f64,
+    /// Likelihood of a sensor that says the opposite, above 0 and below 1: for the errors of the map.
+    pub contradiction: f64,
 }
 
-/// How the place of a target is predicted from the past.
+/// How the place of a target is predicted from the past. Curves go through the turns of the target, and through those
+/// that it is expected to make at the mean interval between turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Prediction {
-    /// Along curves whose derivatives vanish where the target turned and where it is expected to turn.
-    #[default]
-    Turns,
-    /// The same with curves that have one and the same value at all turns (thesis, as printed).
-    Product,
+pub enum PredictionConfig {
     /// Straight on, as the filter says.
     Straight,
+    /// Along half waves from turn to turn.
+    #[default]
+    Waves,
+    /// Along a polynomial whose velocity is zero at the turns (thesis, as its text describes it).
+    Integral,
+    /// Along a polynomial with one and the same value at all turns (thesis, as printed).
+    Product,
 }
 
 /// Where a robot drives.
@@ -151,7 +160,7 @@ impl Default for DetarskConfig {
             informants: Informants::default(),
             own_place: OwnPlaceRule::default(),
             filter: FilterConfig::RobustKalman(RobustKalmanConfig::default()),
-            prediction: Prediction::default(),
+            prediction: PredictionConfig::default(),
             aim: Aim::default(),
             path: PathRule::default(),
             max_target_speed_m_per_s: 2.0,
@@ -167,7 +176,13 @@ impl Default for RobustKalmanConfig {
 
 impl Default for ParticlesConfig {
     fn default() -> Self {
-        Self { particles: 500, acceleration_sigma_m_per_s2: 0.5 }
+        Self {
+            particles: 1000,
+            sensing_radius_m: 1.5,
+            turns_per_s: 0.1,
+            acceleration_sigma_m_per_s2: 0.2,
+            contradiction: 0.05,
+        }
     }
 }
 

@@ -295,6 +295,7 @@ mod tests {
     use sextant_channel::Dbm;
 
     use super::*;
+    use crate::navigation::Asked;
 
     fn number() -> impl Strategy<Value = f64> {
         (-1e6_f32..1e6).prop_map(f64::from)
@@ -317,10 +318,16 @@ mod tests {
     }
 
     fn message() -> impl Strategy<Value = Message> {
-        let request =
-            (any::<u16>(), any::<u16>(), prop::option::of((place(), number()))).prop_map(|(number, window, near)| {
-                Request { number, window: Duration::from_millis(window.into()), near }
-            });
+        let asked = prop_oneof![
+            Just(Asked::All),
+            (place(), number()).prop_map(|(center, radius_m)| Asked::Near { center, radius_m }),
+            number().prop_map(|least_dbm| Asked::Loud(Dbm(least_dbm))),
+        ];
+        let request = (any::<u16>(), any::<u16>(), asked).prop_map(|(number, window, asked)| Request {
+            number,
+            window: Duration::from_millis(window.into()),
+            asked,
+        });
         let answer = (any::<u16>(), place(), number()).prop_map(|(number, place, tx_dbm)| Answer {
             number,
             place,

@@ -1,7 +1,8 @@
 //! Search for moving targets on a map of the nodes (Gunathillake 2018, chapter 6).
 //!
 //! Nodes detect targets within a radius and keep the times. The first ones tell a sink hop by hop, and the sink tells the
-//! robots. A robot then asks the nodes around it for their detections, predicts where the target is, and drives there.
+//! robots. A robot then asks the nodes around it for their detections, predicts where the target is, and drives there
+//! (DeTarSK); or it follows a pseudo-gradient that the nodes work out again and again (P-G).
 //!
 //! The mathematics: [`Sightings`] turns what nodes detected into measured places, [`RobustKalman`] filters them, and
 //! [`ParticleFilter`] is its comparator. [`Trajectory`] says where the target will be, [`Pursuit`] where a robot can
@@ -9,26 +10,46 @@
 
 mod assignment;
 mod config;
+mod gradient_node;
+mod gradient_pilot;
 mod grid_path;
 mod interception;
 mod message;
+mod node;
+mod outbox;
 mod particle_filter;
+mod record;
+mod robot;
 mod robust_kalman;
+mod route;
+mod settings;
 mod sightings;
+mod sink;
+mod station;
 mod target_state;
+mod team;
+mod tracker;
 mod trajectory;
+mod wayfinder;
 
 pub use assignment::assign;
 pub use config::{
-    Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, ParticlesConfig, PathRule, Prediction,
-    RobustKalmanConfig,
+    Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, ParticlesConfig, PathRule,
+    PredictionConfig, RobustKalmanConfig,
 };
 pub use grid_path::CellMap;
 pub use interception::{Meeting, Pursuit};
 pub use message::{Claim, Detection, FirstDetection, GradientMessage, Message};
+pub use node::{NodeSearchRecord, SearchNode};
+pub use outbox::MessageCounts;
 pub use particle_filter::{ParticleFilter, ParticleFilterSettings, SeenBy, Space};
+pub use record::{RobotSearchRecord, SearchStep};
+pub use robot::SearchRobot;
 pub use robust_kalman::{Multiplier, RobustKalman, RobustKalmanSettings, Robustness};
+pub use settings::TargetSearch;
 pub use sightings::{NodeSightings, Sighting, Sightings, SightingsSettings};
+pub use sink::SearchSink;
+pub use station::{SearchRecord, SearchStation, SearchTeam};
 pub use target_state::{AxisCovariance, Fix, TargetState};
 pub use trajectory::{
     AxisForecast, CurveForm, Forecast, Limit, NextTurn, Trajectory, TrajectorySettings, Trust, TurnRule, TurnTimes,

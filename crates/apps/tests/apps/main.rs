@@ -8,4 +8,5 @@ mod distributed;
 mod layers;
 mod planned;
 mod random_walk;
+mod target_search;
 mod world;

@@ -1,0 +1,51 @@
+//! How a robot asks when it does not know where it is on the map.
+
+use sextant_channel::Dbm;
+
+use super::heard::Neighbourhood;
+use super::poll::Asked;
+
+/// Answers that a robot wants in a poll.
+const WANTED: [usize; 2] = [15, 35];
+/// Change of the least power after a poll with more or fewer answers (dB).
+const CHANGE_DB: f64 = 2.0;
+
+/// Numbers the polls of a robot, and chooses how loud a node must hear a request to answer it.
+#[derive(Clone, Debug, Default)]
+pub struct Asking {
+    number: u16,
+    least: Option<Dbm>,
+}
+
+impl Asking {
+    /// The number of the next poll.
+    pub fn next_poll(&mut self) -> u16 {
+        self.number = self.number.wrapping_add(1);
+        self.number
+    }
+
+    /// Number of polls so far; after 65535 comes 0.
+    #[must_use]
+    pub fn polls(&self) -> u16 {
+        self.number
+    }
+
+    /// Whom to ask next, if these nodes have answered the last poll: so many that some twenty answer. A channel is
+    /// reciprocal, so the power of answers tells that of requests.
+    pub fn loud(&mut self, answers: &Neighbourhood) -> Asked {
+        let count = answers.nodes().len();
+        let [fewest, most] = WANTED;
+        self.least = match self.least {
+            None if count <= most => None,
+            None => {
+                let mut powers: Vec<f64> = answers.nodes().map(|(_, heard)| heard.rssi.0).collect();
+                powers.sort_by(|a, b| b.total_cmp(a));
+                Some(Dbm(powers[usize::midpoint(fewest, most)]))
+            }
+            Some(least) if count > most => Some(Dbm(least.0 + CHANGE_DB)),
+            Some(least) if count < fewest => Some(Dbm(least.0 - CHANGE_DB)),
+            Some(least) => Some(least),
+        };
+        self.least.map_or(Asked::All, Asked::Loud)
+    }
+}

@@ -1,0 +1,108 @@
+//! The pseudo-gradient in a node.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use sextant_channel::Dbm;
+use sextant_kernel::SimTime;
+use sextant_sim::{Port, TargetId};
+
+use super::message::{Detection, GradientMessage, Message};
+use super::outbox::Outbox;
+use super::settings::PseudoGradient;
+
+/// Rounds by which a message may be behind the latest one of a node.
+const OLDEST: u16 = u16::MAX / 2;
+
+/// Works out the pseudo-gradient of each target in a node, round by round. A node that detects the target is zero hops
+/// away. Any other node hears those of its neighbours for a while. Its hops are one more than their least, and its
+/// pseudo-gradient is that number less the mean closeness of the neighbours with the least hops; closeness is received
+/// power in decibels, from 0 at the sensitivity to 1 at the reference.
+#[derive(Clone, Debug)]
+pub(super) struct GradientNode {
+    method: PseudoGradient,
+    targets: BTreeMap<TargetId, Round>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Round {
+    number: u16,
+    /// Least hops among the neighbours, number of neighbours with that, and the sum of their closeness.
+    least: u8,
+    neighbours: u32,
+    closeness: f64,
+    is_told: bool,
+}
+
+impl GradientNode {
+    pub(super) fn new(method: PseudoGradient) -> Self {
+        Self { method, targets: BTreeMap::new() }
+    }
+
+    /// Time until the next round begins.
+    pub(super) fn until_next_round(&self, now: SimTime) -> Duration {
+        let update = self.method.update.as_nanos();
+        let left = update - u128::from(now.as_nanos()) % update;
+        Duration::from_nanos(u64::try_from(left).unwrap_or(u64::MAX))
+    }
+
+    /// A round begins: a node that detects a target, or did since the last round, says so.
+    pub(super) fn begin_round(&mut self, detections: &[Detection], outbox: &mut Outbox, port: &mut Port<'_>) {
+        let now = port.now();
+        let number = self.number(now);
+        for detection in detections {
+            let since = detection.left.map_or(Duration::ZERO, |left| now.saturating_since(left));
+            let told =
+                self.targets.get(&detection.target).is_some_and(|round| round.number == number && round.is_told);
+            if since >= self.method.update || told {
+                continue;
+            }
+            let round = Round { number, least: 0, neighbours: 0, closeness: 0.0, is_told: true };
+            self.targets.insert(detection.target, round);
+            let message = GradientMessage { round: number, target: detection.target, hops: 0, value: 0.0 };
+            outbox.broadcast(&Message::Gradient(message), port);
+        }
+    }
+
+    fn number(&self, now: SimTime) -> u16 {
+        let number = u128::from(now.as_nanos()) / self.method.update.as_nanos();
+        u16::try_from(number % (u128::from(u16::MAX) + 1)).unwrap_or(0)
+    }
+
+    /// The pseudo-gradient of a neighbour. Returns how long to wait before that of this node is told, if it is the first
+    /// one of its round.
+    pub(super) fn hear(&mut self, message: &GradientMessage, rssi: Dbm, draw: f64) -> Option<Duration> {
+        let method = &self.method;
+        let closeness = ((rssi - method.weakest).0 / (method.strongest - method.weakest).0).clamp(0.0, 0.999);
+        let fresh = Round { number: message.round, least: message.hops, neighbours: 1, closeness, is_told: false };
+        match self.targets.get_mut(&message.target) {
+            Some(round) if round.number == message.round => {
+                if round.is_told {
+                    return None;
+                }
+                if message.hops < round.least {
+                    *round = fresh;
+                } else if message.hops == round.least {
+                    round.neighbours += 1;
+                    round.closeness += closeness;
+                }
+                None
+            }
+            Some(round) if message.round.wrapping_sub(round.number) > OLDEST => None,
+            _ => {
+                self.targets.insert(message.target, fresh);
+                Some(method.jitter.mul_f64(0.2 + 0.8 * draw))
+            }
+        }
+    }
+
+    /// Tells the pseudo-gradient of this node.
+    pub(super) fn pass_on(&mut self, target: TargetId, outbox: &mut Outbox, port: &mut Port<'_>) {
+        let Some(round) = self.targets.get_mut(&target).filter(|round| !round.is_told) else { return };
+        round.is_told = true;
+        let hops = round.least.saturating_add(1);
+        let value = f64::from(hops) - round.closeness / f64::from(round.neighbours);
+        let message = GradientMessage { round: round.number, target, hops, value };
+        outbox.broadcast(&Message::Gradient(message), port);
+    }
+}

@@ -1,0 +1,456 @@
+//! The application of a robot that searches targets.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+use std::time::Duration;
+
+use sextant_channel::{Bounds, Position};
+use sextant_kernel::{SimTime, StationId};
+use sextant_sim::{
+    Application, Delivery, DriveEnd, Driving, Estimate, NetworkId, Port, Pose, RobotBody, TargetId, Timer,
+};
+
+use super::config::{Aim, OwnPlaceRule};
+use super::gradient_pilot::GradientPilot;
+use super::interception::Pursuit;
+use super::message::{Detection, Message};
+use super::outbox::Outbox;
+use super::record::{RobotSearchRecord, SearchStep};
+use super::settings::{Detarsk, Method, TargetSearch};
+use super::sightings::Sighting;
+use super::team::Team;
+use super::tracker::Tracker;
+use super::wayfinder::Wayfinder;
+use crate::navigation::{Asked, Asking, HeardNode, MapFrame, NavigationMap, Neighbourhood, PlaceOnMap, Request};
+
+/// The timer of the next step.
+const STEP: Timer = Timer(1);
+/// The timer of the next look whether a target is within reach.
+const REACH: Timer = Timer(2);
+
+/// How often a robot looks whether a target is within reach.
+const REACH_INTERVAL: Duration = Duration::from_millis(100);
+/// Share of a step in which nodes answer a poll.
+const WINDOW_SHARE: f64 = 0.6;
+/// The neighbourhood, as a multiple of the way of the robot in one step: V + ε with ε = V/2 (thesis, information
+/// gathering).
+const NEIGHBOURHOOD_STEPS: f64 = 1.5;
+/// Answers from which the robot learns where it is on the map.
+const RELIABLE: usize = 8;
+/// Side of the square that it drives to learn the frame of the map (m).
+const SIDE_M: f64 = 6.0;
+/// Share of the answers of one poll that the next one has at least, unless the robot leaves the network.
+const FADING: f64 = 0.7;
+/// How far ahead an interception is looked for.
+const HORIZON: Duration = Duration::from_secs(120);
+/// Ways that it tries one after the other where it stands.
+const MOST_ATTEMPTS: u32 = 8;
+const SCAN: Duration = Duration::from_millis(200);
+
+/// A robot that searches targets.
+#[derive(Debug)]
+pub struct SearchRobot {
+    settings: Arc<TargetSearch>,
+    map: Arc<NavigationMap>,
+    network: NetworkId,
+    speed_m_per_s: f64,
+    hull_m: f64,
+    targets: usize,
+    duration: Duration,
+    place: PlaceOnMap,
+    neighbourhood: Neighbourhood,
+    asking: Asking,
+    /// Where it was by odometry when it sent the last request.
+    asked_at: Option<Pose>,
+    pilot: Pilot,
+    /// When the search for each target may start.
+    alarms: BTreeMap<TargetId, SimTime>,
+    team: Team,
+    /// How it finds its way, once it knows how the map lies.
+    wayfinder: Option<Wayfinder>,
+    /// The rest of the way, by odometry (m).
+    way: VecDeque<Position>,
+    /// The side of the square that it drives to learn the frame of the map, and the length driven on it (m).
+    side: (u32, f64),
+    /// Where it drives to, by odometry (m).
+    goal: Option<Position>,
+    /// The last place from which it drove on along the square, by odometry (m), and the number of answers there.
+    good: Option<(Position, usize)>,
+    outbox: Outbox,
+    record: RobotSearchRecord,
+}
+
+/// How it works out where to drive.
+#[derive(Debug)]
+enum Pilot {
+    Detarsk { method: Detarsk, trackers: BTreeMap<TargetId, Tracker> },
+    PseudoGradient(GradientPilot),
+}
+
+/// Where a robot drives next.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    target: TargetId,
+    predicted: Position,
+    goal: Position,
+    latest: SimTime,
+}
+
+impl SearchRobot {
+    /// A robot with this body in a team of `team` robots that search `targets` targets for `duration` at most.
+    #[must_use]
+    pub fn new(
+        settings: Arc<TargetSearch>,
+        map: Arc<NavigationMap>,
+        network: NetworkId,
+        (body, team): (&RobotBody, usize),
+        targets: usize,
+        duration: Duration,
+    ) -> Self {
+        let pilot = match &settings.method {
+            Method::Detarsk(method) => Pilot::Detarsk { method: method.clone(), trackers: BTreeMap::new() },
+            Method::PseudoGradient(_) => Pilot::PseudoGradient(GradientPilot::default()),
+        };
+        let place = PlaceOnMap::new(map.frame());
+        Self {
+            settings,
+            map,
+            network,
+            speed_m_per_s: body.speed_m_per_s,
+            hull_m: body.radius_m,
+            targets,
+            duration,
+            place,
+            neighbourhood: Neighbourhood::default(),
+            asking: Asking::default(),
+            asked_at: None,
+            pilot,
+            alarms: BTreeMap::new(),
+            team: Team::new(team),
+            wayfinder: None,
+            way: VecDeque::new(),
+            side: (0, 0.0),
+            goal: None,
+            good: None,
+            outbox: Outbox::new(network),
+            record: RobotSearchRecord::default(),
+        }
+    }
+
+    /// What it leaves behind.
+    #[must_use]
+    pub fn into_record(self) -> RobotSearchRecord {
+        let fallbacks = match &self.pilot {
+            Pilot::Detarsk { trackers, .. } => trackers.values().map(Tracker::fallbacks).sum(),
+            Pilot::PseudoGradient(_) => 0,
+        };
+        RobotSearchRecord { sent: self.outbox.counts, fallbacks, ..self.record }
+    }
+
+    /// Length on the map of one metre.
+    fn scale(&self) -> f64 {
+        self.place.scale().unwrap_or(1.0)
+    }
+
+    /// Asks the nodes around.
+    fn ask(&mut self, port: &mut Port<'_>) {
+        let radius_m = match &self.settings.method {
+            Method::Detarsk(method) => method.neighbourhood_m,
+            Method::PseudoGradient(_) => None,
+        };
+        let step_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
+        let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * step_m));
+        let pose = port.pose();
+        self.asked_at = Some(pose);
+        // Asking those near a place on the map says little about the place if the place itself is a guess.
+        let place = match self.map.frame() {
+            MapFrame::Robot => self.place.to_map(pose.position),
+            MapFrame::Unknown => None,
+        };
+        let asked = match place {
+            Some(center) => Asked::Near { center, radius_m },
+            None => self.asking.loud(&self.neighbourhood),
+        };
+        self.neighbourhood = Neighbourhood::default();
+        let window = self.settings.step.mul_f64(WINDOW_SHARE);
+        let request = Request { number: self.asking.next_poll(), window, asked };
+        self.outbox.broadcast(&Message::Request(request), port);
+    }
+
+    /// The poll is over: works out where the robot is on the map.
+    fn locate(&mut self, port: &mut Port<'_>) -> Option<Position> {
+        let pose = port.pose();
+        let centroid = self.neighbourhood.centroid();
+        let is_reliable = self.neighbourhood.nodes().len() >= RELIABLE;
+        if let (Some(asked), true, Some(fix)) = (self.asked_at, is_reliable, self.neighbourhood.lateration()) {
+            // The answers came while it drove on: in the mean, halfway.
+            self.place.fix((asked.position + pose.position) * 0.5, fix);
+        }
+        let fused = self.place.to_map(pose.position);
+        let place = match self.settings.own_place {
+            OwnPlaceRule::Fused => fused,
+            OwnPlaceRule::ReceivedPower => centroid.or(fused),
+        }?;
+        port.tell(Estimate::OwnPlace(place));
+        Some(place)
+    }
+
+    /// What it is going to do.
+    fn plan(&mut self, place: Position, port: &mut Port<'_>) -> Option<Plan> {
+        let now = port.now();
+        let scale = self.scale();
+        let settings = Arc::clone(&self.settings);
+        let is_open = |target: &TargetId, alarms: &BTreeMap<TargetId, SimTime>, team: &Team| {
+            alarms.get(target).is_some_and(|start| *start <= now) && !team.captured().contains(target)
+        };
+        match &mut self.pilot {
+            Pilot::Detarsk { method, trackers } => {
+                let pursuit = Pursuit {
+                    start: place,
+                    speed_m_per_s: scale * self.speed_m_per_s,
+                    reach_m: scale * settings.capture_m,
+                    horizon: HORIZON,
+                    scan: SCAN,
+                };
+                let mut plans = BTreeMap::new();
+                let mut times_s = BTreeMap::new();
+                for (&target, tracker) in trackers.iter_mut() {
+                    if !is_open(&target, &self.alarms, &self.team) {
+                        continue;
+                    }
+                    tracker.update(scale);
+                    let predicted = tracker.predict(now);
+                    port.tell(Estimate::TargetPlace { target, place: predicted });
+                    let meeting = pursuit.earliest(|after| tracker.predict(now + after));
+                    let goal = match (method.aim, meeting) {
+                        (Aim::Interception, Some(meeting)) => meeting.place,
+                        _ => predicted,
+                    };
+                    times_s.insert(target, meeting.map_or(HORIZON, |meeting| meeting.after).as_secs_f64());
+                    plans.insert(target, Plan { target, predicted, goal, latest: tracker.latest() });
+                }
+                self.team.tell(&times_s, &mut self.outbox, port);
+                let target = self.team.choose(port.station(), &times_s, now)?;
+                plans.get(&target).copied()
+            }
+            Pilot::PseudoGradient(pilot) => {
+                let open = pilot.targets().filter(|target| is_open(target, &self.alarms, &self.team));
+                let nearest = open.filter_map(|target| {
+                    let node = pilot.choose(target)?;
+                    Some((target, node, pilot.value(target, node)?))
+                });
+                let (target, node, _) = nearest.min_by(|a, b| a.2.total_cmp(&b.2))?;
+                let goal = self.map.place(port.node(node)?)?;
+                port.tell(Estimate::TargetPlace { target, place: goal });
+                Some(Plan { target, predicted: goal, goal, latest: now })
+            }
+        }
+    }
+
+    /// A step: works out where it is and where the target is, and drives there.
+    fn step(&mut self, port: &mut Port<'_>) {
+        let place = self.locate(port);
+        if let Some(place) = place.filter(|_| self.map.frame() == MapFrame::Robot || !self.is_lost()) {
+            if let Some(plan) = self.plan(place, port) {
+                let Plan { target, predicted, goal, latest } = plan;
+                let time = port.now();
+                self.record.started.get_or_insert(time);
+                self.record.steps.push(SearchStep { time, place, target, predicted, goal, latest });
+                self.set_out(place, goal, port);
+            }
+        } else {
+            self.probe(port);
+        }
+        self.ask(port);
+    }
+
+    /// Drives round a square, to learn how the map lies. Where too few nodes answer, it goes back and takes the next
+    /// side.
+    fn probe(&mut self, port: &mut Port<'_>) {
+        port.halt();
+        let here = port.pose().position;
+        let answers = self.neighbourhood.nodes().len();
+        let next = match self.good {
+            // It leaves the network: back, and along the next side.
+            Some((place, before)) if self.is_lost() || (answers as f64) < FADING * before as f64 => {
+                self.good = Some((place, answers));
+                self.side = (self.side.0 + 1, 0.0);
+                place
+            }
+            _ => {
+                self.good = Some((here, answers));
+                let (side, driven_m) = self.side;
+                let heading_rad = FRAC_PI_2 * f64::from(side % 4);
+                let length_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
+                let driven_m = driven_m + length_m;
+                self.side = if driven_m >= SIDE_M { (side + 1, 0.0) } else { (side, driven_m) };
+                let direction = Position::new(libm::cos(heading_rad), libm::sin(heading_rad), 0.0);
+                here + direction * port.clearance_m(direction, length_m)
+            }
+        };
+        self.way.clear();
+        self.way.push_back(next);
+        self.drive_on(port);
+    }
+
+    /// Whether too few nodes answered to tell where it is.
+    fn is_lost(&self) -> bool {
+        self.neighbourhood.nodes().len() < RELIABLE
+    }
+
+    /// Drives from `place` to `goal`, both on the map.
+    fn set_out(&mut self, place: Position, goal: Position, port: &mut Port<'_>) {
+        let (Some(from), Some(to)) = (self.place.to_odometry(place), self.place.to_odometry(goal)) else { return };
+        port.halt();
+        let here = port.pose().position;
+        // What counts is the way from where it is on the map: its odometry may believe in another place.
+        let to = Position { z_m: here.z_m, ..here + (to - from) };
+        if self.wayfinder.is_none() {
+            let Bounds { min, max } = self.map.bounds();
+            let corners = [(min.x_m, min.y_m), (min.x_m, max.y_m), (max.x_m, min.y_m), (max.x_m, max.y_m)];
+            let corners = corners.map(|(x_m, y_m)| self.place.to_odometry(Position::new(x_m, y_m, min.z_m)));
+            let nodes = Bounds::of(corners.into_iter().flatten().chain([here]));
+            self.wayfinder = nodes.map(|nodes| Wayfinder::new(self.settings.path, self.hull_m, nodes));
+        }
+        let Some(wayfinder) = &mut self.wayfinder else { return };
+        wayfinder.look_around(port);
+        let step_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
+        self.goal = Some(to);
+        self.way = wayfinder.way(here, to, step_m).into();
+        self.drive_on(port);
+    }
+
+    fn drive_on(&mut self, port: &mut Port<'_>) {
+        let mut attempts = 0;
+        while let Some(next) = self.way.pop_front() {
+            match port.drive(next) {
+                Driving::UnderWay => return,
+                Driving::Over(DriveEnd::Arrived) => {}
+                Driving::Over(DriveEnd::Blocked(contact)) => {
+                    attempts += 1;
+                    if attempts > MOST_ATTEMPTS {
+                        return self.way.clear();
+                    }
+                    self.blocked(contact, port);
+                }
+            }
+        }
+    }
+
+    /// An obstacle is in the way: a way round it is looked for.
+    fn blocked(&mut self, contact: Position, port: &Port<'_>) {
+        self.record.blocked += 1;
+        self.way.clear();
+        if let (Some(wayfinder), Some(goal)) = (&mut self.wayfinder, self.goal) {
+            wayfinder.meet(contact);
+            wayfinder.look_around(port);
+            let step_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
+            self.way = wayfinder.way(port.pose().position, goal, step_m).into();
+        }
+    }
+
+    /// Captures the targets within reach.
+    fn reach(&mut self, port: &mut Port<'_>) {
+        if self.record.started.is_some() {
+            for target in port.capture(self.settings.capture_m) {
+                self.record.captured.push((target, port.now()));
+                self.team.capture(target);
+                self.team.tell(&BTreeMap::new(), &mut self.outbox, port);
+            }
+        }
+        if self.team.captured().len() >= self.targets {
+            port.halt();
+            port.finish();
+        } else {
+            port.after(REACH_INTERVAL, REACH);
+        }
+    }
+
+    fn alarm(&mut self, target: TargetId, first: (SimTime, Position), port: &Port<'_>) {
+        let start = first.0 + self.settings.start_delay;
+        self.record.alarmed.get_or_insert(port.now());
+        self.alarms.entry(target).or_insert(start);
+        if let Pilot::Detarsk { method, trackers } = &mut self.pilot {
+            let (step, bounds) = (self.settings.step, self.map.bounds());
+            let id = (target, port.seed());
+            trackers.entry(target).or_insert_with(|| Tracker::new(method, id, step, first, bounds));
+        }
+    }
+
+    fn learn(&mut self, node: StationId, place: Position, detections: &[Detection], port: &Port<'_>) {
+        let Pilot::Detarsk { method, trackers } = &mut self.pilot else { return };
+        let (Some(node), now) = (port.node(node), port.now()) else { return };
+        let mut by_target: BTreeMap<TargetId, Vec<Sighting>> = BTreeMap::new();
+        for &Detection { target, entered, left } in detections {
+            by_target.entry(target).or_default().push(Sighting { entered, left });
+        }
+        for (target, sightings) in by_target {
+            let (step, bounds) = (self.settings.step, self.map.bounds());
+            let first = sightings.iter().map(|sighting| sighting.entered).min().unwrap_or(now);
+            self.alarms.entry(target).or_insert(first + self.settings.start_delay);
+            let tracker = (trackers.entry(target))
+                .or_insert_with(|| Tracker::new(method, (target, port.seed()), step, (first, place), bounds));
+            tracker.learn(node, place, &sightings, now);
+        }
+    }
+}
+
+impl Application for SearchRobot {
+    fn hears(&self) -> bool {
+        true
+    }
+
+    fn has_task(&self) -> bool {
+        true
+    }
+
+    fn started(&mut self, port: &mut Port<'_>) {
+        port.listen(self.network, self.duration);
+        // Robots do not ask all at once.
+        port.after(self.settings.step.mul_f64(port.uniform(0)), STEP);
+        port.after(REACH_INTERVAL, REACH);
+    }
+
+    fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
+        if timer == REACH {
+            self.reach(port);
+        } else {
+            self.step(port);
+            port.after(self.settings.step, STEP);
+        }
+    }
+
+    fn delivered(&mut self, delivery: &Delivery<'_>, port: &mut Port<'_>) {
+        let now = port.now();
+        match Message::read(delivery.payload) {
+            Ok(Message::Answer(answer, detections)) => {
+                self.record.answers += 1;
+                let gain = delivery.rssi - answer.tx_power;
+                self.neighbourhood
+                    .hear(delivery.from, HeardNode { place: answer.place, gain, rssi: delivery.rssi, time: now });
+                self.learn(delivery.from, answer.place, &detections, port);
+            }
+            Ok(Message::Alarm { target, time, place, .. }) => self.alarm(target, (time, place), port),
+            Ok(Message::Claim { key, targets }) if key.origin != port.station() => {
+                self.team.hear(key.origin, &targets, now);
+            }
+            Ok(Message::Gradient(gradient)) => {
+                if let Pilot::PseudoGradient(pilot) = &mut self.pilot {
+                    pilot.hear(delivery.from, &gradient, delivery.rssi);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
+        match end {
+            DriveEnd::Arrived => self.drive_on(port),
+            DriveEnd::Blocked(contact) => {
+                self.blocked(contact, port);
+                self.drive_on(port);
+            }
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The settings of a target search, checked.
+
+use std::time::Duration;
+
+use sextant_channel::Dbm;
+use sextant_kernel::SettingError;
+use sextant_sim::Radio;
+
+use super::config::{
+    Aim, DetarskConfig, FilterConfig, Informants, OwnPlaceRule, PGConfig, PathRule, PredictionConfig,
+    RobustKalmanConfig, span,
+};
+use super::particle_filter::{ParticleFilterSettings, Space};
+use super::robust_kalman::RobustKalmanSettings;
+
+/// Allowed times of a step (s).
+const STEP_S: [f64; 2] = [0.05, 60.0];
+
+/// The settings of a target search, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetSearch {
+    /// A robot that touches a target at this distance between their centres has captured it (m).
+    pub(super) capture_m: f64,
+    pub(super) start_delay: Duration,
+    pub(super) step: Duration,
+    pub(super) own_place: OwnPlaceRule,
+    pub(super) path: PathRule,
+    pub(super) method: Method,
+}
+
+/// How robots search.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Method {
+    Detarsk(Detarsk),
+    PseudoGradient(PseudoGradient),
+}
+
+/// How robots predict where a target is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Detarsk {
+    pub(super) neighbourhood_m: Option<f64>,
+    pub(super) informants: Informants,
+    pub(super) filter: Filter,
+    pub(super) prediction: PredictionConfig,
+    pub(super) aim: Aim,
+    pub(super) max_speed_m_per_s: f64,
+}
+
+/// How robots smooth the detected places of a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Filter {
+    RobustKalman(RobustKalmanSettings),
+    Particles(ParticleFilterSettings),
+}
+
+/// How nodes work out the pseudo-gradient.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PseudoGradient {
+    /// Time between two rounds.
+    pub(super) update: Duration,
+    /// How long a node hears its neighbours at most before it tells its own.
+    pub(super) jitter: Duration,
+    /// The powers of neighbours that are as far and as near as can be.
+    pub(super) weakest: Dbm,
+    pub(super) strongest: Dbm,
+}
+
+impl TargetSearch {
+    /// The settings of DeTarSK.
+    ///
+    /// # Errors
+    /// If a setting is out of its range.
+    pub fn detarsk(config: &DetarskConfig) -> Result<Self, SettingError> {
+        let max_speed_m_per_s =
+            SettingError::in_range("max_target_speed_m_per_s", config.max_target_speed_m_per_s, 1e-3, 1e3)?;
+        let filter = match config.filter {
+            FilterConfig::RobustKalman(RobustKalmanConfig { zeta, acceleration_sigma_m_per_s2 }) => {
+                let settings = RobustKalmanSettings {
+                    zeta,
+                    acceleration_sigma_m_per_s2,
+                    max_speed_m_per_s,
+                    ..RobustKalmanSettings::default()
+                };
+                let checked = settings.validated().map_err(|error| error.within("filter.robust_kalman"))?;
+                Filter::RobustKalman(checked)
+            }
+            FilterConfig::Particles(written) => {
+                let settings = ParticleFilterSettings {
+                    particles: written.particles,
+                    sensing_radius_m: written.sensing_radius_m,
+                    contradiction: written.contradiction,
+                    max_speed_m_per_s,
+                    turns_per_s: written.turns_per_s,
+                    acceleration_sigma_m_per_s2: written.acceleration_sigma_m_per_s2,
+                    space: Space::Plane,
+                };
+                Filter::Particles(settings.validated().map_err(|error| error.within("filter.particles"))?)
+            }
+        };
+        let neighbourhood_m = config.neighbourhood_m;
+        Ok(Self {
+            capture_m: SettingError::in_range("capture_m", config.capture_m, 1e-3, 1e3)?,
+            start_delay: span("start_delay_s", config.start_delay_s, [0.0, 1e6])?,
+            step: span("step_s", config.step_s, STEP_S)?,
+            own_place: config.own_place,
+            path: config.path,
+            method: Method::Detarsk(Detarsk {
+                neighbourhood_m: neighbourhood_m
+                    .map(|radius_m| SettingError::positive("neighbourhood_m", radius_m))
+                    .transpose()?,
+                informants: config.informants,
+                filter,
+                prediction: config.prediction,
+                aim: config.aim,
+                max_speed_m_per_s,
+            }),
+        })
+    }
+
+    /// The settings of P-G among radios like `radio`.
+    ///
+    /// # Errors
+    /// If a setting is out of its range.
+    pub fn pseudo_gradient(config: &PGConfig, radio: &Radio) -> Result<Self, SettingError> {
+        let update = span("update_s", config.update_s, STEP_S)?;
+        Ok(Self {
+            capture_m: SettingError::in_range("capture_m", config.capture_m, 1e-3, 1e3)?,
+            start_delay: span("start_delay_s", config.start_delay_s, [0.0, 1e6])?,
+            step: span("step_s", config.step_s, STEP_S)?,
+            own_place: config.own_place,
+            path: PathRule::AStar,
+            method: Method::PseudoGradient(PseudoGradient {
+                update,
+                jitter: update / 8,
+                weakest: radio.sensitivity(),
+                // At the reference distance of one metre, a frame is as strong as it was sent.
+                strongest: radio.tx_power(),
+            }),
+        })
+    }
+
+    /// Whether all nodes that hear a robot tell it what they detected, and not only its neighbourhood.
+    pub(super) fn tells_all(&self) -> bool {
+        matches!(&self.method, Method::Detarsk(method) if method.informants == Informants::AllThatHear)
+    }
+}

@@ -1,0 +1,310 @@
+//! Searches for targets, over simulated links.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use sextant_apps::navigation::{MapFrame, NavigationMap};
+use sextant_apps::target_search::{
+    MessageCounts, RobotSearchRecord, SearchRecord, SearchStation, SearchTeam, TargetSearch,
+};
+use sextant_channel::{ChannelConfig, Position};
+use sextant_kernel::{NodeId, Purpose, Seed, SimTime, StationId};
+use sextant_mac::RadioStates;
+use sextant_mac::csma::CsmaSettings;
+use sextant_sim::layout::PlacedNode;
+use sextant_sim::{
+    BusyNetwork, Estimate, Faults, Ieee802154, Mac, NetworkId, NetworkSetup, Observer, Radio, RadioConfig,
+    ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Sensors, SensorsConfig, Setup, SilentConfig,
+    Simulation, Sink, TargetConfig, TargetId, Technology, Traffic, TrafficConfig, TrafficPlan, World, WorldConfig,
+};
+
+/// Nodes on a lattice of 1 m, each moved a little, and a sink at the corner.
+struct Scene {
+    columns: usize,
+    rows: usize,
+    /// Reach of the radios (m).
+    reach_m: f64,
+    obstacles: &'static str,
+    targets: Vec<&'static str>,
+    robots: Vec<&'static str>,
+    settings: &'static str,
+    is_pseudo_gradient: bool,
+    /// The places of nodes on the map, from their true ones.
+    map: fn(Position) -> Position,
+    frame: MapFrame,
+    seconds: u64,
+    seed: u64,
+}
+
+/// What became of a search.
+struct Outcome {
+    robots: Vec<RobotSearchRecord>,
+    nodes: MessageCounts,
+    sinks: MessageCounts,
+    captured: BTreeMap<TargetId, (usize, SimTime)>,
+    /// Predicted places.
+    predicted: Vec<(SimTime, Position)>,
+}
+
+#[derive(Default)]
+struct Watch {
+    captured: BTreeMap<TargetId, (usize, SimTime)>,
+    predicted: Vec<(SimTime, Position)>,
+}
+
+impl Observer for Watch {
+    fn captured(&mut self, robot: usize, target: TargetId, time: SimTime) {
+        assert!(self.captured.insert(target, (robot, time)).is_none(), "a target is captured once");
+    }
+
+    fn estimated(&mut self, _station: StationId, time: SimTime, estimate: &Estimate) {
+        if let Estimate::TargetPlace { place, .. } = *estimate {
+            self.predicted.push((time, place));
+        }
+    }
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            columns: 20,
+            rows: 16,
+            reach_m: 6.0,
+            obstacles: "",
+            targets: vec!["places_m = [[0.0, 12.0], [19.0, 12.0]]\nspeed_m_per_s = 0.8"],
+            robots: vec!["start_m = [18.0, 1.0]\nspeed_m_per_s = 1.5"],
+            settings: "start_delay_s = 3.0",
+            is_pseudo_gradient: false,
+            map: |place| place,
+            frame: MapFrame::Robot,
+            seconds: 60,
+            seed: 1,
+        }
+    }
+}
+
+impl Scene {
+    fn world(&self) -> World {
+        let text = format!(
+            "nodes.lattice = {{ spacing_m = 1.0, region.rectangle = {{ min_m = [0.0, 0.0], max_m = [1.0, 1.0] }} }}\n{}",
+            self.obstacles
+        );
+        let config: WorldConfig = toml::from_str(&text).expect("a world");
+        let obstacles = config.build(Seed(1), Path::new("")).expect("a good world").obstacles;
+        let seed = Seed(self.seed);
+        let jitter = |node: usize, axis| 0.4 * (seed.uniform(Purpose::new(1001), [node as u64, axis, 0]) - 0.5);
+        let place = |node: usize| {
+            let (column, row) = ((node % self.columns) as f64, (node / self.columns) as f64);
+            Position::new(column + jitter(node, 0), row + jitter(node, 1), 0.0)
+        };
+        let places = (0..self.columns * self.rows).map(place).filter(|&place| obstacles.fault(place).is_none());
+        let nodes = places.enumerate().map(|(i, position)| PlacedNode { name: format!("n{i}"), position }).collect();
+        let target = |(i, text): (usize, &&str)| {
+            let config: TargetConfig =
+                toml::from_str(&format!("name = \"t{i}\"\n[motion.waypoints]\n{text}")).expect("a target");
+            config.build(i as u64, &obstacles, Seed(1)).expect("a good target")
+        };
+        let targets = self.targets.iter().enumerate().map(target).collect();
+        let sensors: SensorsConfig = toml::from_str("targets.radius_m = 1.5").expect("sensors");
+        let sensors = Sensors::try_from(sensors).expect("good sensors");
+        World { nodes, obstacles, targets, fields: Vec::new(), sensors }
+    }
+
+    fn run(&self) -> Outcome {
+        let world = self.world();
+        // Free space, with the loss of 1 m in the power of the transmitter.
+        let power_dbm = -90.0 + 20.0 * libm::log10(self.reach_m);
+        let radio: RadioConfig =
+            toml::from_str(&format!("tx_power_dbm = {power_dbm}\nsensitivity_dbm = -90.0")).expect("a radio");
+        let radio = Radio::try_from(radio).expect("good levels");
+        let search = if self.is_pseudo_gradient {
+            TargetSearch::pseudo_gradient(&toml::from_str(self.settings).expect("settings"), &radio)
+        } else {
+            TargetSearch::detarsk(&toml::from_str(self.settings).expect("settings"))
+        };
+        let search = Arc::new(search.expect("good settings"));
+        let channel: ChannelConfig =
+            toml::from_str("path_loss.log_distance = { exponent = 2.0 }").expect("a channel");
+        let link = NetworkSetup {
+            channel: channel.try_into().expect("a good channel"),
+            technology: Technology::Ieee802154(Ieee802154 {
+                radio: radio.clone(),
+                reception: ReceptionModel::Overlap,
+                mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
+            }),
+            radio_states: RadioStates::cc2420(),
+            members: None,
+        };
+        let body = |(i, text): (usize, &&str)| {
+            let config: RobotConfig<u8> = toml::from_str(&format!("name = \"r{i}\"\ncontroller = 0\n{text}"))
+                .unwrap_or_else(|error| panic!("a robot: {error}"));
+            RobotBody::try_from(&config).expect("a good robot")
+        };
+        let bodies: Vec<_> = self.robots.iter().enumerate().map(body).collect();
+        let places = world.nodes.iter().map(|node| Some((self.map)(node.position))).collect();
+        let map = Arc::new(NavigationMap::new(places, self.frame).expect("a map"));
+        let duration = Duration::from_secs(self.seconds);
+        let silent = Traffic::try_from(TrafficConfig::Silent(SilentConfig {})).expect("no traffic");
+        let traffic = TrafficPlan::all(silent, world.nodes.len());
+        let own = search.stations(
+            &map,
+            SearchTeam {
+                nodes: world.nodes.len(),
+                robots: &bodies,
+                sinks: 1,
+                targets: world.targets.len(),
+                network: NetworkId(0),
+                radio: &radio,
+                duration,
+            },
+        );
+        let robot = |body| Robot { body, task: RobotTask::Own };
+        let setup = Setup {
+            world,
+            networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+            robots: bodies.into_iter().map(robot).collect(),
+            sinks: vec![Sink { name: "sink".into(), position: Position::new(-0.5, -0.5, 0.0), networks: None }],
+            duration: Some(duration),
+            faults: Faults::default(),
+            seed: Seed(self.seed),
+        };
+        let mut watch = Watch::default();
+        let (_, own) = Simulation::with_own(setup, own).expect("a good setup").run_own(&mut watch);
+        let (mut robots, mut nodes, mut sinks) = (Vec::new(), MessageCounts::default(), MessageCounts::default());
+        let stations = own.nodes.into_iter().chain(own.robots).chain(own.sinks);
+        for record in stations.map(SearchStation::into_record) {
+            match record {
+                SearchRecord::Node(node) => nodes += node.sent,
+                SearchRecord::Robot(robot) => robots.push(*robot),
+                SearchRecord::Sink(sent) => sinks += sent,
+            }
+        }
+        Outcome { robots, nodes, sinks, captured: watch.captured, predicted: watch.predicted }
+    }
+}
+
+/// Where the only target of the default scene is.
+fn target_at(time: SimTime) -> Position {
+    Position::new((0.8 * time.as_secs_f64()).min(19.0), 12.0, 0.0)
+}
+
+#[test]
+fn a_robot_predicts_and_captures_a_target_that_goes_straight() {
+    let outcome = Scene::default().run();
+    let &(_, time) = &outcome.captured[&TargetId(0)];
+    // It starts 3 s after the first detection, 20 m away, and they approach each other.
+    assert!((8.0..25.0).contains(&time.as_secs_f64()), "captured after {time}");
+    let [robot] = outcome.robots.as_slice() else { panic!("one robot") };
+    assert_eq!(robot.captured, [(TargetId(0), time)]);
+    // Once it hears the nodes around the target, it knows the way.
+    let late = outcome.predicted.iter().filter(|(at, _)| time.saturating_since(*at) < Duration::from_secs(3));
+    for &(at, place) in late {
+        assert!(place.distance_m(target_at(at)) < 2.0, "{place:?} at {at}");
+    }
+}
+
+#[test]
+fn the_first_detection_reaches_the_sink_hop_by_hop_and_the_robot_from_there() {
+    let outcome = Scene::default().run();
+    // The entry is 12.5 m away from the sink, which is more than two hops of 6 m.
+    assert!(outcome.nodes.detections >= 3, "{:?}", outcome.nodes);
+    assert!(outcome.sinks.alarms >= 1 && outcome.nodes.alarms >= 3, "{:?} {:?}", outcome.sinks, outcome.nodes);
+    let [robot] = outcome.robots.as_slice() else { panic!("one robot") };
+    let alarmed = robot.alarmed.expect("the robot is alarmed").as_secs_f64();
+    assert!((0.5..3.0).contains(&alarmed), "alarmed after {alarmed} s");
+    let first = robot.steps.first().expect("the robot decides");
+    assert!(robot.started.expect("it starts").as_secs_f64() >= 3.0);
+    assert!(first.predicted.distance_m(Position::new(0.3, 12.0, 0.0)) < 2.5, "the alarm says where: {first:?}");
+}
+
+#[test]
+fn a_map_that_is_turned_mirrored_and_scaled_will_do() {
+    // Its unit is 4 m.
+    let map = |place: Position| Position::new(0.25 * place.y_m + 3.0, 0.25 * place.x_m - 7.0, 0.0);
+    let outcome = Scene { map, frame: MapFrame::Unknown, seconds: 120, ..Scene::default() }.run();
+    assert_eq!(outcome.captured.len(), 1);
+}
+
+#[test]
+fn a_robot_finds_its_way_out_of_a_bay_unless_it_is_greedy() {
+    // The robot stands in a bay that opens away from the target.
+    let obstacles = "
+        [[obstacles]]
+        shape.box = { center_m = [9.0, 9.0, 0.0], size_m = [6.0, 0.4, 2.0] }
+        material = \"metal\"
+        [[obstacles]]
+        shape.box = { center_m = [6.0, 7.0, 0.0], size_m = [0.4, 4.4, 2.0] }
+        material = \"metal\"
+        [[obstacles]]
+        shape.box = { center_m = [12.0, 7.0, 0.0], size_m = [0.4, 4.4, 2.0] }
+        material = \"metal\"";
+    let scene = |settings| Scene {
+        obstacles,
+        targets: vec!["places_m = [[9.0, 14.0]]\nspeed_m_per_s = 1.0"],
+        robots: vec!["start_m = [9.0, 7.5]\nspeed_m_per_s = 1.5"],
+        settings,
+        ..Scene::default()
+    };
+    let captured = scene("start_delay_s = 3.0").run().captured;
+    assert_eq!(captured.len(), 1, "the way round is about 20 m long");
+    assert!(scene("start_delay_s = 3.0\npath = \"greedy\"").run().captured.is_empty());
+}
+
+#[test]
+fn two_robots_share_two_targets() {
+    let outcome = Scene {
+        targets: vec![
+            "places_m = [[0.0, 13.0], [9.0, 13.0]]\nspeed_m_per_s = 0.5",
+            "places_m = [[19.0, 13.0], [10.0, 13.0]]\nspeed_m_per_s = 0.5",
+        ],
+        robots: vec!["start_m = [16.0, 1.0]\nspeed_m_per_s = 1.5", "start_m = [3.0, 1.0]\nspeed_m_per_s = 1.5"],
+        ..Scene::default()
+    }
+    .run();
+    let by = |target| outcome.captured[&TargetId(target)].0;
+    assert_eq!([by(0), by(1)], [1, 0], "each captures the one on its side");
+    assert!(outcome.nodes.claims > 0, "nodes pass on what the robots tell each other");
+}
+
+#[test]
+fn a_robot_follows_the_pseudo_gradient_to_a_slow_target() {
+    let outcome = Scene {
+        targets: vec!["places_m = [[0.0, 12.0], [10.0, 12.0]]\nspeed_m_per_s = 0.3"],
+        is_pseudo_gradient: true,
+        ..Scene::default()
+    }
+    .run();
+    assert_eq!(outcome.captured.len(), 1);
+    let rounds = outcome.captured[&TargetId(0)].1.as_secs_f64() / 2.0;
+    // Each node speaks once in each round.
+    let most = 320.0 * (rounds + 1.0);
+    let sent = outcome.nodes.gradients as f64;
+    assert!(sent > 0.5 * most && sent <= most, "{sent} messages in {rounds} rounds");
+}
+
+#[test]
+fn pseudo_gradients_cost_far_more_messages_than_polls() {
+    let messages = |is_pseudo_gradient| {
+        let outcome = Scene { is_pseudo_gradient, ..Scene::default() }.run();
+        outcome.nodes.total() as f64 / outcome.captured.get(&TargetId(0)).map_or(60.0, |(_, at)| at.as_secs_f64())
+    };
+    assert!(messages(true) > 3.0 * messages(false));
+}
+
+#[test]
+fn the_same_search_is_the_same_again_and_another_seed_is_another() {
+    let predicted = |seed| Scene { seed, ..Scene::default() }.run().predicted;
+    assert_eq!(predicted(3), predicted(3));
+    assert_ne!(predicted(3), predicted(4));
+}
+
+#[test]
+fn a_node_that_is_not_on_the_map_never_answers() {
+    let map = NavigationMap::new(vec![None, Some(Position::ORIGIN)], MapFrame::Robot);
+    assert_eq!(map, None, "two nodes of which one is missing are no map");
+    let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x_m, y_m)| Some(Position::new(x_m, y_m, 0.0)));
+    let map = NavigationMap::new([None].into_iter().chain(corners).collect(), MapFrame::Robot).expect("a map");
+    assert_eq!((map.place(NodeId(0)), map.place(NodeId(9))), (None, None));
+}
