@@ -11,7 +11,8 @@
 //! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
 //! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]
 //! watches while it runs. [`discover`] finds what the nodes hear of each other over the same air, before any robot
-//! moves. Own applications of nodes run in [`Simulation::with_nodes`], those of all stations on an [`Engine`].
+//! moves. Own applications of nodes run in [`Simulation::with_nodes`], those of all stations in
+//! [`Simulation::with_own`] or, without a scenario, on an [`Engine`].
 //!
 //! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number

@@ -231,9 +231,13 @@ fn inside(key: &str, start: Position, region: &Region, obstacles: &ObstacleField
     if let Some((found, allowed)) = obstacles.fault(start) {
         return Err(SettingError::new(key, found, allowed));
     }
+    let [x, y, z] = start.into();
     if !region.contains(start) {
-        let [x, y, z] = start.into();
         return Err(SettingError::new(key, format!("[{x}, {y}, {z}]"), "a place in the region"));
+    }
+    if region.is_on_side(start) {
+        let found = format!("[{x}, {y}, {z}], on a side of the polygon");
+        return Err(SettingError::new(key, found, "a place in the region, and not on its border"));
     }
     Ok(start)
 }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use proptest::prelude::*;
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{
@@ -162,6 +163,66 @@ fn a_robot_touches_what_is_near_its_true_place() {
     }
     let (own, _) = hunt(setup, robot);
     assert_eq!(found(&own), [vec![FIRST]]);
+}
+
+fn place() -> impl Strategy<Value = [f64; 3]> {
+    [-20.0..20.0, -20.0..20.0, -4.0..4.0_f64]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn sensors_say_what_they_said_without_the_capture_and_then_that_the_targets_left(
+        nodes in proptest::collection::vec(place(), 1..20),
+        ways in proptest::collection::vec((proptest::collection::vec(place(), 2..6), 0.3..9.0_f64), 1..4),
+        radius_m in 1.0..12.0_f64,
+        try_s in 0.5..39.5_f64,
+        reach_m in 1.0..40.0_f64,
+    ) {
+        let none = ObstacleField::default();
+        let motions: Vec<_> = ways.iter().map(|(places, speed)| way(places, *speed, AtEnd::Loop)).collect();
+        let places: Vec<Position> = nodes.iter().copied().map(Position::from).collect();
+        let world = World {
+            nodes: network::nodes(&places), targets: targets(&motions, &none), sensors: discs(radius_m), ..World::default()
+        };
+        let run = |robot| hunt(setup(world.clone(), &[[0.0; 3]], &[], 40.0, 1), robot).0;
+        let (free, hunted) = (run(hunter(&[], 1.0)), run(hunter(&[try_s], reach_m)));
+        let captured = &found(&hunted)[0];
+        // The true places at that instant, leg by leg.
+        let time = seconds(try_s);
+        for (number, target) in world.targets.iter().enumerate() {
+            let mut course = target.course(sextant_kernel::Seed(1));
+            let legs = std::iter::from_fn(|| course.next_leg(&none));
+            let leg = legs.into_iter().find(|leg| leg.end > time).expect("it goes on for ever");
+            let id = TargetId(u16::try_from(number).expect("few targets"));
+            let distance_m = leg.at(time).length_m();
+            if (distance_m - reach_m).abs() > 1e-6 {
+                prop_assert_eq!(captured.contains(&id), distance_m < reach_m);
+            }
+        }
+        for node in 0..nodes.len() {
+            for number in 0..world.targets.len() {
+                let id = TargetId(u16::try_from(number).expect("few targets"));
+                let of_target = |heard: &[(f64, Sensed)]| -> Vec<(f64, bool)> {
+                    let mine = |&(time, sensed): &(f64, Sensed)| match sensed {
+                        Sensed::Entered(other) => (other == id).then_some((time, true)),
+                        Sensed::Left(other) => (other == id).then_some((time, false)),
+                        Sensed::Sampled { .. } => None,
+                    };
+                    heard.iter().filter_map(mine).collect()
+                };
+                let mut expected = of_target(heard(&free, node));
+                if captured.contains(&id) {
+                    expected.retain(|&(time, _)| time <= try_s);
+                    if let Some((_, true)) = expected.last() {
+                        expected.push((time.as_secs_f64(), false));
+                    }
+                }
+                prop_assert_eq!(of_target(heard(&hunted, node)), expected);
+            }
+        }
+    }
 }
 
 /// A robot that tells what it thinks.

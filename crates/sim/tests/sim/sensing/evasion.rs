@@ -180,6 +180,13 @@ fn a_target_flees_from_the_true_place_of_a_robot() {
 }
 
 #[test]
+fn an_evasion_is_written_as_in_a_scenario() {
+    let text = "start_m = [2.0, 2.0]\nspeed_m_per_s = 1.5\nsight_m = 8.0\ndecide_s = 0.5\nstraight.mean_m = 6.0\n\
+                turn.uniform_deg = 60.0\nregion.rectangle = { min_m = [0.0, 0.0], max_m = [20.0, 20.0] }\n";
+    assert_eq!(toml::from_str::<EvadeConfig>(text).expect("an evasion"), evade([2.0, 2.0, 0.0], square()));
+}
+
+#[test]
 fn invalid_evasions_are_refused_with_their_key() {
     let obstacles = ObstacleField::new(vec![block([10.0, 10.0, 0.0], [4.0; 3])]);
     let key = |config: EvadeConfig| {

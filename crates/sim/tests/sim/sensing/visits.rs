@@ -198,6 +198,14 @@ fn impossible_visits_are_refused_with_their_key() {
 }
 
 #[test]
+fn a_visit_is_written_as_in_a_scenario() {
+    let text = "name = \"visitor\"\n[motion.wander]\nfrom_m = [1.0, 20.0]\nto_m = [1.0, 10.0]\nduration_s = 80.0\n\
+                speed_m_per_s = 1.5\nstraight.mean_m = 15.0\nturn.uniform_deg = 90.0\n\
+                region.rectangle = { min_m = [2.0, 0.0], max_m = [50.0, 40.0] }\n";
+    assert_eq!(toml::from_str::<TargetConfig>(text).expect("a target"), target(&thesis()));
+}
+
+#[test]
 fn a_target_far_from_all_nodes_is_refused() {
     let nodes = ExplicitConfig { positions_m: vec![Position::ORIGIN, Position::new(3000.0, 0.0, 0.0)], names: None };
     let key = |motion: TargetMotionConfig| {

@@ -144,6 +144,8 @@ fn invalid_targets_are_rejected_with_their_key() {
     assert_eq!(refused(way(&[[0.0; 3], [1.0, 0.0, 0.0]], 0.0)), "motion.waypoints.speed_m_per_s");
     assert_eq!(of_walk(walk([10.0, 10.0, 0.0], square())), "motion.random_walk.start_m");
     assert_eq!(of_walk(walk([-1.0, 0.0, 0.0], square())), "motion.random_walk.start_m");
+    let triangle = RegionConfig::Polygon { corners_m: vec![[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]], z_m: 0.0 };
+    assert_eq!(of_walk(walk([0.0, 3.0, 0.0], triangle)), "motion.random_walk.start_m");
     let good = walk([1.0, 1.0, 0.0], square());
     let region = RegionConfig::Disc { center_m: Position::ORIGIN, radius_m: -1.0 };
     assert_eq!(of_walk(RandomWalkConfig { region, ..good.clone() }), "motion.random_walk.region.disc.radius_m");
