@@ -50,7 +50,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let run = recording::read_run(path)?;
     let drawn = recording::read_drawn(path)?;
     let is_empty = drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty();
-    if is_empty && drawn.sinks.is_empty() && run.log.stops().is_empty() {
+    if is_empty && drawn.applications.is_empty() && drawn.sinks.is_empty() && run.log.stops().is_empty() {
         return Err(Failure::bad_input_with_help(
             format!("`{}` has no maps, stops, sinks, targets or fields, so there is nothing to draw", path.display()),
             "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",

@@ -42,7 +42,7 @@ impl Curves {
         Figure { name: name.to_owned(), picture: self.draw() }
     }
 
-    fn draw(self) -> Picture {
+    pub(super) fn draw(self) -> Picture {
         let style = |i: usize| (Stroke::new(CURVES[i % CURVES.len()], 2.0), PATTERNS[i % PATTERNS.len()]);
         let points = || self.series.iter().flat_map(|series| &series.points);
         let low = points().map(|point| point.0).fold(f64::INFINITY, f64::min);

@@ -5,10 +5,12 @@ use std::collections::BTreeSet;
 use super::distribution::{self, NodeError};
 use super::file::Figure;
 use super::source::Source;
-use super::{displacement, field, likelihood, map, network, scattering, sectors, targets};
+use super::{
+    application, application_curves, displacement, field, likelihood, map, network, scattering, sectors, targets,
+};
 
 /// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
-/// field, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
+/// field, `application-NAME` and its time series for each application, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
 /// positions are known, `sector-displacement` if nodes have sectors, `neighbour-scattering` if nodes computed a map, and `likelihood-NAME-NODE` for each likelihood surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
@@ -18,6 +20,12 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
     for instant in &source.drawn.fields {
         let name = format!("field-{}-{}s", instant.name, instant.time.as_secs_f64());
         figures.push((name, field::draw(source, instant)));
+    }
+    for drawn in &source.drawn.applications {
+        let name = format!("application-{}", drawn.name);
+        figures.push((name.clone(), application::draw(source, drawn)));
+        let curves = application_curves::draw(source, drawn);
+        figures.extend(curves.into_iter().map(|(what, picture)| (format!("{name}-{what}"), picture)));
     }
     for (name, places) in &source.drawn.maps {
         figures.push((format!("map-{name}"), map::draw(source, name, places)));

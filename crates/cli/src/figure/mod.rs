@@ -1,7 +1,7 @@
 //! Figures of a recording as SVG or PNG files, for papers and web pages.
 //!
 //! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, one of the targets, one of each recorded instant of a field, one
-//! of each map, one of the distribution of each kind of error, one of the sector displacement, one of the neighbour scattering in a map that the nodes computed, and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
+//! of each application and of its time series, one of each map, one of the distribution of each kind of error, one of the sector displacement, one of the neighbour scattering in a map that the nodes computed, and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
 //! ```no_run
@@ -17,9 +17,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod application;
+mod application_curves;
 mod axes;
 mod bars;
 mod cells;
+mod contour;
 mod curves;
 mod displacement;
 mod distribution;
