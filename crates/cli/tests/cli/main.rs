@@ -1,5 +1,6 @@
 //! Tests of the program from outside: arguments, outputs and errors; and of the dependencies between crates.
 
+mod applications;
 mod architecture;
 mod command_line;
 mod comparators;

@@ -1,0 +1,139 @@
+//! Applications that are refused, each with its key and what is allowed.
+
+use tempfile::TempDir;
+
+use super::{AGENT, FIELD, NODES, SEEKING, seeking};
+use crate::program::sextant;
+
+/// What `check` says of an invalid scenario, beside which there may be a file `map.csv`.
+fn refused(scenario: &str, map: Option<&str>) -> String {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
+    if let Some(map) = map {
+        std::fs::write(folder.path().join("map.csv"), map).unwrap();
+    }
+    let output = sextant().current_dir(folder.path()).args(["check", "a.toml"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
+    let said = String::from_utf8(output.stderr).unwrap();
+    said.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn invalid_applications_are_refused_at_their_key() {
+    let good = seeking();
+    let physical = "map.physical = {}";
+    for (scenario, key, allowed) in [
+        (
+            good.replacen(physical, "map.computed = \"no-such\"", 1),
+            "`applications[0].map.computed` is `no-such`",
+            "`[[maps]]`, of which the scenario has none",
+        ),
+        (good.replacen(&format!("{physical}\n"), "", 1), "`map` is missing in `applications[0]`", ""),
+        (
+            good.replacen(physical, &format!("{physical}\nrobots = [\"nobody\"]"), 1),
+            "`applications[0].robots[0]` is `nobody`",
+            "`agent`",
+        ),
+        (
+            good.replacen(physical, &format!("{physical}\nrobots = [\"agent\", \"agent\"]"), 1),
+            "`applications[0].robots[1]`",
+            "each robot once",
+        ),
+        ([NODES, FIELD, SEEKING].concat(), "`applications[0].robots` is no robot", "role = \"agent\""),
+        (
+            [NODES, AGENT, SEEKING].concat(),
+            "`applications[0].algorithm` is `gradient`, without fields",
+            "[[world.fields]]",
+        ),
+        (
+            good.replace("[sensors.fields]\ninterval_s = 1.0\n", ""),
+            "`applications[0].algorithm` is `gradient`, without sensors of fields",
+            "[sensors.fields]",
+        ),
+        (
+            good.replacen("level = 9.0", "level = 11.0", 1),
+            "`applications[0].algorithm.gradient.goal.level` is 11, which the field `gas` has nowhere",
+            "at most 10",
+        ),
+        (
+            good.replace("rx_on_when_idle = true", "rx_on_when_idle = false"),
+            "`mac.csma_unslotted.rx_on_when_idle` is false",
+            "at any time",
+        ),
+        (
+            good.replacen(physical, &format!("{physical}\nnetwork = \"x\""), 1),
+            "`applications[0].network` is `x`",
+            "no name",
+        ),
+        (
+            good.replacen("name = \"law\"", "name = \"gradient\"", 1),
+            "the name of an earlier application",
+            "a unique name",
+        ),
+        (good.replacen("name = \"law\"", "name = \"survey\"", 1), "the name of the first phase", "a unique name"),
+        (good.replacen("duration_s = 60.0", "duration_s = 0.0", 1), "`applications[0].duration_s` is 0", ""),
+        (
+            good.replace("role = \"agent\"", "role = \"agent\"\ncontroller.waypoints.places_m = [[1.0, 2.0]]"),
+            "`robots[0].controller` is a table",
+            "applications drive",
+        ),
+        (
+            good.replace("role = \"agent\"\n", ""),
+            "`robots[0].controller` is absent",
+            "`role = \"agent\"` for applications alone",
+        ),
+    ] {
+        let said = refused(&scenario, None);
+        assert!(said.contains(key) && said.contains(allowed), "{key}: {said}");
+    }
+}
+
+#[test]
+fn maps_in_files_must_be_maps_of_the_nodes() {
+    let scenario = seeking().replacen("map.physical = {}", "map.file = \"map.csv\"", 1);
+    for (map, message) in [
+        (None, "cannot read"),
+        (Some("node,x_m\nn0,0\n"), "column `y_m` is missing"),
+        (Some("node,x_m,y_m\nn0,0,0\nn1,1,0\nnobody,2,0\n"), "the node `nobody` has a place"),
+        (Some("node,x_m,y_m\nn0,0,0\nn1,1,0\n"), "2 nodes; allowed: at least 3 nodes"),
+        (Some("node,x_m,y_m\nn0,0,zero\n"), "found `zero`"),
+    ] {
+        let said = refused(&scenario, map);
+        assert!(said.contains("`applications[0].map.file`") && said.contains(message), "{message}: {said}");
+    }
+}
+
+#[test]
+fn maps_of_receptions_need_a_survey() {
+    let map = "[[maps]]\nname = \"heard\"\nalgorithm.ml_tm = { grid_step_m = 0.5, profile.fitted = {} }\n";
+    let scenario = [&seeking().replace("map.physical = {}", "map.computed = \"heard\""), map].concat();
+    let said = refused(&scenario, None);
+    assert!(
+        said.contains("`robots` is no surveying robot") && said.contains("`heard` is made from what robots hear"),
+        "{said}"
+    );
+}
+
+#[test]
+fn applications_need_a_network_of_packets() {
+    let sweeps = "
+[networks.a.radio]
+tx_power_dbm = 20.0
+sensitivity_dbm = -60.0
+[networks.a.channel]
+environment = \"dmmtm-greenhouse\"
+path_loss.close_in.carrier_ghz = 73.0
+shadowing.correlation = \"per_link\"
+[networks.a.mac.sector_sweep]
+[networks.a.antenna.nodes.sectors]
+azimuth_sectors = 8
+[networks.a.antenna.robots.sectors]
+azimuth_sectors = 8
+";
+    let (nodes, _) = NODES.split_once("[radio]").unwrap();
+    let said = refused(&[nodes, sweeps, FIELD, AGENT, SEEKING].concat(), None);
+    assert!(
+        said.contains("`applications[0].network` is `a`, with sector sweeps") && said.contains("IEEE 802.15.4"),
+        "{said}"
+    );
+}
