@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use sextant_apps::AlgorithmConfig;
 use sextant_apps::source_seeking::SourceSeeking;
+use sextant_apps::target_search::TargetSearch;
 use sextant_kernel::SettingError;
-use sextant_sim::{Field, Gaussian};
+use sextant_sim::{Field, Gaussian, Radio};
 
 /// What an application does, checked.
 #[derive(Clone, Debug)]
@@ -19,24 +20,26 @@ pub struct Algorithm {
 /// What robots and nodes do.
 #[derive(Clone, Debug)]
 pub enum Task {
+    /// They search targets.
+    Search(Arc<TargetSearch>),
     /// They seek the source of a field.
     Seek(Arc<SourceSeeking>),
 }
 
 impl Algorithm {
-    /// The checked form of `config` in a world with these fields.
-    pub(super) fn new(config: &AlgorithmConfig, fields: &[Field]) -> Result<Self, SettingError> {
+    /// The checked form of `config` in a network of such radios and a world with these fields.
+    pub(super) fn new(config: &AlgorithmConfig, radio: &Radio, fields: &[Field]) -> Result<Self, SettingError> {
+        let search = |search: TargetSearch| Task::Search(Arc::new(search));
         let seek = |seek: SourceSeeking| Task::Seek(Arc::new(seek));
         let task = match config {
-            AlgorithmConfig::Detarsk(_) | AlgorithmConfig::PG(_) => {
-                let allowed = "`level_set` or `gradient`: robots cannot search targets yet";
-                return Err(SettingError::new("algorithm", format!("`{}`", config.key()), allowed));
-            }
+            AlgorithmConfig::Detarsk(config) => TargetSearch::detarsk(config).map(search),
+            AlgorithmConfig::PG(config) => TargetSearch::pseudo_gradient(config, radio).map(search),
             AlgorithmConfig::LevelSet(config) => SourceSeeking::level_set(config, fields).map(seek),
             AlgorithmConfig::Gradient(config) => SourceSeeking::gradient(config, fields).map(seek),
         };
         let task = task.and_then(|task| match &task {
             Task::Seek(seek) => check_level(seek, fields).map(|()| task),
+            Task::Search(_) => Ok(task),
         });
         let task = task.map_err(|error| error.within(format!("algorithm.{}", config.key())))?;
         Ok(Self { name: config.name(), task })
@@ -45,15 +48,14 @@ impl Algorithm {
     /// Whether it searches targets; otherwise it seeks the source of a field.
     #[must_use]
     pub fn is_search(&self) -> bool {
-        match self.task {
-            Task::Seek(_) => false,
-        }
+        matches!(self.task, Task::Search(_))
     }
 
     /// Number of the field whose source it seeks, and the level that it wants to reach, in the unit of the field.
     #[must_use]
     pub fn sought(&self) -> Option<(usize, f64)> {
         match &self.task {
+            Task::Search(_) => None,
             Task::Seek(seek) => Some((seek.field().index(), seek.level())),
         }
     }

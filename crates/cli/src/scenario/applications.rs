@@ -201,8 +201,8 @@ impl Surroundings<'_> {
         table: &str,
         errors: &mut Errors<'_>,
     ) -> Option<Algorithm> {
-        self.setup.networks[network.index()].link.technology.ieee802154()?;
-        errors.take(table, Algorithm::new(&written.algorithm, &self.setup.world.fields))
+        let radio = &self.setup.networks[network.index()].link.technology.ieee802154()?.radio;
+        errors.take(table, Algorithm::new(&written.algorithm, radio, &self.setup.world.fields))
     }
 
     /// Refuses networks in which nodes and robots cannot exchange messages. Returns whether it is a good one.

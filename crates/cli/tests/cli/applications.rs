@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 mod refusals;
+mod searching;
 
 use std::collections::BTreeMap;
 

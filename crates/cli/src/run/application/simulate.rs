@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use sextant_apps::navigation::NavigationMap;
 use sextant_apps::source_seeking::{SeekRecord, SeekStation, SeekTeam};
+use sextant_apps::target_search::{SearchRecord, SearchStation, SearchTeam};
 use sextant_sim::{
     BusyNetwork, Observer, OwnApplications, Robot, RobotBody, RobotTask, Setup, SilentConfig, Simulation, Survey,
     TrafficConfig, TrafficPlan,
@@ -22,11 +23,13 @@ pub(super) struct Prepared {
 
 /// The applications of all stations.
 enum Stations {
+    Search(OwnApplications<SearchStation>),
     Seek(OwnApplications<SeekStation>),
 }
 
 /// What the stations leave behind.
 pub(super) enum Records {
+    Search(OwnApplications<SearchRecord>),
     Seek(OwnApplications<SeekRecord>),
 }
 
@@ -53,6 +56,18 @@ impl Prepared {
         let radio = networks[application.network.index()].link.technology.ieee802154();
         let radio = &radio.expect("the scenario was checked").radio;
         let stations = match &application.algorithm.task {
+            Task::Search(search) => {
+                let team = SearchTeam {
+                    nodes: nodes.len(),
+                    robots: &bodies,
+                    sinks: whole.sinks.len(),
+                    targets: whole.world.targets.len(),
+                    network: application.network,
+                    radio,
+                    duration: application.duration,
+                };
+                Stations::Search(search.stations(&known, team))
+            }
             Task::Seek(seek) => {
                 let team = SeekTeam {
                     nodes: nodes.len(),
@@ -72,6 +87,10 @@ impl Prepared {
     /// Runs it to its end, or until `observer` ends it.
     pub(super) fn run(self, observer: &mut impl Observer) -> Result<(Survey, Records), Failure> {
         match self.stations {
+            Stations::Search(stations) => {
+                let (survey, records) = run(self.setup, stations, SearchStation::into_record, observer)?;
+                Ok((survey, Records::Search(records)))
+            }
             Stations::Seek(stations) => {
                 let (survey, records) = run(self.setup, stations, SeekStation::into_record, observer)?;
                 Ok((survey, Records::Seek(records)))

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use sextant_apps::source_seeking::SeekRecord;
+use sextant_apps::target_search::{MessageCounts, SearchRecord};
 use sextant_kernel::SimTime;
 use sextant_sim::{Estimate, OwnApplications, Survey};
 
@@ -13,7 +14,9 @@ use super::simulate::Records;
 use crate::recording::Way;
 use crate::run::witness::Witness;
 use crate::scenario::{Application, Scenario, Task};
-use crate::summary::{ApplicationMessages, ApplicationRobot, ApplicationSummary, ArrivalSummary, EnergySummary};
+use crate::summary::{
+    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, EnergySummary,
+};
 
 /// The summary of `application`, from what its stations left behind and what truly happened.
 pub(super) fn sum_up(
@@ -49,6 +52,7 @@ pub(super) fn sum_up(
         ..ApplicationSummary::default()
     };
     match records {
+        Records::Search(records) => of_search(summary, records, targets(scenario, application, witness)),
         Records::Seek(records) => of_seeking(scenario, application, summary, records, witness),
     }
 }
@@ -65,6 +69,66 @@ fn robots(application: &Application, survey: &Survey, witness: &Witness<'_>, nod
         energy_j: energy[nodes + i].total_j(),
     };
     survey.robots.iter().enumerate().map(robot).collect()
+}
+
+/// What became of each target.
+fn targets(scenario: &Scenario, application: &Application, witness: &Witness<'_>) -> Vec<ApplicationTarget> {
+    let robot = |number: usize| scenario.bodies()[application.robots[number]].name.clone();
+    let target = |(i, target): (usize, &sextant_sim::Target)| {
+        let captured = witness.captures.iter().find(|captured| captured.target.index() == i);
+        ApplicationTarget {
+            name: target.name().to_owned(),
+            captured_s: captured.map(|captured| captured.time.as_secs_f64()),
+            robot: captured.map(|captured| robot(captured.robot)),
+            left_s: witness.gone[i].filter(|_| captured.is_none()).map(SimTime::as_secs_f64),
+        }
+    };
+    scenario.world().targets.iter().enumerate().map(target).collect()
+}
+
+fn of_search(
+    summary: ApplicationSummary,
+    records: &OwnApplications<SearchRecord>,
+    targets: Vec<ApplicationTarget>,
+) -> ApplicationSummary {
+    let times: Option<Vec<f64>> = targets.iter().map(|target| target.captured_s).collect();
+    let mut counts = MessageCounts::default();
+    let mut steps: BTreeMap<&'static str, u64> = BTreeMap::new();
+    for record in records.nodes.iter().chain(&records.robots).chain(&records.sinks) {
+        counts += match record {
+            SearchRecord::Node(node) => {
+                *steps.entry("unacknowledged").or_default() += node.failures;
+                node.sent
+            }
+            SearchRecord::Robot(robot) => {
+                *steps.entry("decisions").or_default() += robot.steps.len() as u64;
+                *steps.entry("filter_fallbacks").or_default() += u64::from(robot.fallbacks);
+                *steps.entry("blocked").or_default() += robot.blocked;
+                robot.sent
+            }
+            SearchRecord::Sink(sink) => *sink,
+        };
+    }
+    let MessageCounts { requests, answers, tree, detections, alarms, claims, gradients, octets, refused } = counts;
+    let kinds = [
+        ("requests", requests),
+        ("answers", answers),
+        ("tree", tree),
+        ("detections", detections),
+        ("alarms", alarms),
+        ("claims", claims),
+        ("gradients", gradients),
+        ("refused", refused),
+    ];
+    let kinds = kinds.into_iter().filter(|&(_, count)| count > 0).collect();
+    ApplicationSummary {
+        captured: Some(times.is_some()),
+        time_s: times.and_then(|times| times.into_iter().reduce(f64::max)),
+        targets,
+        steps: steps.into_iter().filter(|&(_, count)| count > 0).collect(),
+        messages: ApplicationMessages { kinds, octets: Some(octets), ..summary.messages },
+        ..summary
+    }
 }
 
 fn of_seeking(
@@ -128,7 +192,7 @@ fn before(time: SimTime) -> SimTime {
 
 /// The least time (s) in which a law with a fixed climb rate takes one of the robots from where it starts to the level.
 fn law_minimum_s(scenario: &Scenario, application: &Application, witness: &Witness<'_>) -> Option<f64> {
-    let Task::Seek(seek) = &application.algorithm.task;
+    let Task::Seek(seek) = &application.algorithm.task else { return None };
     let rate = seek.climb_rate()?;
     let field = &scenario.world().fields[seek.field().index()];
     let start = |way: &Way| way.places().next().map(|place| field.value(place, SimTime::ZERO));

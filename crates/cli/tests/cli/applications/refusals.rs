@@ -6,7 +6,7 @@ use super::{AGENT, FIELD, NODES, SEEKING, seeking};
 use crate::program::sextant;
 
 /// What `check` says of an invalid scenario, beside which there may be a file `map.csv`.
-fn refused(scenario: &str, map: Option<&str>) -> String {
+pub(super) fn refused(scenario: &str, map: Option<&str>) -> String {
     let folder = TempDir::new().unwrap();
     std::fs::write(folder.path().join("a.toml"), scenario).unwrap();
     if let Some(map) = map {

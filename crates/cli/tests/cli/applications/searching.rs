@@ -1,0 +1,153 @@
+//! Searches for targets.
+
+use std::fs;
+
+use sextant::recording::read_drawn;
+
+use super::{AGENT, NODES, number, run, topics};
+use crate::program::sextant;
+
+const TARGET: &str = r#"
+[[world.targets]]
+name = "hare"
+motion.waypoints = { places_m = [[1.0, 1.0], [7.0, 1.5], [7.0, 6.5], [1.5, 6.5]], speed_m_per_s = 0.4 }
+[sensors.targets]
+radius_m = 1.5
+[[sinks]]
+name = "gate"
+position_m = [0.5, 0.5]
+"#;
+
+const SEARCHES: &str = r#"
+[[applications]]
+map.physical = {}
+duration_s = 90.0
+algorithm.detarsk = {}
+[[applications]]
+map.physical = {}
+duration_s = 90.0
+algorithm.p_g = {}
+"#;
+
+/// A robot with 1 m/s at the other end of the world.
+fn hunter() -> String {
+    let hunter = AGENT.replace("\"agent\"\nrole", "\"hunter\"\nrole").replace("[1.0, 2.0]", "[7.0, 7.0]");
+    hunter.replace("speed_m_per_s = 0.5", "speed_m_per_s = 1.0")
+}
+
+fn searching() -> String {
+    [NODES, TARGET, &hunter(), SEARCHES].concat()
+}
+
+#[test]
+fn robots_capture_a_target_and_the_recording_tells_where() {
+    let (folder, summary) = run(&searching(), &[]);
+    let drawn = read_drawn(&folder.path().join("run.mcap")).unwrap();
+    for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
+        let application = &summary["applications"][i];
+        assert_eq!((&application["name"], &application["captured"]), (&name.into(), &true.into()), "{application}");
+        let target = &application["targets"][0];
+        assert_eq!((&target["name"], &target["robot"]), (&"hare".into(), &"hunter".into()));
+        let time_s = number(&application["time_s"]);
+        assert!((number(&target["captured_s"]) - time_s).abs() < 1e-12 && time_s > 5.0);
+        assert_eq!(application["robots"][0]["captures"], 1);
+        assert!(number(&application["prediction_error_m"]["mean"]) >= 0.0);
+        assert!(number(&application["messages"]["requests"]) > 0.0 && application["arrived"].is_null());
+        let drawn = &drawn.applications[i];
+        let capture = &drawn.captures[0];
+        assert!(((capture.time - drawn.start).as_secs_f64() - time_s).abs() < 1e-6);
+        // The robot touched it: both ways end within a metre of each other, and of where the capture was.
+        let (_, path) = &drawn.paths[0];
+        let way = &drawn.targets[0].way;
+        assert!(path.last().unwrap().distance_m(capture.place) <= 1.0 + 1e-6, "{name}");
+        assert!(way.at(capture.time).unwrap().distance_m(capture.place) < 1e-6, "{name}");
+        // Each search has the target where it starts.
+        assert!(way.points()[0].1.distance_m([1.0, 1.0, 0.0].into()) < 1e-9);
+        // The distance to the target, as recorded, is that of the two ways.
+        let (_, distances) = drawn.series_of("distance_to_target_m").next().unwrap();
+        let start_m = ((7.0 - 1.0_f64).powi(2) * 2.0).sqrt();
+        assert!((distances[0].1 - start_m).abs() < 1e-9 && distances.last().unwrap().1 <= 1.0 + 1e-6);
+    }
+    let topics = topics(&folder);
+    assert_eq!((topics["/application/detarsk/captures"], topics["/application/p-g/captures"]), (1, 1));
+}
+
+#[test]
+fn figures_show_ways_and_the_capture() {
+    let (folder, _) = run(&searching(), &[]);
+    let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let figure = |name: &str| fs::read_to_string(folder.path().join("f").join(name)).unwrap();
+    let picture = figure("application-detarsk.svg");
+    for text in ["way of hare", "path of hunter", "capture", "1 of 1 target captured"] {
+        assert!(picture.contains(text), "{text}");
+    }
+    assert!(figure("application-detarsk-prediction-error.svg").contains("prediction of targets"));
+    assert!(figure("application-p-g-distance.svg").contains("nearest target"));
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let bytes = |threads| fs::read(run(&searching(), &["--threads", threads]).0.path().join("run.mcap")).unwrap();
+    assert!(bytes("1") == bytes("2"));
+}
+
+#[test]
+fn slower_robots_targets_elsewhere_and_missing_sinks_are_refused() {
+    let good = searching();
+    let slow = good.replace("speed_m_per_s = 1.0", "speed_m_per_s = 0.3");
+    let two = good.split("[[applications]]").collect::<Vec<_>>();
+    let alone = [two[0], "[[applications]]", two[1]].concat();
+    for (scenario, key, allowed) in [
+        (
+            slow.clone(),
+            "`applications[0].robots` is `hunter` with 0.3 m/s, slower than the target `hare` with 0.4 m/s",
+            "`allow_slower = true`",
+        ),
+        (
+            alone.replace("[[sinks]]\nname = \"gate\"\nposition_m = [0.5, 0.5]\n", ""),
+            "`applications[0].algorithm` is `detarsk`, without a sink",
+            "[[sinks]]",
+        ),
+        (
+            alone.replace(
+                "places_m = [[1.0, 1.0], [7.0, 1.5], [7.0, 6.5], [1.5, 6.5]]",
+                "places_m = [[30.0, 1.0], [40.0, 1.0]]",
+            ),
+            "target `hare`, whose way is outside the world",
+            "within 1.5 m",
+        ),
+        (
+            alone.replace("[sensors.targets]\nradius_m = 1.5\n", ""),
+            "`applications[0].algorithm` is `detarsk`, without sensors of targets",
+            "[sensors.targets]",
+        ),
+        (
+            [NODES, &hunter(), "[[applications]]", two[1]].concat(),
+            "`applications[0].algorithm` is `detarsk`, without targets",
+            "[[world.targets]]",
+        ),
+        (
+            alone.replace("detarsk = {}", "detarsk.capture_m = 0.0"),
+            "`applications[0].algorithm.detarsk.capture_m` is 0",
+            "",
+        ),
+    ] {
+        let said = super::refusals::refused(&scenario, None);
+        assert!(said.contains(key) && said.contains(allowed), "{key}: {said}");
+    }
+    let allowed = slow.replace("duration_s = 90.0", "duration_s = 8.0\nallow_slower = true");
+    let (_folder, summary) = run(&allowed, &[]);
+    assert!((number(&summary["applications"][0]["sim_time_s"]) - 8.0).abs() < 1e-9, "nobody is that fast");
+}
+
+#[test]
+fn a_target_that_nobody_meets_is_not_captured() {
+    let short = searching().replace("duration_s = 90.0", "duration_s = 6.0");
+    let (folder, summary) = run(&short, &[]);
+    let application = &summary["applications"][0];
+    assert_eq!(application["captured"], false);
+    assert!(application["time_s"].is_null() && application["targets"][0]["captured_s"].is_null());
+    assert!((number(&application["sim_time_s"]) - 6.0).abs() < 1e-9);
+    assert!(!topics(&folder).contains_key("/application/detarsk/captures"));
+}
