@@ -94,7 +94,8 @@ impl PlaceOnMap {
         self.fixes.push_back(Fix { odometry, map, driven_m: self.driven_m });
         self.similarity = match self.frame {
             MapFrame::Robot => Some(self.fit(Handedness::Same).0),
-            MapFrame::Unknown if self.similarity.is_none() && self.spread_m() < LEAST_SPREAD_M => None,
+            // What it knew before is better than what it would learn now.
+            MapFrame::Unknown if self.spread_m() < LEAST_SPREAD_M => self.similarity,
             MapFrame::Unknown => {
                 let (same, mirrored) = (self.fit(Handedness::Same), self.fit(Handedness::Mirrored));
                 let (better, worse) = if mirrored.1 < same.1 { (mirrored, same) } else { (same, mirrored) };

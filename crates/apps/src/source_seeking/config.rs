@@ -106,13 +106,22 @@ pub struct LevelSetConfig {
     /// How its rate of change is worked out. Presets: least squares of 5 samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<RateConfig>,
-    /// Torsion of the path (1/m) of robots that move in space: the law bends the path, and this torsion turns the plane in
-    /// which it does. Robots move in the plane if absent.
+    /// For robots that move in space; they move in the plane if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub torsion_per_m: Option<f64>,
+    pub space: Option<SpaceConfig>,
     /// How robots ask nodes for their readings.
     #[serde(default)]
     pub poll: PollConfig,
+}
+
+/// Settings of robots that move in space, as written in a scenario.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpaceConfig {
+    /// Torsion of the path (1/m): the law bends the path in a plane, and the torsion turns that plane. As large as the
+    /// largest curvature if absent, which is the largest turn rate divided by the speed; it should be at least 0.4 of that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsion_per_m: Option<f64>,
 }
 
 /// The values of settings of the law that are absent.

@@ -46,6 +46,8 @@ impl Default for EstimateConfig {
 
 /// Factor from one bandwidth to the next.
 const GROWTH: f64 = 1.5;
+/// Largest bandwidth, as a share of the distance from which nodes answer.
+const WIDEST: f64 = 1.0;
 /// Readings that weigh less than this are left out.
 const LEAST_WEIGHT: f64 = 0.01;
 /// Ridge of local fits: a term that few readings tell is held down.
@@ -64,8 +66,8 @@ pub(super) struct FieldEstimate {
     pub(super) value: f64,
     /// Its value by a stiffer fit, which flattens peaks but varies less on the way: by this it steers.
     pub(super) smooth: f64,
-    /// How steep it is (1/m on the map); `None` if the rule does not tell.
-    pub(super) slope_per_m: Option<f64>,
+    /// Its gradient (1/m on the map); `None` if the rule does not tell.
+    pub(super) gradient: Option<Position>,
 }
 
 impl Readings {
@@ -109,6 +111,7 @@ impl Readings {
         significance: f64,
     ) -> Option<FieldEstimate> {
         let mut bandwidth = bandwidth;
+        let mut value = None;
         let mut samples = Vec::with_capacity(self.by_node.len());
         loop {
             samples.clear();
@@ -119,20 +122,22 @@ impl Readings {
             let fitting = |degree| Fitting { axes, degree, scale_m: bandwidth, ridge: RIDGE };
             let linear = fitting(Degree::Linear).best(&samples);
             let wider = GROWTH * bandwidth;
+            // A wide paraboloid flattens a peak too.
+            if value.is_none() || bandwidth <= 0.5 * reach {
+                value = fitting(Degree::Quadratic).best(&samples).map(|fit| fit.value).or(value);
+            }
             let stands_out = |fit: &LocalFit| {
                 fit.degree == Degree::Linear && fit.gradient.length_m() >= significance * fit.gradient_sigma
             };
             match linear {
-                Some(fit) if wider > 0.5 * reach || stands_out(&fit) => {
-                    let curved = fitting(Degree::Quadratic).best(&samples).unwrap_or(fit);
-                    let slope_per_m = fit.gradient.length_m();
+                Some(fit) if wider > WIDEST * reach || stands_out(&fit) => {
                     return Some(FieldEstimate {
-                        value: curved.value,
+                        value: value.unwrap_or(fit.value),
                         smooth: fit.value,
-                        slope_per_m: Some(slope_per_m),
+                        gradient: Some(fit.gradient),
                     });
                 }
-                None if wider > 0.5 * reach && samples.len() == self.by_node.len() => return None,
+                None if wider > WIDEST * reach && samples.len() == self.by_node.len() => return None,
                 _ => bandwidth = wider,
             }
         }

@@ -28,7 +28,7 @@ mod settings;
 mod station;
 mod steering;
 
-pub use config::{AfterArrival, GoalConfig, GradientConfig, LevelSetConfig, PollConfig, Preset};
+pub use config::{AfterArrival, GoalConfig, GradientConfig, LevelSetConfig, PollConfig, Preset, SpaceConfig};
 pub use field_estimate::{EstimateConfig, LocalFitConfig};
 pub use level_set::HigherField;
 pub use message::SeekMessage;

@@ -70,9 +70,11 @@ pub struct Arrival {
 /// What a robot is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SeekState {
-    /// It waits until it knows its place and the field there.
+    /// It waits until it has heard enough nodes.
     #[default]
     Waiting,
+    /// It drives along an arc until it knows how the map is turned.
+    Orienting,
     /// It seeks.
     Seeking,
     /// It goes round an obstacle.

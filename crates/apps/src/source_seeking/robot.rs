@@ -1,5 +1,6 @@
 //! The application of a robot.
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -28,6 +29,8 @@ const CONTROL: Timer = Timer(1);
 const REACH_SPACINGS: f64 = 5.5;
 /// A robot does not begin before it has heard so many nodes.
 const LEAST_NODES: usize = 3;
+/// Radius of the arc on which a robot finds out how the map is turned (m): wide beside the errors of received powers.
+const ARC_RADIUS_M: f64 = 4.0;
 /// A robot that meets an obstacle so soon after it has left one goes on round it.
 const SOON: Duration = Duration::from_secs(2);
 
@@ -58,6 +61,8 @@ pub struct SeekRobot {
 #[derive(Clone, Copy, Debug)]
 enum Mode {
     Waiting,
+    /// It drives along a wide arc until it knows how the map is turned.
+    Orienting,
     Seeking,
     Avoiding(Boundary),
     /// It turns on the spot, and then goes on round an obstacle into this direction (rad).
@@ -84,7 +89,7 @@ impl SeekRobot {
         speed_m_per_s: f64,
     ) -> Self {
         Self {
-            steering: Steering::new(&settings.guidance),
+            steering: Steering::new(&settings.guidance, speed_m_per_s),
             place: PlaceOnMap::new(map.frame()),
             settings,
             map,
@@ -108,6 +113,7 @@ impl SeekRobot {
         let circles = self.settings.goal.then == AfterArrival::Circle && self.has_arrived_often_enough();
         let state = match self.mode {
             Mode::Waiting => SeekState::Waiting,
+            Mode::Orienting => SeekState::Orienting,
             Mode::Seeking if circles => SeekState::Circling,
             Mode::Seeking => SeekState::Seeking,
             Mode::Avoiding(_) | Mode::Turning(..) => SeekState::Avoiding,
@@ -179,7 +185,7 @@ impl SeekRobot {
         match self.settings.estimate {
             EstimateConfig::PowerWeights {} => {
                 let value = self.readings.power_weighted(before(now, self.settings.poll.interval))?;
-                Some(FieldEstimate { value, smooth: value, slope_per_m: None })
+                Some(FieldEstimate { value, smooth: value, gradient: None })
             }
             EstimateConfig::LocalFit(LocalFitConfig { bandwidth_spacings, significance }) => {
                 let bandwidth_m = bandwidth_spacings * self.map.spacing_m();
@@ -210,6 +216,13 @@ impl SeekRobot {
                 port.after(self.settings.control, CONTROL);
                 return;
             }
+            self.mode = Mode::Orienting;
+        }
+        if matches!(self.mode, Mode::Orienting) {
+            if self.place.to_map(port.pose().position).is_none() {
+                self.orient(port);
+                return;
+            }
             self.mode = Mode::Seeking;
             self.record.oriented = Some(port.now());
         }
@@ -231,7 +244,16 @@ impl SeekRobot {
                 self.mode = Mode::Avoiding(boundary);
                 self.step(direction, outlook, port);
             }
-            Mode::Waiting | Mode::Seeking | Mode::Arrived => self.seek(outlook, port),
+            Mode::Waiting | Mode::Orienting | Mode::Seeking | Mode::Arrived => self.seek(outlook, port),
+        }
+    }
+
+    /// Drives on along an arc. An obstacle in the way is behind it after a quarter turn or two.
+    fn orient(&mut self, port: &mut Port<'_>) {
+        let turn_rate = (self.speed_m_per_s / ARC_RADIUS_M).min(self.settings.turn_rate_max_rad_per_s);
+        if let Driving::Over(_) = port.steer(self.settings.control, turn_rate) {
+            port.drive_arc(0.0, FRAC_PI_2);
+            port.after(self.settings.control, CONTROL);
         }
     }
 
@@ -254,7 +276,7 @@ impl SeekRobot {
         let span_s = span.as_secs_f64();
         let course_rad = self.course_rad(&outlook);
         let (step_m, turn_rate_max) = (self.step_m(), self.settings.turn_rate_max_rad_per_s);
-        let scale = self.place.scale().unwrap_or(1.0);
+        let slope = outlook.place.zip(outlook.field.gradient).map(|(place, slope)| self.by_odometry(place, slope));
         let driving = match &mut self.steering {
             Steering::Gradient { gain_per_s } => {
                 let heading_rad = outlook.pose.heading_rad;
@@ -264,9 +286,8 @@ impl SeekRobot {
                 port.steer(span, rate)
             }
             Steering::LevelSet(steering) => {
-                let map_speed_per_s = self.speed_m_per_s * scale;
                 let time_s = port.now().as_secs_f64();
-                let turn_rate = steering.turn_rate(time_s, &outlook.field, map_speed_per_s, span_s);
+                let turn_rate = steering.turn_rate(time_s, &outlook.field, slope, self.speed_m_per_s, span_s);
                 self.record.turned_rad += (turn_rate * span_s).abs();
                 match &mut steering.space {
                     None => port.steer(span, turn_rate),
@@ -288,13 +309,24 @@ impl SeekRobot {
         let place = outlook.place?;
         let samples: Vec<Sample> = self.readings.samples(place, Axes::Plane, |_| 1.0).collect();
         let slope = gradient(&samples)?;
-        let steepness = slope.length_m();
-        if steepness <= 0.0 {
+        if slope.length_m() <= 0.0 {
             return None;
         }
-        let ahead = place + slope * (self.map.spacing_m() / steepness);
-        let way = self.place.to_odometry(ahead)? - self.place.to_odometry(place)?;
+        let way = self.by_odometry(place, slope);
         Some(libm::atan2(way.y_m, way.x_m))
+    }
+
+    /// A gradient at `place` on the map (1/m on the map) by odometry (1/m). Its length grows with the scale of the map, and
+    /// its direction is turned with it.
+    fn by_odometry(&self, place: Position, gradient: Position) -> Position {
+        let steepness = gradient.length_m();
+        let (Some(scale), true) = (self.place.scale(), steepness > 0.0) else { return gradient };
+        let ahead = place + gradient * (self.map.spacing_m() / steepness);
+        let Some((here, there)) = self.place.to_odometry(place).zip(self.place.to_odometry(ahead)) else {
+            return gradient;
+        };
+        let way = there - here;
+        way * (scale * steepness / way.length_m())
     }
 
     /// A drive is over.
@@ -304,7 +336,9 @@ impl SeekRobot {
             DriveEnd::Blocked(contact) => {
                 self.record.blocked += 1;
                 port.log_contact(port.now(), contact);
-                self.meet(port);
+                if !matches!(self.mode, Mode::Orienting) {
+                    self.meet(port);
+                }
                 port.after(self.settings.control, CONTROL);
             }
         }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use sextant_kernel::SettingError;
 use sextant_sim::{Field, FieldId};
 
-use super::config::{AfterArrival, GoalConfig, GradientConfig, LevelSetConfig, PollConfig, Preset};
+use super::config::{AfterArrival, GoalConfig, GradientConfig, LevelSetConfig, PollConfig, Preset, SpaceConfig};
 use super::field_estimate::{EstimateConfig, LocalFitConfig};
 use super::level_set::{Climb, HigherField, LevelSet, Patience};
 use super::rate::RateConfig;
@@ -40,11 +40,21 @@ pub(super) enum Guidance {
     LevelSet {
         law: LevelSet,
         rate: RateConfig,
-        /// In space.
-        torsion_per_m: Option<f64>,
+        higher: HigherField,
+        /// Of robots that move in space.
+        torsion: Option<Torsion>,
     },
     /// Up the gradient.
     Gradient { gain_per_s: f64 },
+}
+
+/// Torsion of a path in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Torsion {
+    /// As large as the largest curvature: the plane of the path turns as fast as the path in it can.
+    LikeCurvature,
+    /// So many radians per metre.
+    PerMetre(f64),
 }
 
 /// How robots ask nodes for their readings.
@@ -87,14 +97,20 @@ impl SourceSeeking {
             return Err(SettingError::new("climb_share", "beside `estimate.power_weights`", allowed));
         }
         let boundary_layer = config.boundary_layer.unwrap_or(if is_thesis { 0.0 } else { 0.5 });
-        let torsion_per_m = config.torsion_per_m.map(|torsion| SettingError::finite("torsion_per_m", torsion));
+        if config.space.is_some() && estimate == (EstimateConfig::PowerWeights {}) {
+            let allowed = "`estimate.local_fit`, because power weights do not tell where the field is higher";
+            return Err(SettingError::new("space", "beside `estimate.power_weights`", allowed));
+        }
+        let torsion = config.space.map(|SpaceConfig { torsion_per_m }| match torsion_per_m {
+            None => Ok(Torsion::LikeCurvature),
+            Some(torsion) => SettingError::finite("space.torsion_per_m", torsion).map(Torsion::PerMetre),
+        });
         let rate = config.rate.unwrap_or(RateConfig::LeastSquares { samples: 5 });
         let law = LevelSet {
             level: goal.level,
             turn_rate_max,
             gamma_per_s: SettingError::positive("gamma_per_s", config.gamma_per_s.unwrap_or(1.0))?,
             climb,
-            higher: config.higher_field.unwrap_or(HigherField::Right),
             boundary_layer: SettingError::in_range("boundary_layer", boundary_layer, 0.0, 100.0)?,
             patience: if is_thesis { Patience::Endless } else { Patience::TwoTurns },
         };
@@ -103,7 +119,8 @@ impl SourceSeeking {
             guidance: Guidance::LevelSet {
                 law,
                 rate: rate.checked().map_err(|error| error.within("rate"))?,
-                torsion_per_m: torsion_per_m.transpose()?,
+                higher: config.higher_field.unwrap_or_default(),
+                torsion: torsion.transpose()?,
             },
             turn_rate_max_rad_per_s: turn_rate_max,
             control: control(config.control_s)?,

@@ -1,10 +1,12 @@
 //! What steers a robot where nothing is in the way.
 
+use sextant_channel::Position;
+
 use super::field_estimate::FieldEstimate;
-use super::level_set::Sliding;
+use super::level_set::{HigherField, Sliding};
 use super::moving_frame::MovingFrame;
 use super::rate::Rate;
-use super::settings::Guidance;
+use super::settings::{Guidance, Torsion};
 
 /// Time constant in which the steepest climb is averaged (s).
 const STEEPEST_S: f64 = 1.0;
@@ -20,6 +22,7 @@ pub(super) enum Steering {
 #[derive(Debug)]
 pub(super) struct LevelSetSteering {
     sliding: Sliding,
+    higher: HigherField,
     rate: Rate,
     /// The steepest climb around the robot (1/s), averaged.
     steepest: Option<f64>,
@@ -27,7 +30,8 @@ pub(super) struct LevelSetSteering {
     pub(super) space: Option<SpatialCourse>,
 }
 
-/// The course of a robot that moves in space.
+/// The course of a robot that moves in space: the law bends its path in the plane of `frame`, to the side where the field
+/// is lower or higher, and the torsion turns that plane, so that it comes to hold every direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpatialCourse {
     pub(super) torsion_per_m: f64,
@@ -35,15 +39,22 @@ pub(super) struct SpatialCourse {
 }
 
 impl Steering {
-    pub(super) fn new(guidance: &Guidance) -> Self {
+    /// Of a robot that moves at `speed_m_per_s`.
+    pub(super) fn new(guidance: &Guidance, speed_m_per_s: f64) -> Self {
         match *guidance {
             Guidance::Gradient { gain_per_s } => Self::Gradient { gain_per_s },
-            Guidance::LevelSet { law, rate, torsion_per_m } => Self::LevelSet(Box::new(LevelSetSteering {
+            Guidance::LevelSet { law, rate, higher, torsion } => Self::LevelSet(Box::new(LevelSetSteering {
                 sliding: Sliding::new(law),
+                higher,
                 rate: Rate::new(rate),
                 steepest: None,
-                space: torsion_per_m
-                    .map(|torsion_per_m| SpatialCourse { torsion_per_m, frame: MovingFrame::level(0.0) }),
+                space: torsion.map(|torsion| SpatialCourse {
+                    torsion_per_m: match torsion {
+                        Torsion::LikeCurvature => law.turn_rate_max / speed_m_per_s,
+                        Torsion::PerMetre(torsion_per_m) => torsion_per_m,
+                    },
+                    frame: MovingFrame::level(0.0),
+                }),
             })),
         }
     }
@@ -71,14 +82,26 @@ impl Steering {
 }
 
 impl LevelSetSteering {
-    /// The turn rate (rad/s) for the next `span_s`, where the field is like this. The robot moves at `map_speed_per_s` on the
-    /// map.
-    pub(super) fn turn_rate(&mut self, time_s: f64, field: &FieldEstimate, map_speed_per_s: f64, span_s: f64) -> f64 {
-        let now = map_speed_per_s * field.slope_per_m.unwrap_or(0.0);
+    /// The turn rate (rad/s) for the next `span_s`: counterclockwise, or in space to the normal of the frame. The field is
+    /// like this, and `slope` is its gradient by odometry (1/m), if it is known.
+    pub(super) fn turn_rate(
+        &mut self,
+        time_s: f64,
+        field: &FieldEstimate,
+        slope: Option<Position>,
+        speed_m_per_s: f64,
+        span_s: f64,
+    ) -> f64 {
+        let now = speed_m_per_s * slope.map_or(0.0, Position::length_m);
         let keep = libm::exp(-span_s / STEEPEST_S);
         let steepest = self.steepest.map_or(now, |before| keep * before + (1.0 - keep) * now);
         self.steepest = Some(steepest);
-        let rate = self.rate.sample(time_s, field.smooth);
-        rate.map_or(0.0, |rate| self.sliding.turn_rate(field.smooth, rate, steepest, span_s))
+        let Some(rate) = self.rate.sample(time_s, field.smooth) else { return 0.0 };
+        let away = match &self.space {
+            None => self.higher.away(),
+            Some(course) if slope.is_some_and(|slope| slope.dot(course.frame.normal) > 0.0) => -1.0,
+            Some(_) => 1.0,
+        };
+        away * self.sliding.turn_rate(field.smooth, rate, steepest, span_s)
     }
 }
