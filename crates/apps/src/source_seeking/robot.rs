@@ -307,7 +307,9 @@ impl SeekRobot {
     fn course_rad(&self, outlook: &Outlook) -> Option<f64> {
         let Steering::Gradient { .. } = self.steering else { return None };
         let place = outlook.place?;
-        let samples: Vec<Sample> = self.readings.samples(place, Axes::Plane, |_| 1.0).collect();
+        let reach_m = self.reach_m();
+        let is_near = |distance_m: f64| if distance_m <= reach_m { 1.0 } else { 0.0 };
+        let samples: Vec<Sample> = self.readings.samples(place, Axes::Plane, is_near).collect();
         let slope = gradient(&samples)?;
         if slope.length_m() <= 0.0 {
             return None;

@@ -142,6 +142,7 @@ impl Scene {
         let body = RobotBody {
             name: "seeker".into(),
             start: self.start,
+            believed_start: None,
             speed_m_per_s: 0.5,
             radius_m: 0.2,
             listen: Duration::from_secs(1),
