@@ -8,7 +8,6 @@ mod distributed;
 mod layers;
 mod planned;
 mod random_walk;
-
 mod seeking;
 mod target_search;
 mod world;
