@@ -130,7 +130,7 @@ impl Scene {
         let link = NetworkSetup {
             channel: channel.try_into().expect("a good channel"),
             technology: Technology::Ieee802154(Ieee802154 {
-                radio: radio.clone(),
+                radio,
                 reception: ReceptionModel::Overlap,
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
