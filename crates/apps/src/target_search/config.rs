@@ -14,9 +14,10 @@ pub struct DetarskConfig {
     pub capture_m: f64,
     /// How long after the first detection of a target the robots start (s).
     pub start_delay_s: f64,
-    /// Time between two polls, two estimates and two decisions of a robot, and between two instants at which the place of
-    /// a target is worked out (s).
+    /// Time between two polls and two decisions of a robot (s).
     pub step_s: f64,
+    /// Time between two instants at which the place of a target is worked out (s); in the thesis that of a step.
+    pub sample_s: f64,
     /// Nodes within this distance of a robot on the map always answer it, and their powers tell the robot its place (m).
     /// If absent, one and a half times the way of the robot in one step (thesis, neighbourhood V + ε with ε = V/2).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -156,6 +157,7 @@ impl Default for DetarskConfig {
             capture_m: 1.0,
             start_delay_s: 5.0,
             step_s: 1.0,
+            sample_s: 0.25,
             neighbourhood_m: None,
             informants: Informants::default(),
             own_place: OwnPlaceRule::default(),

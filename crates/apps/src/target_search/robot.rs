@@ -31,6 +31,8 @@ const REACH: Timer = Timer(2);
 
 /// How often a robot looks whether a target is within reach.
 const REACH_INTERVAL: Duration = Duration::from_millis(100);
+/// Share of a step in which robots begin.
+const PHASE_SHARE: f64 = 0.1;
 /// Share of a step in which nodes answer a poll.
 const WINDOW_SHARE: f64 = 0.6;
 /// The neighbourhood, as a multiple of the way of the robot in one step: V + ε with ε = V/2 (thesis, information
@@ -372,9 +374,9 @@ impl SearchRobot {
         self.record.alarmed.get_or_insert(port.now());
         self.alarms.entry(target).or_insert(start);
         if let Pilot::Detarsk { method, trackers } = &mut self.pilot {
-            let (step, bounds) = (self.settings.step, self.map.bounds());
+            let (sample, bounds) = (method.sample, self.map.bounds());
             let id = (target, port.seed());
-            trackers.entry(target).or_insert_with(|| Tracker::new(method, id, step, first, bounds));
+            trackers.entry(target).or_insert_with(|| Tracker::new(method, id, sample, first, bounds));
         }
     }
 
@@ -386,11 +388,11 @@ impl SearchRobot {
             by_target.entry(target).or_default().push(Sighting { entered, left });
         }
         for (target, sightings) in by_target {
-            let (step, bounds) = (self.settings.step, self.map.bounds());
+            let (sample, bounds) = (method.sample, self.map.bounds());
             let first = sightings.iter().map(|sighting| sighting.entered).min().unwrap_or(now);
             self.alarms.entry(target).or_insert(first + self.settings.start_delay);
             let tracker = (trackers.entry(target))
-                .or_insert_with(|| Tracker::new(method, (target, port.seed()), step, (first, place), bounds));
+                .or_insert_with(|| Tracker::new(method, (target, port.seed()), sample, (first, place), bounds));
             tracker.learn(node, place, &sightings, now);
         }
     }
@@ -408,7 +410,7 @@ impl Application for SearchRobot {
     fn started(&mut self, port: &mut Port<'_>) {
         port.listen(self.network, self.duration);
         // Robots do not ask all at once.
-        port.after(self.settings.step.mul_f64(port.uniform(0)), STEP);
+        port.after(self.settings.step.mul_f64(PHASE_SHARE * port.uniform(0)), STEP);
         port.after(REACH_INTERVAL, REACH);
     }
 

@@ -38,6 +38,7 @@ pub(super) enum Method {
 /// How robots predict where a target is.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Detarsk {
+    pub(super) sample: Duration,
     pub(super) neighbourhood_m: Option<f64>,
     pub(super) informants: Informants,
     pub(super) filter: Filter,
@@ -105,6 +106,7 @@ impl TargetSearch {
             own_place: config.own_place,
             path: config.path,
             method: Method::Detarsk(Detarsk {
+                sample: span("sample_s", config.sample_s, STEP_S)?,
                 neighbourhood_m: neighbourhood_m
                     .map(|radius_m| SettingError::positive("neighbourhood_m", radius_m))
                     .transpose()?,

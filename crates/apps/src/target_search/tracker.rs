@@ -20,7 +20,8 @@ pub(super) struct Tracker {
     method: Detarsk,
     seed: Seed,
     target: TargetId,
-    step: Duration,
+    /// Time between two sample times.
+    sample: Duration,
     /// When and where it was detected first.
     first: (SimTime, Position),
     sightings: Sightings,
@@ -41,16 +42,16 @@ impl Tracker {
     pub(super) fn new(
         method: &Detarsk,
         (target, seed): (TargetId, Seed),
-        step: Duration,
+        sample: Duration,
         first: (SimTime, Position),
         bounds: Bounds,
     ) -> Self {
-        let settings = SightingsSettings { period: step, ..SightingsSettings::default() };
+        let settings = SightingsSettings { period: sample, ..SightingsSettings::default() };
         Self {
             method: method.clone(),
             seed,
             target,
-            step,
+            sample,
             first,
             sightings: Sightings::new(settings),
             bounds,
@@ -111,9 +112,9 @@ impl Tracker {
         let mut filter = RobustKalman::new(settings, first.place);
         let mut way = vec![(time, filter.state())];
         while let Some(&(next, _)) = fixes.peek() {
-            time += self.step;
+            time += self.sample;
             let fix = if next <= time { fixes.next().map(|(_, fix)| fix) } else { None };
-            filter.advance(self.step, fix);
+            filter.advance(self.sample, fix);
             way.push((time, filter.state()));
         }
         self.fallbacks = filter.fallbacks();
@@ -133,11 +134,11 @@ impl Tracker {
         let mut filter = ParticleFilter::new(settings, self.seed, self.target.0.into(), first.place);
         let mut way = vec![(time, filter.state())];
         while time < end {
-            time += self.step;
+            time += self.sample;
             let detecting: Vec<_> = self.sightings.detecting_at(time).collect();
             let silent: Vec<_> = self.sightings.silent_at(time).collect();
             let seen_by = SeenBy { detecting: &detecting, silent: &silent };
-            filter.advance(self.step, Some(&seen_by).filter(|_| !detecting.is_empty()));
+            filter.advance(self.sample, Some(&seen_by).filter(|_| !detecting.is_empty()));
             way.push((time, filter.state()));
         }
         self.fallbacks = filter.resets();
