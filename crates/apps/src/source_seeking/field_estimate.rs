@@ -160,3 +160,70 @@ impl Readings {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn heard(x_m: f64, y_m: f64, gain_db: f64, seconds: u64) -> HeardNode {
+        let time = SimTime::ZERO + Duration::from_secs(seconds);
+        HeardNode {
+            place: Position::new(x_m, y_m, 0.0),
+            gain: Db(gain_db),
+            rssi: sextant_channel::Dbm(gain_db - 50.0),
+            time,
+        }
+    }
+
+    /// Readings of a field on a lattice of 1 m around the origin.
+    fn lattice(field: impl Fn(f64, f64) -> f64) -> Readings {
+        let mut readings = Readings::default();
+        for i in 0..169_u32 {
+            let (x, y) = (f64::from(i % 13) - 6.0, f64::from(i / 13) - 6.0);
+            readings.hear(StationId(i), heard(x, y, -50.0, 0), field(x, y));
+        }
+        readings
+    }
+
+    fn fitted(readings: &Readings, x_m: f64, y_m: f64) -> FieldEstimate {
+        // The height of the place does not matter in the plane.
+        let place = Position::new(x_m, y_m, 3.0);
+        readings.fitted(place, Axes::Plane, [1.25, 5.5], 3.0).expect("readings")
+    }
+
+    #[test]
+    fn the_value_on_a_paraboloid_is_exact_and_a_plane_flattens_it() {
+        let readings = lattice(|x, y| 10.0 - 0.1 * (x * x + y * y));
+        let peak = fitted(&readings, 0.0, 0.0);
+        assert!((peak.value - 10.0).abs() < 0.02, "{peak:?}");
+        assert!(peak.smooth < 9.8, "{peak:?}");
+        let slope = fitted(&readings, 2.0, 0.5);
+        assert!((slope.value - (10.0 - 0.425)).abs() < 0.02, "{slope:?}");
+        let gradient = slope.gradient.expect("a fit");
+        assert!(gradient.distance_m(Position::new(-0.4, -0.1, 0.0)) < 0.02, "{gradient}");
+    }
+
+    #[test]
+    fn power_weights_are_linear_ratios_of_the_latest_answers() {
+        let mut readings = Readings::default();
+        readings.hear(StationId(0), heard(0.0, 0.0, -400.0, 5), 0.0);
+        readings.hear(StationId(1), heard(1.0, 0.0, -390.0, 5), 11.0);
+        readings.hear(StationId(2), heard(2.0, 0.0, -300.0, 1), 99.0);
+        let since = SimTime::ZERO + Duration::from_secs(2);
+        assert!((readings.power_weighted(since).expect("readings") - 10.0).abs() < 1e-9);
+        readings.forget_before(since);
+        assert_eq!(readings.len(), 2);
+        assert_eq!(readings.power_weighted(SimTime::ZERO + Duration::from_secs(6)), None);
+    }
+
+    #[test]
+    fn without_readings_there_is_no_estimate_and_a_single_one_is_taken_as_it_is() {
+        let mut readings = Readings::default();
+        assert_eq!(readings.fitted(Position::ORIGIN, Axes::Plane, [1.0, 5.0], 3.0), None);
+        readings.hear(StationId(0), heard(40.0, 0.0, -50.0, 0), 7.0);
+        let far = readings.fitted(Position::ORIGIN, Axes::Plane, [1.0, 5.0], 3.0).expect("a reading");
+        assert!((far.value - 7.0).abs() < 1e-9 && (far.smooth - 7.0).abs() < 1e-9);
+    }
+}

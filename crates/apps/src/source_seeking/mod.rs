@@ -9,7 +9,8 @@
 //!   constant torsion.
 //! - The **gradient** of a plane through the readings around the robot is its course.
 //!
-//! A robot that meets an obstacle goes round it with one hand on it, until that pays no more.
+//! A robot that meets an obstacle goes round it with one hand on it, until that pays no more. One that is stuck, because
+//! noise or a maximum below the level holds it, drives to a random place on the map and seeks from there on.
 
 mod arrival;
 mod boundary;
@@ -21,6 +22,7 @@ mod local_fit;
 mod message;
 mod moving_frame;
 mod node;
+mod progress;
 mod rate;
 mod record;
 mod robot;

@@ -42,6 +42,8 @@ pub struct RobotSeekRecord {
     pub turned_rad: f64,
     /// Times that an obstacle was in its way.
     pub blocked: u64,
+    /// Times that it was stuck, or off the map, and drove to a random place on the map.
+    pub wandered: u64,
     /// Polls that it gave to its link.
     pub polls: u64,
     /// Payload of these (octets).
@@ -79,6 +81,8 @@ pub enum SeekState {
     Seeking,
     /// It goes round an obstacle.
     Avoiding,
+    /// It was stuck, or off the map, and drives to a random place on the map.
+    Wandering,
     /// It circles the level set.
     Circling,
     /// It has arrived as often as it should, and stands.

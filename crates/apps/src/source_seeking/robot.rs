@@ -1,5 +1,8 @@
 //! The application of a robot.
 
+mod avoiding;
+mod wandering;
+
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,9 +17,10 @@ use super::arrival::ArrivalWatch;
 use super::boundary::Boundary;
 use super::config::AfterArrival;
 use super::field_estimate::{EstimateConfig, FieldEstimate, LocalFitConfig, Readings};
-use super::gradient::{gradient, turn_rate, wrapped};
+use super::gradient::{gradient, turn_rate};
 use super::local_fit::{Axes, Sample};
 use super::message::SeekMessage;
+use super::progress::Progress;
 use super::record::{Arrival, RobotSeekRecord, SeekState};
 use super::settings::SourceSeeking;
 use super::steering::{SpatialCourse, Steering};
@@ -31,8 +35,6 @@ const REACH_SPACINGS: f64 = 5.5;
 const LEAST_NODES: usize = 3;
 /// Radius of the arc on which a robot finds out how the map is turned (m): wide beside the errors of received powers.
 const ARC_RADIUS_M: f64 = 4.0;
-/// A robot that meets an obstacle so soon after it has left one goes on round it.
-const SOON: Duration = Duration::from_secs(2);
 
 /// A robot: it polls the nodes around it, works out the field where it is, and drives to where that has the level sought.
 #[derive(Debug)]
@@ -55,6 +57,7 @@ pub struct SeekRobot {
     /// The obstacle that it left last, and when.
     left: Option<(Boundary, SimTime)>,
     watch: ArrivalWatch,
+    progress: Progress,
     record: RobotSeekRecord,
 }
 
@@ -67,6 +70,8 @@ enum Mode {
     Avoiding(Boundary),
     /// It turns on the spot, and then goes on round an obstacle into this direction (rad).
     Turning(Boundary, f64),
+    /// It drives to a random place (m, by odometry), until it is there or has driven so far (m).
+    Wandering(Position, f64),
     Arrived,
 }
 
@@ -103,6 +108,7 @@ impl SeekRobot {
             mode: Mode::Waiting,
             left: None,
             watch: ArrivalWatch::default(),
+            progress: Progress::default(),
             record: RobotSeekRecord::default(),
         }
     }
@@ -117,6 +123,7 @@ impl SeekRobot {
             Mode::Seeking if circles => SeekState::Circling,
             Mode::Seeking => SeekState::Seeking,
             Mode::Avoiding(_) | Mode::Turning(..) => SeekState::Avoiding,
+            Mode::Wandering(..) => SeekState::Wandering,
             Mode::Arrived => SeekState::Arrived,
         };
         RobotSeekRecord { state, ..self.record }
@@ -238,7 +245,14 @@ impl SeekRobot {
                 return;
             }
         }
+        if self.should_wander(&outlook)
+            && let Some(goal) = self.random_place(port)
+        {
+            self.record.wandered += 1;
+            self.mode = Mode::Wandering(goal, outlook.pose.position.distance_m(goal));
+        }
         match self.mode {
+            Mode::Wandering(goal, way_m) => self.wander(goal, way_m, outlook, port),
             Mode::Avoiding(boundary) => self.go_round(boundary, outlook, port),
             Mode::Turning(boundary, direction) => {
                 self.mode = Mode::Avoiding(boundary);
@@ -345,74 +359,11 @@ impl SeekRobot {
             }
         }
     }
-
-    /// An obstacle is in the way.
-    fn meet(&mut self, port: &Port<'_>) {
-        let place = self.place_on_map(port.pose().position);
-        let value = self.field_at(place, port.now()).map_or(f64::NEG_INFINITY, |field| field.smooth);
-        let heading_rad = port.pose().heading_rad;
-        let boundary = match (self.mode, self.left.take()) {
-            (Mode::Avoiding(boundary) | Mode::Turning(boundary, _), _) => boundary,
-            (_, Some((mut boundary, left))) if port.now().saturating_since(left) < SOON => {
-                boundary.met_again(value);
-                boundary
-            }
-            _ => Boundary::meet(heading_rad, value, self.step_m(), clearance(port, self.step_m())),
-        };
-        self.mode = Mode::Avoiding(boundary);
-    }
-
-    /// Goes on round an obstacle, or leaves it.
-    fn go_round(&mut self, mut boundary: Boundary, outlook: Outlook, port: &mut Port<'_>) {
-        let step_m = self.step_m();
-        let heading_rad = outlook.pose.heading_rad;
-        let course_rad = self.course_rad(&outlook).unwrap_or(heading_rad);
-        let levels = [outlook.field.smooth, self.settings.goal.level];
-        if boundary.may_leave(course_rad, levels, step_m, clearance(port, f64::INFINITY)) {
-            self.left = Some((boundary, port.now()));
-            self.mode = Mode::Seeking;
-            self.steering.take_over(heading_rad);
-            self.seek(outlook, port);
-            return;
-        }
-        let Some(direction) = boundary.direction(heading_rad, step_m, clearance(port, step_m)) else {
-            self.mode = Mode::Avoiding(boundary);
-            port.after(self.settings.control, CONTROL);
-            return;
-        };
-        let turn_rad = wrapped(direction - heading_rad).abs();
-        self.record.turned_rad += turn_rad;
-        let turn_s = turn_rad / self.settings.turn_rate_max_rad_per_s;
-        if turn_s > self.settings.control.as_secs_f64() {
-            // It turns on the spot, which takes time.
-            self.mode = Mode::Turning(boundary, direction);
-            port.after(Duration::from_secs_f64(turn_s), CONTROL);
-        } else {
-            self.mode = Mode::Avoiding(boundary);
-            self.step(direction, outlook, port);
-        }
-    }
-
-    /// Drives a step into a direction.
-    fn step(&mut self, direction_rad: f64, outlook: Outlook, port: &mut Port<'_>) {
-        let towards = Position::new(libm::cos(direction_rad), libm::sin(direction_rad), 0.0);
-        if let Driving::Over(end) = port.drive(outlook.pose.position + towards * self.step_m()) {
-            self.ended(end, port);
-        }
-    }
 }
 
 /// The time so long before `now`; the start if there was none.
 fn before(now: SimTime, span: Duration) -> SimTime {
     SimTime::ZERO + now.saturating_since(SimTime::ZERO).saturating_sub(span)
-}
-
-/// How far the robot can drive into a direction by its odometry (rad), up to `range_m`.
-fn clearance(port: &Port<'_>, range_m: f64) -> impl Fn(f64) -> f64 {
-    move |direction_rad| {
-        let direction = Position::new(libm::cos(direction_rad), libm::sin(direction_rad), 0.0);
-        port.clearance_m(direction, range_m)
-    }
 }
 
 impl Application for SeekRobot {

@@ -19,6 +19,16 @@ pub struct SourceSeeking {
     pub(super) control: Duration,
     pub(super) estimate: EstimateConfig,
     pub(super) poll: Poll,
+    pub(super) when_stuck: WhenStuck,
+}
+
+/// What a robot does that is stuck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum WhenStuck {
+    /// It goes on.
+    GoesOn,
+    /// It drives to a random place on the map.
+    Wanders,
 }
 
 /// What robots seek.
@@ -126,6 +136,7 @@ impl SourceSeeking {
             control: control(config.control_s)?,
             estimate: estimate.checked().map_err(|error| error.within("estimate"))?,
             poll: poll(&config.poll).map_err(|error| error.within("poll"))?,
+            when_stuck: if is_thesis { WhenStuck::GoesOn } else { WhenStuck::Wanders },
         })
     }
 
@@ -146,6 +157,7 @@ impl SourceSeeking {
             control: control(config.control_s)?,
             estimate: config.estimate.checked().map_err(|error| error.within("estimate"))?,
             poll: poll(&config.poll).map_err(|error| error.within("poll"))?,
+            when_stuck: WhenStuck::Wanders,
         })
     }
 

@@ -105,3 +105,62 @@ impl LevelSetSteering {
         away * self.sliding.turn_rate(field.smooth, rate, steepest, span_s)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::level_set::{Climb, LevelSet, Patience};
+    use super::super::rate::RateConfig;
+    use super::*;
+
+    const SPAN_S: f64 = 0.1;
+    const SPEED_M_PER_S: f64 = 0.5;
+
+    /// The places of a robot in space in the field -r, which it knows exactly, with the level -2.
+    fn dive(start: Position, heading_rad: f64, seconds: f64) -> Vec<Position> {
+        let law = LevelSet {
+            level: -2.0,
+            turn_rate_max: 1.0,
+            gamma_per_s: 1.0,
+            climb: Climb::Share(0.7),
+            boundary_layer: 0.5,
+            patience: Patience::TwoTurns,
+        };
+        let guidance = Guidance::LevelSet {
+            law,
+            rate: RateConfig::LeastSquares { samples: 5 },
+            higher: HigherField::Right,
+            torsion: Some(Torsion::LikeCurvature),
+        };
+        let mut steering = Steering::new(&guidance, SPEED_M_PER_S);
+        steering.take_over(heading_rad);
+        let Steering::LevelSet(mut steering) = steering else { unreachable!("the law of a level set") };
+        let mut places = vec![start];
+        let mut time_s = 0.0;
+        while time_s < seconds {
+            let place = places[places.len() - 1];
+            let value = -place.length_m();
+            let slope = place * (1.0 / value);
+            let field = FieldEstimate { value, smooth: value, gradient: Some(slope) };
+            let turn_rate = steering.turn_rate(time_s, &field, Some(slope), SPEED_M_PER_S, SPAN_S);
+            let course = steering.space.as_mut().expect("a course in space");
+            let step = course.frame.advance(SPEED_M_PER_S * SPAN_S, turn_rate / SPEED_M_PER_S, course.torsion_per_m);
+            places.push(place + step);
+            time_s += SPAN_S;
+        }
+        places
+    }
+
+    #[test]
+    fn a_robot_in_space_reaches_the_level_from_all_sides_and_stays_there() {
+        for start in [[10.0, 0.0, 0.0], [0.0, 0.0, -10.0], [6.0, 0.0, -8.0], [0.0, -6.0, 8.0]] {
+            for heading_rad in [-2.0, 0.0, 1.0, 3.0] {
+                let places = dive(start.into(), heading_rad, 120.0);
+                let reached = places.iter().position(|place| place.length_m() < 2.1).expect("it reaches the level");
+                // 8 m at 0.7 of 0.5 m/s are 23 s, and a turn in space.
+                assert!((16.0..45.0).contains(&(reached as f64 * SPAN_S)), "{start:?}, {heading_rad}: {reached}");
+                let late = &places[900..];
+                assert!(late.iter().all(|place| (1.0..3.5).contains(&place.length_m())), "{start:?}, {heading_rad}");
+            }
+        }
+    }
+}
