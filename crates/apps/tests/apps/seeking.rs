@@ -250,7 +250,9 @@ fn a_level_that_is_nowhere_is_never_reached() {
         Scene { duration_s: 80.0, ..Scene::default() }.level_set("goal.level = 12.0"),
         Scene { duration_s: 80.0, ..Scene::default() }.gradient("goal.level = 12.0"),
     ] {
-        assert_eq!((found.record.arrivals.len(), found.record.state), (0, SeekState::Seeking));
+        assert!(found.record.arrivals.is_empty() && found.record.state != SeekState::Arrived);
+        // It looked elsewhere too.
+        assert!(found.record.wandered > 0, "{:?}", found.record);
         let largest = found.record.largest.expect("it heard nodes");
         assert!((9.5..10.5).contains(&largest), "{largest}");
     }
