@@ -3,6 +3,9 @@
 /// Way without a higher value after which a robot is stuck, as a multiple of the distance from which nodes answer.
 const STUCK_REACHES: f64 = 3.0;
 
+/// A higher value counts if it is so much nearer to the level, as a share of what was missing.
+const LEAST_GAIN: f64 = 0.005;
+
 /// The highest value of the field so far, and the way since then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Progress {
@@ -17,10 +20,10 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// The robot drives `step_m` on from where the field is `value`. Returns whether it is stuck: noise, or a maximum below
+    /// The robot drives `step_m` on from where the field is `value`, and seeks `level`. Returns whether it is stuck: noise, or a maximum below
     /// the level, holds it. Then a new count begins.
-    pub(super) fn is_stuck(&mut self, value: f64, step_m: f64, reach_m: f64) -> bool {
-        if value > self.best {
+    pub(super) fn is_stuck(&mut self, [value, level]: [f64; 2], step_m: f64, reach_m: f64) -> bool {
+        if self.best.is_infinite() || value > self.best + LEAST_GAIN * (level - self.best).abs() {
             *self = Self { best: value, way_m: 0.0 };
             return false;
         }
@@ -41,10 +44,10 @@ mod tests {
     fn a_robot_is_stuck_when_nothing_was_higher_on_a_long_way() {
         let mut progress = Progress::default();
         let stuck = |progress: &mut Progress, values: &[f64]| {
-            values.iter().map(|&value| progress.is_stuck(value, 1.0, 1.0)).collect::<Vec<_>>()
+            values.iter().map(|&value| progress.is_stuck([value, 11.0], 1.0, 1.0)).collect::<Vec<_>>()
         };
         assert_eq!(stuck(&mut progress, &[1.0, 0.5, 0.9, 1.1, 1.0]), [false; 5]);
-        assert_eq!(stuck(&mut progress, &[1.0, 1.0, 1.0]), [false, false, true]);
+        assert_eq!(stuck(&mut progress, &[1.0, 1.14, 1.0]), [false, false, true]);
         // It begins again from wherever it is then.
         assert_eq!(stuck(&mut progress, &[0.2, 0.1, 0.1, 0.1, 0.1]), [false, false, false, false, true]);
     }

@@ -247,8 +247,8 @@ fn the_gradient_leads_almost_straight_to_the_level() {
 #[test]
 fn a_level_that_is_nowhere_is_never_reached() {
     for found in [
-        Scene { duration_s: 80.0, ..Scene::default() }.level_set("goal.level = 12.0"),
-        Scene { duration_s: 80.0, ..Scene::default() }.gradient("goal.level = 12.0"),
+        Scene { duration_s: 150.0, ..Scene::default() }.level_set("goal.level = 12.0"),
+        Scene { duration_s: 150.0, ..Scene::default() }.gradient("goal.level = 12.0"),
     ] {
         assert!(found.record.arrivals.is_empty() && found.record.state != SeekState::Arrived);
         // It looked elsewhere too.
