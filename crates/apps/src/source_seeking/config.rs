@@ -29,7 +29,8 @@ pub struct GoalConfig {
     /// How often each robot should arrive: the number of sources, if it removes them.
     #[serde(default = "one")]
     pub arrivals: u32,
-    /// A robot that has arrived removes the sources that are truly within this distance (m). If absent, it removes none.
+    /// A robot that has arrived removes the sources that are truly within this distance (m); if there is none, it has come
+    /// to what is left of an earlier source, and has not arrived. If absent, it removes none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remove_within_m: Option<f64>,
 }

@@ -271,8 +271,13 @@ impl SeekRobot {
         }
     }
 
+    /// It is where it wanted to be. Without a source to remove, this is what is left of an earlier one, and it drives on.
     fn arrive(&mut self, Outlook { pose, place, field }: Outlook, port: &mut Port<'_>) {
-        let removed = self.settings.goal.remove_within_m.map_or(0, |reach_m| port.remove_sources(reach_m));
+        let reach_m = self.settings.goal.remove_within_m;
+        let removed = reach_m.map_or(0, |reach_m| port.remove_sources(reach_m));
+        if reach_m.is_some() && removed == 0 {
+            return self.steering.restart();
+        }
         self.record.removed += removed;
         let value = field.value;
         self.record.arrivals.push(Arrival { time: port.now(), value, place, odometry: pose.position, removed });

@@ -260,6 +260,9 @@ impl SearchRobot {
                 self.record.started.get_or_insert(time);
                 self.record.steps.push(SearchStep { time, place, target, predicted, goal, latest });
                 self.set_out(place, goal, port);
+            } else if let Some(nearest) = self.nearest(place).filter(|_| self.is_lost()) {
+                // It is outside the network, where nobody can tell it anything.
+                self.set_out(place, nearest, port);
             }
         } else {
             self.probe(port);
@@ -294,6 +297,12 @@ impl SearchRobot {
         self.way.clear();
         self.way.push_back(next);
         self.drive_on(port);
+    }
+
+    /// The place of the nearest node on the map.
+    fn nearest(&self, place: Position) -> Option<Position> {
+        let places = self.map.places().iter().copied().flatten();
+        places.min_by(|a, b| a.distance_m(place).total_cmp(&b.distance_m(place)))
     }
 
     /// Whether too few nodes answered to tell where it is.

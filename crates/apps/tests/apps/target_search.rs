@@ -228,6 +228,13 @@ fn a_map_that_is_turned_mirrored_and_scaled_will_do() {
 }
 
 #[test]
+fn a_robot_outside_the_network_drives_there_before_it_hears_of_a_target() {
+    let robots = vec!["start_m = [19.0, -12.0]\nspeed_m_per_s = 1.5"];
+    let outcome = Scene { robots, ..Scene::default() }.run();
+    assert_eq!(outcome.captured.len(), 1);
+}
+
+#[test]
 fn a_robot_finds_its_way_out_of_a_bay_unless_it_is_greedy() {
     // The robot stands in a bay that opens away from the target.
     let obstacles = "
