@@ -19,7 +19,10 @@ const TURN_SIGMA: f64 = 0.05;
 const OFFSET_SIGMA_M: f64 = 0.3;
 /// In an unknown frame: the robot must have driven so far from a straight line before the handedness of the map can be
 /// told, as a standard deviation (m).
-const LEAST_SPREAD_M: f64 = 2.0;
+const LEAST_SPREAD_M: f64 = 1.4;
+/// Rounds in which outliers lose weight, and the squared error, as a multiple of the median, at which half of it is lost.
+const ROBUST_ROUNDS: usize = 3;
+const OUTLIER: f64 = 4.0;
 /// And the squared errors of one handedness must be this many times those of the other.
 const CLEAR: f64 = 1.5;
 
@@ -155,9 +158,41 @@ impl PlaceOnMap {
         smaller.max(0.0).sqrt()
     }
 
-    /// The similarity of least squares, and the sum of its squared errors (m²).
+    /// The similarity of least squares without outliers, and the sum of its squared errors (m²) that are not outliers. Fixes
+    /// weigh less the larger their errors are beside the median, as if they had the distribution of Cauchy.
     fn fit(&self, mirrored: Handedness) -> (Similarity, f64) {
-        let fixes = self.weighted().map(|(weight, fix)| (weight, mirrored.of(fix.odometry), fix.map));
+        let mut trust = vec![1.0; self.fixes.len()];
+        let mut found = self.fit_trusting(mirrored, &trust);
+        for _ in 0..ROBUST_ROUNDS {
+            let errors = self.square_errors(&found.0);
+            let mut sorted = errors.clone();
+            let middle = sorted.len() / 2;
+            let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+            if median <= 0.0 {
+                break;
+            }
+            trust = errors.into_iter().map(|error| 1.0 / (1.0 + error / (OUTLIER * median))).collect();
+            found = self.fit_trusting(mirrored, &trust);
+        }
+        found
+    }
+
+    /// The squared error of each fix (m²).
+    fn square_errors(&self, &Similarity { turn, offset, mirrored, .. }: &Similarity) -> Vec<f64> {
+        let error = |fix: &Fix| {
+            let [x, y] = product(turn, mirrored.of(fix.odometry));
+            let (x, y) = (x + offset[0] - fix.map.x_m, y + offset[1] - fix.map.y_m);
+            x * x + y * y
+        };
+        self.fixes.iter().map(error).collect()
+    }
+
+    /// The similarity of least squares with these factors of the weights, and the weighted sum of its squared errors (m²).
+    fn fit_trusting(&self, mirrored: Handedness, trust: &[f64]) -> (Similarity, f64) {
+        let fixes = self
+            .weighted()
+            .zip(trust)
+            .map(|((weight, fix), trust)| (weight * trust, mirrored.of(fix.odometry), fix.map));
         let total: f64 = fixes.clone().map(|(weight, ..)| weight).sum();
         let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
         let mut lift = 0.0;
@@ -195,12 +230,9 @@ impl PlaceOnMap {
         };
         let offset = [at_mean[0] - turned[0], at_mean[1] - turned[1]];
         let similarity = Similarity { turn, offset, lift_m: keep * lift, mirrored };
-        let errors = fixes.map(|(weight, odometry, map)| {
-            let [x, y] = product(turn, odometry);
-            let (x, y) = (x + offset[0] - map.x_m, y + offset[1] - map.y_m);
-            weight * (x * x + y * y)
-        });
-        (similarity, errors.sum())
+        let errors = self.square_errors(&similarity);
+        let sum = fixes.zip(errors).map(|((weight, ..), error)| weight * error).sum();
+        (similarity, sum)
     }
 }
 
