@@ -133,8 +133,28 @@ impl Results<'_> {
             ("mean delay", &measures::run::MAC_DELAY_MEAN_S),
             ("detections", &measures::run::DETECTIONS),
         ];
-        let has = |measure| (0..self.plan.cells().len()).any(|i| self.plan.mean(self.rows, i, measure).is_some());
-        measures.map(|(name, number)| (name, Measure::OfRun(number))).into_iter().filter(|(_, m)| has(*m)).collect()
+        let measures = measures.map(|(name, number)| (name, Measure::OfRun(number)));
+        measures.into_iter().filter(|&(_, measure)| self.has(measure)).collect()
+    }
+
+    /// The measures of applications that are printed, with their names: those of which any cell has a value.
+    fn printed_of_applications(&self) -> Vec<(String, Measure<'_>)> {
+        let measures = [
+            ("captured", &measures::application::CAPTURED),
+            ("arrived", &measures::application::ARRIVED),
+            ("time", &measures::application::TIME_S),
+        ];
+        let mut printed = Vec::new();
+        for name in self.plan.applications() {
+            let of = measures.map(|(what, number)| (format!("{name}: {what}"), Measure::OfApplication(name, number)));
+            printed.extend(of.into_iter().filter(|&(_, measure)| self.has(measure)));
+        }
+        printed
+    }
+
+    /// Whether any cell has a value of a measure.
+    fn has(&self, measure: Measure<'_>) -> bool {
+        (0..self.plan.cells().len()).any(|i| self.plan.mean(self.rows, i, measure).is_some())
     }
 
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
@@ -144,6 +164,8 @@ impl Results<'_> {
         for map in self.plan.maps() {
             header.extend([format!("{map}: connectivity error"), "mean error".to_owned()]);
         }
+        let of_applications = self.printed_of_applications();
+        header.extend(of_applications.iter().map(|(name, _)| name.clone()));
         header.extend(shortened(self.plan.keys()));
         let align = vec![Align::Right; header.len()];
         let mut rows = vec![header];
@@ -156,6 +178,7 @@ impl Results<'_> {
                     row.push(self.written(i, Measure::OfMap(map, number)));
                 }
             }
+            row.extend(of_applications.iter().map(|&(_, measure)| self.written(i, measure)));
             row.extend(self.plan.values(i));
             rows.push(row);
         }

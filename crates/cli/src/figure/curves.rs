@@ -9,6 +9,9 @@ use super::sheet::{Entry, Sheet, Symbol};
 /// Size of the plot (px).
 const SIZE: (f64, f64) = (560.0, 360.0);
 
+/// Largest number of points of a curve that are marked.
+const MOST_MARKS: usize = 40;
+
 /// A curve and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
@@ -75,7 +78,8 @@ impl Curves {
                 let (low, high) = (axes.at(x, (y - half).max(0.0)), axes.at(x, y + half));
                 picture.line(low, high, Stroke::new(stroke.color, 1.0));
             }
-            for place in places {
+            // Many marks would hide the line.
+            for place in places.into_iter().filter(|_| series.points.len() <= MOST_MARKS) {
                 picture.disc(place, 3.0, stroke.color);
             }
         }

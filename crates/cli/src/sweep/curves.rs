@@ -9,7 +9,7 @@ use crate::figure::{Curves, Figure, Series};
 
 /// Measures that are drawn unless others are asked for, as ends of the names of their columns, and what they are called
 /// on an axis.
-const DRAWN: [(&str, &str); 8] = [
+const DRAWN: [(&str, &str); 12] = [
     ("mac.prr", "packet reception ratio"),
     ("mac.throughput_bit_per_s", "throughput (bit/s)"),
     ("mac.delay_s.mean", "mean delay (s)"),
@@ -18,6 +18,10 @@ const DRAWN: [(&str, &str); 8] = [
     ("position_error_m.mean", "mean position error (m)"),
     ("connectivity_error", "connectivity error"),
     ("energy_j.rx", "energy for receiving (J)"),
+    ("captured", "share of runs that captured all targets"),
+    ("arrived", "share of runs that arrived"),
+    ("time_s", "time to the capture or arrival (s)"),
+    ("prediction_error_m.mean", "mean error of predicted places (m)"),
 ];
 
 /// The columns before the settings, and the one after them.

@@ -143,6 +143,12 @@ impl Plan {
         &self.subjects.maps
     }
 
+    /// Names of the applications that any cell runs.
+    #[must_use]
+    pub fn applications(&self) -> &[String] {
+        &self.subjects.applications
+    }
+
     /// The measures of each run, in the order of the columns.
     #[must_use]
     pub fn measures(&self) -> Vec<Measure<'_>> {

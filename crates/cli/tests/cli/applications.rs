@@ -246,6 +246,21 @@ fn a_robot_surveys_then_uses_its_map_from_where_the_survey_ended() {
 }
 
 #[test]
+fn a_map_from_neighbours_alone_needs_no_survey() {
+    // Its orientation, handedness and scale are unknown.
+    let map = "[[maps]]\nalgorithm.tpm = {}\n[[applications]]";
+    let applied =
+        SEEKING.split("[[applications]]").nth(1).unwrap().replace("map.physical = {}", "map.computed = \"tpm\"");
+    let (folder, summary) = run(&[NODES, FIELD, AGENT, map, &applied].concat(), &[]);
+    let application = &summary["applications"][0];
+    assert_eq!(application["map"], "tpm");
+    assert!(number(&application["map_error_m"]) > 0.0 && number(&application["own_place_error_m"]["mean"]) < 4.0);
+    assert!(summary["gathering"].is_null() && summary["discovery"]["neighbours"].is_object());
+    let phases = &read_run(&folder.path().join("run.mcap")).unwrap().metadata["phases"];
+    assert_eq!((phases["names"].as_str(), phases["end_ns"].starts_with("0,")), ("survey,gradient", true));
+}
+
+#[test]
 fn odometry_that_has_erred_in_the_survey_errs_on() {
     let erring =
         SURVEY.replace("listen_while_driving = true", "listen_while_driving = true\nodometry.scale_error = 0.05");
@@ -286,7 +301,7 @@ fn a_signal_ends_an_application_and_keeps_what_was_done() {
     // The level is reached nowhere: the peak of 10 is between nodes, and noise is absent.
     let slow = seeking().replace("duration_s = 60.0", "duration_s = 1e6").replacen(
         "level = 9.0",
-        "level = 10.0, tolerance = 0.0, hold_s = 1e5",
+        "level = 10.0, tolerance = 1e-6, hold_s = 1e5",
         1,
     );
     let folder = TempDir::new().unwrap();
