@@ -6,7 +6,8 @@ use super::finding::Finding;
 use super::line::{Line, Ours};
 use super::published::Published;
 use super::runs::{Runs, Term};
-use crate::sweep::Mean;
+use crate::summary::Unit;
+use crate::sweep::{Mean, Share};
 
 /// A conclusion.
 #[derive(Clone, Debug)]
@@ -114,10 +115,22 @@ impl Check {
                     .into_iter()
                     .collect()
             }
+            Self::Below(term, limit) if term.measure.unit() == Unit::Outcome => {
+                share(&values(term)).map(|share| vec![Mean { mean: limit - share.mean, ..share }])
+            }
+            Self::Above(term, limit) if term.measure.unit() == Unit::Outcome => {
+                share(&values(term)).map(|share| vec![Mean { mean: share.mean - limit, ..share }])
+            }
             Self::Below(term, limit) => [margin(term, term, &|value, _| limit - value)].into_iter().collect(),
             Self::Above(term, limit) => [margin(term, term, &|value, _| value - limit)].into_iter().collect(),
         }
     }
+}
+
+/// The interval of the share of the runs with an outcome. That of a mean would have no width if all runs were equal.
+fn share(outcomes: &[(u32, f64)]) -> Option<Mean> {
+    let outcomes: Vec<f64> = outcomes.iter().map(|&(_, outcome)| outcome).collect();
+    Share::of(&outcomes).map(|share| share.interval())
 }
 
 /// The mean of `of` over the runs that have both values.
@@ -198,6 +211,26 @@ mod tests {
         assert!((found.margin.mean - 0.2).abs() < 1e-9, "{found:?}");
         // t(0.975; 2) = 4.302653 times the standard deviation 0.05 over the root of 3.
         assert!((found.margin.half_width_95.unwrap() - 4.302_653 * 0.05 / 3.0_f64.sqrt()).abs() < 1e-5, "{found:?}");
+    }
+
+    #[test]
+    fn the_share_of_the_runs_with_an_outcome_has_an_exact_interval() {
+        use Verdict::{CannotBeTold, DoesNotHold, Holds};
+        let captured = Measure::OfApplication("detarsk", &measures::application::CAPTURED);
+        let captured = || Term::new("a", captured);
+        // The lower end of the interval of n in n runs is the n-th root of 0.025: 0.69 for 10, 0.83 for 20.
+        for (check, captured, missed, verdict) in [
+            (Check::Above(captured(), 0.8), 10, 0, CannotBeTold),
+            (Check::Above(captured(), 0.8), 20, 0, Holds),
+            (Check::Above(captured(), 0.8), 10, 10, DoesNotHold),
+            (Check::Below(captured(), 0.2), 0, 10, CannotBeTold),
+            (Check::Below(captured(), 0.2), 0, 20, Holds),
+            (Check::Below(captured(), 0.2), 10, 10, DoesNotHold),
+        ] {
+            let outcomes = [vec![1.0; captured], vec![0.0; missed]].concat();
+            let found = finding(&check, &[("a", &outcomes)]).unwrap();
+            assert_eq!(found.verdict, verdict, "{captured}, {missed}: {found:?} for {check:?}");
+        }
     }
 
     #[test]

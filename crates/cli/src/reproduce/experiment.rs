@@ -6,7 +6,7 @@ use super::line::{Line, Ours};
 use super::published::Published;
 use super::runs::{Runs, Term};
 use crate::figure::Figure;
-use crate::summary::Measure;
+use crate::summary::{Measure, Unit};
 
 /// A table or figure of the thesis.
 #[derive(Debug)]
@@ -80,7 +80,18 @@ impl Quantity {
             what: self.what.clone(),
             published: self.published.clone(),
             unit: self.unit.unwrap_or(unit),
-            ours: runs.mean(&self.term).map_or(Ours::Missing, |mean| Ours::Mean(mean.times(factor))),
+            ours: self.ours(runs, factor),
+        }
+    }
+
+    fn ours(&self, runs: &Runs, factor: f64) -> Ours {
+        if self.term.measure.unit() == Unit::Outcome {
+            return runs.share(&self.term).map_or(Ours::Missing, Ours::Share);
+        }
+        match runs.mean(&self.term) {
+            Some(mean) => Ours::Mean(mean.times(factor)),
+            None if runs.have_succeeded(&self.term) => Ours::Never,
+            None => Ours::Missing,
         }
     }
 }

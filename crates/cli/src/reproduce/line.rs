@@ -9,7 +9,7 @@ use super::finding::Finding;
 use super::published::Published;
 use crate::diagnostic::Failure;
 use crate::output::write_file;
-use crate::sweep::Mean;
+use crate::sweep::{Mean, Share};
 
 /// A published value beside ours.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,10 @@ pub struct Line {
 pub enum Ours {
     /// A mean over runs.
     Mean(Mean),
+    /// The share of the runs in which something happened.
+    Share(Share),
+    /// No run has a value: what is measured did not happen.
+    Never,
     /// A number that does not depend on random runs.
     Exact(f64),
     /// A text.
@@ -48,6 +52,8 @@ impl Line {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let ours = match &self.ours {
             Ours::Mean(mean) => mean.text(self.unit),
+            Ours::Share(share) => share.text(),
+            Ours::Never => "in no run".to_owned(),
             Ours::Exact(value) => format!("{value:.4}{unit}"),
             Ours::Text(text) => text.clone(),
             Ours::Finding(finding) => {
@@ -74,6 +80,12 @@ impl Line {
         }
         match &self.ours {
             Ours::Mean(mean) => json.extend(mean.json()),
+            Ours::Share(share) => json.extend([
+                ("mean".to_owned(), json!(100.0 * share.share())),
+                ("interval_95".to_owned(), json!(share.interval_95.map(|end| 100.0 * end))),
+                ("runs".to_owned(), json!(share.runs)),
+            ]),
+            Ours::Never => json.extend([("result".to_owned(), json!("in no run"))]),
             Ours::Exact(value) => json.extend([("mean".to_owned(), json!(value))]),
             Ours::Text(text) => json.extend([("result".to_owned(), json!(text))]),
             Ours::Finding(Finding { verdict, margin, .. }) => {
@@ -95,6 +107,10 @@ impl Line {
         let none = || [const { String::new() }; 3];
         let (numbers, result) = match &self.ours {
             Ours::Mean(mean) => (numbers(mean), String::new()),
+            Ours::Share(share) => {
+                ([(100.0 * share.share()).to_string(), String::new(), share.runs.to_string()], share.text())
+            }
+            Ours::Never => (none(), "in no run".to_owned()),
             Ours::Exact(value) => ([value.to_string(), String::new(), String::new()], String::new()),
             Ours::Text(text) => (none(), text.clone()),
             Ours::Finding(finding) => (numbers(&finding.margin), finding.verdict.words().to_owned()),
@@ -141,6 +157,19 @@ mod tests {
         let none = Line { published: None, ours: Ours::Missing, ..line };
         assert_eq!(none.cells(), ["ML-TM", "not stated", "", "no run succeeded"]);
         assert_eq!(none.json(), json!({"what": "ML-TM", "unit": "%", "runs": 0}));
+    }
+
+    #[test]
+    fn a_share_of_the_runs_shows_how_many_they_are() {
+        let ours = Ours::Share(Share::of(&[1.0, 1.0, 0.0, 1.0]).unwrap());
+        let line = Line { what: "captured".into(), published: None, unit: "%", ours };
+        let shown = "75 % (3 of 4 runs, 19 to 99 %)";
+        assert_eq!(line.cells(), ["captured", "not stated", "", shown]);
+        assert_eq!(line.record(), ["captured", "", "%", "75", "", "4", shown, ""]);
+        assert_eq!((&line.json()["mean"], &line.json()["runs"]), (&json!(75.0), &json!(4)));
+        let never = Line { ours: Ours::Never, ..line };
+        assert_eq!(never.cells()[3], "in no run");
+        assert_eq!(never.record(), ["captured", "", "%", "", "", "", "in no run", ""]);
     }
 
     #[test]

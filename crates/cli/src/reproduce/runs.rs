@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::summary::Measure;
-use crate::sweep::{self, Mean, Plan, Row};
+use crate::sweep::{self, Mean, Plan, Row, Share};
 use crate::text::counted;
 
 /// A measure of a cell of a scenario.
@@ -88,6 +88,22 @@ impl Runs {
     pub fn mean(&self, term: &Term) -> Option<Mean> {
         let values: Vec<f64> = self.values(term).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
+    }
+
+    /// The share of the successful runs in which the outcome of a term happened; `None` if there are none.
+    #[must_use]
+    pub fn share(&self, term: &Term) -> Option<Share> {
+        let outcomes: Vec<f64> = self.values(term).into_iter().map(|(_, outcome)| outcome).collect();
+        Share::of(&outcomes)
+    }
+
+    /// Whether any run of the cell of a term was successful.
+    #[must_use]
+    pub fn have_succeeded(&self, term: &Term) -> bool {
+        self.of.get(term.scenario).is_some_and(|(plan, rows)| {
+            let cell = cell(plan, &term.settings);
+            rows.iter().any(|row| Some(row.cell) == cell && row.outcome.is_ok())
+        })
     }
 
     /// The plan of a scenario that was run.

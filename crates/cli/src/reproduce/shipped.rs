@@ -75,6 +75,16 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "mmtm/warehouse-nodes.csv",
     "mmtm/warehouse-vaa.toml",
     "mmtm/warehouse-vbs.toml",
+    "target/case-1.toml",
+    "target/case-2.toml",
+    "target/case-3.toml",
+    "target/filters.toml",
+    "target/map-then-search.toml",
+    "target/maps.toml",
+    "target/several.toml",
+    "target/speeds-1.toml",
+    "target/speeds-2.toml",
+    "target/speeds-3.toml",
 ];
 
 /// Writes the scenarios into `folder`, so that the user can read and change them.
@@ -100,7 +110,7 @@ mod tests {
     fn every_scenario_of_the_chapters_ships() {
         let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
         let mut names = Vec::new();
-        for folder in ["dmtm", "ml-tm", "mmtm"] {
+        for folder in ["dmtm", "ml-tm", "mmtm", "target"] {
             let files = std::fs::read_dir(scenarios.join(folder)).unwrap();
             names.extend(files.map(|file| format!("{folder}/{}", file.unwrap().file_name().to_str().unwrap())));
         }

@@ -11,7 +11,10 @@ use crate::scenario::Scenario;
 use crate::summary::Measure;
 use crate::sweep::{self, Plan, Row};
 
+/// Invented runs.
 const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
+/// Invented runs of searches: so many that the share of those with a capture can be above 0.8 for sure.
+const SEARCH_RUNS: NonZeroU32 = NonZeroU32::new(20).expect("twenty is above zero");
 /// Runs of tiny scenarios: the fewest with an interval.
 const TINY_RUNS: NonZeroU32 = NonZeroU32::new(2).expect("two is above zero");
 
@@ -22,6 +25,9 @@ fn tiny(scenario: &str) -> Vec<String> {
     }
     if scenario.starts_with("dmtm/") {
         return tiny_dmtm(scenario);
+    }
+    if scenario.starts_with("target/") {
+        return tiny_search(scenario);
     }
     let nodes = match scenario {
         _ if scenario.contains("trajectory") => "world.nodes.random.count=30",
@@ -78,13 +84,32 @@ fn tiny_dmtm(scenario: &str) -> Vec<String> {
     set
 }
 
+/// The same for the searches of chapter 6: they end early.
+fn tiny_search(scenario: &str) -> Vec<String> {
+    let applications = match scenario {
+        "target/filters.toml" => 7,
+        "target/maps.toml" => 4,
+        _ => 3,
+    };
+    let mut set: Vec<_> = (0..applications).map(|i| format!("applications.{i}.duration_s=20.0")).collect();
+    if scenario == "target/maps.toml" {
+        set.push("maps.0.algorithm.ml_tm.grid_step_m=1.0".to_owned());
+        set.push("maps.1.algorithm.self_calibrated.grid_step_m=1.0".to_owned());
+    }
+    set
+}
+
 /// The plans of all scenarios of the chapters, in full size or tiny. Their files are in `folder`.
 fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
     write_scenarios(folder.path()).unwrap();
     let mut plans = BTreeMap::new();
     for scenario in experiments().iter().flat_map(Experiment::scenarios) {
         let set = if is_tiny { tiny(scenario) } else { Vec::new() };
-        let runs = if is_tiny { TINY_RUNS } else { RUNS };
+        let runs = match scenario {
+            _ if is_tiny => TINY_RUNS,
+            _ if scenario.starts_with("target/") => SEARCH_RUNS,
+            _ => RUNS,
+        };
         let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
         plans.entry(scenario).or_insert_with(plan);
     }
@@ -126,7 +151,7 @@ fn made_up(plans: &BTreeMap<&'static str, Plan>, value: impl Fn(&str, usize, Mea
             let values = plan.measures().into_iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
             Row { cell, replicate, outcome: Ok(values.collect()) }
         };
-        let rows = (0..plan.cells().len()).flat_map(|cell| (0..RUNS.get()).map(move |replicate| (cell, replicate)));
+        let rows = (0..plan.cells().len()).flat_map(|cell| (0..plan.runs()).map(move |replicate| (cell, replicate)));
         runs.insert(scenario, (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()));
     }
     runs
@@ -156,7 +181,11 @@ fn everything_that_an_experiment_reads_exists_in_its_scenario() {
             let column = term.measure.column();
             let columns = plans[term.scenario].columns();
             assert!(columns.iter().any(|other| other.name == column), "`{what}` reads {column}");
-            assert_eq!(runs.values(term).len(), RUNS.get() as usize, "`{what}` reads {column} in {term:?}");
+            assert_eq!(
+                runs.values(term).len(),
+                plans[term.scenario].runs() as usize,
+                "`{what}` reads {column} in {term:?}"
+            );
         }
         for line in experiment.lines(&runs) {
             assert_ne!(line.ours, Ours::Missing, "{}", line.what);
@@ -251,7 +280,7 @@ fn a_published_value_names_its_source() {
             let (kind, number) = source.split_once(' ').expect("`table 3.6`");
             let chapter = number.split_once('.').map(|(chapter, _)| chapter);
             assert!(["table", "figure", "section"].contains(&kind), "{source}");
-            assert!(chapter.is_some_and(|chapter| ["3", "4", "5"].contains(&chapter)), "{source}");
+            assert!(chapter.is_some_and(|chapter| ["3", "4", "5", "6"].contains(&chapter)), "{source}");
             assert!(!value.is_empty(), "{}", line.what);
         }
     }

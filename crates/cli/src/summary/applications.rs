@@ -51,6 +51,9 @@ pub struct ApplicationSummary {
     /// Distances between where robots thought to be and where they were (m). Absent if no robot thought so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_place_error_m: Option<ErrorSummary>,
+    /// The search at each of the [`SEARCH_INSTANTS_S`], if it searches targets. The recording has the complete series.
+    #[serde(skip)]
+    pub course: Vec<SearchInstant>,
     /// Absolute differences between the values of the field that robots worked out and the true ones, in the unit of the
     /// field. Absent if no robot did.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -92,6 +95,21 @@ impl ApplicationSummary {
             None => format!("{what} in {:.1} s{end}", self.sim_time_s),
         }
     }
+}
+
+/// Instants at which the course of a search is read (s).
+pub const SEARCH_INSTANTS_S: [u8; 21] =
+    [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60, 64, 68, 72, 76, 80, 84];
+
+/// A search for targets at an instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SearchInstant {
+    /// Distance of the robots from the nearest target that is still there (m), and 0 once all are captured. Absent after
+    /// the duration of the application, and once the last target left.
+    pub distance_to_target_m: Option<f64>,
+    /// Distance between where stations thought that targets were and where they were (m): the mean since the previous
+    /// instant. Absent if nobody thought so.
+    pub prediction_error_m: Option<f64>,
 }
 
 /// A robot of an application.

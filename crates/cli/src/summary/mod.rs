@@ -17,7 +17,8 @@ mod table;
 mod timing;
 
 pub use applications::{
-    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary,
+    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, SEARCH_INSTANTS_S,
+    SearchInstant,
 };
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,

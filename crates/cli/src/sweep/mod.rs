@@ -12,6 +12,7 @@ mod parts;
 mod plan;
 mod row;
 mod shard;
+mod share;
 mod statistics;
 mod table_file;
 mod unit;
@@ -21,6 +22,7 @@ pub use curves::figures;
 pub use plan::{Cell, Plan};
 pub use row::Row;
 pub use shard::Shard;
+pub use share::Share;
 pub use statistics::Mean;
 pub use table_file::TableFormat;
 

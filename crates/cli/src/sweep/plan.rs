@@ -83,9 +83,11 @@ impl Plan {
             let by_nodes = scenario.distributed().map(|map| &map.name);
             let maps = by_nodes.into_iter().chain(scenario.maps().iter().map(|named| &named.name));
             let applications = scenario.applications().iter().map(|application| &application.name);
+            let searches = scenario.applications().iter().filter(|application| application.algorithm.is_search());
             extend(&mut subjects.by_nodes, by_nodes.into_iter());
             extend(&mut subjects.maps, maps);
             extend(&mut subjects.applications, applications);
+            extend(&mut subjects.searches, searches.map(|application| &application.name));
             let survey = scenario.survey_identity();
             let known = surveys.iter().position(|other| *other == survey);
             let survey = known.unwrap_or_else(|| {

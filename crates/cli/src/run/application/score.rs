@@ -9,7 +9,7 @@ use sextant_sim::{Estimate, TargetId};
 
 use crate::measure::Placement;
 use crate::run::witness::Witness;
-use crate::summary::ErrorSummary;
+use crate::summary::{ErrorSummary, SEARCH_INSTANTS_S, SearchInstant};
 
 /// Time between two values of the distance to the nearest target.
 const STEP: Duration = Duration::from_secs(1);
@@ -63,6 +63,40 @@ pub(super) fn errors(scored: &[Scored], is_one: impl Fn(&Estimate) -> bool) -> O
     PositionError::of(&errors).map(ErrorSummary::from)
 }
 
+/// The course of a search of this duration that ended at `end`, with all targets captured if `captured`.
+pub(super) fn course(
+    (witness, scored): (&Witness<'_>, &[Scored]),
+    (duration, end): (Duration, SimTime),
+    captured: bool,
+) -> Vec<SearchInstant> {
+    let instants = SEARCH_INSTANTS_S.map(|time_s| SimTime::ZERO + Duration::from_secs(u64::from(time_s)));
+    let mut previous = SimTime::ZERO;
+    let mut course = Vec::new();
+    for time in instants {
+        let since = |scored: &&Scored| previous < scored.time && scored.time <= time;
+        let of_targets = scored.iter().filter(since);
+        let of_targets = of_targets.filter(|scored| matches!(scored.estimate, Estimate::TargetPlace { .. }));
+        let errors_m: Vec<f64> = of_targets.filter_map(|scored| scored.error).collect();
+        let to_targets = || (0..witness.robots.len()).filter_map(|robot| nearest_m(witness, robot, time));
+        let distance_m = if time <= end { to_targets().min_by(f64::total_cmp) } else { None };
+        let all_captured = captured && time >= end && time - SimTime::ZERO <= duration;
+        course.push(SearchInstant {
+            distance_to_target_m: if all_captured { Some(0.0) } else { distance_m },
+            prediction_error_m: (!errors_m.is_empty()).then(|| errors_m.iter().sum::<f64>() / errors_m.len() as f64),
+        });
+        previous = time;
+    }
+    course
+}
+
+/// Distance of a robot to the nearest target that is still there (m).
+fn nearest_m(witness: &Witness<'_>, robot: usize, time: SimTime) -> Option<f64> {
+    let own = witness.robot_at(robot, time)?;
+    let targets = (0..witness.targets.len()).filter_map(|target| u16::try_from(target).ok().map(TargetId));
+    let there = targets.filter_map(|target| witness.target_at(target, time));
+    there.map(|there| there.distance_m(own)).min_by(f64::total_cmp)
+}
+
 /// Distance of a robot to the nearest target that is still there, each second and whenever a target is gone (m).
 pub(super) fn distances_to_target(witness: &Witness<'_>, robot: usize, end: SimTime) -> Vec<(SimTime, f64)> {
     let span = end - SimTime::ZERO;
@@ -72,11 +106,5 @@ pub(super) fn distances_to_target(witness: &Witness<'_>, robot: usize, end: SimT
     times.extend(witness.gone.iter().flatten());
     times.sort_unstable();
     times.dedup();
-    let nearest_m = |&time: &SimTime| {
-        let own = witness.robot_at(robot, time)?;
-        let targets = (0..witness.targets.len()).filter_map(|target| u16::try_from(target).ok().map(TargetId));
-        let there = targets.filter_map(|target| witness.target_at(target, time));
-        Some((time, there.map(|there| there.distance_m(own)).min_by(f64::total_cmp)?))
-    };
-    times.iter().filter_map(nearest_m).collect()
+    times.iter().filter_map(|&time| Some((time, nearest_m(witness, robot, time)?))).collect()
 }

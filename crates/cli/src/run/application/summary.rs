@@ -52,7 +52,12 @@ pub(super) fn sum_up(
         ..ApplicationSummary::default()
     };
     match records {
-        Records::Search(records) => of_search(summary, records, targets(scenario, application, witness)),
+        Records::Search(records) => {
+            let summary = of_search(summary, records, targets(scenario, application, witness));
+            let captured = summary.captured == Some(true);
+            let course = score::course((witness, scored), (application.duration, survey.end), captured);
+            ApplicationSummary { course, ..summary }
+        }
         Records::Seek(records) => of_seeking(scenario, application, summary, records, witness),
     }
 }

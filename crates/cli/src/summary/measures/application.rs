@@ -17,13 +17,17 @@ fn captures(application: &ApplicationSummary) -> Option<f64> {
     Some(count(captured as u64))
 }
 
+fn per_second(application: &ApplicationSummary, number: f64) -> Option<f64> {
+    (application.sim_time_s > 0.0).then(|| number / application.sim_time_s)
+}
+
 fn energy_j(of: EnergySummary) -> f64 {
     of.tx + of.rx + of.idle
 }
 
 numbers! { ApplicationSummary {
-    CAPTURED "captured" Share |application| flag(application.captured);
-    ARRIVED "arrived" Share |application| flag(application.arrived);
+    CAPTURED "captured" Outcome |application| flag(application.captured);
+    ARRIVED "arrived" Outcome |application| flag(application.arrived);
     TIME_S "time_s" Second |application| application.time_s;
     SIM_TIME_S "sim_time_s" Second |application| Some(application.sim_time_s);
     CAPTURES "captures" Count captures;
@@ -43,6 +47,8 @@ numbers! { ApplicationSummary {
     LAW_MINIMUM_S "law_minimum_s" Second |application| application.law_minimum_s;
     PATH_LENGTH_M "path_length_m" Metre |application| Some(application.path_length_m);
     MESSAGES_SENT "messages.sent" Count |application| Some(count(application.messages.sent));
+    MESSAGES_SENT_PER_S "messages.sent_per_s" PerSecond
+        |application| per_second(application, count(application.messages.sent));
     MESSAGES_OCTETS "messages.octets" Count |application| application.messages.octets.map(count);
     ENERGY_TOTAL_J "energy_j.total" Joule |application| Some(energy_j(application.energy_j));
     ENERGY_TX_J "energy_j.tx" Joule |application| Some(application.energy_j.tx);

@@ -1,7 +1,7 @@
 //! A number of a run, of one of its maps or of one of its applications.
 
 use super::number::{Number, Unit};
-use super::{application, distributed, map, node_errors, position_errors, run, scattering, time};
+use super::{application, distributed, map, node_errors, over_time, position_errors, run, scattering, time};
 use crate::summary::{ApplicationSummary, MapSummary, Summary};
 
 /// A number of a run, of one of its maps or of one of its applications.
@@ -24,6 +24,8 @@ pub struct Subjects {
     pub by_nodes: Vec<String>,
     /// Names of its applications.
     pub applications: Vec<String>,
+    /// Names of those that search targets.
+    pub searches: Vec<String>,
 }
 
 impl Measure<'_> {
@@ -79,7 +81,7 @@ impl PartialEq for Measure<'_> {
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
 pub fn all<'a>(subjects: &'a Subjects) -> Vec<Measure<'a>> {
-    let Subjects { maps, by_nodes, applications } = subjects;
+    let Subjects { maps, by_nodes, applications, searches } = subjects;
     let of_nodes = if by_nodes.is_empty() { &[] } else { time::ALL };
     let of_run = run::ALL.iter().chain(of_nodes).map(|number| Measure::OfRun(number));
     let of_map = |map| {
@@ -88,8 +90,10 @@ pub fn all<'a>(subjects: &'a Subjects) -> Vec<Measure<'a>> {
         let numbers = map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL).chain(own);
         numbers.map(move |number| Measure::OfMap(map.as_str(), number))
     };
-    let of_application =
-        |name: &'a String| application::ALL.iter().map(move |number| Measure::OfApplication(name.as_str(), number));
+    let of_application = |name: &'a String| {
+        let own = if searches.contains(name) { over_time::ALL } else { &[] };
+        application::ALL.iter().chain(own).map(move |number| Measure::OfApplication(name.as_str(), number))
+    };
     of_run.chain(maps.iter().flat_map(of_map)).chain(applications.iter().flat_map(of_application)).collect()
 }
 
@@ -130,7 +134,8 @@ mod tests {
         let subjects = Subjects {
             maps: names(&["ml-tm", "tpm"]),
             by_nodes: names(&["tpm"]),
-            applications: names(&["detarsk", "p-g"]),
+            applications: names(&["detarsk", "p-g", "gradient"]),
+            searches: names(&["detarsk", "p-g"]),
         };
         let mut columns: Vec<_> = all(&subjects).iter().map(Measure::column).collect();
         let count = columns.len();

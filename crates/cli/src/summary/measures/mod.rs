@@ -6,6 +6,7 @@ pub mod map;
 mod measure;
 pub mod node_errors;
 mod number;
+pub mod over_time;
 pub mod position_errors;
 pub mod run;
 pub mod scattering;

@@ -9,6 +9,10 @@ pub enum Unit {
     MeanCount,
     /// A share or a rate, 0 to 1.
     Share,
+    /// Whether something happened in a run: 1 if it did, and 0 if not.
+    Outcome,
+    /// A number per second.
+    PerSecond,
     /// A number in the unit of a field.
     Plain,
     /// Metres.
@@ -29,7 +33,8 @@ impl Unit {
     pub fn for_people(self) -> (f64, &'static str) {
         match self {
             Self::Count | Self::MeanCount | Self::Plain => (1.0, ""),
-            Self::Share => (100.0, "%"),
+            Self::Share | Self::Outcome => (100.0, "%"),
+            Self::PerSecond => (1.0, "1/s"),
             Self::Metre => (1.0, "m"),
             Self::Second => (1.0, "s"),
             Self::Degree => (1.0, "°"),
