@@ -10,6 +10,7 @@
 
 mod assignment;
 mod config;
+mod driver;
 mod gradient_node;
 mod gradient_pilot;
 mod grid_path;
@@ -18,6 +19,7 @@ mod message;
 mod node;
 mod outbox;
 mod particle_filter;
+mod prober;
 mod record;
 mod robot;
 mod robust_kalman;

@@ -1,27 +1,25 @@
 //! The application of a robot that searches targets.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::f64::consts::FRAC_PI_2;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::{SimTime, StationId};
-use sextant_sim::{
-    Application, Delivery, DriveEnd, Driving, Estimate, NetworkId, Port, Pose, RobotBody, TargetId, Timer,
-};
+use sextant_sim::{Application, Delivery, DriveEnd, Estimate, NetworkId, Port, Pose, RobotBody, TargetId, Timer};
 
 use super::config::{Aim, OwnPlaceRule};
+use super::driver::Driver;
 use super::gradient_pilot::GradientPilot;
 use super::interception::Pursuit;
 use super::message::{Detection, Message};
 use super::outbox::Outbox;
+use super::prober::Prober;
 use super::record::{RobotSearchRecord, SearchStep};
 use super::settings::{Detarsk, Method, TargetSearch};
 use super::sightings::Sighting;
 use super::team::Team;
 use super::tracker::Tracker;
-use super::wayfinder::Wayfinder;
 use crate::navigation::{Asked, Asking, HeardNode, MapFrame, NavigationMap, Neighbourhood, PlaceOnMap, Request};
 
 /// The timer of the next step.
@@ -40,14 +38,8 @@ const WINDOW_SHARE: f64 = 0.6;
 const NEIGHBOURHOOD_STEPS: f64 = 1.5;
 /// Answers from which the robot learns where it is on the map.
 const RELIABLE: usize = 8;
-/// Side of the square that it drives to learn the frame of the map (m).
-const SIDE_M: f64 = 6.0;
-/// Share of the answers of one poll that the next one has at least, unless the robot leaves the network.
-const FADING: f64 = 0.7;
 /// How far ahead an interception is looked for.
 const HORIZON: Duration = Duration::from_secs(120);
-/// Ways that it tries one after the other where it stands.
-const MOST_ATTEMPTS: u32 = 8;
 const SCAN: Duration = Duration::from_millis(200);
 
 /// A robot that searches targets.
@@ -57,7 +49,6 @@ pub struct SearchRobot {
     map: Arc<NavigationMap>,
     network: NetworkId,
     speed_m_per_s: f64,
-    hull_m: f64,
     targets: usize,
     duration: Duration,
     place: PlaceOnMap,
@@ -69,16 +60,8 @@ pub struct SearchRobot {
     /// When the search for each target may start.
     alarms: BTreeMap<TargetId, SimTime>,
     team: Team,
-    /// How it finds its way, once it knows how the map lies.
-    wayfinder: Option<Wayfinder>,
-    /// The rest of the way, by odometry (m).
-    way: VecDeque<Position>,
-    /// The side of the square that it drives to learn the frame of the map, and the length driven on it (m).
-    side: (u32, f64),
-    /// Where it drives to, by odometry (m).
-    goal: Option<Position>,
-    /// The last place from which it drove on along the square, by odometry (m), and the number of answers there.
-    good: Option<(Position, usize)>,
+    driver: Driver,
+    prober: Prober,
     outbox: Outbox,
     record: RobotSearchRecord,
 }
@@ -115,12 +98,13 @@ impl SearchRobot {
             Method::PseudoGradient(_) => Pilot::PseudoGradient(GradientPilot::default()),
         };
         let place = PlaceOnMap::new(map.frame());
+        let step_m = body.speed_m_per_s * settings.step.as_secs_f64();
+        let driver = Driver::new(settings.path, body.radius_m, step_m);
         Self {
             settings,
             map,
             network,
             speed_m_per_s: body.speed_m_per_s,
-            hull_m: body.radius_m,
             targets,
             duration,
             place,
@@ -130,11 +114,8 @@ impl SearchRobot {
             pilot,
             alarms: BTreeMap::new(),
             team: Team::new(team),
-            wayfinder: None,
-            way: VecDeque::new(),
-            side: (0, 0.0),
-            goal: None,
-            good: None,
+            driver,
+            prober: Prober::default(),
             outbox: Outbox::new(network),
             record: RobotSearchRecord::default(),
         }
@@ -147,7 +128,8 @@ impl SearchRobot {
             Pilot::Detarsk { trackers, .. } => trackers.values().map(Tracker::fallbacks).sum(),
             Pilot::PseudoGradient(_) => 0,
         };
-        RobotSearchRecord { sent: self.outbox.counts, fallbacks, ..self.record }
+        let blocked = self.driver.blocked();
+        RobotSearchRecord { sent: self.outbox.counts, fallbacks, blocked, ..self.record }
     }
 
     /// Length on the map of one metre.
@@ -161,8 +143,7 @@ impl SearchRobot {
             Method::Detarsk(method) => method.neighbourhood_m,
             Method::PseudoGradient(_) => None,
         };
-        let step_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
-        let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * step_m));
+        let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * self.driver.step_m()));
         let pose = port.pose();
         self.asked_at = Some(pose);
         // Asking those near a place on the map says little about the place if the place itself is a guess.
@@ -265,38 +246,11 @@ impl SearchRobot {
                 self.set_out(place, nearest, port);
             }
         } else {
-            self.probe(port);
+            let answers = self.neighbourhood.nodes().len();
+            let next = self.prober.next(answers, RELIABLE, self.driver.step_m(), port);
+            self.driver.go_straight(next, port);
         }
         self.ask(port);
-    }
-
-    /// Drives round a square, to learn how the map lies. Where too few nodes answer, it goes back and takes the next
-    /// side.
-    fn probe(&mut self, port: &mut Port<'_>) {
-        port.halt();
-        let here = port.pose().position;
-        let answers = self.neighbourhood.nodes().len();
-        let next = match self.good {
-            // It leaves the network: back, and along the next side.
-            Some((place, before)) if self.is_lost() || (answers as f64) < FADING * before as f64 => {
-                self.good = Some((place, answers));
-                self.side = (self.side.0 + 1, 0.0);
-                place
-            }
-            _ => {
-                self.good = Some((here, answers));
-                let (side, driven_m) = self.side;
-                let heading_rad = FRAC_PI_2 * f64::from(side % 4);
-                let length_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
-                let driven_m = driven_m + length_m;
-                self.side = if driven_m >= SIDE_M { (side + 1, 0.0) } else { (side, driven_m) };
-                let direction = Position::new(libm::cos(heading_rad), libm::sin(heading_rad), 0.0);
-                here + direction * port.clearance_m(direction, length_m)
-            }
-        };
-        self.way.clear();
-        self.way.push_back(next);
-        self.drive_on(port);
     }
 
     /// The place of the nearest node on the map.
@@ -313,52 +267,14 @@ impl SearchRobot {
     /// Drives from `place` to `goal`, both on the map.
     fn set_out(&mut self, place: Position, goal: Position, port: &mut Port<'_>) {
         let (Some(from), Some(to)) = (self.place.to_odometry(place), self.place.to_odometry(goal)) else { return };
-        port.halt();
-        let here = port.pose().position;
         // What counts is the way from where it is on the map: its odometry may believe in another place.
+        let here = port.pose().position;
         let to = Position { z_m: here.z_m, ..here + (to - from) };
-        if self.wayfinder.is_none() {
-            let Bounds { min, max } = self.map.bounds();
-            let corners = [(min.x_m, min.y_m), (min.x_m, max.y_m), (max.x_m, min.y_m), (max.x_m, max.y_m)];
-            let corners = corners.map(|(x_m, y_m)| self.place.to_odometry(Position::new(x_m, y_m, min.z_m)));
-            let nodes = Bounds::of(corners.into_iter().flatten().chain([here]));
-            self.wayfinder = nodes.map(|nodes| Wayfinder::new(self.settings.path, self.hull_m, nodes));
-        }
-        let Some(wayfinder) = &mut self.wayfinder else { return };
-        wayfinder.look_around(port);
-        let step_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
-        self.goal = Some(to);
-        self.way = wayfinder.way(here, to, step_m).into();
-        self.drive_on(port);
-    }
-
-    fn drive_on(&mut self, port: &mut Port<'_>) {
-        let mut attempts = 0;
-        while let Some(next) = self.way.pop_front() {
-            match port.drive(next) {
-                Driving::UnderWay => return,
-                Driving::Over(DriveEnd::Arrived) => {}
-                Driving::Over(DriveEnd::Blocked(contact)) => {
-                    attempts += 1;
-                    if attempts > MOST_ATTEMPTS {
-                        return self.way.clear();
-                    }
-                    self.blocked(contact, port);
-                }
-            }
-        }
-    }
-
-    /// An obstacle is in the way: a way round it is looked for.
-    fn blocked(&mut self, contact: Position, port: &Port<'_>) {
-        self.record.blocked += 1;
-        self.way.clear();
-        if let (Some(wayfinder), Some(goal)) = (&mut self.wayfinder, self.goal) {
-            wayfinder.meet(contact);
-            wayfinder.look_around(port);
-            let step_m = self.speed_m_per_s * self.settings.step.as_secs_f64();
-            self.way = wayfinder.way(port.pose().position, goal, step_m).into();
-        }
+        let Bounds { min, max } = self.map.bounds();
+        let corners = [(min.x_m, min.y_m), (min.x_m, max.y_m), (max.x_m, min.y_m), (max.x_m, max.y_m)];
+        let corners = corners.map(|(x_m, y_m)| self.place.to_odometry(Position::new(x_m, y_m, min.z_m)));
+        let Some(nodes) = Bounds::of(corners.into_iter().flatten()) else { return };
+        self.driver.set_out(to, nodes, port);
     }
 
     /// Captures the targets within reach.
@@ -456,12 +372,6 @@ impl Application for SearchRobot {
     }
 
     fn drive_ended(&mut self, end: DriveEnd, port: &mut Port<'_>) {
-        match end {
-            DriveEnd::Arrived => self.drive_on(port),
-            DriveEnd::Blocked(contact) => {
-                self.blocked(contact, port);
-                self.drive_on(port);
-            }
-        }
+        self.driver.ended(end, port);
     }
 }
