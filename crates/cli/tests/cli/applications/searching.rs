@@ -73,6 +73,48 @@ fn robots_capture_a_target_and_the_recording_tells_where() {
 }
 
 #[test]
+fn the_table_of_a_sweep_has_the_course_of_each_search() {
+    let scenario = searching() + "\n[sweep]\nruns = 1\n";
+    let (folder, summary) = run(&scenario, &[]);
+    let output = sextant().current_dir(folder.path()).args(["sweep", "a.toml", "--out", "t.csv", "--quiet"]).output();
+    let output = output.unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = fs::read_to_string(folder.path().join("t.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let value = |name: &str| {
+        let column = rows[0].iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}"));
+        rows[1][column].parse::<f64>().ok()
+    };
+    let drawn = read_drawn(&folder.path().join("run.mcap")).unwrap();
+    for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
+        let captured_s = number(&summary["applications"][i]["time_s"]);
+        let drawn = &drawn.applications[i];
+        let series = |what: &str| -> Vec<(f64, f64)> {
+            let (_, series) = drawn.series_of(what).next().unwrap();
+            series.iter().map(|&(time, value)| ((time - drawn.start).as_secs_f64(), value)).collect()
+        };
+        let (distances_m, errors_m) = (series("distance_to_target_m"), series("prediction_error_m"));
+        let mut compared = 0;
+        for time_s in (4..=84).step_by(4).map(f64::from) {
+            let distance_m = value(&format!("{name}.distance_to_target_m.at_{time_s}_s"));
+            let recorded = distances_m.iter().find(|(at_s, _)| (at_s - time_s).abs() < 1e-9);
+            let expected_m = if time_s >= captured_s { 0.0 } else { recorded.unwrap().1 };
+            assert!((distance_m.unwrap() - expected_m).abs() < 1e-9, "{name} at {time_s} s: {distance_m:?}");
+            let since = errors_m.iter().filter(|(at_s, _)| time_s - 4.0 + 1e-9 < *at_s && *at_s <= time_s + 1e-9);
+            let since: Vec<f64> = since.map(|&(_, error_m)| error_m).collect();
+            let error_m = value(&format!("{name}.prediction_error_m.at_{time_s}_s"));
+            assert_eq!(error_m.is_some(), !since.is_empty(), "{name} at {time_s} s: {error_m:?}");
+            if let Some(error_m) = error_m {
+                let mean_m = since.iter().sum::<f64>() / since.len() as f64;
+                assert!((error_m - mean_m).abs() < 1e-9, "{name} at {time_s} s: {error_m}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 0, "{name} predicts");
+    }
+}
+
+#[test]
 fn figures_show_ways_and_the_capture() {
     let (folder, _) = run(&searching(), &[]);
     let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap();
