@@ -75,6 +75,12 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "mmtm/warehouse-nodes.csv",
     "mmtm/warehouse-vaa.toml",
     "mmtm/warehouse-vbs.toml",
+    "seek/obstacles.toml",
+    "seek/one-source.toml",
+    "seek/pioneer.toml",
+    "seek/slow-robot.toml",
+    "seek/space.toml",
+    "seek/two-sources.toml",
     "target/case-1.toml",
     "target/case-2.toml",
     "target/case-3.toml",
@@ -110,7 +116,7 @@ mod tests {
     fn every_scenario_of_the_chapters_ships() {
         let scenarios = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
         let mut names = Vec::new();
-        for folder in ["dmtm", "ml-tm", "mmtm", "target"] {
+        for folder in ["dmtm", "ml-tm", "mmtm", "seek", "target"] {
             let files = std::fs::read_dir(scenarios.join(folder)).unwrap();
             names.extend(files.map(|file| format!("{folder}/{}", file.unwrap().file_name().to_str().unwrap())));
         }

@@ -21,6 +21,11 @@ fn per_second(application: &ApplicationSummary, number: f64) -> Option<f64> {
     (application.sim_time_s > 0.0).then(|| number / application.sim_time_s)
 }
 
+/// The smallest true value of the field at an arrival.
+fn least_arrival_value(application: &ApplicationSummary) -> Option<f64> {
+    application.arrivals.iter().map(|arrival| arrival.value).min_by(f64::total_cmp)
+}
+
 fn energy_j(of: EnergySummary) -> f64 {
     of.tx + of.rx + of.idle
 }
@@ -44,6 +49,8 @@ numbers! { ApplicationSummary {
     LEVEL "level" Plain |application| application.level;
     LARGEST_VALUE "largest_value" Plain |application| application.largest_value;
     ARRIVALS "arrivals" Count |application| application.arrived.map(|_| count(application.arrivals.len() as u64));
+    SECOND_ARRIVAL_S "second_arrival_s" Second |application| Some(application.arrivals.get(1)?.time_s);
+    LEAST_ARRIVAL_VALUE "least_arrival_value" Plain least_arrival_value;
     LAW_MINIMUM_S "law_minimum_s" Second |application| application.law_minimum_s;
     PATH_LENGTH_M "path_length_m" Metre |application| Some(application.path_length_m);
     MESSAGES_SENT "messages.sent" Count |application| Some(count(application.messages.sent));
