@@ -75,6 +75,7 @@ pub const SHIPPED: &[(&str, &str)] = shipped![
     "mmtm/warehouse-nodes.csv",
     "mmtm/warehouse-vaa.toml",
     "mmtm/warehouse-vbs.toml",
+    "seek/maps.toml",
     "seek/obstacles.toml",
     "seek/one-source.toml",
     "seek/pioneer.toml",

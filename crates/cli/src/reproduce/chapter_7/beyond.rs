@@ -31,7 +31,7 @@ pub(super) fn experiment() -> Experiment {
         charts,
         claims: of_obstacles
             .chain(of_space)
-            .map(|(seeking, method, snr)| seeking.all_arrive(method, snr, None))
+            .map(|(seeking, method, snr)| seeking.most_arrive(method, snr, None))
             .collect(),
         notes: &[DEFINITIONS],
     }

@@ -8,7 +8,7 @@ use super::super::runs::{Runs, Term};
 use super::method::{Method, Snr, term};
 use crate::summary::measures::application;
 use crate::summary::{ApplicationSummary, Number};
-use crate::sweep::Mean;
+use crate::sweep::Share;
 
 pub(super) const ARRIVED: &Number<ApplicationSummary> = &application::ARRIVED;
 pub(super) const TIME_S: &Number<ApplicationSummary> = &application::TIME_S;
@@ -22,6 +22,9 @@ pub(super) const EXPERIMENT: &str = "section 7.4.2";
 
 /// A true value below this at an arrival is a false arrival. The robots seek 9.
 pub(super) const TRUE_LEVEL: f64 = 8.5;
+
+/// More than this share of the runs are most: with ten runs, all of which arrive, the exact interval is above it.
+pub(super) const MOST: f64 = 2.0 / 3.0;
 
 /// What is common to the notes of all experiments.
 pub(super) const DEFINITIONS: &str = "SNR is the mean square of the field at the nodes over the variance of the offsets, which the thesis does not define; \
@@ -63,11 +66,11 @@ impl Seeking {
     ) -> Line {
         let values = runs.values(&self.term(method, snr, number));
         // Each successful run says whether the robot arrived.
-        let flags = runs.values(&self.term(method, snr, ARRIVED)).into_iter().map(|(run, _)| {
+        let outcomes = runs.values(&self.term(method, snr, ARRIVED)).into_iter().map(|(run, _)| {
             let counted = values.iter().any(|&(other, value)| other == run && counts(value));
-            if counted { 100.0 } else { 0.0 }
+            f64::from(u8::from(counted))
         });
-        let ours = Mean::of(&flags.collect::<Vec<f64>>()).map_or(Ours::Missing, Ours::Mean);
+        let ours = Share::of(&outcomes.collect::<Vec<f64>>()).map_or(Ours::Missing, Ours::Share);
         Line { what: self.what(what, method, snr), published: None, unit: "%", ours }
     }
 
@@ -81,10 +84,9 @@ impl Seeking {
     ) -> Line {
         let term = self.term(method, snr, number);
         let (factor, unit) = term.measure.unit().for_people();
-        let any_run = !runs.values(&self.term(method, snr, ARRIVED)).is_empty();
         let ours = match runs.mean(&term) {
             Some(mean) => Ours::Mean(mean.times(factor)),
-            None if any_run => Ours::Text("never".to_owned()),
+            None if runs.have_succeeded(&term) => Ours::Never,
             None => Ours::Missing,
         };
         Line { what: self.what(what, method, snr), published, unit, ours }
@@ -127,12 +129,12 @@ impl Seeking {
         }
     }
 
-    /// A claim of ours that all runs of a method arrive.
-    pub(super) fn all_arrive(&self, method: &Method, snr: Snr, published: Option<Published>) -> Claim {
+    /// A claim that most runs of a method arrive.
+    pub(super) fn most_arrive(&self, method: &Method, snr: Snr, published: Option<Published>) -> Claim {
         Claim {
-            text: self.what("all runs arrive", method, snr),
+            text: self.what("more than two in three runs arrive", method, snr),
             published,
-            check: Check::Above(self.term(method, snr, ARRIVED), 0.999),
+            check: Check::Above(self.term(method, snr, ARRIVED), MOST),
         }
     }
 

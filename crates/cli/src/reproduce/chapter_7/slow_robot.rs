@@ -16,7 +16,7 @@ pub(super) fn experiment() -> Experiment {
     let longer = || Published::new("53 s at 30 dB, 68 s at 10 dB", SIMULATIONS);
     let mut claims = vec![SLOW_ROBOT.law_is_slower(&THESIS, 68.0, "53 to 68 s")];
     for method in [&LEVEL_SET, &THESIS] {
-        claims.extend(Snr::ALL[1..].iter().map(|&snr| SLOW_ROBOT.all_arrive(method, snr, satisfactory())));
+        claims.extend(Snr::ALL[1..].iter().map(|&snr| SLOW_ROBOT.most_arrive(method, snr, satisfactory())));
         claims.push(SLOW_ROBOT.slower_with_offsets(method, &[Snr::Db30, Snr::Db10], longer()));
         claims.push(SLOW_ROBOT.true_on_average(method, Snr::Db10));
     }

@@ -49,6 +49,8 @@ numbers! { ApplicationSummary {
     LEVEL "level" Plain |application| application.level;
     LARGEST_VALUE "largest_value" Plain |application| application.largest_value;
     ARRIVALS "arrivals" Count |application| application.arrived.map(|_| count(application.arrivals.len() as u64));
+    ARRIVED_TWICE "arrived_twice" Outcome
+        |application| flag(application.arrived.map(|_| application.arrivals.len() > 1));
     SECOND_ARRIVAL_S "second_arrival_s" Second |application| Some(application.arrivals.get(1)?.time_s);
     LEAST_ARRIVAL_VALUE "least_arrival_value" Plain least_arrival_value;
     LAW_MINIMUM_S "law_minimum_s" Second |application| application.law_minimum_s;
