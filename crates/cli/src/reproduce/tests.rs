@@ -135,7 +135,7 @@ fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
         let set = if is_tiny { tiny(scenario) } else { Vec::new() };
         let runs = match scenario {
             _ if is_tiny => TINY_RUNS,
-            _ if scenario.starts_with("target/") => SEARCH_RUNS,
+            _ if scenario.starts_with("target/") || scenario.starts_with("seek/") => SEARCH_RUNS,
             _ => RUNS,
         };
         let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
