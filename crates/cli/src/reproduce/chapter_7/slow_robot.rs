@@ -30,7 +30,8 @@ pub(super) fn experiment() -> Experiment {
         notes: &[
             DEFINITIONS,
             "With the thesis' numbers the value climbs at gamma delta = 0.1 per second, so the law cannot bring the robot from 1.86 to the \
-             level in the printed times. At the start it asks for a steeper climb than the field has, v |grad D| = 0.099. Our preset \
+             level in the printed times. At the start it asks for a steeper climb than the field has, v |grad D| = 0.099. A robot that is stuck drives to a random place, outside the law, and can so be \
+             there sooner. Our preset \
              adapts the rate of climb to the field.",
         ],
     }
