@@ -1,8 +1,9 @@
-//! How a robot asks when it does not know where it is on the map.
+//! Whom a robot asks.
 
-use sextant_channel::Dbm;
+use sextant_channel::{Dbm, Position};
 
 use super::heard::Neighbourhood;
+use super::navigation_map::MapFrame;
 use super::poll::Asked;
 
 /// Answers that a robot wants in a poll.
@@ -10,7 +11,7 @@ const WANTED: [usize; 2] = [15, 35];
 /// Change of the least power after a poll with more or fewer answers (dB).
 const CHANGE_DB: f64 = 2.0;
 
-/// Numbers the polls of a robot, and chooses how loud a node must hear a request to answer it.
+/// Numbers the polls of a robot, and chooses whom it asks.
 #[derive(Clone, Debug, Default)]
 pub struct Asking {
     number: u16,
@@ -30,9 +31,25 @@ impl Asking {
         self.number
     }
 
+    /// Whom a robot asks next that is at `place` on a map in `frame`: the nodes within `radius_m` of it on the map. Where
+    /// the place itself is a guess, those near it would say little about it: then the nodes that hear the robot well.
+    /// `answers` are those of the last poll.
+    pub fn whom(
+        &mut self,
+        frame: MapFrame,
+        place: Option<Position>,
+        radius_m: f64,
+        answers: &Neighbourhood,
+    ) -> Asked {
+        match (frame, place) {
+            (MapFrame::Robot, Some(center)) => Asked::Near { center, radius_m },
+            _ => self.loud(answers),
+        }
+    }
+
     /// Whom to ask next, if these nodes have answered the last poll: so many that some twenty answer. A channel is
     /// reciprocal, so the power of answers tells that of requests.
-    pub fn loud(&mut self, answers: &Neighbourhood) -> Asked {
+    fn loud(&mut self, answers: &Neighbourhood) -> Asked {
         let count = answers.nodes().len();
         let [fewest, most] = WANTED;
         self.least = match self.least {

@@ -42,11 +42,6 @@ impl Neighbourhood {
         self.heard.insert(station, heard);
     }
 
-    /// Forgets nodes that were not heard since `time`.
-    pub fn forget_before(&mut self, time: SimTime) {
-        self.heard.retain(|_, heard| heard.time >= time);
-    }
-
     /// The nodes, by station.
     pub fn nodes(&self) -> impl ExactSizeIterator<Item = (StationId, &HeardNode)> {
         self.heard.iter().map(|(&station, heard)| (station, heard))

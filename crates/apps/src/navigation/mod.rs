@@ -11,10 +11,14 @@ mod heard;
 mod navigation_map;
 mod place_on_map;
 mod poll;
+mod waiting_answers;
 
 pub use asking::Asking;
 pub use flood::{Flood, FloodKey};
 pub use heard::{HeardNode, Neighbourhood};
 pub use navigation_map::{MapFrame, NavigationMap};
 pub use place_on_map::PlaceOnMap;
+#[cfg(test)]
+pub(crate) use poll::any;
 pub use poll::{Answer, Asked, Request};
+pub use waiting_answers::WaitingAnswers;

@@ -116,3 +116,44 @@ impl Answer {
         Ok(Self { number, place, tx_power: Dbm(reader.number("the transmit power")?) })
     }
 }
+
+/// Polls for the tests of messages that carry them.
+#[cfg(test)]
+pub(crate) mod any {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A number that binary32 holds exactly.
+    pub(crate) fn number() -> impl Strategy<Value = f64> {
+        any::<f32>().prop_filter("finite", |number| number.is_finite()).prop_map(f64::from)
+    }
+
+    /// A place.
+    pub(crate) fn place() -> impl Strategy<Value = Position> {
+        prop::array::uniform3(number()).prop_map(Position::from)
+    }
+
+    /// A request.
+    pub(crate) fn request() -> impl Strategy<Value = Request> {
+        let asked = prop_oneof![
+            Just(Asked::All),
+            (place(), number()).prop_map(|(center, radius_m)| Asked::Near { center, radius_m }),
+            number().prop_map(|least_dbm| Asked::Loud(Dbm(least_dbm))),
+        ];
+        (any::<u16>(), any::<u16>(), asked).prop_map(|(number, window_ms, asked)| Request {
+            number,
+            window: Duration::from_millis(window_ms.into()),
+            asked,
+        })
+    }
+
+    /// An answer.
+    pub(crate) fn answer() -> impl Strategy<Value = Answer> {
+        (any::<u16>(), place(), number()).prop_map(|(number, place, tx_power_dbm)| Answer {
+            number,
+            place,
+            tx_power: Dbm(tx_power_dbm),
+        })
+    }
+}

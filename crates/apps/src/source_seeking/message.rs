@@ -77,36 +77,19 @@ impl SeekMessage {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use proptest::prelude::*;
     use sextant_channel::{Dbm, Position};
 
     use super::*;
-    use crate::navigation::Asked;
-
-    fn place() -> impl Strategy<Value = Position> {
-        prop::array::uniform3(any::<f32>().prop_filter("finite", |x| x.is_finite()))
-            .prop_map(|axes| Position::from(axes.map(f64::from)))
-    }
+    use crate::navigation::any as polls;
 
     fn message() -> impl Strategy<Value = SeekMessage> {
-        let number = || any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(f64::from);
-        let asked = prop_oneof![
-            Just(Asked::All),
-            (place(), number()).prop_map(|(center, radius_m)| Asked::Near { center, radius_m }),
-            number().prop_map(|least_dbm| Asked::Loud(Dbm(least_dbm))),
-        ];
-        let request = (any::<u16>(), any::<u16>(), asked, any::<u16>()).prop_map(|(number, window, asked, field)| {
-            let window = Duration::from_millis(window.into());
-            SeekMessage::Request(Request { number, window, asked }, FieldId(field))
-        });
-        let answer = (any::<u16>(), place(), number(), any::<u16>(), number()).prop_map(
-            |(number, place, tx_power, field, value)| {
-                SeekMessage::Answer(Answer { number, place, tx_power: Dbm(tx_power) }, FieldId(field), value)
-            },
-        );
-        prop_oneof![request, answer]
+        let field = || any::<u16>().prop_map(FieldId);
+        prop_oneof![
+            (polls::request(), field()).prop_map(|(request, field)| SeekMessage::Request(request, field)),
+            (polls::answer(), field(), polls::number())
+                .prop_map(|(answer, field, value)| SeekMessage::Answer(answer, field, value)),
+        ]
     }
 
     proptest! {

@@ -8,12 +8,10 @@ use sextant_sim::{Application, Delivery, Destination, FieldId, NetworkId, Payloa
 
 use super::message::SeekMessage;
 use super::record::NodeSeekRecord;
-use crate::navigation::{Answer, Request};
+use crate::navigation::{Answer, Request, WaitingAnswers};
 
 /// Share of the window of a poll in which nodes begin to send: what waits for the channel then still comes in it.
 const SENDING_SHARE: f64 = 0.9;
-/// Answers that may wait.
-const ANSWERS: u16 = 32;
 
 /// A node: it keeps its latest reading of each field, and answers robots that ask for one.
 #[derive(Debug)]
@@ -23,9 +21,8 @@ pub struct SeekNode {
     place: Option<Position>,
     tx_power: Dbm,
     readings: BTreeMap<FieldId, f64>,
-    /// Answers that wait for their instant, by timer.
-    asked: BTreeMap<u16, (StationId, u16, FieldId)>,
-    next_answer: u16,
+    /// Answers that wait for their instants.
+    asked: WaitingAnswers<(StationId, u16, FieldId)>,
     draws: u64,
     record: NodeSeekRecord,
 }
@@ -39,8 +36,7 @@ impl SeekNode {
             place,
             tx_power,
             readings: BTreeMap::new(),
-            asked: BTreeMap::new(),
-            next_answer: 0,
+            asked: WaitingAnswers::new(0, SENDING_SHARE),
             draws: 0,
             record: NodeSeekRecord::default(),
         }
@@ -56,12 +52,9 @@ impl SeekNode {
         if !self.place.is_some_and(|place| request.concerns(place, rssi)) {
             return;
         }
-        let timer = self.next_answer;
-        self.next_answer = (self.next_answer + 1) % ANSWERS;
-        self.asked.insert(timer, (robot, request.number, field));
         self.draws += 1;
-        let wait = request.window.mul_f64(SENDING_SHARE * port.uniform(self.draws));
-        port.after(wait, Timer(timer));
+        let draw = port.uniform(self.draws);
+        self.asked.wait(&request, (robot, request.number, field), draw, port);
     }
 }
 
@@ -89,7 +82,7 @@ impl Application for SeekNode {
     }
 
     fn timed(&mut self, timer: Timer, port: &mut Port<'_>) {
-        let Some((robot, number, field)) = self.asked.remove(&timer.0) else { return };
+        let Some((robot, number, field)) = self.asked.due(timer) else { return };
         let (Some(place), Some(&value)) = (self.place, self.readings.get(&field)) else { return };
         let octets = SeekMessage::Answer(Answer { number, place, tx_power: self.tx_power }, field, value).to_octets();
         match port.send(self.network, Destination::Station(robot), Payload::Octets(&octets)) {

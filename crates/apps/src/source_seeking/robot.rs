@@ -24,7 +24,7 @@ use super::progress::Progress;
 use super::record::{Arrival, RobotSeekRecord, SeekState};
 use super::settings::SourceSeeking;
 use super::steering::{SpatialCourse, Steering};
-use crate::navigation::{Asked, Asking, HeardNode, MapFrame, NavigationMap, Neighbourhood, PlaceOnMap, Request};
+use crate::navigation::{Asking, HeardNode, NavigationMap, Neighbourhood, PlaceOnMap, Request};
 
 const POLL: Timer = Timer(0);
 const CONTROL: Timer = Timer(1);
@@ -159,16 +159,8 @@ impl SeekRobot {
         self.readings.forget_before(before(now, self.settings.poll.memory));
         self.polled_at = Some(odometry);
         let interval = self.settings.poll.interval;
-        // Asking those near a place on the map says little about the place if the place itself is a guess.
-        let place = match self.map.frame() {
-            MapFrame::Robot => self.place_on_map(odometry),
-            MapFrame::Unknown => None,
-        };
-        let radius_m = self.reach_m();
-        let asked = match place {
-            Some(center) => Asked::Near { center, radius_m },
-            None => self.asking.loud(&heard),
-        };
+        let (place, radius_m) = (self.place_on_map(odometry), self.reach_m());
+        let asked = self.asking.whom(self.map.frame(), place, radius_m, &heard);
         let request = Request { number: self.asking.next_poll(), window: interval, asked };
         let octets = SeekMessage::Request(request, self.settings.goal.field).to_octets();
         match port.send(self.network, Destination::All, Payload::Octets(&octets)) {

@@ -46,7 +46,7 @@ impl GradientPilot {
         least.map(|(&node, _)| node)
     }
 
-    /// Hops of the chosen node to a node that detects the target.
+    /// The targets of which it heard a pseudo-gradient.
     pub(super) fn targets(&self) -> impl Iterator<Item = TargetId> {
         self.heard.keys().copied()
     }

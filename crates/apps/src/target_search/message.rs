@@ -295,15 +295,7 @@ mod tests {
     use sextant_channel::Dbm;
 
     use super::*;
-    use crate::navigation::Asked;
-
-    fn number() -> impl Strategy<Value = f64> {
-        (-1e6_f32..1e6).prop_map(f64::from)
-    }
-
-    fn place() -> impl Strategy<Value = Position> {
-        (number(), number(), number()).prop_map(|(x_m, y_m, z_m)| Position::new(x_m, y_m, z_m))
-    }
+    use crate::navigation::any as polls;
 
     fn target() -> impl Strategy<Value = TargetId> {
         any::<u16>().prop_map(TargetId)
@@ -318,44 +310,29 @@ mod tests {
     }
 
     fn message() -> impl Strategy<Value = Message> {
-        let asked = prop_oneof![
-            Just(Asked::All),
-            (place(), number()).prop_map(|(center, radius_m)| Asked::Near { center, radius_m }),
-            number().prop_map(|least_dbm| Asked::Loud(Dbm(least_dbm))),
-        ];
-        let request = (any::<u16>(), any::<u16>(), asked).prop_map(|(number, window, asked)| Request {
-            number,
-            window: Duration::from_millis(window.into()),
-            asked,
-        });
-        let answer = (any::<u16>(), place(), number()).prop_map(|(number, place, tx_dbm)| Answer {
-            number,
-            place,
-            tx_power: Dbm(tx_dbm),
-        });
         let detection = (target(), time(), prop::option::of(time())).prop_map(|(target, entered, left)| Detection {
             target,
             entered,
             left,
         });
         let detections = prop::collection::vec(detection, 0..=Message::MOST_DETECTIONS);
-        let claim = prop_oneof![number().prop_map(Claim::Sought), Just(Claim::Captured)];
+        let claim = prop_oneof![polls::number().prop_map(Claim::Sought), Just(Claim::Captured)];
         let claims = prop::collection::vec((target(), claim), 0..=Message::MOST_CLAIMS);
         prop_oneof![
-            request.prop_map(Message::Request),
-            (answer, detections).prop_map(|(answer, detections)| Message::Answer(answer, detections)),
+            polls::request().prop_map(Message::Request),
+            (polls::answer(), detections).prop_map(|(answer, detections)| Message::Answer(answer, detections)),
             (key(), any::<u8>()).prop_map(|(key, hops)| Message::Tree { key, hops }),
-            (any::<u32>(), target(), time(), place()).prop_map(|(node, target, time, place)| {
+            (any::<u32>(), target(), time(), polls::place()).prop_map(|(node, target, time, place)| {
                 Message::Detection(FirstDetection { node: StationId(node), target, time, place })
             }),
-            (key(), target(), time(), place()).prop_map(|(key, target, time, place)| Message::Alarm {
+            (key(), target(), time(), polls::place()).prop_map(|(key, target, time, place)| Message::Alarm {
                 key,
                 target,
                 time,
                 place
             }),
             (key(), claims).prop_map(|(key, targets)| Message::Claim { key, targets }),
-            (any::<u16>(), target(), any::<u8>(), number()).prop_map(|(round, target, hops, value)| {
+            (any::<u16>(), target(), any::<u8>(), polls::number()).prop_map(|(round, target, hops, value)| {
                 Message::Gradient(GradientMessage { round, target, hops, value })
             }),
         ]

@@ -15,15 +15,14 @@ use super::message::{Detection, FirstDetection, Message};
 use super::outbox::{MessageCounts, Outbox};
 use super::route::Route;
 use super::settings::{Method, TargetSearch};
-use crate::navigation::{Answer, Flood, FloodKey, Request};
+use crate::navigation::{Answer, Flood, FloodKey, Request, WaitingAnswers};
 
 /// The timer of the next round of pseudo-gradients.
 const ROUND: Timer = Timer(1);
 /// The timer of the next attempt to tell the sink.
 const RETRY: Timer = Timer(2);
-/// The timers of answers.
+/// The first of the timers of answers.
 const FIRST_ANSWER: u16 = 100;
-const ANSWERS: u16 = 32;
 /// The timers of messages to pass on.
 const FIRST_FLOOD: u16 = 1000;
 const FLOODS: u16 = 64;
@@ -54,9 +53,8 @@ pub struct SearchNode {
     told: BTreeMap<StationId, u32>,
     /// Answers under way, with the version that they tell.
     answering: Vec<(FrameId, StationId, u32)>,
-    /// Answers that wait for their instant, by timer.
-    asked: BTreeMap<u16, (StationId, Request)>,
-    next_answer: u16,
+    /// Answers that wait for their instants.
+    asked: WaitingAnswers<(StationId, Request)>,
     /// The targets that the robots know of.
     known: BTreeSet<TargetId>,
     route: Route,
@@ -93,8 +91,7 @@ impl SearchNode {
             version: 0,
             told: BTreeMap::new(),
             answering: Vec::new(),
-            asked: BTreeMap::new(),
-            next_answer: 0,
+            asked: WaitingAnswers::new(FIRST_ANSWER, SENDING_SHARE),
             known: BTreeSet::new(),
             route: Route::default(),
             retries: false,
@@ -123,11 +120,8 @@ impl SearchNode {
         if !request.concerns(place, rssi) && !has_news {
             return;
         }
-        let timer = FIRST_ANSWER + self.next_answer;
-        self.next_answer = (self.next_answer + 1) % ANSWERS;
-        self.asked.insert(timer, (robot, request));
-        let wait = request.window.mul_f64(SENDING_SHARE * self.draw(port));
-        port.after(wait, Timer(timer));
+        let draw = self.draw(port);
+        self.asked.wait(&request, (robot, request), draw, port);
     }
 
     fn answer(&mut self, robot: StationId, request: Request, port: &mut Port<'_>) {
@@ -211,7 +205,7 @@ impl Application for SearchNode {
             self.retries = false;
             self.route.forward_waiting(&mut self.outbox, port);
             self.retry_later(port);
-        } else if let Some((robot, request)) = self.asked.remove(&timer.0) {
+        } else if let Some((robot, request)) = self.asked.due(timer) {
             self.answer(robot, request, port);
         } else if let Some((_, octets)) = self.flood.due(timer) {
             let Ok(message) = Message::read(&octets) else { return };

@@ -20,7 +20,7 @@ use super::settings::{Detarsk, Method, TargetSearch};
 use super::sightings::Sighting;
 use super::team::Team;
 use super::tracker::Tracker;
-use crate::navigation::{Asked, Asking, HeardNode, MapFrame, NavigationMap, Neighbourhood, PlaceOnMap, Request};
+use crate::navigation::{Asking, HeardNode, MapFrame, NavigationMap, Neighbourhood, PlaceOnMap, Request};
 
 /// The timer of the next step.
 const STEP: Timer = Timer(1);
@@ -146,15 +146,8 @@ impl SearchRobot {
         let radius_m = radius_m.unwrap_or(self.scale() * (NEIGHBOURHOOD_STEPS * self.driver.step_m()));
         let pose = port.pose();
         self.asked_at = Some(pose);
-        // Asking those near a place on the map says little about the place if the place itself is a guess.
-        let place = match self.map.frame() {
-            MapFrame::Robot => self.place.to_map(pose.position),
-            MapFrame::Unknown => None,
-        };
-        let asked = match place {
-            Some(center) => Asked::Near { center, radius_m },
-            None => self.asking.loud(&self.neighbourhood),
-        };
+        let place = self.place.to_map(pose.position);
+        let asked = self.asking.whom(self.map.frame(), place, radius_m, &self.neighbourhood);
         self.neighbourhood = Neighbourhood::default();
         let window = self.settings.step.mul_f64(WINDOW_SHARE);
         let request = Request { number: self.asking.next_poll(), window, asked };
