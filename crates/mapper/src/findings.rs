@@ -41,6 +41,7 @@ impl Findings {
             ties: u32::try_from(peak.vertices().len()).unwrap_or(u32::MAX),
             covariance: moments.as_ref().map(Moments::covariance),
             infeasible,
+            concern: None,
         })
     }
 }

@@ -27,6 +27,7 @@ mod algorithm;
 mod alignment;
 mod cells;
 mod comparators;
+mod concern;
 mod directions;
 mod error;
 mod estimate_kind;
@@ -70,6 +71,7 @@ pub use comparators::{
     NtldvHopConfig, Ranging, RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, Smacof, SmacofConfig, Tpm,
     TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
+pub use concern::Concern;
 pub use error::MapError;
 pub use estimate_kind::{EstimateKind, TieRule};
 pub use fitted::{Fit, Fitted};

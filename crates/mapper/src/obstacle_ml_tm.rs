@@ -122,7 +122,7 @@ impl ObstacleMlTm {
             EstimateKind::PosteriorMean => (mean, Some(covariance(apart))),
         };
         let log_likelihood = Some(log_likelihood(best));
-        Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false })
+        Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false, concern: None })
     }
 
     /// The likeliest place on a coarse grid round `near`, including `near` itself.

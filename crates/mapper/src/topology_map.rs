@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{Reflection, Similarity, SoughtHeights};
+use crate::{Concern, Reflection, Similarity, SoughtHeights};
 
 /// The places of the nodes that an algorithm estimated from a reception log.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,8 @@ pub struct Estimate {
     pub covariance: Option<[[f64; 3]; 3]>,
     /// Whether no vertex explains all receptions, so that some were treated as outliers.
     pub infeasible: bool,
+    /// Why the place is not reliable, if there is a reason.
+    pub concern: Option<Concern>,
 }
 
 impl TopologyMap {
@@ -63,8 +65,14 @@ impl TopologyMap {
     /// The map of an algorithm that gives only places.
     #[must_use]
     pub fn of_places(algorithm: &'static str, places: Vec<Option<Position>>, frame: CoordinateFrame) -> Self {
-        let estimate =
-            |position| Estimate { position, log_likelihood: None, ties: 1, covariance: None, infeasible: false };
+        let estimate = |position| Estimate {
+            position,
+            log_likelihood: None,
+            ties: 1,
+            covariance: None,
+            infeasible: false,
+            concern: None,
+        };
         let estimates = places.into_iter().map(|place| place.map(estimate)).collect();
         Self { algorithm, estimates, grid_step_m: None, vertices_evaluated: 0, heights: None, frame }
     }
@@ -118,6 +126,14 @@ impl TopologyMap {
     #[must_use]
     pub fn unmapped(&self) -> usize {
         self.estimates.len() - self.mapped()
+    }
+
+    /// The nodes whose place is not reliable, by number.
+    pub fn concerns(&self) -> impl Iterator<Item = (NodeId, Concern)> {
+        let concern = |(node, estimate): (usize, &Option<Estimate>)| {
+            Some((NodeId::from_index(node), estimate.as_ref()?.concern?))
+        };
+        self.estimates.iter().enumerate().filter_map(concern)
     }
 
     /// Number of nodes for which no vertex explains all that was heard.

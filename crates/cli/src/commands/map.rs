@@ -37,8 +37,8 @@ pub struct Arguments {
     /// recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
-    /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible and the entries of the covariance,
-    /// if there is one. Each further map is written to MAP.NAME.csv in the same folder
+    /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern (why a position is
+    /// unreliable: at-edge, unsettled or no-evidence) and the entries of the covariance, if there is one. Each further map is written to MAP.NAME.csv in the same folder
     #[arg(long, value_name = "MAP.csv")]
     pub out: Option<PathBuf>,
     /// Settings that override those of the maps.

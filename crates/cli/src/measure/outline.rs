@@ -1,14 +1,15 @@
 //! The properties of a map in the summary, without the truth.
 
+use sextant_kernel::NodeId;
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Fit, HeightReason, Learned, ObstacleKnowledge, PositionError,
-    SoughtHeights, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, Concern, Fit, HeightReason, Learned, ObstacleKnowledge,
+    PositionError, SoughtHeights, TopologyMap,
 };
 
 use super::subject::Subject;
 use crate::summary::{
-    CalibrationSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary, MapSummary,
-    NetworkProfileSummary,
+    CalibrationSummary, ConcernSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary,
+    MapSummary, NetworkProfileSummary,
 };
 
 /// The properties of a map of nodes with these `names`, without the truth.
@@ -30,6 +31,7 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         }
         _ => (None, None),
     };
+    let concern = |(node, concern): (NodeId, Concern)| ConcernSummary { node: names[node.index()].clone(), concern };
     let name = subject.name;
     let coincident = map.coincident();
     MapSummary {
@@ -40,6 +42,7 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         fitted_profile,
         fitted_profiles,
         calibration,
+        concerns: map.concerns().map(concern).collect(),
         at_bound,
         heights: map.heights.map(HeightsSummary::from),
         coincident: (coincident > 0).then_some(coincident),

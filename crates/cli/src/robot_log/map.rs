@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sextant_channel::Position;
-use sextant_mapper::TopologyMap;
+use sextant_mapper::{Concern, TopologyMap};
 
 use super::error::RobotLogError;
 use super::output::Output;
@@ -26,18 +26,18 @@ const COVARIANCE: [(usize, usize, &str); 6] = [
 /// If the file cannot be read or has an invalid row; the error names file, line and column.
 pub fn read_map(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
     let covariance = COVARIANCE.map(|(_, _, name)| name);
-    let optional = ["z_m", "ties", "infeasible"].into_iter().chain(covariance);
+    let optional = ["z_m", "ties", "infeasible", "concern"].into_iter().chain(covariance);
     read_places(path, &optional.collect::<Vec<_>>())
 }
 
-/// Writes the mapped nodes to the file `path`, with the columns `node,x_m,y_m,z_m,ties,infeasible` and the covariance (m²)
-/// if the map has one. Unmapped nodes have no row. `names` are the names of the nodes in the log.
+/// Writes the mapped nodes to the file `path`, with the columns `node,x_m,y_m,z_m,ties,infeasible,concern` and the
+/// covariance (m²) if the map has one. `concern` is why a place is not reliable, empty for most nodes. Unmapped nodes have no row. `names` are the names of the nodes in the log.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(), RobotLogError> {
     let with_covariance = map.estimates.iter().flatten().any(|estimate| estimate.covariance.is_some());
-    let mut header = vec!["node", "x_m", "y_m", "z_m", "ties", "infeasible"];
+    let mut header = vec!["node", "x_m", "y_m", "z_m", "ties", "infeasible", "concern"];
     if with_covariance {
         header.extend(COVARIANCE.map(|(_, _, name)| name));
     }
@@ -46,6 +46,7 @@ pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(),
         let Some(estimate) = estimate else { continue };
         output.text(name).position(estimate.position).text(&estimate.ties.to_string());
         output.text(if estimate.infeasible { "1" } else { "0" });
+        output.text(estimate.concern.map_or("", Concern::name));
         for (row, column, _) in COVARIANCE.iter().filter(|_| with_covariance) {
             match estimate.covariance {
                 Some(covariance) => output.number(covariance[*row][*column]),

@@ -62,7 +62,14 @@ pub fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -> Optio
 
 /// The places that the nodes believe in.
 fn topology_map(map: &DistributedMap, nodes: &[MappingRecord]) -> TopologyMap {
-    let told = |position| Estimate { position, log_likelihood: None, ties: 1, covariance: None, infeasible: false };
+    let told = |position| Estimate {
+        position,
+        log_likelihood: None,
+        ties: 1,
+        covariance: None,
+        infeasible: false,
+        concern: None,
+    };
     let estimate = |node: &MappingRecord| node.estimate.clone().or_else(|| node.place.map(told));
     TopologyMap {
         algorithm: map.algorithm,

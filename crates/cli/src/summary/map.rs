@@ -1,7 +1,7 @@
 //! One map and its errors.
 
 use serde::Serialize;
-use sextant_mapper::KnowledgeKind;
+use sextant_mapper::{Concern, KnowledgeKind};
 
 use super::distributed::DistributedSummary;
 
@@ -59,6 +59,9 @@ pub struct MapSummary {
     /// What was estimated with the map, if it is self-calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationSummary>,
+    /// Nodes whose position is unreliable, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub concerns: Vec<ConcernSummary>,
     /// Nodes at the boundary of the searched area. They may be farther away, so their positions are unreliable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub at_bound: Vec<String>,
@@ -130,6 +133,15 @@ pub struct NetworkProfileSummary {
     /// The profile.
     #[serde(flatten)]
     pub profile: FittedProfileSummary,
+}
+
+/// A node whose position is unreliable.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ConcernSummary {
+    /// Name of the node.
+    pub node: String,
+    /// Why: `at-edge`, `unsettled` or `no-evidence`.
+    pub concern: Concern,
 }
 
 /// The heights at which nodes were searched for, and why.

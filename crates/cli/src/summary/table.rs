@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use sextant_mapper::Concern;
+
 use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
@@ -45,7 +47,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         calibrations(&summary.maps, out)?;
         displacements(&summary.maps, out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
-        bounds(&summary.maps, out)?;
+        concerns(&summary.maps, out)?;
         heights(&summary.maps, out)?;
         writeln!(out)?;
     }
@@ -235,22 +237,32 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// At most this many of the nodes at their bound are named.
+/// At most this many of the nodes with the same concern are named.
 const NAMED: usize = 10;
 
-/// Warnings of nodes and curves at the bound of their search.
-fn bounds(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+/// Warnings of nodes whose position is unreliable, and of curves at the bound of their search.
+fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
         let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        if let [_, ..] = map.at_bound[..] {
-            let count = map.at_bound.len();
-            let (nodes, is) = (counted(count, "node"), if count == 1 { "is" } else { "are" });
-            let named = map.at_bound[..count.min(NAMED)].join(", ");
+        for concern in [Concern::AtEdge, Concern::Unsettled, Concern::NoEvidence] {
+            let nodes: Vec<&str> =
+                map.concerns.iter().filter(|of| of.concern == concern).map(|of| of.node.as_str()).collect();
+            let count = nodes.len();
+            if count == 0 {
+                continue;
+            }
+            let (is, did, has) = if count == 1 { ("is", "did", "has") } else { ("are", "did", "have") };
+            let what = match concern {
+                Concern::AtEdge => format!("{is} at the boundary of the searched area"),
+                Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
+                Concern::NoEvidence => format!("{has} no place that receptions and silence prefer"),
+            };
+            let named = nodes[..count.min(NAMED)].join(", ");
             let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
             writeln!(
                 out,
-                "{name}: warning: {nodes} {is} at the boundary of the searched area, so the position is unreliable: \
-                 {named}{more}"
+                "{name}: warning: {} {what}, so the position is unreliable: {named}{more}",
+                counted(count, "node")
             )?;
         }
         if let Some(calibration) = map.calibration.as_ref().filter(|calibration| calibration.curve_at_bound) {

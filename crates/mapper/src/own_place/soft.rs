@@ -99,8 +99,14 @@ impl Search<'_> {
             None => (moments.mean(), spread, 0),
         };
         let log_likelihood = self.value(position, f64::NEG_INFINITY);
-        let estimate =
-            Estimate { position, log_likelihood, ties: 1, covariance: Some(covariance), infeasible: false };
+        let estimate = Estimate {
+            position,
+            log_likelihood,
+            ties: 1,
+            covariance: Some(covariance),
+            infeasible: false,
+            concern: None,
+        };
         Some((estimate, octets::of_moments() + octets::of_grid(vertices)))
     }
 

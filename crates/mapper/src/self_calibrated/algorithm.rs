@@ -14,7 +14,7 @@ use crate::directions::{CoverageEdge, Directions};
 use crate::heights::are_level;
 use crate::reach::reach_m;
 use crate::sectors::SectorSettings;
-use crate::{CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
+use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
@@ -120,6 +120,7 @@ impl SelfCalibrated {
                 ties: 1,
                 covariance: Some(belief.covariance),
                 infeasible: false,
+                concern: belief.at_bound.then_some(Concern::AtEdge),
             });
         }
         map.grid_step_m = Some(step_m);

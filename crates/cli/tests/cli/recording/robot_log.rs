@@ -6,7 +6,7 @@ use std::path::Path;
 use sextant::robot_log::{self, RobotLogError};
 use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
 use sextant_kernel::{NodeId, SimTime};
-use sextant_mapper::{CoordinateFrame, Estimate, TopologyMap};
+use sextant_mapper::{Concern, CoordinateFrame, Estimate, TopologyMap};
 use tempfile::TempDir;
 
 use super::sample;
@@ -241,7 +241,14 @@ fn a_map_file_has_a_row_for_each_mapped_node() {
     let path = folder.path().join("map.csv");
     let estimate = |x_m, ties, covariance| {
         let position = Position::new(x_m, 2.0, 0.0);
-        Some(Estimate { position, log_likelihood: None, ties, covariance, infeasible: ties > 1 })
+        Some(Estimate {
+            position,
+            log_likelihood: None,
+            ties,
+            covariance,
+            infeasible: ties > 1,
+            concern: (ties > 1).then_some(Concern::AtEdge),
+        })
     };
     let names = ["a", "b,c", "d"].map(str::to_owned);
     let mut map = TopologyMap {
@@ -253,14 +260,17 @@ fn a_map_file_has_a_row_for_each_mapped_node() {
         frame: CoordinateFrame::World,
     };
     robot_log::write_map(&path, &names, &map).unwrap();
-    let plain = "node,x_m,y_m,z_m,ties,infeasible\na,0.1,2,0,1,0\nd,-3,2,0,4,1\n";
+    let plain = "node,x_m,y_m,z_m,ties,infeasible,concern\na,0.1,2,0,1,0,\"\"\nd,-3,2,0,4,1,at-edge\n";
     assert_eq!(std::fs::read_to_string(&path).unwrap(), plain);
+    let places = robot_log::read_map(&path).unwrap();
+    assert_eq!(places.keys().map(String::as_str).collect::<Vec<_>>(), ["a", "d"]);
 
     map.estimates = vec![None, estimate(1.0, 1, Some([[4.0, 0.5, 0.0], [0.5, 9.0, 0.0], [0.0; 3]])), None];
     robot_log::write_map(&path, &names, &map).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
-    let header = "node,x_m,y_m,z_m,ties,infeasible,cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
-    assert_eq!(text, format!("{header}\n\"b,c\",1,2,0,1,0,4,0.5,0,9,0,0\n"));
+    let header =
+        "node,x_m,y_m,z_m,ties,infeasible,concern,cov_xx_m2,cov_xy_m2,cov_xz_m2,cov_yy_m2,cov_yz_m2,cov_zz_m2";
+    assert_eq!(text, format!("{header}\n\"b,c\",1,2,0,1,0,\"\",4,0.5,0,9,0,0\n"));
 }
 
 #[test]

@@ -270,7 +270,7 @@ impl Found {
         };
         let ties = self.vertices.iter().filter(|&&(_, value)| value >= highest - Peak::TOLERANCE).count();
         let ties = u32::try_from(ties).unwrap_or(u32::MAX);
-        Some(Estimate { position, log_likelihood: Some(highest), ties, covariance, infeasible })
+        Some(Estimate { position, log_likelihood: Some(highest), ties, covariance, infeasible, concern: None })
     }
 }
 
