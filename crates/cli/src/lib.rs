@@ -15,6 +15,7 @@ pub mod diagnostic;
 pub mod figure;
 pub mod interrupt;
 pub mod mapping;
+mod mcap_file;
 pub mod measure;
 mod output;
 pub mod recording;

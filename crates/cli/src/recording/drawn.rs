@@ -20,7 +20,7 @@ use super::names::{
 };
 use super::phase;
 use super::reader::sound;
-use super::scan::Piece;
+use crate::mcap_file::Piece;
 use applications::DrawnApplication;
 use distributed::DrawnMappedNode;
 use sensing::{Detection, DrawnField, DrawnTarget, Sample};

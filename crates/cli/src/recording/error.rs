@@ -7,6 +7,7 @@ use sextant_channel::LogError;
 use sextant_kernel::Interrupted;
 
 use crate::diagnostic::Failure;
+use crate::mcap_file::{McapFileError, cause};
 use crate::output::DraftError;
 
 /// Why a recording could not be written or read. Clonable, because a recorder returns its first failure from every later
@@ -145,6 +146,15 @@ impl RecordingError {
     }
 }
 
+impl From<McapFileError> for RecordingError {
+    fn from(error: McapFileError) -> Self {
+        match error {
+            McapFileError::Read { path, why } => Self::Read { path, why },
+            McapFileError::NotMcap { path } => Self::NotMcap { path },
+        }
+    }
+}
+
 impl From<DraftError> for RecordingError {
     fn from(error: DraftError) -> Self {
         match error {
@@ -162,13 +172,5 @@ impl From<RecordingError> for Failure {
             error if error.is_system_error() => Self::failed(error.to_string()),
             error => Self::bad_input(error.to_string()),
         }
-    }
-}
-
-/// The system's error inside an error of the container, or the error itself.
-pub(super) fn cause(error: &mcap::McapError) -> String {
-    match error {
-        mcap::McapError::Io(system) => system.to_string(),
-        other => other.to_string(),
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::error::RecordingError;
-use super::scan::{Damage, Piece, scan};
+use crate::mcap_file::{Damage, Piece, scan};
 
 /// The contents of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,9 +78,9 @@ pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
     };
     let mut topics: BTreeMap<u16, Topic> = BTreeMap::new();
     let mut span: Option<(u64, u64)> = None;
-    inspection.damage = scan(path, &mut |piece| {
+    inspection.damage = scan::<RecordingError>(path, &mut |piece| {
         match piece {
-            Piece::Header { library } => inspection.library = library.to_owned(),
+            Piece::Header { library, .. } => inspection.library = library.to_owned(),
             Piece::Message { channel, header, .. } => {
                 let topic = topics.entry(channel.id).or_insert_with(|| Topic {
                     topic: channel.topic.clone(),

@@ -10,7 +10,7 @@ use super::error::RecordingError;
 use super::messages;
 use super::names::{ANCHORS_TOPIC, BEACONS_TOPIC, NEIGHBOURS_TOPIC};
 use super::reader::sound;
-use super::scan::Piece;
+use crate::mcap_file::Piece;
 
 /// What the nodes know of each other.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -15,7 +15,7 @@ use super::drawing;
 use super::error::RecordingError;
 use super::messages;
 use super::names::{LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
-use super::scan::{Piece, scan};
+use crate::mcap_file::{Piece, scan};
 
 /// The reception log of a recording, with its metadata and attachments.
 #[derive(Clone, Debug, PartialEq)]

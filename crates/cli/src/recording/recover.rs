@@ -9,9 +9,9 @@ use sextant_kernel::Watch;
 
 use super::error::RecordingError;
 use super::names::RECOVERED_METADATA;
-use super::scan::{Damage, Piece, scan};
 use super::sink::Sink;
 use crate::interrupt::Interrupt;
+use crate::mcap_file::{Damage, Piece, scan};
 use crate::output::Draft;
 
 /// The result of a recovery.
@@ -49,7 +49,7 @@ fn copy(broken: &Path, draft: &Draft, watch: &dyn Watch) -> Result<Recovery, Rec
     let mut sink = None;
     let mut known = BTreeSet::new();
     let mut recovery = Recovery { messages: 0, attachments: 0, damage: None };
-    recovery.damage = scan(broken, &mut |piece| {
+    recovery.damage = scan::<RecordingError>(broken, &mut |piece| {
         watch.check()?;
         // Created at the first piece, so that nothing is created for a file of another format.
         let sink = match &mut sink {

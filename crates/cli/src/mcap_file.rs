@@ -1,9 +1,9 @@
-//! Reads a container from start to end, up to the first damage, with one chunk in memory.
+//! Reads an MCAP file from start to end, up to the first damage, with one chunk in memory.
 
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mcap::records::{MessageHeader, Metadata, Record, op};
@@ -11,14 +11,43 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{Channel, McapError, Schema, parse_record};
 use serde::Serialize;
 
-use super::error::{RecordingError, cause};
-
 /// Maximum length of a record or chunk (octets). A damaged length is detected before memory is allocated.
 const LONGEST_RECORD: usize = 1 << 29;
+
+/// Why a file cannot be read as an MCAP file at all.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum McapFileError {
+    /// The file cannot be opened or read.
+    #[error("cannot read `{}`: {why}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The file is of another format.
+    #[error("`{}` is not an MCAP file: the first eight bytes differ", .path.display())]
+    NotMcap {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// What is wrong at the place of a damage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DamageKind {
+    /// The file ends too early, as after a crash of the program that wrote it.
+    Truncated,
+    /// The octets are not those of a sound file.
+    Corrupt,
+}
 
 /// Where and why a file cannot be read further.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Damage {
+    /// What is wrong.
+    #[serde(skip)]
+    pub kind: DamageKind,
     /// Number of octets read.
     pub at_byte: u64,
     /// Messages before the damage.
@@ -28,8 +57,8 @@ pub struct Damage {
 }
 
 /// An element of a container.
-pub(super) enum Piece<'a> {
-    Header { library: &'a str },
+pub(crate) enum Piece<'a> {
+    Header { profile: &'a str, library: &'a str },
     Message { channel: &'a Channel<'static>, header: MessageHeader, data: &'a [u8] },
     Attachment { name: &'a str, media_type: &'a str, data: &'a [u8] },
     Metadata(&'a Metadata),
@@ -37,14 +66,15 @@ pub(super) enum Piece<'a> {
 
 /// Calls `visit` with each piece of the file `path`, in order. Messages of a chunk that is incomplete or has a wrong
 /// checksum are skipped. Returns the damage that ended the reading, if any.
-pub(super) fn scan(
+pub(crate) fn scan<E: From<McapFileError>>(
     path: &Path,
-    visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
-) -> Result<Option<Damage>, RecordingError> {
-    let unreadable = |why: std::io::Error| RecordingError::read(path, why);
-    let file = File::open(path).map_err(unreadable)?;
-    if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(RecordingError::read(path, "it is a folder"));
+    visit: &mut dyn FnMut(Piece<'_>) -> Result<(), E>,
+) -> Result<Option<Damage>, E> {
+    let unreadable = |why: String| E::from(McapFileError::Read { path: path.to_owned(), why });
+    let failed = |why: std::io::Error| unreadable(why.to_string());
+    let file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.is_dir() {
+        return Err(unreadable("it is a folder".to_owned()));
     }
     let mut source = BufReader::new(file);
     let options = LinearReaderOptions::default()
@@ -61,7 +91,7 @@ pub(super) fn scan(
                 let read = loop {
                     match source.read(reader.insert(need)) {
                         Err(why) if why.kind() == std::io::ErrorKind::Interrupted => {}
-                        answer => break answer.map_err(unreadable)?,
+                        answer => break answer.map_err(failed)?,
                     }
                 };
                 reader.notify_read(read);
@@ -73,11 +103,15 @@ pub(super) fn scan(
                 Err(why) => Err(why),
             },
             Err(McapError::BadMagic) if state.messages == 0 && !state.begun => {
-                return Err(RecordingError::NotMcap { path: path.to_owned() });
+                return Err(McapFileError::NotMcap { path: path.to_owned() }.into());
             }
             Err(why) => Err(why),
         };
         if let Err(why) = step {
+            let kind = match why {
+                McapError::UnexpectedEof => DamageKind::Truncated,
+                _ => DamageKind::Corrupt,
+            };
             let why = match why {
                 McapError::UnexpectedEof => "it ends in the middle of a record".to_owned(),
                 McapError::RecordTooLarge { len, .. } | McapError::ChunkTooLarge(len) => {
@@ -85,7 +119,7 @@ pub(super) fn scan(
                 }
                 why => cause(&why),
             };
-            return Ok(Some(Damage { at_byte, messages: state.messages, why }));
+            return Ok(Some(Damage { kind, at_byte, messages: state.messages, why }));
         }
     }
     Ok(None)
@@ -103,12 +137,12 @@ struct Scan {
 
 impl Scan {
     /// Visits a record. The inner error is damage; the outer one ends the reading.
-    fn show(
+    fn show<E>(
         &mut self,
         record: Record<'_>,
         opcode: u8,
-        visit: &mut dyn FnMut(Piece<'_>) -> Result<(), RecordingError>,
-    ) -> Result<Result<(), McapError>, RecordingError> {
+        visit: &mut dyn FnMut(Piece<'_>) -> Result<(), E>,
+    ) -> Result<Result<(), McapError>, E> {
         self.begun = true;
         // The summary section only repeats earlier records.
         self.past_data |= opcode == op::DATA_END;
@@ -116,7 +150,7 @@ impl Scan {
             return Ok(Ok(()));
         }
         match record {
-            Record::Header(header) => visit(Piece::Header { library: &header.library })?,
+            Record::Header(header) => visit(Piece::Header { profile: &header.profile, library: &header.library })?,
             Record::Schema { header, data } => {
                 let schema = Schema {
                     id: header.id,
@@ -154,5 +188,13 @@ impl Scan {
             _ => {}
         }
         Ok(Ok(()))
+    }
+}
+
+/// The system's error inside an error of the container, or the error itself.
+pub(crate) fn cause(error: &McapError) -> String {
+    match error {
+        McapError::Io(system) => system.to_string(),
+        other => other.to_string(),
     }
 }
