@@ -51,6 +51,7 @@ mod material;
 mod neighbour;
 mod obstacle;
 mod path_loss;
+mod polygon;
 mod position;
 mod power;
 mod purpose;
@@ -78,6 +79,7 @@ pub use material::Material;
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
 pub use obstacle::{Obstacle, ObstacleConfig};
 pub use path_loss::{CloseInConfig, LogDistance, LogDistanceConfig, PathLossConfig};
+pub use polygon::Polygon;
 pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{

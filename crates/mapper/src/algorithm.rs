@@ -7,8 +7,8 @@ use sextant_kernel::{SettingError, Unwatched, Watch};
 use crate::{
     ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DrMdsConfig, DvHopConfig, Fit, FittedMlTm,
     JointConfig, JointMlTm, Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig,
-    ObstacleMlTm, ObstacleUse, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig,
-    SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig,
+    ObstacleMlTm, ObstacleUse, PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig,
+    RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig,
     WeightedCentroidConfig,
 };
 
@@ -141,6 +141,9 @@ pub enum Learned {
     Calibration(Calibration),
 }
 
+/// Names of the algorithms that use a [`PlacePrior`].
+const USE_PRIOR: &[&str] = &["auto", "link-model"];
+
 impl Mapper {
     /// The algorithm's name in tables and topics: `ml-tm`.
     #[must_use]
@@ -172,6 +175,24 @@ impl Mapper {
         }
     }
 
+    /// Whether the algorithm uses what is known of the places of nodes.
+    #[must_use]
+    pub fn uses_prior(&self) -> bool {
+        USE_PRIOR.contains(&self.name())
+    }
+
+    /// Checks that the algorithm uses `prior`, if there is one.
+    ///
+    /// # Errors
+    /// [`MapError::UnusedPrior`] if it does not.
+    pub fn check_prior(&self, prior: Option<&PlacePrior>) -> Result<(), MapError> {
+        if prior.is_none() || self.uses_prior() {
+            return Ok(());
+        }
+        let known: Vec<String> = USE_PRIOR.iter().map(|name| format!("`{name}`")).collect();
+        Err(MapError::UnusedPrior { algorithm: self.name(), known: known.join(", ") })
+    }
+
     /// Least number of anchors for a map in two or three `dimensions`.
     #[must_use]
     pub fn least_anchors(&self, dimensions: usize) -> usize {
@@ -198,14 +219,15 @@ impl Mapper {
     /// receives the progress, and may end the work within a fraction of a second.
     ///
     /// # Errors
-    /// If the map would need more memory than allowed, the algorithm lacks knowledge that it needs, or `watch` ends
-    /// the work.
+    /// If the map would need more memory than allowed, the algorithm lacks knowledge that it needs or cannot use the
+    /// prior, or `watch` ends the work.
     pub fn map_and_learn<'a>(
         &self,
         knowledge: impl Into<Knowledge<'a>>,
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<Learned>), MapError> {
         let knowledge = knowledge.into();
+        self.check_prior(knowledge.prior)?;
         match self {
             Self::MlTm(ml_tm) => ml_tm.map(knowledge.log, watch).map(|map| (map, None)),
             Self::MmTm(mm_tm) => mm_tm.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile))),

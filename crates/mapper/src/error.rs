@@ -36,6 +36,14 @@ pub enum MapError {
         /// Where it could come from.
         remedy: &'static str,
     },
+    /// The algorithm was told where nodes can be, but has no use for it.
+    #[error("`{algorithm}` cannot use what is known of the places of nodes; algorithms that can: {known}")]
+    UnusedPrior {
+        /// The algorithm.
+        algorithm: &'static str,
+        /// The algorithms that use it.
+        known: String,
+    },
     /// Too few nodes know their place.
     #[error(
         "`{algorithm}` needs at least {needed} anchors, but there are {found}; `anchors` says which nodes they are"

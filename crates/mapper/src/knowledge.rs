@@ -4,7 +4,7 @@ use serde::Serialize;
 use sextant_channel::{Anchor, NeighbourLog, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::Seed;
 
-use crate::MapError;
+use crate::{MapError, PlacePrior};
 
 /// Everything that an algorithm may use. Maximum likelihood needs only the reception log; most algorithms for
 /// comparison need more.
@@ -22,6 +22,8 @@ pub struct Knowledge<'a> {
     pub anchors: &'a [Anchor],
     /// The obstacles, if they are known. Only a simulation knows them.
     pub obstacles: Option<&'a ObstacleField>,
+    /// Where nodes can be, if somebody knows it.
+    pub prior: Option<&'a PlacePrior>,
     /// Seed of the algorithm's own choices, such as the nodes from which hops are counted.
     pub seed: Seed,
 }
@@ -29,7 +31,16 @@ pub struct Knowledge<'a> {
 impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
     /// Only the log is known.
     fn from(log: &'a ReceptionLog) -> Self {
-        Self { log, logs: &[], neighbours: None, beacons: None, anchors: &[], obstacles: None, seed: Seed(1) }
+        Self {
+            log,
+            logs: &[],
+            neighbours: None,
+            beacons: None,
+            anchors: &[],
+            obstacles: None,
+            prior: None,
+            seed: Seed(1),
+        }
     }
 }
 

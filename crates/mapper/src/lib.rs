@@ -51,6 +51,7 @@ mod normal;
 mod obstacle_ml_tm;
 mod orientation;
 mod own_place;
+mod place_prior;
 mod posterior_bound;
 mod profile;
 mod purpose;
@@ -91,6 +92,7 @@ pub use mm_tm::MmTm;
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
 pub use own_place::{AnchorSilence, HeardAnchor, HeardSector, OwnEstimate, OwnPlace, OwnPlaceConfig, PlaceModel};
+pub use place_prior::{Area, PlacePrior};
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{
     ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,

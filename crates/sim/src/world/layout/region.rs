@@ -4,7 +4,7 @@ mod border;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Bounds, Position};
+use sextant_channel::{Bounds, Polygon, Position};
 use sextant_kernel::SettingError;
 
 /// A region of the plane or of space, as written in a scenario.
@@ -78,7 +78,7 @@ enum Shape {
         center: Position,
         radius_m: f64,
     },
-    Polygon(Vec<[f64; 2]>),
+    Polygon(Polygon),
 }
 
 impl TryFrom<&RegionConfig> for Region {
@@ -115,7 +115,7 @@ impl Region {
                 Shape::Bounds => true,
                 Shape::Round { center, radius_m } => (p.x_m - center.x_m).hypot(p.y_m - center.y_m) <= *radius_m,
                 Shape::Ball { center, radius_m } => p.distance_m(*center) <= *radius_m,
-                Shape::Polygon(corners) => is_inside(corners, [p.x_m, p.y_m]),
+                Shape::Polygon(polygon) => polygon.contains([p.x_m, p.y_m]),
             }
     }
 
@@ -192,56 +192,9 @@ fn cylinder(base: Position, radius_m: f64, height_m: f64) -> Result<Region, Sett
 
 fn polygon(corners: &[[f64; 2]], z_m: f64) -> Result<Region, SettingError> {
     let z_m = SettingError::finite("z_m", z_m)?;
-    if corners.len() < 3 {
-        return Err(SettingError::new("corners_m", format!("{} corners", corners.len()), "at least 3 corners"));
-    }
-    for (i, [x, y]) in corners.iter().enumerate() {
-        if !(x.is_finite() && y.is_finite()) {
-            return Err(SettingError::new(
-                format!("corners_m[{i}]"),
-                format!("[{x}, {y}]"),
-                "finite coordinates in metres",
-            ));
-        }
-    }
-    if let Some((a, b)) = crossing_sides(corners) {
-        let found = format!("a polygon whose sides {a} and {b} cross");
-        return Err(SettingError::new("corners_m", found, "corners in order, without crossing sides"));
-    }
-    let area_m2 = 0.5 * sides(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>().abs();
-    if area_m2 <= 0.0 {
-        return Err(SettingError::new("corners_m", "a polygon without area", "corners that are not on one line"));
-    }
+    let polygon = Polygon::new(corners)?;
     let bounds = Bounds::of(corners.iter().map(|&[x, y]| Position::new(x, y, z_m))).expect("at least 3 corners");
-    Ok(Region { shape: Shape::Polygon(corners.to_vec()), bounds })
-}
-
-/// The sides, each from one corner to the next.
-fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
-    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
-}
-
-/// Twice the area of the triangle a, b, c: positive if it turns left.
-fn turn([ax, ay]: [f64; 2], [bx, by]: [f64; 2], [cx, cy]: [f64; 2]) -> f64 {
-    (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-}
-
-/// Two sides that cross, if any.
-fn crossing_sides(corners: &[[f64; 2]]) -> Option<(usize, usize)> {
-    let sides: Vec<_> = sides(corners).collect();
-    let apart = |a: f64, b: f64| (a > 0.0 && b < 0.0) || (a < 0.0 && b > 0.0);
-    (0..sides.len()).flat_map(|i| (i + 1..sides.len()).map(move |j| (i, j))).find(|&(i, j)| {
-        let ((a, b), (c, d)) = (sides[i], sides[j]);
-        apart(turn(a, b, c), turn(a, b, d)) && apart(turn(c, d, a), turn(c, d, b))
-    })
-}
-
-/// Whether a ray from `p` to the east crosses an odd number of sides (Shimrat 1962, Algorithm 112).
-fn is_inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
-    let crossed = |([ax, ay], [bx, by]): &([f64; 2], [f64; 2])| {
-        (*ay > p[1]) != (*by > p[1]) && p[0] < ax + (p[1] - ay) / (by - ay) * (bx - ax)
-    };
-    sides(corners).filter(crossed).count() % 2 == 1
+    Ok(Region { shape: Shape::Polygon(polygon), bounds })
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use super::{Region, Shape, sides};
+use super::{Region, Shape};
 
 /// Places of the border that are nearer to each other are the same (m).
 const SAME_M: f64 = 1e-6;
@@ -37,7 +37,8 @@ impl Region {
                 whole.or(way_out_of_ball(level(from - *center), level(direction), *radius_m))
             }
             Shape::Ball { center, radius_m } => way_out_of_ball(from - *center, direction, *radius_m),
-            Shape::Polygon(corners) => sides(corners)
+            Shape::Polygon(polygon) => polygon
+                .sides()
                 .filter_map(|side| way_through_side(from, direction, side))
                 .reduce(Border::or)
                 .unwrap_or(Border { distance_m: 0.0, normal: direction }),
@@ -61,15 +62,8 @@ impl Region {
 
     /// Whether `p` is so near to a side of a polygon that a way that leads inwards may seem to leave there.
     pub(crate) fn is_on_side(&self, p: Position) -> bool {
-        let Shape::Polygon(corners) = &self.shape else { return false };
-        let place = |[x_m, y_m]: [f64; 2]| Position::new(x_m, y_m, p.z_m);
-        let is_near = |(a, b): ([f64; 2], [f64; 2])| {
-            let (a, b) = (place(a), place(b));
-            let side = b - a;
-            let share = ((p - a).dot(side) / side.dot(side)).clamp(0.0, 1.0);
-            p.distance_m(a + side * share) < SAME_M
-        };
-        sides(corners).any(is_near)
+        let Shape::Polygon(polygon) = &self.shape else { return false };
+        polygon.nearest_on_side([p.x_m, p.y_m]).1 < SAME_M
     }
 
     /// How far from `outside` the border is on the straight way to `inside`, which crosses it once (m). The place there
