@@ -9,7 +9,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::mapping::{self, Input};
 use crate::recording::SCENARIO_ATTACHMENT;
-use crate::robot_log;
+use crate::robot_log::{self, ReadOptions, StopRule};
 use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::Stopwatch;
 use crate::terminal::Watcher;
@@ -41,6 +41,13 @@ pub struct Arguments {
     /// unreliable: at-edge, unsettled or no-evidence) and the entries of the covariance, if there is one. Each further map is written to MAP.NAME.csv in the same folder
     #[arg(long, value_name = "MAP.csv")]
     pub out: Option<PathBuf>,
+    /// Cut the path of a robot into stops by distance (1m) or by time (2s), if the log has packets and a path. The default
+    /// is a distance that gives at most 400 stops
+    #[arg(long, value_name = "1m|2s", default_value = "auto", hide_default_value = true)]
+    pub stop_every: StopRule,
+    /// Seconds between two packets of a node, if the log has packets and a path. The default is estimated from the packets
+    #[arg(long, value_name = "S", value_parser = interval)]
+    pub packet_interval: Option<f64>,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub overrides: Overrides,
@@ -52,11 +59,18 @@ pub struct Arguments {
     pub work: Work,
 }
 
+/// Reads the value of `--packet-interval`.
+fn interval(text: &str) -> Result<f64, &'static str> {
+    let allowed = |interval_s: &f64| (1e-6..=1e6).contains(interval_s);
+    text.parse().ok().filter(allowed).ok_or("expected seconds from 1e-6 to 1e6")
+}
+
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let network = arguments.network.as_deref();
-    let mut input = Input::read(&arguments.log, network)?;
+    let options = ReadOptions { stop_every: arguments.stop_every, packet_interval_s: arguments.packet_interval };
+    let mut input = Input::read(&arguments.log, network, &options)?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| (name.as_str(), text));
     let set = &arguments.overrides.set;

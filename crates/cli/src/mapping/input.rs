@@ -9,7 +9,7 @@ use sextant_kernel::Seed;
 use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
-use crate::robot_log;
+use crate::robot_log::{self, LocalPlane, ReadOptions, RobotLog};
 
 /// A reception log and what is known with it.
 #[derive(Debug)]
@@ -32,17 +32,19 @@ pub struct Input {
     pub seed: Seed,
     /// Notes on the log for the user.
     pub notes: Vec<String>,
+    /// The plane of the places, if the log has them by latitude and longitude.
+    pub plane: Option<LocalPlane>,
 }
 
 impl Input {
     /// Reads a recording of `run`, or a folder of CSV files. If robots surveyed several networks, the log to map is that of
-    /// `network`, or of the first one.
+    /// `network`, or of the first one. `options` are for the CSV files.
     ///
     /// # Errors
     /// If it cannot be read, or robots did not survey `network`.
-    pub fn read(path: &Path, network: Option<&str>) -> Result<Self, Failure> {
+    pub fn read(path: &Path, network: Option<&str>, options: &ReadOptions) -> Result<Self, Failure> {
         if path.is_dir() {
-            let log = robot_log::read(path)?;
+            let RobotLog { log, plane, notes } = robot_log::read(path, options)?;
             let known = Known::default();
             return Ok(Self {
                 log,
@@ -53,7 +55,8 @@ impl Input {
                 truth: None,
                 known,
                 seed: Seed(1),
-                notes: Vec::new(),
+                notes,
+                plane,
             });
         }
         let mut run = recording::read_log(path)?;
@@ -87,6 +90,7 @@ impl Input {
             known,
             seed: Seed(seed.unwrap_or(1)),
             notes,
+            plane: None,
         })
     }
 

@@ -4,7 +4,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use sextant_channel::LogError;
+use sextant_kernel::SimTime;
 
+use super::instant;
+use super::path::PathError;
+use super::slot;
 use crate::diagnostic::Failure;
 
 /// Why the log of a robot cannot be read or written.
@@ -57,6 +61,45 @@ pub enum RobotLogError {
         path: PathBuf,
         /// The error.
         why: LogError,
+    },
+    /// The packets do not form a valid reception log.
+    #[error(transparent)]
+    Invalid(LogError),
+    /// The poses of a file are no path.
+    #[error("`{}`: {why}", .path.display())]
+    Path {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        why: PathError,
+    },
+    /// A path has too many stops.
+    #[error("the path would be cut into more than {} stops: give a greater `--stop-every`", slot::MOST)]
+    TooManyStops,
+    /// There are no packets.
+    #[error("the log has no packets")]
+    NoPackets,
+    /// A packet is wrong.
+    #[error("the packet at {} s: {problem}", instant::format(*.time))]
+    Packet {
+        /// When it was heard.
+        time: SimTime,
+        /// The error.
+        problem: String,
+    },
+    /// No packet was heard while the place of the robot is known.
+    #[error(
+        "none of the {count} packets was heard while the place of the robot is known: the packets are from {} s to {} s, \
+         the path is from {} s to {} s; both need times of the same clock",
+        instant::format(.packets.0), instant::format(.packets.1), instant::format(.path.0), instant::format(.path.1)
+    )]
+    NotCovered {
+        /// Number of packets.
+        count: u64,
+        /// Times of the first and the last packet.
+        packets: (SimTime, SimTime),
+        /// Times of the first and the last pose.
+        path: (SimTime, SimTime),
     },
     /// The log has no stops.
     #[error("`{}`: the log has no stops; at least one is required", .path.display())]

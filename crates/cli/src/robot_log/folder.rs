@@ -7,6 +7,8 @@ use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, Sto
 use sextant_kernel::NodeId;
 
 use super::error::RobotLogError;
+use super::log::RobotLog;
+use super::options::ReadOptions;
 use super::output::Output;
 use super::sectors;
 use super::table::{Row, Table};
@@ -22,7 +24,7 @@ const SECTORS: &str = "sectors.csv";
 ///
 /// # Errors
 /// If a file is missing, cannot be read, or has an invalid row; the error names file, line and column.
-pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
+pub fn read(folder: &Path, _options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
     let mut robots = RobotNames::default();
     let (stops, stop_ids) = read_stops(&folder.join(STOPS), &mut robots)?;
     if stops.is_empty() {
@@ -34,11 +36,12 @@ pub fn read(folder: &Path) -> Result<ReceptionLog, RobotLogError> {
     let sectors = folder.join(SECTORS);
     let sectors = sectors.exists().then(|| sectors::read(&sectors)).transpose()?;
     let log = receptions.build(names, stops, contacts).and_then(|log| log.with_robots(robots.into_vec()));
-    match sectors {
+    let log = match sectors {
         Some(sectors) => log.and_then(|log| log.with_sectors(sectors)),
         None => log,
-    }
-    .map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })
+    };
+    let log = log.map_err(|why| RobotLogError::Log { path: folder.to_owned(), why })?;
+    Ok(RobotLog { log, plane: None, notes: Vec::new() })
 }
 
 /// The stops, and the index of each by its name in the files.

@@ -34,6 +34,12 @@ pub(super) fn format(time: SimTime) -> String {
     format!("{seconds}.{nanos:09}").trim_end_matches('0').to_owned()
 }
 
+/// A span in seconds, with at most three decimals.
+pub(super) fn format_span(span: Duration) -> String {
+    let text = format!("{:.3}", span.as_secs_f64());
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

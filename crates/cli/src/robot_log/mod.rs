@@ -7,13 +7,13 @@
 //! `docs/recording.md`.
 //!
 //! ```
-//! use sextant::robot_log;
+//! use sextant::robot_log::{self, ReadOptions};
 //!
 //! let folder = std::env::temp_dir().join(format!("sextant-log-{}", std::process::id()));
 //! std::fs::create_dir_all(&folder)?;
 //! std::fs::write(folder.join("stops.csv"), "stop,t_s,x_m,y_m\nA,0,0,0\nB,1.5,1,0\n")?;
 //! std::fs::write(folder.join("receptions.csv"), "node,stop,received,sent\nlamp,B,3,5\ndoor,A,0,5\n")?;
-//! let log = robot_log::read(&folder)?;
+//! let log = robot_log::read(&folder, &ReadOptions::default())?.log;
 //! assert_eq!(log.names(), ["lamp", "door"]);
 //! assert_eq!(log.stops().len(), 2);
 //! # std::fs::remove_dir_all(&folder)?;
@@ -22,14 +22,31 @@
 
 mod error;
 mod folder;
+mod gathered;
+mod gatherer;
 mod instant;
+mod interval;
+mod local_plane;
+mod log;
 mod map;
+mod options;
 mod output;
+mod packet;
+mod path;
 mod sectors;
+mod sending;
+mod signal;
+mod slot;
 mod table;
 mod truth;
 
 pub use error::RobotLogError;
 pub use folder::{read, write};
+pub use gatherer::Gatherer;
+pub use local_plane::{Geodetic, LocalPlane};
+pub use log::RobotLog;
 pub use map::{read_map, write_map};
+pub use options::{ReadOptions, StopRule};
+pub use packet::Packet;
+pub use path::{Path, PathError, Pose};
 pub use truth::read_truth;

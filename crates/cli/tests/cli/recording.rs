@@ -4,6 +4,8 @@
 
 mod damage;
 mod failure;
+mod gatherer;
+mod local_plane;
 mod python;
 mod robot_log;
 mod round_trip;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant::robot_log::{self, RobotLogError};
+use sextant::robot_log::{self, ReadOptions, RobotLogError};
 use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mapper::{Concern, CoordinateFrame, Estimate, TopologyMap};
@@ -22,13 +22,13 @@ fn folder(stops: &str, receptions: &str) -> TempDir {
 }
 
 fn read(stops: &str, receptions: &str) -> ReceptionLog {
-    robot_log::read(folder(stops, receptions).path()).unwrap()
+    robot_log::read(folder(stops, receptions).path(), &ReadOptions::default()).unwrap().log
 }
 
 /// The error message of an invalid folder, without the path of the folder.
 fn refusal(stops: &str, receptions: &str) -> String {
     let folder = folder(stops, receptions);
-    let message = robot_log::read(folder.path()).unwrap_err().to_string();
+    let message = robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
     message.replace(&format!("{}/", folder.path().display()), "")
 }
 
@@ -39,7 +39,7 @@ fn a_log_is_read_back_equal_from_a_folder() {
         let log = sample::log(31, nodes, stops);
         let folder = parent.path().join(format!("log of {nodes}"));
         robot_log::write(&folder, &log).unwrap();
-        assert_eq!(robot_log::read(&folder).unwrap(), log);
+        assert_eq!(robot_log::read(&folder, &ReadOptions::default()).unwrap().log, log);
     }
 }
 
@@ -61,7 +61,8 @@ fn the_robot_of_each_stop_is_read_if_the_file_names_it() {
 #[test]
 fn a_log_without_stops_can_be_neither_read_nor_written() {
     let folder = folder("stop,t_s,x_m,y_m\n", "node,stop,received\n");
-    assert!(matches!(robot_log::read(folder.path()), Err(RobotLogError::NoStops { .. })));
+    let refused = robot_log::read(folder.path(), &ReadOptions::default());
+    assert!(matches!(refused, Err(RobotLogError::NoStops { .. })));
     let empty = ReceptionLog::default();
     assert!(matches!(robot_log::write(folder.path(), &empty), Err(RobotLogError::NoStops { .. })));
 }
@@ -93,7 +94,7 @@ fn rows_without_receptions_add_nodes() {
 fn contacts_are_read_if_there_are_any() {
     let folder = folder(STOPS, RECEPTIONS);
     std::fs::write(folder.path().join("contacts.csv"), "t_s,x_m,y_m,z_m\n0.5,1,2,3\n").unwrap();
-    let log = robot_log::read(folder.path()).unwrap();
+    let log = robot_log::read(folder.path(), &ReadOptions::default()).unwrap().log;
     assert_eq!(log.contacts()[0].position, Position::new(1.0, 2.0, 3.0));
     assert_eq!(log.contacts()[0].time, SimTime::from_nanos(500_000_000));
 }
@@ -105,7 +106,7 @@ const SECTORS: &str = "sector,azimuth_from_deg,azimuth_to_deg,elevation_from_deg
 fn with_sectors(sectors: &str, sector: u8) -> (TempDir, Result<ReceptionLog, RobotLogError>) {
     let folder = folder(STOPS, &format!("node,stop,received,sector\nlamp,A,1,{sector}\n"));
     std::fs::write(folder.path().join("sectors.csv"), sectors).unwrap();
-    let log = robot_log::read(folder.path());
+    let log = robot_log::read(folder.path(), &ReadOptions::default()).map(|read| read.log);
     (folder, log)
 }
 
@@ -124,7 +125,7 @@ fn sectors_are_read_and_written() {
     assert!((table[0].elevation_to_deg - 90.0).abs() < 1e-12);
     let folder = tempfile::tempdir().unwrap();
     robot_log::write(folder.path(), &log).unwrap();
-    assert_eq!(robot_log::read(folder.path()).unwrap(), log);
+    assert_eq!(robot_log::read(folder.path(), &ReadOptions::default()).unwrap().log, log);
 }
 
 #[test]
@@ -219,14 +220,14 @@ fn lines_are_counted_as_in_an_editor() {
 fn text_that_is_not_utf_8_is_rejected_with_its_line() {
     let folder = folder(STOPS, RECEPTIONS);
     std::fs::write(folder.path().join("receptions.csv"), b"node,stop,received\nlamp,A,1\n\xff,A,1\n").unwrap();
-    let message = robot_log::read(folder.path()).unwrap_err().to_string();
+    let message = robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
     assert!(message.ends_with("receptions.csv, line 3: not UTF-8 text"), "{message}");
 }
 
 #[test]
 fn the_error_of_a_missing_file_names_it() {
     let folder = tempfile::tempdir().unwrap();
-    let error = robot_log::read(folder.path()).unwrap_err();
+    let error = robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err();
     assert!(matches!(&error, RobotLogError::Read { path, .. } if path.ends_with("stops.csv")), "{error}");
     assert!(!error.is_system_error());
     let nowhere = folder.path().join("stops.csv/below");

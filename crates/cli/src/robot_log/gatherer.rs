@@ -1,0 +1,401 @@
+//! From packets and the paths of robots to a reception log.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
+use sextant_kernel::{NodeId, RobotId, SimTime};
+
+use super::error::RobotLogError;
+use super::gathered::{Gathered, Keyed};
+use super::instant;
+use super::interval::{Gaps, Intervals, intervals};
+use super::log::RobotLog;
+use super::options::{ReadOptions, StopRule};
+use super::packet::Packet;
+use super::path::Path;
+use super::sending;
+use super::signal::{OfSector, Signal, merged};
+use super::slot::{self, Slot};
+
+/// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
+/// packet.
+pub(super) const MOST_SILENT_PAIRS: usize = 4_000_000;
+
+/// Makes a reception log of packets and the paths of the robots that heard them. Each path is cut into stops. Memory grows
+/// with the pairs of a node and a stop, not with the packets.
+///
+/// The packets that a node sent at a stop are counted from the times at which it was heard and from its sending interval:
+/// between two packets that were heard, as many were lost as intervals fit in. At a stop at which it sent none there is no
+/// evidence (0 of 0). If the interval of a node is unknown, a stop counts as one packet, which was received if any was.
+///
+/// ```
+/// use sextant::robot_log::{Gatherer, Packet, Path, Pose, ReadOptions, StopRule};
+/// use sextant_channel::Position;
+/// use sextant_kernel::SimTime;
+///
+/// let pose = |second, x_m| Pose { time: SimTime::from_nanos(second * 1_000_000_000), position: Position::new(x_m, 0.0, 0.0) };
+/// let path = Path::new(vec![pose(0, 0.0), pose(10, 10.0)])?;
+/// let options = ReadOptions { stop_every: StopRule::Distance(2.0), packet_interval_s: Some(1.0) };
+/// let mut gatherer = Gatherer::new(path, &options)?;
+/// for second in [1, 2, 4] {
+///     gatherer.take(Packet::new(SimTime::from_nanos(second * 1_000_000_000), "lamp"))?;
+/// }
+/// let log = gatherer.finish()?.log;
+/// assert_eq!(log.stops().len(), 5);
+/// let counts: Vec<_> = log.receptions().iter().map(|r| (r.received, r.sent)).collect();
+/// assert_eq!(counts, [(1, 2), (1, 2), (1, 2), (0, 2), (0, 3)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Gatherer {
+    tracks: Vec<Track>,
+    robots: Vec<String>,
+    stops: Vec<Stop>,
+    contacts: Vec<Contact>,
+    interval: Option<Duration>,
+    names: Vec<String>,
+    nodes: BTreeMap<String, u32>,
+    heard: Gathered<Heard>,
+    count: Count,
+    notes: Vec<String>,
+}
+
+/// A robot: its path, cut into slots.
+#[derive(Clone, Debug)]
+struct Track {
+    path: Path,
+    slots: Vec<Slot>,
+    /// The stop of each slot.
+    stops: Vec<u32>,
+    /// The gaps between the packets of each node.
+    gaps: Vec<Gaps>,
+}
+
+/// The packets of one sector of a node that were heard at a stop.
+#[derive(Clone, Debug)]
+struct Heard {
+    node: u32,
+    stop: u32,
+    received: u32,
+    signal: Signal,
+    first: SimTime,
+    last: SimTime,
+}
+
+impl Keyed for Heard {
+    type Key = (u32, u32, Option<u8>);
+
+    fn key(&self) -> Self::Key {
+        (self.node, self.stop, self.signal.sector)
+    }
+
+    fn add(&mut self, later: &Self) {
+        self.received = self.received.saturating_add(later.received);
+        self.signal.add(&later.signal);
+        self.first = self.first.min(later.first);
+        self.last = self.last.max(later.last);
+    }
+}
+
+/// What became of the packets.
+#[derive(Clone, Debug, Default)]
+struct Count {
+    all: u64,
+    before: u64,
+    after: u64,
+    in_gaps: u64,
+    /// Earliest and latest time.
+    span: Option<(SimTime, SimTime)>,
+    /// Packets of a node that go back in time by more than a jitter, and the farthest.
+    back: u64,
+    farthest_back: Duration,
+}
+
+impl Gatherer {
+    /// A gatherer for the packets of one robot, which drove `path`.
+    ///
+    /// # Errors
+    /// If the path would have too many stops.
+    pub fn new(path: Path, options: &ReadOptions) -> Result<Self, RobotLogError> {
+        Self::of_robots(vec![path], Vec::new(), options)
+    }
+
+    /// A gatherer for the packets of several robots: the path of each by its number, and their names, or no names.
+    ///
+    /// # Errors
+    /// If a path would have too many stops.
+    pub fn of_robots(paths: Vec<Path>, robots: Vec<String>, options: &ReadOptions) -> Result<Self, RobotLogError> {
+        let mut gatherer = Self {
+            tracks: Vec::new(),
+            robots,
+            stops: Vec::new(),
+            contacts: Vec::new(),
+            interval: options.packet_interval_s.map(Duration::from_secs_f64),
+            names: Vec::new(),
+            nodes: BTreeMap::new(),
+            heard: Gathered::new(),
+            count: Count::default(),
+            notes: Vec::new(),
+        };
+        for path in paths {
+            let (slots, rule) = slot::cut(&path, options.stop_every).ok_or(RobotLogError::TooManyStops)?;
+            gatherer.note_path(&path, slots.len(), rule);
+            gatherer.tracks.push(Track { path, slots, stops: Vec::new(), gaps: Vec::new() });
+        }
+        gatherer.number_stops();
+        Ok(gatherer)
+    }
+
+    /// The same with places where robots met obstacles.
+    #[must_use]
+    pub fn with_contacts(self, contacts: Vec<Contact>) -> Self {
+        Self { contacts, ..self }
+    }
+
+    fn note_path(&mut self, path: &Path, stops: usize, rule: StopRule) {
+        let number = self.tracks.len();
+        let whose = match self.robots.get(number) {
+            Some(name) => format!("the path of robot `{name}`"),
+            None => "the path".to_owned(),
+        };
+        let each = match rule {
+            StopRule::Distance(distance_m) => format!(", one each {distance_m} m"),
+            StopRule::Time(span) => format!(", one each {} s", instant::format_span(span)),
+            StopRule::Automatic => String::new(),
+        };
+        self.notes.push(format!("{whose} is cut into {stops} stops{each} (`--stop-every` sets it)"));
+        if path.late() > 0 {
+            let late = path.late();
+            self.notes.push(format!("{whose} has {late} poses that are late by at most 1 s; they were put in order"));
+        }
+    }
+
+    /// Numbers the slots of all robots in the order of time.
+    fn number_stops(&mut self) {
+        let slots = |robot: usize| (0..self.tracks[robot].slots.len()).map(move |slot| (robot, slot));
+        let mut order: Vec<(usize, usize)> = (0..self.tracks.len()).flat_map(slots).collect();
+        order.sort_by_key(|&(robot, slot)| self.tracks[robot].slots[slot].start);
+        for (robot, slot) in order {
+            let Slot { start, position, .. } = self.tracks[robot].slots[slot];
+            let number = u32::try_from(self.stops.len()).expect("at most a million stops a robot");
+            self.tracks[robot].stops.push(number);
+            self.stops.push(Stop { robot: RobotId::from_index(robot), time: start, position });
+        }
+    }
+
+    /// Takes a packet; packets may come in any order. A packet outside of the path of its robot, or in a gap of it, is
+    /// counted and not placed.
+    ///
+    /// # Errors
+    /// If the name of the node is empty, a level is not finite, or there is no such robot.
+    pub fn take(&mut self, packet: Packet<'_>) -> Result<(), RobotLogError> {
+        let refused = |problem: &str| RobotLogError::Packet { time: packet.time, problem: problem.to_owned() };
+        if packet.node.is_empty() {
+            return Err(refused("it has no name of a node"));
+        }
+        if [packet.rssi_dbm, packet.snr_db].iter().flatten().any(|level| !level.is_finite()) {
+            return Err(refused("its signal strength or signal-to-noise ratio is not a finite number"));
+        }
+        let node = self.node(packet.node);
+        let Some(track) = self.tracks.get_mut(packet.robot.index()) else {
+            return Err(refused("the robot that heard it has no path"));
+        };
+        self.count.take(packet.time);
+        if track.gaps.len() <= node as usize {
+            track.gaps.resize_with(node as usize + 1, Gaps::default);
+        }
+        let back = track.gaps[node as usize].heard(packet.time);
+        if back > Path::JITTER {
+            self.count.back += 1;
+            self.count.farthest_back = self.count.farthest_back.max(back);
+        }
+        let (start, end) = track.path.span();
+        let slot = track.slots.partition_point(|slot| slot.end <= packet.time);
+        match track.slots.get(slot).filter(|slot| slot.start <= packet.time) {
+            Some(_) => self.heard.push(Heard {
+                node,
+                stop: track.stops[slot],
+                received: 1,
+                signal: Signal::new(1, packet.sector, packet.rssi_dbm, packet.snr_db),
+                first: packet.time,
+                last: packet.time,
+            }),
+            None if packet.time < start => self.count.before += 1,
+            None if packet.time > end => self.count.after += 1,
+            None => self.count.in_gaps += 1,
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, name: &str) -> u32 {
+        if let Some(&node) = self.nodes.get(name) {
+            return node;
+        }
+        let node = NodeId::from_index(self.names.len()).0;
+        self.names.push(name.to_owned());
+        self.nodes.insert(name.to_owned(), node);
+        node
+    }
+
+    /// The log of all packets.
+    ///
+    /// # Errors
+    /// If there were no packets, or none on the path.
+    pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
+        self.check_cover()?;
+        let intervals = self.intervals();
+        let pairs = self.names.len().saturating_mul(self.stops.len());
+        let lists_silent = pairs <= MOST_SILENT_PAIRS;
+        if !lists_silent && intervals.of.iter().any(Option::is_some) {
+            self.notes.push(format!(
+                "{pairs} pairs of a node and a stop are too many to list (at most {MOST_SILENT_PAIRS}): at a stop without \
+                 a packet, a node counts as one missed packet"
+            ));
+        }
+        let (heard, _) = std::mem::replace(&mut self.heard, Gathered::new()).finish();
+        let mut receptions = ReceptionLogBuilder::default();
+        let mut sent = vec![0; self.stops.len()];
+        for of_node in heard.chunk_by(|a, b| a.node == b.node) {
+            let node = NodeId(of_node[0].node);
+            let interval = intervals.of[node.index()];
+            if let Some(interval) = interval {
+                self.count_sent(of_node, interval, &mut sent);
+            }
+            let mut pairs = of_node.chunk_by(|a, b| a.stop == b.stop).peekable();
+            for (stop, &sent) in (0..).zip(&sent) {
+                match pairs.next_if(|pair| pair[0].stop == stop) {
+                    Some(pair) => receptions.push(reception(pair, interval.map(|_| sent))),
+                    // 0 of 1 means the same as an absent pair.
+                    None if interval.is_some() && lists_silent && sent != 1 => {
+                        receptions.push(silent(node, stop, sent))
+                    }
+                    None => {}
+                }
+            }
+        }
+        let log = receptions
+            .build(self.names, self.stops, self.contacts)
+            .and_then(|log| log.with_robots(self.robots))
+            .map_err(RobotLogError::Invalid)?;
+        Ok(RobotLog { log, plane: None, notes: self.notes })
+    }
+
+    /// How many packets the node of the rows `heard` sent at each stop.
+    fn count_sent(&self, heard: &[Heard], interval: Duration, sent: &mut [u32]) {
+        let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
+        times.sort_unstable();
+        times.dedup();
+        let starts = self.tracks.iter().map(|track| track.path.span().0);
+        let ends = self.tracks.iter().map(|track| track.path.span().1);
+        let span = (starts.min().unwrap_or_default(), ends.max().unwrap_or_default());
+        for track in &self.tracks {
+            let mut counts = vec![0; track.slots.len()];
+            sending::count(&track.slots, &mut counts, &times, interval, span);
+            for (&stop, count) in track.stops.iter().zip(counts) {
+                sent[stop as usize] = count;
+            }
+        }
+    }
+
+    /// Notes the packets that are not on the path.
+    fn check_cover(&mut self) -> Result<(), RobotLogError> {
+        let Some(packets) = self.count.span else {
+            return Err(RobotLogError::NoPackets);
+        };
+        let Count { all, before, after, in_gaps, back, farthest_back, .. } = self.count;
+        let starts = self.tracks.iter().map(|track| track.path.span().0);
+        let ends = self.tracks.iter().map(|track| track.path.span().1);
+        let path = (starts.min().unwrap_or_default(), ends.max().unwrap_or_default());
+        if before + after + in_gaps == all {
+            return Err(RobotLogError::NotCovered { count: all, packets, path });
+        }
+        if before + after > 0 {
+            self.notes.push(format!(
+                "{before} packets are from before the path begins and {after} from after it ends, of {all}: they are not used"
+            ));
+        }
+        if in_gaps > 0 {
+            let gaps = self.tracks.iter().flat_map(|track| track.path.gaps());
+            let longest = gaps.max_by_key(|gap| (gap.to.saturating_since(gap.from), std::cmp::Reverse(gap.from)));
+            let longest = longest.map_or_else(String::new, |gap| {
+                format!("; the longest is from {} s to {} s", instant::format(gap.from), instant::format(gap.to))
+            });
+            self.notes.push(format!(
+                "{in_gaps} of {all} packets are from gaps of the path, in which the place of the robot is unknown{longest}: \
+                 they are not used"
+            ));
+        }
+        if back > 0 {
+            self.notes.push(format!(
+                "{back} packets are earlier than the packet of the same node before them, by up to {} s: each was placed by \
+                 its own time; correct the times if a clock was set during the survey",
+                instant::format_span(farthest_back)
+            ));
+        }
+        Ok(())
+    }
+
+    /// The sending interval of each node.
+    fn intervals(&mut self) -> Intervals {
+        if let Some(interval) = self.interval {
+            return Intervals { of: vec![Some(interval); self.names.len()], told: None };
+        }
+        let mut gaps = vec![Gaps::default(); self.names.len()];
+        for track in &mut self.tracks {
+            for (all, own) in gaps.iter_mut().zip(std::mem::take(&mut track.gaps)) {
+                all.add(own);
+            }
+        }
+        let found = intervals(&gaps);
+        let nodes = self.names.len();
+        let unknown = found.of.iter().filter(|interval| interval.is_none()).count();
+        if let Some(told) = found.told {
+            let span = |span: Duration| format!("{} s", instant::format_span(span));
+            self.notes.push(format!(
+                "the nodes send every {} (median; {} to {}), as the gaps between the packets of {} of {nodes} nodes tell \
+                 (`--packet-interval` sets it)",
+                span(told.median),
+                span(told.shortest),
+                span(told.longest),
+                told.nodes
+            ));
+        }
+        if unknown > 0 {
+            self.notes.push(format!(
+                "how often {unknown} of {nodes} nodes send cannot be told from the gaps between their packets: each stop counts \
+                 as one packet of theirs, received if any was (`--packet-interval` sets the interval)"
+            ));
+        }
+        found
+    }
+}
+
+impl Count {
+    fn take(&mut self, time: SimTime) {
+        self.all += 1;
+        let (first, last) = self.span.unwrap_or((time, time));
+        self.span = Some((first.min(time), last.max(time)));
+    }
+}
+
+/// What was heard of a node at a stop, in each sector. `sent` is `None` if it is unknown.
+fn reception(pair: &[Heard], sent: Option<u32>) -> Reception {
+    let received = pair.iter().fold(0, |sum: u32, row| sum.saturating_add(row.received));
+    let sectors = pair.iter().map(|row| OfSector { received: row.received, signal: row.signal });
+    let signal = merged(sectors);
+    Reception {
+        node: NodeId(pair[0].node),
+        stop: pair[0].stop,
+        received: if sent.is_some() { received } else { 1 },
+        sent: sent.map_or(1, |sent| sent.max(received)),
+        sector: signal.and_then(|signal| signal.sector),
+        rssi_dbm: signal.and_then(|signal| signal.rssi_dbm()),
+        snr_db: signal.and_then(|signal| signal.snr_db()),
+    }
+}
+
+/// Nothing heard of `sent` packets.
+pub(super) fn silent(node: NodeId, stop: u32, sent: u32) -> Reception {
+    Reception { node, stop, received: 0, sent, sector: None, rssi_dbm: None, snr_db: None }
+}
