@@ -37,6 +37,14 @@ pub struct Arguments {
     /// recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
+    /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order, one a
+    /// row, with columns x_m,y_m, or a GeoJSON polygon in metres. Only for algorithms that use it
+    #[arg(long, value_name = "FILE|x0,y0,x1,y1", allow_hyphen_values = true)]
+    pub area: Option<String>,
+    /// Nodes are near the stops: the probability of a place falls with its distance d to the nearest stop as
+    /// exp(-d / METRES). Only for algorithms that use it
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    pub near_stops: Option<f64>,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern (why a position is
     /// unreliable: at-edge, unsettled or no-evidence) and the entries of the covariance, if there is one. Each further map is written to MAP.NAME.csv in the same folder
     #[arg(long, value_name = "MAP.csv")]
@@ -85,6 +93,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     if let Some(path) = &arguments.truth {
         input.truth = Some(robot_log::read_truth(path)?);
     }
+    input.prior = mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, &settings.maps)?;
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let summary = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::Seed;
+use sextant_mapper::PlacePrior;
 
 use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
@@ -26,6 +27,8 @@ pub struct Input {
     pub scenario: Option<String>,
     /// The true positions of nodes, by name.
     pub truth: Option<BTreeMap<String, Position>>,
+    /// What the user knows of the places of nodes.
+    pub prior: Option<PlacePrior>,
     /// What the nodes know of each other, for maps that use it.
     pub known: Known,
     /// Seed of the algorithms that use random numbers.
@@ -53,6 +56,7 @@ impl Input {
                 paths: Vec::new(),
                 scenario: None,
                 truth: None,
+                prior: None,
                 known,
                 seed: Seed(1),
                 notes,
@@ -87,6 +91,7 @@ impl Input {
             paths: run.paths,
             scenario,
             truth,
+            prior: None,
             known,
             seed: Seed(seed.unwrap_or(1)),
             notes,

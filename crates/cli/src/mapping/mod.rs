@@ -3,7 +3,9 @@
 mod input;
 mod logs;
 mod pipeline;
+mod prior;
 
 pub use input::Input;
 pub use logs::NetworkLogs;
 pub use pipeline::map;
+pub use prior::place_prior;

@@ -34,6 +34,7 @@ pub fn map(
         beacons: input.known.beacons.as_ref(),
         anchors: &input.known.anchors,
         obstacles: settings.obstacles.as_ref(),
+        prior: input.prior.as_ref(),
         seed: input.seed,
         ..logs.knowledge(named)
     };

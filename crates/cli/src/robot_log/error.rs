@@ -101,6 +101,14 @@ pub enum RobotLogError {
         /// Times of the first and the last pose.
         path: (SimTime, SimTime),
     },
+    /// A file does not hold an area.
+    #[error("`{}`: {why}", .path.display())]
+    Area {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        why: String,
+    },
     /// The log has no stops.
     #[error("`{}`: the log has no stops; at least one is required", .path.display())]
     NoStops {

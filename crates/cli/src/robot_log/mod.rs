@@ -20,6 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod area;
 mod error;
 mod folder;
 mod gathered;
@@ -40,6 +41,7 @@ mod slot;
 mod table;
 mod truth;
 
+pub use area::read_area;
 pub use error::RobotLogError;
 pub use folder::{read, write};
 pub use gatherer::Gatherer;

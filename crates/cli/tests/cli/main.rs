@@ -13,6 +13,7 @@ mod interrupt;
 mod map;
 mod odometry;
 mod pcap;
+mod place_prior;
 mod program;
 mod purposes;
 mod recording;
