@@ -37,8 +37,9 @@ pub struct Arguments {
     /// recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
-    /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order, one a
-    /// row, with columns x_m,y_m, or a GeoJSON polygon in metres. Only for algorithms that use it
+    /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order: one a
+    /// row with columns x_m,y_m, or a GeoJSON polygon in metres. If the log has lat,lon, so has the file. Only for
+    /// algorithms that use it
     #[arg(long, value_name = "FILE|x0,y0,x1,y1", allow_hyphen_values = true)]
     pub area: Option<String>,
     /// Nodes are near the stops: the probability of a place falls with its distance d to the nearest stop as
@@ -91,9 +92,10 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         return Err(Failure::bad_input_with_help(problem, "leave out `--network`"));
     }
     if let Some(path) = &arguments.truth {
-        input.truth = Some(robot_log::read_truth(path)?);
+        input.take_truth(robot_log::read_truth(path)?);
     }
-    input.prior = mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, &settings.maps)?;
+    input.prior =
+        mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let summary = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;

@@ -1,6 +1,6 @@
 //! The input of `map`: a reception log and what is known with it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use sextant_channel::{Position, ReceptionLog};
@@ -11,6 +11,7 @@ use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
 use crate::robot_log::{self, LocalPlane, ReadOptions, RobotLog};
+use crate::text::{counted, listed};
 
 /// A reception log and what is known with it.
 #[derive(Debug)]
@@ -105,18 +106,44 @@ impl Input {
         NetworkLogs::new((self.network.as_deref(), &self.log), others)
     }
 
-    /// The true position of each node of the log; `None` if any is unknown, because then the maps cannot be measured.
-    pub(super) fn true_places(&mut self) -> Option<Vec<Position>> {
-        let (log, truth) = (&self.log, self.truth.as_ref()?);
-        let unknown: Vec<_> = log.names().iter().filter(|name| !truth.contains_key(*name)).collect();
-        if let Some(first) = unknown.first() {
+    /// Takes the true positions of nodes from a file of the user, instead of those of the recording.
+    pub fn take_truth(&mut self, truth: BTreeMap<String, Position>) {
+        let names: BTreeSet<&String> = self.log.names().iter().collect();
+        let strangers: Vec<&String> = truth.keys().filter(|name| !names.contains(name)).collect();
+        if !strangers.is_empty() {
+            let (are, they) = if strangers.len() == 1 { ("is", "it is") } else { ("are", "they are") };
             self.notes.push(format!(
-                "the true positions of {} of {} nodes are unknown (`{first}` for example): the maps are not measured",
-                unknown.len(),
-                log.node_count()
+                "{} with a true position {are} not in the log, so {they} not measured: {}",
+                counted(strangers.len(), "node"),
+                listed(&strangers)
             ));
-            return None;
         }
-        Some(log.names().iter().map(|name| truth[name]).collect())
+        self.truth = Some(truth);
+    }
+
+    /// The true position of each node of the log, where it is known; `None` if none is, because then the maps cannot be
+    /// measured.
+    pub(super) fn true_places(&mut self) -> Option<Vec<Option<Position>>> {
+        let truth = self.truth.as_ref()?;
+        let names = self.log.names();
+        let places: Vec<Option<Position>> = names.iter().map(|name| truth.get(name).copied()).collect();
+        let unknown: Vec<&String> =
+            names.iter().zip(&places).filter(|(_, place)| place.is_none()).map(|(name, _)| name).collect();
+        if unknown.is_empty() {
+            return Some(places);
+        }
+        let known = names.len() - unknown.len();
+        let measured = match known {
+            0 => "the maps are not measured".to_owned(),
+            1 => "only the other node is measured".to_owned(),
+            known => format!("only the other {known} are measured"),
+        };
+        self.notes.push(format!(
+            "the true positions of {} of {} are unknown ({}): {measured}",
+            unknown.len(),
+            counted(names.len(), "node"),
+            listed(&unknown),
+        ));
+        (known > 0).then_some(places)
     }
 }

@@ -2,6 +2,7 @@
 
 mod input;
 mod logs;
+mod notes;
 mod pipeline;
 mod prior;
 

@@ -6,6 +6,7 @@ use sextant_kernel::Watch;
 use sextant_mapper::Knowledge;
 
 use super::input::Input;
+use super::notes;
 use crate::diagnostic::Failure;
 use crate::measure::{Truth, in_world, measure};
 use crate::robot_log;
@@ -26,6 +27,7 @@ pub fn map(
     watch: &dyn Watch,
 ) -> Result<Summary, Failure> {
     let truth = input.true_places();
+    input.notes.extend(notes::of_log(&input.log));
     let map_start = Stopwatch::start();
     let mut summaries: Vec<MapSummary> = Vec::new();
     let logs = input.logs();
@@ -65,6 +67,7 @@ pub fn map(
     Ok(Summary {
         gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
         interrupted,
+        notes: input.notes.clone(),
         maps: summaries,
         timing: Some(Timing {
             wall_s: start.elapsed_s(),

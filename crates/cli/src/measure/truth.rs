@@ -3,9 +3,9 @@
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{Interrupted, NodeId, Watch};
 use sextant_mapper::{
-    ConnectivityError, CoordinateFrame, KnowledgeKind, Learned, NeighbourhoodRule, PositionError, Reflection, Region,
-    SectorDisplacement, SectorDisplacementRule, Similarity, TopologyMap, connectivity_error, sector_displacement,
-    topology_preservation_error,
+    ConnectivityError, CoordinateFrame, Estimate, KnowledgeKind, Learned, NeighbourhoodRule, PositionError,
+    Reflection, Region, SectorDisplacement, SectorDisplacementRule, Similarity, TopologyMap, connectivity_error,
+    sector_displacement, topology_preservation_error,
 };
 
 use super::outline::outline;
@@ -18,8 +18,8 @@ use crate::summary::{
 /// The true positions of nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Truth<'a> {
-    /// The true position of each node (m).
-    pub places: &'a [Position],
+    /// The true position of each node (m), where it is known.
+    pub places: &'a [Option<Position>],
     /// The nodes that know their position. In a map that uses anchors, these positions are not estimates.
     pub anchors: &'a [Anchor],
 }
@@ -27,13 +27,14 @@ pub struct Truth<'a> {
 /// A map in world coordinates. A map that is known only up to a similarity is aligned to the true positions, each of its
 /// parts by itself; without the truth it stays as it is.
 #[must_use]
-pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, AlignmentSummary) {
+pub fn in_world(map: TopologyMap, truth: Option<&[Option<Position>]>) -> (TopologyMap, AlignmentSummary) {
     match (&map.frame, truth) {
         (CoordinateFrame::World, _) => (map, AlignmentSummary::None),
         (CoordinateFrame::AlignedToAnchors, _) => (map, AlignmentSummary::Anchors),
         (CoordinateFrame::Relative(_), None) => (map, AlignmentSummary::Relative),
         (CoordinateFrame::Relative(_), Some(truth)) => {
-            let known: Vec<_> = truth.iter().enumerate().map(|(i, &place)| (NodeId::from_index(i), place)).collect();
+            let known = truth.iter().enumerate().filter_map(|(i, &place)| Some((NodeId::from_index(i), place?)));
+            let known: Vec<_> = known.collect();
             (map.aligned_to(&known, LEAST_TO_ALIGN), AlignmentSummary::Truth)
         }
     }
@@ -42,7 +43,8 @@ pub fn in_world(map: TopologyMap, truth: Option<&[Position]>) -> (TopologyMap, A
 /// A part of a map is aligned to the truth only if it has at least this many nodes: fewer nodes always fit.
 const LEAST_TO_ALIGN: usize = 4;
 
-/// The properties of a map of nodes with these `names` and, if the true position of each node is known, its errors.
+/// The properties of a map of nodes with these `names` and, if true positions are known, its errors over the nodes whose
+/// true position is known: the others count nowhere, not even as neighbours.
 /// Connectivity is measured at each radius of `metrics`. A measure that cannot be computed, for example because all
 /// nodes are in one place, is absent.
 ///
@@ -59,26 +61,32 @@ pub fn measure(
     metrics: &MetricsConfig,
     watch: &dyn Watch,
 ) -> Result<MapSummary, Interrupted> {
-    let Some(Truth { places: truth, anchors }) = truth else {
+    let Some(Truth { places, anchors }) = truth else {
         return Ok(outline(subject, map, learned, names));
     };
-    let mapped = map.positions();
+    let known: Vec<usize> = (0..places.len()).filter(|&node| places[node].is_some()).collect();
+    let truth: Vec<Position> = places.iter().copied().flatten().collect();
+    let truth = truth.as_slice();
+    let estimates: Vec<Option<&Estimate>> = known.iter().map(|&node| map.estimates[node].as_ref()).collect();
+    let mapped: Vec<Option<Position>> =
+        estimates.iter().map(|estimate| estimate.map(|estimate| estimate.position)).collect();
     let mut found = mapped.clone();
     let mut sought = truth.len();
     if subject.knowledge.contains(&KnowledgeKind::Anchors) {
-        for anchor in anchors {
-            found[anchor.node.index()] = None;
+        for at in anchors.iter().filter_map(|anchor| known.binary_search(&anchor.node.index()).ok()) {
+            found[at] = None;
+            sought -= 1;
         }
-        sought -= anchors.len();
     }
     let at_radius = |&radius_m: &f64| connectivity(truth, &mapped, radius_m, watch);
     let connectivity_errors: Result<Vec<_>, Interrupted> = metrics.neighbourhood_m.iter().map(at_radius).collect();
     let connectivity_errors = connectivity_errors?;
     let first = connectivity_errors.first().copied().unwrap_or_default();
     Ok(MapSummary {
+        measured: (known.len() < places.len()).then(|| mapped.iter().flatten().count()),
         position_error_m: PositionError::between(truth, &found).map(ErrorSummary::from),
         position_error_cdf: position_error_cdf(truth, &found, sought),
-        coverage_95: coverage_95(truth, map),
+        coverage_95: coverage_95(truth, &estimates, map.grid_step_m),
         aligned_error_m: aligned(truth, &found, Reflection::Allowed).map(ErrorSummary::from),
         aligned_error_without_reflection_m: aligned(truth, &found, Reflection::Forbidden).map(ErrorSummary::from),
         connectivity_error: first.connectivity_error,
@@ -116,9 +124,9 @@ pub fn displacement(
 }
 
 /// Share of the nodes with a 95 % region whose true position is inside it.
-fn coverage_95(truth: &[Position], map: &TopologyMap) -> Option<f64> {
-    let step_m = map.grid_step_m.unwrap_or(0.0);
-    let regions = map.estimates.iter().map(|estimate| Region::of_95(estimate.as_ref()?, step_m));
+fn coverage_95(truth: &[Position], estimates: &[Option<&Estimate>], grid_step_m: Option<f64>) -> Option<f64> {
+    let step_m = grid_step_m.unwrap_or(0.0);
+    let regions = estimates.iter().map(|&estimate| Region::of_95(estimate?, step_m));
     let inside: Vec<bool> =
         regions.zip(truth).filter_map(|(region, &truth)| region.map(|region| region.contains(truth))).collect();
     let count = inside.iter().filter(|&&inside| inside).count();

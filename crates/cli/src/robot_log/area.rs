@@ -6,23 +6,34 @@ use serde_json::Value;
 use sextant_mapper::Area;
 
 use super::error::RobotLogError;
+use super::local_plane::LocalPlane;
 use super::table::Table;
 
 /// What a GeoJSON file of an area may hold.
 const POLYGON: &str = "one Polygon without holes, alone, in a Feature or in a FeatureCollection";
 
 /// Reads the area in the file `path`: its corners in order, one a row (`x_m,y_m`), or a polygon in GeoJSON (RFC 7946),
-/// whose coordinates are x and y in metres.
+/// whose coordinates are x and y in metres. If the places of the log are in a `plane`, rows are `lat,lon` instead, and
+/// coordinates are longitude and latitude.
 ///
 /// # Errors
 /// If the file cannot be read, has an invalid row or no polygon, or the corners form no area.
-pub fn read_area(path: &Path) -> Result<Area, RobotLogError> {
+pub fn read_area(path: &Path, plane: Option<&LocalPlane>) -> Result<Area, RobotLogError> {
     let refused = |why: String| RobotLogError::Area { path: path.to_owned(), why };
     let content = std::fs::read(path).map_err(|why| RobotLogError::read(path, why))?;
     let text = content.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&content);
     let corners = if text.trim_ascii_start().starts_with(b"{") {
         let value: Value = serde_json::from_slice(text).map_err(|why| refused(format!("not JSON: {why}")))?;
-        ring(&value).map_err(refused)?
+        let ring = ring(&value).map_err(refused)?;
+        match plane {
+            None => ring,
+            Some(plane) => {
+                let corner = |[lon_deg, lat_deg]: [f64; 2]| on_plane(plane, lat_deg, lon_deg);
+                ring.into_iter().map(corner).collect::<Result<_, _>>().map_err(refused)?
+            }
+        }
+    } else if let Some(plane) = plane {
+        rows_on_plane(path, plane)?
     } else {
         rows(path)?
     };
@@ -40,6 +51,33 @@ fn rows(path: &Path) -> Result<Vec<[f64; 2]>, RobotLogError> {
         Ok(())
     })?;
     Ok(corners)
+}
+
+/// The corners by latitude and longitude in the rows of a CSV file.
+fn rows_on_plane(path: &Path, plane: &LocalPlane) -> Result<Vec<[f64; 2]>, RobotLogError> {
+    let table = Table::read(path, &["lat", "lon"], &[])?;
+    let [lat, lon] = ["lat", "lon"].map(|name| table.column(name));
+    let mut corners = Vec::new();
+    table.rows(|row| {
+        let degrees = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a number of degrees"));
+        let corner = on_plane(plane, degrees(lat)?, degrees(lon)?);
+        corners.push(corner.map_err(|problem| row.wrong(lat, problem))?);
+        Ok(())
+    })?;
+    Ok(corners)
+}
+
+/// The place in `plane` of a latitude and a longitude (degrees).
+fn on_plane(plane: &LocalPlane, lat_deg: f64, lon_deg: f64) -> Result<[f64; 2], String> {
+    let is_place = lat_deg.abs() <= LocalPlane::LARGEST_LAT_DEG && lon_deg.abs() <= 180.0;
+    let place = is_place.then(|| plane.to_local(lat_deg, lon_deg, plane.origin().height_m));
+    match place.filter(|place| place.x_m.hypot(place.y_m) <= LocalPlane::RADIUS_M) {
+        Some(place) => Ok([place.x_m, place.y_m]),
+        None => Err(format!(
+            "latitude {lat_deg} and longitude {lon_deg}; allowed: degrees within {} km of the log",
+            LocalPlane::RADIUS_M / 1e3
+        )),
+    }
 }
 
 /// The outer ring of the polygon in a GeoJSON object.
@@ -78,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("area.csv");
         std::fs::write(&path, text).unwrap();
-        read_area(&path).map_err(|error| error.to_string())
+        read_area(&path, None).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -91,6 +129,25 @@ mod tests {
         for text in [&polygon, &feature, &collection] {
             assert_eq!(area(text).unwrap(), csv, "{text}");
         }
+    }
+
+    #[test]
+    fn corners_by_latitude_and_longitude_are_in_the_plane_of_the_log() {
+        let plane = LocalPlane::new(50.0, 3.0, 20.0);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("area");
+        let area = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_area(&path, Some(&plane)).map_err(|error| error.to_string())
+        };
+        let csv = area("lat,lon\n50,3\n50,3.001\n50.001,3\n").unwrap();
+        // At 50 degrees north, a thousandth of a degree is 111.23 m to the north and 71.70 m to the east.
+        let [_, high] = csv.bounds();
+        assert!((high[0] - 71.70).abs() < 0.01 && (high[1] - 111.23).abs() < 0.01, "{high:?}");
+        let polygon = "{\"type\":\"Polygon\",\"coordinates\":[[[3,50],[3.001,50],[3,50.001],[3,50]]]}";
+        assert_eq!(area(polygon).unwrap(), csv);
+        let far = area("lat,lon\n50,3\n3,50\n50.001,3\n").unwrap_err();
+        assert!(far.contains("line 3") && far.contains("within 100 km"), "{far}");
     }
 
     #[test]
@@ -110,7 +167,7 @@ mod tests {
             let refused = area(text).unwrap_err();
             assert!(refused.contains(expected) && refused.contains("area.csv"), "{refused}");
         }
-        let missing = read_area(Path::new("nowhere/area.csv")).unwrap_err().to_string();
+        let missing = read_area(Path::new("nowhere/area.csv"), None).unwrap_err().to_string();
         assert!(missing.starts_with("cannot read `nowhere/area.csv`"), "{missing}");
     }
 }

@@ -46,7 +46,8 @@ pub fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -> Optio
     let network = scenario.networks()[map.network.index()].name.iter().cloned();
     let subject = Subject { name: &map.name, knowledge: KNOWLEDGE, networks: network.collect() };
     let displacement = sector_displacement(scenario, &[map.network], &found, &truth);
-    let known = Truth { places: &truth, anchors: scenario.anchors() };
+    let known: Vec<Option<Position>> = truth.into_iter().map(Some).collect();
+    let known = Truth { places: &known, anchors: scenario.anchors() };
     let measured = measure(&subject, &found, None, &names, Some(known), scenario.metrics(), &Unwatched);
     let summary = MapSummary {
         alignment: Some(AlignmentSummary::None),

@@ -46,9 +46,10 @@ pub fn evaluate(
     let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
     let made = MadeMap::new(&named.name, &map);
     let truth = truth(scenario);
-    let (map, alignment) = in_world(map, Some(&truth));
+    let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
+    let (map, alignment) = in_world(map, Some(&known));
     let displacement = sector_displacement(scenario, &networks, &map, &truth);
-    let truth = Truth { places: &truth, anchors: scenario.anchors() };
+    let truth = Truth { places: &known, anchors: scenario.anchors() };
     let summary = MapSummary {
         alignment: Some(alignment),
         sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),

@@ -4,10 +4,7 @@ use std::io::{self, Write};
 
 use super::distributed::DistributedSummary;
 use super::map::MapSummary;
-use crate::text::counted;
-
-/// At most this many of the nodes without a place are named.
-const NAMED: usize = 10;
+use crate::text::{counted, listed};
 
 /// Writes how nodes computed each of `maps` that they computed; `interrupted` tells whether the user ended that.
 pub(super) fn write(maps: &[MapSummary], interrupted: bool, out: &mut impl Write) -> io::Result<()> {
@@ -39,10 +36,8 @@ pub(super) fn write(maps: &[MapSummary], interrupted: bool, out: &mut impl Write
             octets(memory.mean)
         )?;
         if !work.unplaced.is_empty() {
-            let count = work.unplaced.len();
-            let named = work.unplaced[..count.min(NAMED)].join(", ");
-            let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
-            writeln!(out, "{name}: warning: {} without a place: {named}{more}", counted(count, "node"))?;
+            let unplaced = counted(work.unplaced.len(), "node");
+            writeln!(out, "{name}: warning: {unplaced} without a place: {}", listed(&work.unplaced))?;
         }
     }
     Ok(())

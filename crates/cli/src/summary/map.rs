@@ -35,6 +35,10 @@ pub struct MapSummary {
     /// Mapped nodes with the same position as another node.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coincident: Option<usize>,
+    /// Mapped nodes whose true position is known, if it is not known of all nodes. Then errors, regions and neighbours are
+    /// those of the nodes whose true position is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<usize>,
     /// Distance between mapped and true positions (m), over the nodes whose position the map had to estimate: anchors do
     /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -42,6 +42,9 @@ pub struct Summary {
     /// Whether the user interrupted the work, so that maps are missing. Absent if not.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub interrupted: bool,
+    /// What the user should know of the log and of the truth that it was compared with, in sentences.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// The maps, in the order of the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub maps: Vec<MapSummary>,

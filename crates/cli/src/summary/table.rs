@@ -11,7 +11,7 @@ use super::mac_table;
 use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
 use super::results::Summary;
 use super::timing::Timing;
-use crate::text::{Align, columns, counted};
+use crate::text::{Align, columns, counted, listed};
 
 /// Writes `summary` as a table.
 ///
@@ -43,6 +43,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     }
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
+        measured(&summary.maps, out)?;
         fitted_profiles(&summary.maps, out)?;
         calibrations(&summary.maps, out)?;
         displacements(&summary.maps, out)?;
@@ -151,6 +152,21 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     columns(&rows, &align, out)
 }
 
+/// How many nodes were measured, where the true positions of some are unknown.
+fn measured(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        if let Some(measured) = map.measured {
+            let name = map.name.as_ref().unwrap_or(&map.algorithm);
+            writeln!(
+                out,
+                "{name}: errors of {measured} of {}: those whose true positions are known",
+                counted(map.mapped, "mapped node")
+            )?;
+        }
+    }
+    Ok(())
+}
+
 fn discovery_lines(discovery: &DiscoverySummary, out: &mut impl Write) -> io::Result<()> {
     for (who, round) in [("nodes", &discovery.neighbours), ("anchors", &discovery.anchors)] {
         let Some(round) = round else { continue };
@@ -237,9 +253,6 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-/// At most this many of the nodes with the same concern are named.
-const NAMED: usize = 10;
-
 /// Warnings of nodes whose position is unreliable, and of curves at the bound of their search.
 fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
@@ -257,11 +270,10 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
                 Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
                 Concern::NoEvidence => format!("{has} no place that receptions and silence prefer"),
             };
-            let named = nodes[..count.min(NAMED)].join(", ");
-            let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
+            let nodes = listed(&nodes);
             writeln!(
                 out,
-                "{name}: warning: {} {what}, so the position is unreliable: {named}{more}",
+                "{name}: warning: {} {what}, so the position is unreliable: {nodes}",
                 counted(count, "node")
             )?;
         }

@@ -12,6 +12,7 @@ mod figure;
 mod interrupt;
 mod map;
 mod odometry;
+mod partial_truth;
 mod pcap;
 mod place_prior;
 mod program;
