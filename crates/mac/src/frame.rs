@@ -15,12 +15,14 @@ mod beacon;
 mod control;
 mod cursor;
 mod data_frame;
+mod header;
 #[cfg(test)]
 mod tests;
 
 pub use address::{Address, BROADCAST_PAN, Endpoint};
 pub use beacon::{Beacon, GuaranteedSlot, Superframe};
 pub use data_frame::DataFrame;
+pub use header::{Header, HeaderAddress};
 
 use crate::fcs;
 use crate::timing::MAX_MPDU_OCTETS;
