@@ -9,7 +9,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::mapping::{self, Input};
 use crate::recording::SCENARIO_ATTACHMENT;
-use crate::robot_log::{self, ReadOptions, StopRule};
+use crate::robot_log::{self, BagOptions, ReadOptions, SnifferOptions, StopRule};
 use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::Stopwatch;
 use crate::terminal::Watcher;
@@ -17,7 +17,8 @@ use crate::terminal::Watcher;
 /// Arguments of `sextant map`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// A recording of `run`, or a folder with stops.csv and receptions.csv
+    /// A recording of `run`; or the log of a robot: a folder with stops.csv and receptions.csv, a ROS 2 bag (an MCAP file, or
+    /// a folder of `ros2 bag record`), or the capture of a sniffer (pcap, pcapng; needs --path)
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// The probability of a reception as a function of distance: `fitted` (estimated from the log),
@@ -57,6 +58,12 @@ pub struct Arguments {
     /// Seconds between two packets of a node, if the log has packets and a path. The default is estimated from the packets
     #[arg(long, value_name = "S", value_parser = interval)]
     pub packet_interval: Option<f64>,
+    /// What is read from a ROS bag.
+    #[command(flatten)]
+    pub bag: BagOptions,
+    /// What belongs to the capture of a sniffer.
+    #[command(flatten)]
+    pub sniffer: SnifferOptions,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub overrides: Overrides,
@@ -78,7 +85,12 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let network = arguments.network.as_deref();
-    let options = ReadOptions { stop_every: arguments.stop_every, packet_interval_s: arguments.packet_interval };
+    let options = ReadOptions {
+        stop_every: arguments.stop_every,
+        packet_interval_s: arguments.packet_interval,
+        bag: arguments.bag.clone(),
+        sniffer: arguments.sniffer.clone(),
+    };
     let mut input = Input::read(&arguments.log, network, &options)?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| (name.as_str(), text));

@@ -37,7 +37,7 @@ pub enum Command {
     /// Simulate a scenario, record it, and map the nodes
     Run(run::Arguments),
     /// Map the nodes from a recording of `run` or from the log of a real robot
-    Map(map::Arguments),
+    Map(Box<map::Arguments>),
     /// Run a scenario with many settings and seeds, and write one table
     Sweep(sweep::Arguments),
     /// Reproduce the tables and figures of the thesis, beside the published values

@@ -10,7 +10,7 @@ use sextant_mapper::PlacePrior;
 use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
-use crate::robot_log::{self, LocalPlane, ReadOptions, RobotLog};
+use crate::robot_log::{self, LocalPlane, ReadOptions, RobotLog, Source};
 use crate::text::{counted, listed};
 
 /// A reception log and what is known with it.
@@ -41,13 +41,13 @@ pub struct Input {
 }
 
 impl Input {
-    /// Reads a recording of `run`, or a folder of CSV files. If robots surveyed several networks, the log to map is that of
-    /// `network`, or of the first one. `options` are for the CSV files.
+    /// Reads a recording of `run`, or the log of a robot. If robots surveyed several networks, the log to map is that of
+    /// `network`, or of the first one. `options` are for logs of robots.
     ///
     /// # Errors
     /// If it cannot be read, or robots did not survey `network`.
     pub fn read(path: &Path, network: Option<&str>, options: &ReadOptions) -> Result<Self, Failure> {
-        if path.is_dir() {
+        if Source::of(path).is_some() {
             let RobotLog { log, plane, notes } = robot_log::read(path, options)?;
             let known = Known::default();
             return Ok(Self {
@@ -64,6 +64,7 @@ impl Input {
                 plane,
             });
         }
+        robot_log::refuse_flags(path, None, options)?;
         let mut run = recording::read_log(path)?;
         if let Some(name) = network
             && let Err(known) = run.put_first(name)

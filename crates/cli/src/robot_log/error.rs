@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 use sextant_channel::LogError;
 use sextant_kernel::SimTime;
 
+use super::bag_error::BagError;
 use super::instant;
 use super::path::PathError;
 use super::slot;
+use super::sniffer_error::SnifferError;
 use crate::diagnostic::Failure;
+use crate::mcap_file::McapFileError;
 
 /// Why the log of a robot cannot be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -115,6 +118,30 @@ pub enum RobotLogError {
         /// The folder.
         path: PathBuf,
     },
+    /// A ROS bag cannot be read.
+    #[error(transparent)]
+    Bag(#[from] BagError),
+    /// The capture of a sniffer cannot be read.
+    #[error(transparent)]
+    Sniffer(#[from] SnifferError),
+    /// The file is of another format.
+    #[error("`{}` is not the log of a robot: neither a folder of CSV files nor a ROS bag nor a capture", .path.display())]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Flags are for another kind of log.
+    #[error("`{flag}` is for {meant}, but `{}` is {found}", .path.display())]
+    Flag {
+        /// The file or folder.
+        path: PathBuf,
+        /// The flag.
+        flag: &'static str,
+        /// What it is for.
+        meant: &'static str,
+        /// What the log is.
+        found: &'static str,
+    },
 }
 
 impl RobotLogError {
@@ -130,6 +157,12 @@ impl RobotLogError {
 
     pub(super) fn write(path: &Path, why: impl fmt::Display) -> Self {
         Self::Write { path: path.to_owned(), why: why.to_string() }
+    }
+}
+
+impl From<McapFileError> for RobotLogError {
+    fn from(error: McapFileError) -> Self {
+        BagError::from(error).into()
     }
 }
 

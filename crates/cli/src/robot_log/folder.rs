@@ -14,8 +14,8 @@ use super::sectors;
 use super::table::{Row, Table};
 use crate::robot_names::RobotNames;
 
-const STOPS: &str = "stops.csv";
-const RECEPTIONS: &str = "receptions.csv";
+pub(super) const STOPS: &str = "stops.csv";
+pub(super) const RECEPTIONS: &str = "receptions.csv";
 const CONTACTS: &str = "contacts.csv";
 const SECTORS: &str = "sectors.csv";
 
@@ -24,7 +24,7 @@ const SECTORS: &str = "sectors.csv";
 ///
 /// # Errors
 /// If a file is missing, cannot be read, or has an invalid row; the error names file, line and column.
-pub fn read(folder: &Path, _options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+pub(super) fn read(folder: &Path, _options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
     let mut robots = RobotNames::default();
     let (stops, stop_ids) = read_stops(&folder.join(STOPS), &mut robots)?;
     if stops.is_empty() {

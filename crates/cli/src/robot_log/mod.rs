@@ -21,7 +21,11 @@
 //! ```
 
 mod area;
+mod bag;
+mod bag_error;
+mod bag_options;
 mod error;
+mod field_path;
 mod folder;
 mod gathered;
 mod gatherer;
@@ -38,12 +42,18 @@ mod sectors;
 mod sending;
 mod signal;
 mod slot;
+mod sniffer;
+mod sniffer_error;
+mod sniffer_options;
+mod source;
 mod table;
 mod truth;
 
 pub use area::read_area;
+pub use bag_error::BagError;
+pub use bag_options::{BagClock, BagOptions, PacketFields};
 pub use error::RobotLogError;
-pub use folder::{read, write};
+pub use folder::write;
 pub use gatherer::Gatherer;
 pub use local_plane::{Geodetic, LocalPlane};
 pub use log::RobotLog;
@@ -51,4 +61,7 @@ pub use map::{read_map, write_map};
 pub use options::{ReadOptions, StopRule};
 pub use packet::Packet;
 pub use path::{Path, PathError, Pose};
+pub use sniffer_error::SnifferError;
+pub use sniffer_options::SnifferOptions;
+pub use source::{Source, read, refuse_flags};
 pub use truth::read_truth;

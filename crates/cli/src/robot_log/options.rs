@@ -3,6 +3,9 @@
 use std::str::FromStr;
 use std::time::Duration;
 
+use super::bag_options::BagOptions;
+use super::sniffer_options::SnifferOptions;
+
 /// How the log of a robot is read; the default asks for nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
@@ -10,6 +13,10 @@ pub struct ReadOptions {
     pub stop_every: StopRule,
     /// Time between two packets of a node (s); `None` if it is to be estimated.
     pub packet_interval_s: Option<f64>,
+    /// What is read from a ROS bag.
+    pub bag: BagOptions,
+    /// What belongs to the capture of a sniffer.
+    pub sniffer: SnifferOptions,
 }
 
 /// How a path is cut into stops.

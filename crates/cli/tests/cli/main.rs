@@ -2,9 +2,12 @@
 
 mod applications;
 mod architecture;
+mod bags;
+mod captures;
 mod command_line;
 mod comparators;
 mod distributed;
+mod drive;
 mod failing_disk;
 mod faults;
 mod figure;

@@ -17,7 +17,7 @@ fn path(poses: &[(f64, f64)]) -> Result<Path, PathError> {
 }
 
 fn options(stop_every: StopRule, packet_interval_s: Option<f64>) -> ReadOptions {
-    ReadOptions { stop_every, packet_interval_s }
+    ReadOptions { stop_every, packet_interval_s, ..ReadOptions::default() }
 }
 
 fn gather(path: Path, options: &ReadOptions, packets: &[(f64, &str)]) -> Result<RobotLog, RobotLogError> {

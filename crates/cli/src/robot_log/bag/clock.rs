@@ -1,0 +1,54 @@
+//! The clock of the poses and packets of a bag.
+
+use sextant_kernel::SimTime;
+
+use super::super::bag_options::BagClock;
+
+/// A clock of one topic can be off by this much before the user is told (ns).
+const NOTABLE_NS: i128 = 100_000_000;
+
+/// When something happened, by both clocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Moment {
+    /// The stamp in the message (ns); `None` if it has none.
+    pub(super) stamp_ns: Option<i64>,
+    /// When the message was recorded (ns).
+    pub(super) log_ns: u64,
+}
+
+impl Moment {
+    /// The time by `clock`; `None` if it has no stamp, or one before 1970. A stamp of 0 is one that was never set.
+    pub(super) fn time(self, clock: BagClock) -> Option<SimTime> {
+        let ns = match clock {
+            BagClock::Log => self.log_ns,
+            BagClock::Stamp => self.stamp_ns.and_then(|ns| u64::try_from(ns).ok()).filter(|&ns| ns > 0)?,
+        };
+        Some(SimTime::from_nanos(ns))
+    }
+}
+
+/// The least delay from stamp to recording. It is short if the clock of the stamps is that of the recorder.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LeastDelay(Option<i128>);
+
+impl LeastDelay {
+    pub(super) fn take(&mut self, moment: Moment) {
+        if let Some(stamp_ns) = moment.stamp_ns {
+            let delay = i128::from(moment.log_ns) - i128::from(stamp_ns);
+            self.0 = Some(self.0.map_or(delay, |least| least.min(delay)));
+        }
+    }
+
+    /// What to tell the user if the stamps of poses and packets are of clocks that differ.
+    pub(super) fn differs(self, packets: Self) -> Option<String> {
+        let (poses, packets) = (self.0?, packets.0?);
+        let off_ns = packets - poses;
+        (off_ns.abs() > NOTABLE_NS).then(|| {
+            format!(
+                "the stamps of poses and packets seem to be of different clocks, {:.3} s apart: if they are, give \
+                 `--bag-clock log`",
+                off_ns.abs() as f64 * 1e-9
+            )
+        })
+    }
+}

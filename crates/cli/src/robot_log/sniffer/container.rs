@@ -1,0 +1,322 @@
+//! The file formats of captures: pcap and pcapng (IETF drafts draft-ietf-opsawg-pcap and draft-ietf-opsawg-pcapng).
+//!
+//! Crates for these formats were tried: pcap-parser 0.17 takes a time resolution that is a power of two for an unknown one,
+//! and reads the time offset of a file in the other byte order wrongly.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use sextant_kernel::SimTime;
+
+use super::super::sniffer_error::SnifferError;
+
+/// Magic numbers of pcap: microseconds and nanoseconds.
+const MICROSECONDS: u32 = 0xA1B2_C3D4;
+const NANOSECONDS: u32 = 0xA1B2_3C4D;
+/// The type of the first block of pcapng, the same in both byte orders, and what follows it.
+const SECTION: u32 = 0x0A0D_0D0A;
+const BYTE_ORDER: u32 = 0x1A2B_3C4D;
+
+/// Types of the blocks of pcapng.
+mod block {
+    pub(super) const INTERFACE: u32 = 1;
+    pub(super) const PACKET: u32 = 2;
+    pub(super) const SIMPLE_PACKET: u32 = 3;
+    pub(super) const ENHANCED_PACKET: u32 = 6;
+}
+
+/// Options of an interface.
+const TIME_RESOLUTION: u16 = 9;
+const TIME_OFFSET: u16 = 14;
+
+/// Maximum length of a packet or block (octets). A damaged length is detected before memory is allocated.
+const LONGEST: u32 = 1 << 24;
+
+/// A frame as captured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Captured<'a> {
+    /// `None` if the format does not tell it.
+    pub(super) time: Option<SimTime>,
+    /// Type of the link-layer header, as tcpdump.org numbers them.
+    pub(super) link: u16,
+    pub(super) octets: &'a [u8],
+    /// Whether the frame was longer.
+    pub(super) is_cut: bool,
+}
+
+/// How a capture ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    Whole,
+    /// In the middle of a packet, as after a crash of the sniffer.
+    Truncated,
+}
+
+/// Whether the file `path` begins as a capture does.
+pub(super) fn is_capture(path: &Path) -> bool {
+    let mut magic = [0; 4];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut magic));
+    let known = [MICROSECONDS, NANOSECONDS, SECTION];
+    read.is_ok() && (known.contains(&u32::from_le_bytes(magic)) || known.contains(&u32::from_be_bytes(magic)))
+}
+
+/// Calls `visit` with each frame of the capture `path`, with one in memory.
+///
+/// # Errors
+/// If the file cannot be read, is no capture or is damaged; or the error of `visit`.
+pub(super) fn frames<E: From<SnifferError>>(
+    path: &Path,
+    visit: &mut dyn FnMut(Captured<'_>) -> Result<(), E>,
+) -> Result<End, E> {
+    let file = File::open(path).map_err(|why| SnifferError::read(path, &why))?;
+    let mut source =
+        Source { path, input: BufReader::new(file), at_byte: 0, is_big_endian: false, octets: Vec::new() };
+    let not_capture = || SnifferError::NotCapture { path: path.to_owned() };
+    if !source.fill(4)? {
+        return Err(not_capture().into());
+    }
+    if source.octets == SECTION.to_le_bytes() {
+        return Sections { source, interfaces: Vec::new() }.frames(visit);
+    }
+    for is_big_endian in [false, true] {
+        source.is_big_endian = is_big_endian;
+        let nanoseconds = match source.u32(0) {
+            MICROSECONDS => 1000,
+            NANOSECONDS => 1,
+            _ => continue,
+        };
+        return packets(source, nanoseconds, visit);
+    }
+    Err(not_capture().into())
+}
+
+/// The packets of a pcap file after its magic number, with times in units of so many nanoseconds.
+fn packets<E: From<SnifferError>>(
+    mut source: Source<'_>,
+    nanoseconds: u64,
+    visit: &mut dyn FnMut(Captured<'_>) -> Result<(), E>,
+) -> Result<End, E> {
+    if !source.fill(20)? {
+        return Ok(End::Truncated);
+    }
+    // The upper half tells whether frames have a check sequence, for links where they may have none.
+    let [low, high] = source.u32(16).to_le_bytes().first_chunk().copied().unwrap_or_default();
+    let link = u16::from_le_bytes([low, high]);
+    while !source.is_at_end()? {
+        if !source.fill(16)? {
+            return Ok(End::Truncated);
+        }
+        let [seconds, fraction, captured, original] = [0, 4, 8, 12].map(|at| source.u32(at));
+        if captured > LONGEST {
+            return Err(source.damaged(format!("a packet of {captured} octets; allowed: at most {LONGEST}")).into());
+        }
+        if !source.fill(captured as usize)? {
+            return Ok(End::Truncated);
+        }
+        let time = SimTime::from_nanos(u64::from(seconds) * 1_000_000_000 + u64::from(fraction) * nanoseconds);
+        visit(Captured { time: Some(time), link, octets: &source.octets, is_cut: captured < original })?;
+    }
+    Ok(End::Whole)
+}
+
+/// An interface of a pcapng file.
+#[derive(Clone, Copy, Debug)]
+struct Interface {
+    link: u16,
+    snap_length: u32,
+    /// Time units per second.
+    resolution: u128,
+    offset_s: i64,
+}
+
+/// A pcapng file: sections of blocks.
+struct Sections<'p> {
+    source: Source<'p>,
+    interfaces: Vec<Interface>,
+}
+
+impl Sections<'_> {
+    /// The frames, after the type of the first block.
+    fn frames<E: From<SnifferError>>(
+        mut self,
+        visit: &mut dyn FnMut(Captured<'_>) -> Result<(), E>,
+    ) -> Result<End, E> {
+        loop {
+            // The octets hold the type of a block.
+            let is_section = self.source.octets == SECTION.to_le_bytes();
+            let kind = self.source.u32(0);
+            if !self.source.fill(4)? {
+                return Ok(End::Truncated);
+            }
+            let mut length_octets = self.source.octets.clone();
+            if is_section {
+                if !self.source.fill(4)? {
+                    return Ok(End::Truncated);
+                }
+                self.interfaces.clear();
+                self.source.is_big_endian = self.source.octets == BYTE_ORDER.to_be_bytes();
+                if self.source.u32(0) != BYTE_ORDER {
+                    return Err(self.source.damaged("a section without its byte order".to_owned()).into());
+                }
+            }
+            std::mem::swap(&mut self.source.octets, &mut length_octets);
+            let length = self.source.u32(0);
+            let read = if is_section { 12 } else { 8 };
+            if !length.is_multiple_of(4) || length < read + 4 || length > LONGEST {
+                let problem = format!("a block of {length} octets; allowed: a multiple of 4, from 12 to {LONGEST}");
+                return Err(self.source.damaged(problem).into());
+            }
+            if !self.source.fill((length - read) as usize)? {
+                return Ok(End::Truncated);
+            }
+            let body = (length - read - 4) as usize;
+            let repeated = self.source.u32(body);
+            if repeated != length {
+                let problem = format!("a block of {length} octets that ends with the length {repeated}");
+                return Err(self.source.damaged(problem).into());
+            }
+            match kind {
+                block::INTERFACE if !is_section => {
+                    let interface = self.interface(body)?;
+                    self.interfaces.push(interface);
+                }
+                block::ENHANCED_PACKET | block::PACKET | block::SIMPLE_PACKET if !is_section => {
+                    visit(self.packet(kind, body)?)?;
+                }
+                _ => {}
+            }
+            if self.source.is_at_end()? {
+                return Ok(End::Whole);
+            }
+            if !self.source.fill(4)? {
+                return Ok(End::Truncated);
+            }
+        }
+    }
+
+    /// The description of an interface, of `body` octets.
+    fn interface(&self, body: usize) -> Result<Interface, SnifferError> {
+        let source = &self.source;
+        if body < 8 {
+            return Err(source.damaged("an interface without its link type".to_owned()));
+        }
+        let mut interface =
+            Interface { link: source.u16(0), snap_length: source.u32(4), resolution: 1_000_000, offset_s: 0 };
+        let mut at = 8;
+        while at + 4 <= body {
+            let (code, length) = (source.u16(at), usize::from(source.u16(at + 2)));
+            let Some(value) = source.octets[..body].get(at + 4..at + 4 + length) else {
+                return Err(source.damaged("an option of an interface that is longer than its block".to_owned()));
+            };
+            match (code, value) {
+                (0, _) => break,
+                (TIME_RESOLUTION, &[resolution]) => {
+                    let base: u128 = if resolution & 0x80 == 0 { 10 } else { 2 };
+                    interface.resolution = base.checked_pow(u32::from(resolution & 0x7F)).ok_or_else(|| {
+                        source.damaged(format!("an interface with the time resolution {resolution:#04x}"))
+                    })?;
+                }
+                (TIME_OFFSET, value) => {
+                    if let Ok(octets) = value.try_into() {
+                        interface.offset_s = match source.is_big_endian {
+                            true => i64::from_be_bytes(octets),
+                            false => i64::from_le_bytes(octets),
+                        };
+                    }
+                }
+                _ => {}
+            }
+            at += 4 + length.next_multiple_of(4);
+        }
+        Ok(interface)
+    }
+
+    /// The frame of a block of type `kind` with `body` octets.
+    fn packet(&self, kind: u32, body: usize) -> Result<Captured<'_>, SnifferError> {
+        let source = &self.source;
+        let header = if kind == block::SIMPLE_PACKET { 4 } else { 20 };
+        if body < header {
+            return Err(source.damaged("a packet without its header".to_owned()));
+        }
+        let number = match kind {
+            block::SIMPLE_PACKET => 0,
+            block::PACKET => u32::from(source.u16(0)),
+            _ => source.u32(0),
+        };
+        let interface = usize::try_from(number).ok().and_then(|number| self.interfaces.get(number));
+        let interface = interface
+            .ok_or_else(|| source.damaged(format!("a packet of interface {number}, which is not described")))?;
+        let (time, captured, original) = if kind == block::SIMPLE_PACKET {
+            let original = source.u32(0);
+            let limit = if interface.snap_length == 0 { u32::MAX } else { interface.snap_length };
+            (None, original.min(limit), original)
+        } else {
+            let ticks = u128::from(source.u32(4)) << 32 | u128::from(source.u32(8));
+            (Some(self.time(interface, ticks)?), source.u32(12), source.u32(16))
+        };
+        let octets = source.octets[header..body].get(..captured as usize).ok_or_else(|| {
+            source.damaged(format!("a packet of {captured} octets in a block of {} octets", body + 12))
+        })?;
+        Ok(Captured { time, link: interface.link, octets, is_cut: captured < original })
+    }
+
+    fn time(&self, interface: &Interface, ticks: u128) -> Result<SimTime, SnifferError> {
+        let (seconds, rest) = (ticks / interface.resolution, ticks % interface.resolution);
+        // Below 2^64 ticks, so the product fits, except for resolutions that no clock has.
+        let nanos = rest.checked_mul(1_000_000_000).map_or(0, |nanos| nanos / interface.resolution);
+        let total = i128::try_from(seconds).ok().and_then(|seconds| {
+            let seconds = seconds + i128::from(interface.offset_s);
+            u64::try_from(seconds.checked_mul(1_000_000_000)? + i128::try_from(nanos).ok()?).ok()
+        });
+        total.map(SimTime::from_nanos).ok_or_else(|| {
+            self.source
+                .damaged(format!("a packet at {seconds} s plus {} s; allowed: from 1970 to 2554", interface.offset_s))
+        })
+    }
+}
+
+/// A file that is read in parts.
+struct Source<'p> {
+    path: &'p Path,
+    input: BufReader<File>,
+    /// Octets read.
+    at_byte: u64,
+    is_big_endian: bool,
+    /// The last part.
+    octets: Vec<u8>,
+}
+
+impl Source<'_> {
+    /// Reads the next `count` octets. Returns whether there were so many.
+    fn fill(&mut self, count: usize) -> Result<bool, SnifferError> {
+        self.octets.resize(count, 0);
+        match self.input.read_exact(&mut self.octets) {
+            Ok(()) => {
+                self.at_byte += count as u64;
+                Ok(true)
+            }
+            Err(why) if why.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+            Err(why) => Err(SnifferError::read(self.path, &why)),
+        }
+    }
+
+    fn is_at_end(&mut self) -> Result<bool, SnifferError> {
+        use io::BufRead;
+        self.input.fill_buf().map(<[u8]>::is_empty).map_err(|why| SnifferError::read(self.path, &why))
+    }
+
+    fn u16(&self, at: usize) -> u16 {
+        let octets = [self.octets[at], self.octets[at + 1]];
+        if self.is_big_endian { u16::from_be_bytes(octets) } else { u16::from_le_bytes(octets) }
+    }
+
+    fn u32(&self, at: usize) -> u32 {
+        let octets = [0, 1, 2, 3].map(|offset| self.octets[at + offset]);
+        if self.is_big_endian { u32::from_be_bytes(octets) } else { u32::from_le_bytes(octets) }
+    }
+
+    fn damaged(&self, problem: String) -> SnifferError {
+        SnifferError::Damaged { path: self.path.to_owned(), at_byte: self.at_byte, problem }
+    }
+}

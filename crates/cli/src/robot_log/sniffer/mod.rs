@@ -1,0 +1,120 @@
+//! Captures of sniffers as logs of real robots: pcap and pcapng files with frames of IEEE 802.15.4 or 802.11.
+//!
+//! Input: captures of a sniffer on the robot, and the path of the robot. Output: a reception log in which each frame that
+//! names its sender is a packet of this node. Frames that are sent again are packets too: they were received. A capture is
+//! read twice from start to end, with one frame in memory: first for the PANs, then for the packets.
+
+mod container;
+mod ieee80211;
+mod radiotap;
+mod sender;
+mod skipped;
+mod tap;
+
+use std::collections::BTreeSet;
+use std::path::{Path as FilePath, PathBuf};
+
+use sextant_kernel::SimTime;
+
+use self::container::{Captured, End};
+use self::sender::{Heard, PanNames, Sender, SenderAddress};
+use self::skipped::{Count, Skipped};
+use super::error::RobotLogError;
+use super::gatherer::Gatherer;
+use super::log::RobotLog;
+use super::options::ReadOptions;
+use super::packet::Packet;
+use super::path::Path;
+use super::sniffer_error::SnifferError;
+
+/// Whether the file `path` is a capture.
+#[must_use]
+pub(super) fn is_capture(path: &FilePath) -> bool {
+    path.is_file() && container::is_capture(path)
+}
+
+/// Reads the packets of `captures`, which a sniffer on a robot with the given path made.
+///
+/// # Errors
+/// If a capture cannot be read or is of another technology, or no packet was heard on the path.
+pub(super) fn read(captures: &[PathBuf], path: Path, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    let mut pans = BTreeSet::new();
+    for capture in captures {
+        frames::<SnifferError>(capture, options.sniffer.pan, &mut |_, frame| {
+            if let Ok(Heard { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
+                pans.insert(pan);
+            }
+            Ok(())
+        })?;
+    }
+    let pan_names = if pans.len() > 1 { PanNames::Several } else { PanNames::One };
+    let mut notes = Vec::new();
+    if pan_names == PanNames::Several {
+        let names: Vec<_> =
+            pans.iter().map(|pan| pan.map_or("none".to_owned(), |pan| format!("{pan:#06x}"))).collect();
+        notes.push(format!(
+            "the frames are of several PANs ({}): nodes with a short address are named PAN/ADDRESS; `--pan` chooses one",
+            names.join(", ")
+        ));
+    }
+    let mut gatherer = Gatherer::new(path, options)?;
+    for capture in captures {
+        notes.extend(gather(capture, pan_names, options, &mut gatherer)?);
+    }
+    let mut log = gatherer.finish()?;
+    notes.append(&mut log.notes);
+    Ok(RobotLog { notes, ..log })
+}
+
+/// Gives the packets of a capture to `gatherer`. Returns what the user should know.
+fn gather(
+    capture: &FilePath,
+    pans: PanNames,
+    options: &ReadOptions,
+    gatherer: &mut Gatherer,
+) -> Result<Vec<String>, RobotLogError> {
+    let mut count = Count::default();
+    let mut name = String::new();
+    let end = frames::<RobotLogError>(capture, options.sniffer.pan, &mut |time, frame| {
+        count.take(&frame);
+        let Ok(Heard { sender, rssi_dbm }) = frame else { return Ok(()) };
+        name.clear();
+        sender.write(pans, &mut name).expect("a string grows");
+        gatherer.take(Packet { rssi_dbm, ..Packet::new(time, &name) })
+    })?;
+    let reasons = count.reasons();
+    let mut skipped = if reasons.is_empty() { String::new() } else { format!("; skipped: {reasons}") };
+    if count.is_mostly_wrong() {
+        skipped.push_str(
+            ". Some sniffers put other values in the place of the FCS: if so, save the frames without it (link type 230) or \
+             with TAP headers (283)",
+        );
+    }
+    if count.used() == 0 {
+        return Err(SnifferError::NoFrames { path: capture.to_owned(), skipped }.into());
+    }
+    let shown = capture.display();
+    let mut notes = vec![format!("`{shown}`: {} frames are packets{skipped}", count.used())];
+    if end == End::Truncated {
+        notes.push(format!("`{shown}` ends in the middle of a packet, as after a crash of the sniffer"));
+    }
+    Ok(notes)
+}
+
+/// Calls `visit` with the time and the sender of each frame, of the PAN `pan` only if it is given.
+fn frames<E: From<SnifferError>>(
+    capture: &FilePath,
+    pan: Option<u16>,
+    visit: &mut dyn FnMut(SimTime, Result<Heard, Skipped>) -> Result<(), E>,
+) -> Result<End, E> {
+    container::frames::<E>(capture, &mut |Captured { time, link, octets, is_cut }| {
+        let frame = sender::heard(link, octets, is_cut)
+            .ok_or_else(|| SnifferError::UnknownLink { path: capture.to_owned(), link })?;
+        let is_wanted = |heard: &Heard| pan.is_none() || heard.sender.pan == pan;
+        let frame = frame.and_then(|heard| if is_wanted(&heard) { Ok(heard) } else { Err(Skipped::OtherPan) });
+        match time {
+            Some(time) => visit(time, frame),
+            None => visit(SimTime::ZERO, frame.and(Err(Skipped::NoTime))),
+        }
+    })
+}

@@ -1,0 +1,202 @@
+//! Who sent a captured frame, and how strongly it was received.
+
+use std::fmt;
+
+use sextant_mac::fcs;
+use sextant_mac::frame::{Address, Header};
+
+use super::ieee80211::{MacAddress, transmitter};
+use super::radiotap;
+use super::skipped::Skipped;
+use super::tap;
+
+/// Types of link-layer headers, as tcpdump.org numbers them.
+pub(super) mod link {
+    pub(in super::super) const RADIOTAP: u16 = 127;
+    pub(in super::super) const WITH_FCS: u16 = 195;
+    pub(in super::super) const WITHOUT_FCS: u16 = 230;
+    pub(in super::super) const TAP: u16 = 283;
+}
+
+/// The sender of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sender {
+    /// Its PAN, if the frame tells it.
+    pub(super) pan: Option<u16>,
+    pub(super) address: SenderAddress,
+}
+
+/// The address of a sender.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SenderAddress {
+    /// IEEE 802.15.4; unique within its PAN only.
+    Short(u16),
+    /// IEEE 802.15.4.
+    Extended(u64),
+    /// IEEE 802.11.
+    Mac(MacAddress),
+}
+
+/// Whether short addresses are named with their PAN, because the capture has several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PanNames {
+    One,
+    Several,
+}
+
+impl Sender {
+    /// Writes its name, as protocol analysers do.
+    pub(super) fn write(self, pans: PanNames, name: &mut impl fmt::Write) -> fmt::Result {
+        match (self.address, self.pan) {
+            (SenderAddress::Short(address), Some(pan)) if pans == PanNames::Several => {
+                write!(name, "{pan:#06x}/{address:#06x}")
+            }
+            (SenderAddress::Short(address), _) => write!(name, "{address:#06x}"),
+            (SenderAddress::Extended(address), _) => octets(&address.to_be_bytes(), name),
+            (SenderAddress::Mac(MacAddress(address)), _) => octets(&address, name),
+        }
+    }
+}
+
+fn octets(octets: &[u8], name: &mut impl fmt::Write) -> fmt::Result {
+    octets.iter().enumerate().try_for_each(|(index, octet)| {
+        let colon = if index == 0 { "" } else { ":" };
+        write!(name, "{colon}{octet:02x}")
+    })
+}
+
+/// A frame whose sender is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Heard {
+    pub(super) sender: Sender,
+    pub(super) rssi_dbm: Option<f64>,
+}
+
+/// The sender of a frame with a header of type `link`; `None` if the type is not known. If the frame is cut, its check
+/// sequence is missing.
+pub(super) fn heard(link: u16, octets: &[u8], is_cut: bool) -> Option<Result<Heard, Skipped>> {
+    let without_level = |sender| Heard { sender, rssi_dbm: None };
+    Some(match link {
+        link::WITH_FCS if is_cut => ieee802154(octets).map(without_level),
+        link::WITH_FCS => checked_16(octets).and_then(ieee802154).map(without_level),
+        link::WITHOUT_FCS => ieee802154(octets).map(without_level),
+        link::TAP => from_tap(octets, is_cut),
+        link::RADIOTAP => from_radiotap(octets),
+        _ => return None,
+    })
+}
+
+fn from_tap(octets: &[u8], is_cut: bool) -> Result<Heard, Skipped> {
+    let (header, frame) = tap::parse(octets).ok_or(Skipped::Invalid)?;
+    let frame = match header.fcs {
+        _ if is_cut => frame,
+        tap::Fcs::None => frame,
+        tap::Fcs::Crc16 => checked_16(frame)?,
+        tap::Fcs::Crc32 => checked_32(frame)?,
+    };
+    Ok(Heard { sender: ieee802154(frame)?, rssi_dbm: header.rssi_dbm })
+}
+
+fn from_radiotap(octets: &[u8]) -> Result<Heard, Skipped> {
+    let (header, frame) = radiotap::parse(octets).ok_or(Skipped::Invalid)?;
+    if header.has_bad_fcs {
+        return Err(Skipped::BadFcs);
+    }
+    let sender = Sender { pan: None, address: SenderAddress::Mac(transmitter(frame)?) };
+    Ok(Heard { sender, rssi_dbm: header.signal_dbm.map(f64::from) })
+}
+
+/// The frame before its 16-bit check sequence, if that is right.
+fn checked_16(frame: &[u8]) -> Result<&[u8], Skipped> {
+    let (covered, &check) = frame.split_last_chunk().ok_or(Skipped::TooShort)?;
+    if fcs(covered) == u16::from_le_bytes(check) { Ok(covered) } else { Err(Skipped::BadFcs) }
+}
+
+/// The frame before its 32-bit check sequence, if that is right (IEEE 802.15.4-2020, 7.2.11). A frame that is shorter than
+/// its check sequence is filled up with zeros before it is computed.
+fn checked_32(frame: &[u8]) -> Result<&[u8], Skipped> {
+    let (covered, &check) = frame.split_last_chunk().ok_or(Skipped::TooShort)?;
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(covered);
+    hasher.update(&[0; 4][covered.len().min(4)..]);
+    if hasher.finalize() == u32::from_le_bytes(check) { Ok(covered) } else { Err(Skipped::BadFcs) }
+}
+
+fn ieee802154(frame: &[u8]) -> Result<Sender, Skipped> {
+    use sextant_mac::frame::ParseError;
+    let header = Header::parse(frame).map_err(|error| match error {
+        ParseError::Truncated { .. } => Skipped::TooShort,
+        _ => Skipped::Invalid,
+    })?;
+    let source = header.source.ok_or(Skipped::NoSource)?;
+    let address = match source.address {
+        Address::Short(address) => SenderAddress::Short(address),
+        Address::Extended(address) => SenderAddress::Extended(address),
+    };
+    Ok(Sender { pan: source.pan, address })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Data from 0x0001 in PAN 0xabcd.
+    const DATA: [u8; 10] = [0x41, 0x88, 0x07, 0xCD, 0xAB, 0x00, 0x00, 0x01, 0x00, 0x55];
+
+    const SENDER: Sender = Sender { pan: Some(0xABCD), address: SenderAddress::Short(1) };
+
+    fn name(address: SenderAddress, pans: PanNames) -> String {
+        let mut name = String::new();
+        Sender { address, ..SENDER }.write(pans, &mut name).unwrap();
+        name
+    }
+
+    #[test]
+    fn senders_are_named_as_protocol_analysers_do() {
+        assert_eq!(name(SenderAddress::Short(1), PanNames::One), "0x0001");
+        assert_eq!(name(SenderAddress::Short(1), PanNames::Several), "0xabcd/0x0001");
+        assert_eq!(name(SenderAddress::Extended(0x0012_4B00_0102_030A), PanNames::One), "00:12:4b:00:01:02:03:0a");
+        assert_eq!(
+            name(SenderAddress::Mac(MacAddress([0xAA, 0, 1, 2, 3, 0xFF])), PanNames::One),
+            "aa:00:01:02:03:ff"
+        );
+    }
+
+    #[test]
+    fn a_check_sequence_is_checked_where_there_is_one() {
+        let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: None }));
+        let good = [&DATA[..], &fcs(&DATA).to_le_bytes()].concat();
+        let mut bad = good.clone();
+        bad[9] ^= 1;
+        assert_eq!(heard(link::WITH_FCS, &good, false), expected);
+        assert_eq!(heard(link::WITH_FCS, &bad, false), Some(Err(Skipped::BadFcs)));
+        assert_eq!(heard(link::WITHOUT_FCS, &DATA, false), expected);
+        // A cut frame has lost it.
+        assert_eq!(heard(link::WITH_FCS, &good[..9], true), expected);
+        assert_eq!(heard(1, &good, false), None);
+    }
+
+    #[test]
+    fn the_header_of_tap_tells_level_and_check_sequence() {
+        // FCS type, RSS of -70.5 dBm.
+        let tap = |fcs_type: u8| {
+            [&[0, 0, 20, 0, 0, 0, 1, 0, fcs_type, 0, 0, 0, 1, 0, 4, 0][..], &(-70.5_f32).to_le_bytes()].concat()
+        };
+        let expected = Some(Ok(Heard { sender: SENDER, rssi_dbm: Some(-70.5) }));
+        assert_eq!(heard(link::TAP, &[&tap(0), &DATA[..]].concat(), false), expected);
+        let short = [&tap(1), &DATA[..], &fcs(&DATA).to_le_bytes()].concat();
+        assert_eq!(heard(link::TAP, &short, false), expected);
+        assert_eq!(heard(link::TAP, &short[..short.len() - 1], false), Some(Err(Skipped::BadFcs)));
+        let long = [&tap(2), &DATA[..], &crc32fast::hash(&DATA).to_le_bytes()].concat();
+        assert_eq!(heard(link::TAP, &long, false), expected);
+        assert_eq!(heard(link::TAP, &[0, 0, 9], false), Some(Err(Skipped::Invalid)));
+    }
+
+    #[test]
+    fn acknowledgements_and_invalid_frames_are_skipped_with_a_reason() {
+        let ack = [0x02, 0x00, 0x6A, 0xE4, 0x79];
+        assert_eq!(heard(link::WITH_FCS, &ack, false), Some(Err(Skipped::NoSource)));
+        assert_eq!(heard(link::WITHOUT_FCS, &DATA[..7], false), Some(Err(Skipped::TooShort)));
+        assert_eq!(heard(link::WITHOUT_FCS, &[0x04, 0x00, 0x01], false), Some(Err(Skipped::Invalid)));
+    }
+}

@@ -1,0 +1,66 @@
+//! Errors of captures.
+
+use std::path::{Path, PathBuf};
+
+/// Why a capture cannot be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SnifferError {
+    /// The file cannot be opened or read.
+    #[error("cannot read `{}`: {why}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The file is of another format.
+    #[error("`{}` is not a capture: it begins neither as pcap nor as pcapng", .path.display())]
+    NotCapture {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is damaged.
+    #[error("`{}` is damaged before byte {at_byte}: it has {problem}", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Number of octets read.
+        at_byte: u64,
+        /// The error.
+        problem: String,
+    },
+    /// The frames are of another technology.
+    #[error(
+        "`{}` has frames of link type {link}; allowed: 195 and 230 (IEEE 802.15.4), 283 (IEEE 802.15.4 TAP), 127 (IEEE \
+         802.11 radiotap)", .path.display()
+    )]
+    UnknownLink {
+        /// The file.
+        path: PathBuf,
+        /// The type of their link-layer header.
+        link: u16,
+    },
+    /// No frame names its sender.
+    #[error("`{}` has no frame from which a node was heard{skipped}", .path.display())]
+    NoFrames {
+        /// The file.
+        path: PathBuf,
+        /// What was skipped, and why.
+        skipped: String,
+    },
+    /// There is no path.
+    #[error(
+        "`{}` tells who was heard and when, but not where the robot was: give its path with `--path path.csv`, a file with \
+         columns t_s,x_m,y_m[,z_m]", .path.display()
+    )]
+    NoPath {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl SnifferError {
+    pub(super) fn read(path: &Path, why: &std::io::Error) -> Self {
+        Self::Read { path: path.to_owned(), why: why.to_string() }
+    }
+}

@@ -1,0 +1,111 @@
+//! The kinds of logs of robots: folders of CSV files, ROS bags, captures of sniffers.
+
+use std::path::{Path as FilePath, PathBuf};
+
+use super::error::RobotLogError;
+use super::folder;
+use super::log::RobotLog;
+use super::options::ReadOptions;
+use super::path::{Path, Pose};
+use super::sniffer_error::SnifferError;
+use super::table::Table;
+use super::{bag, sniffer};
+
+/// The path of the robot beside captures in a folder.
+const PATH: &str = "path.csv";
+
+/// The kinds of logs of robots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A folder of CSV files.
+    Tables,
+    /// A ROS bag: a file or a folder.
+    Bag,
+    /// A capture, or a folder of captures and the path of the robot.
+    Captures,
+}
+
+impl Source {
+    /// What the file or folder `path` is, by its content; `None` if it is not the log of a robot.
+    #[must_use]
+    pub fn of(path: &FilePath) -> Option<Self> {
+        if path.is_dir() && (path.join(folder::STOPS).exists() || path.join(folder::RECEPTIONS).exists()) {
+            return Some(Self::Tables);
+        }
+        if bag::is_bag(path) {
+            return Some(Self::Bag);
+        }
+        let has_captures = || path.is_dir() && captures(path).is_ok_and(|captures| !captures.is_empty());
+        if sniffer::is_capture(path) || has_captures() {
+            return Some(Self::Captures);
+        }
+        path.is_dir().then_some(Self::Tables)
+    }
+}
+
+/// Refuses the flags of `options` that are for another kind of log than `source`; `None` is a recording of `run`.
+///
+/// # Errors
+/// If there is such a flag.
+pub fn refuse_flags(path: &FilePath, source: Option<Source>, options: &ReadOptions) -> Result<(), RobotLogError> {
+    let found = match source {
+        None => "a recording of `run`",
+        Some(Source::Tables) => "a folder of CSV files",
+        Some(Source::Bag) => "a ROS bag",
+        Some(Source::Captures) => "a capture of a sniffer",
+    };
+    let of_bags = if source == Some(Source::Bag) { Vec::new() } else { options.bag.given() };
+    let of_captures = if source == Some(Source::Captures) { Vec::new() } else { options.sniffer.given() };
+    let refused = |flag: Option<&&'static str>, meant| match flag {
+        Some(flag) => Err(RobotLogError::Flag { path: path.to_owned(), flag, meant, found }),
+        None => Ok(()),
+    };
+    refused(of_bags.first(), "ROS bags")?;
+    refused(of_captures.first(), "captures of sniffers")
+}
+
+/// Reads the log of a robot: a folder of CSV files, a ROS bag, or captures of a sniffer.
+///
+/// # Errors
+/// If it cannot be read, or `options` are for another kind of log.
+pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    let source = Source::of(path).ok_or_else(|| RobotLogError::Unknown { path: path.to_owned() })?;
+    refuse_flags(path, Some(source), options)?;
+    match source {
+        Source::Tables => folder::read(path, options),
+        Source::Bag => bag::read(path, options),
+        Source::Captures => {
+            let captures = captures(path)?;
+            let beside = Some(path.join(PATH)).filter(|beside| beside.exists());
+            let robot = options.sniffer.path.clone().or(beside);
+            let robot = robot.ok_or_else(|| SnifferError::NoPath { path: path.to_owned() })?;
+            sniffer::read(&captures, read_path(&robot)?, options)
+        }
+    }
+}
+
+/// The capture `path`, or the captures in the folder `path` by name.
+fn captures(path: &FilePath) -> Result<Vec<PathBuf>, RobotLogError> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let entries = std::fs::read_dir(path).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
+    let entries = entries.map_err(|why| RobotLogError::read(path, why))?;
+    let mut found: Vec<_> =
+        entries.iter().map(std::fs::DirEntry::path).filter(|path| sniffer::is_capture(path)).collect();
+    found.sort();
+    Ok(found)
+}
+
+/// Reads the path of a robot.
+fn read_path(path: &FilePath) -> Result<Path, RobotLogError> {
+    let table = Table::read(path, &["t_s", "x_m", "y_m"], &["z_m"])?;
+    let time = table.column("t_s");
+    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
+    let mut poses = Vec::new();
+    table.rows(|row| {
+        poses.push(Pose { time: row.instant(time)?, position: row.position(place)? });
+        Ok(())
+    })?;
+    Path::new(poses).map_err(|why| RobotLogError::Path { path: path.to_owned(), why })
+}
