@@ -16,6 +16,8 @@ const CHI_SQUARED_95: [f64; 2] = [5.991_464_547_107_982, 7.814_727_903_251_178];
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
     mean: Position,
+    /// The covariance, two or three rows (m²).
+    covariance: DMatrix<f64>,
     /// Inverse of the covariance, two or three rows (1/m²).
     precision: DMatrix<f64>,
     /// Square root of the determinant of the covariance (m² or m³).
@@ -34,8 +36,8 @@ impl Region {
             covariance[row][column] + if row == column { within_cell } else { 0.0 }
         });
         let volume = matrix.determinant().max(0.0).sqrt();
-        let precision = matrix.try_inverse()?;
-        Some(Self { mean: estimate.position, precision, volume })
+        let precision = matrix.clone().try_inverse()?;
+        Some(Self { mean: estimate.position, covariance: matrix, precision, volume })
     }
 
     /// Whether `place` is in the region.
@@ -44,6 +46,26 @@ impl Region {
         let apart: [f64; 3] = (place - self.mean).into();
         let apart = DVector::from_column_slice(&apart[..self.dimensions()]);
         apart.dot(&(&self.precision * &apart)) <= CHI_SQUARED_95[self.dimensions() - 2]
+    }
+
+    /// The outline of the region as seen along the axis that is not among `axes` (0 to 2, for x, y and z): the places of
+    /// `corners` points at equal angles, in metres along these axes. The projection of an ellipsoid is the ellipse whose
+    /// matrix is the part of the covariance with these rows and columns.
+    #[must_use]
+    pub fn outline(&self, axes: [usize; 2], corners: u32) -> Vec<[f64; 2]> {
+        let covariance = |row: usize, column: usize| self.covariance.get((row, column)).copied().unwrap_or(0.0);
+        let [first, second] = axes;
+        // The root of the matrix by Cholesky's method: [[a, 0], [b, c]].
+        let a = covariance(first, first).max(0.0).sqrt();
+        let b = if a > 0.0 { covariance(first, second) / a } else { 0.0 };
+        let c = (covariance(second, second) - b * b).max(0.0).sqrt();
+        let reach = CHI_SQUARED_95[self.dimensions() - 2].sqrt();
+        let mean: [f64; 3] = self.mean.into();
+        let corner = |i: u32| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(corners));
+            [mean[first] + reach * a * cos, mean[second] + reach * (b * cos + c * sin)]
+        };
+        (0..corners).map(corner).collect()
     }
 
     /// 2 for an ellipse, 3 for an ellipsoid.
@@ -91,6 +113,20 @@ mod tests {
             assert_eq!(region.contains(Position::new(1.0 + x_m, 2.0 + y_m, 7.0)), is_in);
         }
         assert!((region.size() - std::f64::consts::PI * 2.0 * half * half).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_outline_is_where_the_region_ends() {
+        let region = Region::of_95(&estimate([[4.0, 1.2, 0.0], [1.2, 1.0, 0.0], [0.0; 3]]), 0.5).unwrap();
+        for [x_m, y_m] in region.outline([0, 1], 60) {
+            let at = |share: f64| Position::new(1.0 + share * (x_m - 1.0), 2.0 + share * (y_m - 2.0), 0.0);
+            assert!(region.contains(at(0.999)) && !region.contains(at(1.001)));
+        }
+        assert!(region.outline([0, 2], 60).iter().all(|corner| corner[1].abs() < 1e-12), "it is flat");
+        // Seen along an axis, the half-axes of an ellipsoid with its axes along x, y and z are the other two.
+        let space = Region::of_95(&estimate([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 9.0]]), 0.0).unwrap();
+        let highest = space.outline([0, 2], 360).iter().map(|corner| corner[1]).fold(0.0, f64::max);
+        assert!((highest - 3.0 * 7.814_727_903_251_178_f64.sqrt()).abs() < 1e-3, "{highest} m");
     }
 
     #[test]

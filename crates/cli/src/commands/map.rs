@@ -1,13 +1,16 @@
 //! `sextant map`: computes maps from a reception log.
 
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::options::{Overrides, Results, Work};
+use super::options::{Format, Overrides, Results, Work};
 use crate::diagnostic::Failure;
+use crate::figure::{Figure, FileFormat};
 use crate::interrupt::Interrupt;
 use crate::mapping::{self, Input};
+use crate::output::{open_folder, write_file};
 use crate::recording::SCENARIO_ATTACHMENT;
 use crate::robot_log::{self, BagOptions, ReadOptions, SnifferOptions, StopRule};
 use crate::scenario::{AlgorithmName, MapSettings};
@@ -51,6 +54,14 @@ pub struct Arguments {
     /// unreliable: at-edge, unsettled or no-evidence) and the entries of the covariance, if there is one. Each further map is written to MAP.NAME.csv in the same folder
     #[arg(long, value_name = "MAP.csv")]
     pub out: Option<PathBuf>,
+    /// Draw the survey, the maps with the 95 % regions of the nodes, the reception curves against the data, the residual of
+    /// each stop and, if true positions are known, the distribution of the errors, to files in this folder. It is created
+    /// if it does not exist
+    #[arg(long, value_name = "DIR")]
+    pub figure: Option<PathBuf>,
+    /// The format of the figures
+    #[arg(long, value_enum, default_value_t, requires = "figure")]
+    pub figure_format: FileFormat,
     /// Cut the path of a robot into stops by distance (1m) or by time (2s), if the log has packets and a path. The default
     /// is a distance that gives at most 400 stops
     #[arg(long, value_name = "1m|2s", default_value = "auto", hide_default_value = true)]
@@ -108,13 +119,51 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
     input.prior =
         mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
+    let drawn = arguments.figure.as_ref().map(|folder| open_folder(folder).and_then(|()| mapping::drawn(&input)));
+    let drawn = drawn.transpose()?;
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    let summary = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
+    let (summary, maps) = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
     watcher.clear();
     for note in &input.notes {
         arguments.work.note(note);
     }
     arguments.results.tell(&summary)?;
-    if summary.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
+    if summary.interrupted {
+        return Err(Failure::Interrupted);
+    }
+    if let (Some(folder), Some(drawn)) = (&arguments.figure, drawn) {
+        let figures = mapping::figures(&title(&arguments.log), &input, drawn, &maps);
+        write_figures(&figures, folder, arguments, interrupt)?;
+    }
+    Ok(())
+}
+
+/// The name of a log in titles: that of its file or folder.
+fn title(log: &Path) -> String {
+    let whole = std::path::absolute(log).unwrap_or_else(|_| log.to_owned());
+    let name = if log.is_dir() { whole.file_name() } else { whole.file_stem() };
+    name.map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Writes `figures` to files in `folder` and tells their names: below the table or, beside JSON, on standard error.
+fn write_figures(
+    figures: &[Figure],
+    folder: &Path,
+    arguments: &Arguments,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    for figure in figures {
+        if interrupt.is_requested() {
+            return Err(Failure::Interrupted);
+        }
+        let file = figure.path(folder, arguments.figure_format);
+        let bytes = figure.encode(arguments.figure_format).map_err(|error| Failure::unwritable(&file, &error))?;
+        write_file(&file, &bytes)?;
+        match arguments.results.printing.format {
+            Format::Text => writeln!(io::stdout(), "{}", file.display())?,
+            Format::Json => arguments.work.note(&format!("wrote {}", file.display())),
+        }
+    }
+    Ok(())
 }

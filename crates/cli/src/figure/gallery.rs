@@ -3,10 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::distribution::{self, NodeError};
+use super::estimated::EstimatedMap;
 use super::file::Figure;
+use super::picture::Picture;
 use super::source::Source;
 use super::{
-    application, application_curves, displacement, field, likelihood, map, network, scattering, sectors, targets,
+    application, application_curves, displacement, estimated_map, field, likelihood, map, network, reception_curve,
+    residuals, scattering, sectors, targets,
 };
 
 /// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
@@ -14,6 +17,35 @@ use super::{
 /// positions are known, `sector-displacement` if nodes have sectors, `neighbour-scattering` if nodes computed a map, and `likelihood-NAME-NODE` for each likelihood surface.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
+    named(pictures(source))
+}
+
+/// The same of maps that were computed from the log of `source`, and whose places it has. Their `map-NAME` has regions and
+/// names, and there are `curve-NAME`, the reception curve against the data, and `residuals-NAME`, packets received minus
+/// packets expected at each stop, if the map has a curve. If a map uses several networks, there is one of each,
+/// `curve-NAME-NETWORK`.
+#[must_use]
+pub fn all_of_maps(source: &Source<'_>, maps: &[EstimatedMap<'_>]) -> Vec<Figure> {
+    let mut figures = pictures(source);
+    for estimated in maps {
+        let EstimatedMap { name, map, ref curves } = *estimated;
+        let own = format!("map-{name}");
+        if let Some((_, picture)) = figures.iter_mut().find(|(other, _)| *other == own) {
+            *picture = estimated_map::draw(source, estimated, &estimated_map::places(map));
+        }
+        for of in curves {
+            let network = of.network.map(|network| format!("-{network}")).unwrap_or_default();
+            let curve = reception_curve::draw(source.title, name, map, of);
+            figures.extend(curve.map(|picture| (format!("curve-{name}{network}"), picture)));
+            let residuals = residuals::draw(source, name, map, of);
+            figures.extend(residuals.map(|picture| (format!("residuals-{name}{network}"), picture)));
+        }
+    }
+    named(figures)
+}
+
+/// The figures and their names, which may be no file names.
+fn pictures(source: &Source<'_>) -> Vec<(String, Picture)> {
     let mut figures = vec![("network".to_owned(), network::draw(source))];
     figures.extend(sectors::draw(source).map(|picture| ("sectors".to_owned(), picture)));
     figures.extend(targets::draw(source).map(|picture| ("targets".to_owned(), picture)));
@@ -39,6 +71,10 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
         let name = format!("likelihood-{}-{}", surface.map, surface.node);
         figures.push((name, likelihood::draw(source, surface)));
     }
+    figures
+}
+
+fn named(figures: Vec<(String, Picture)>) -> Vec<Figure> {
     let mut taken = BTreeSet::new();
     figures.into_iter().map(|(name, picture)| Figure { name: file_name(&name, &mut taken), picture }).collect()
 }

@@ -13,7 +13,7 @@ use super::silhouette::draw_solids;
 use super::source::Source;
 
 /// Lines from true positions to mapped positions.
-const ERROR: Stroke = Stroke::new(THREAD, 1.0);
+pub(super) const ERROR: Stroke = Stroke::new(THREAD, 1.0);
 /// A node that knew its place, in a map that the nodes computed.
 const INITIAL_ANCHOR: RGBColor = ACCENT;
 /// The rim of a node that became an anchor.
@@ -77,7 +77,7 @@ pub(super) fn draw(source: &Source<'_>, name: &str, places: &Places) -> Picture 
 }
 
 /// The colour bar, from 0 to the largest error, or to the 95th percentile if a few errors are much larger.
-fn colour_bar(distribution: &PositionError) -> ColourBar {
+pub(super) fn colour_bar(distribution: &PositionError) -> ColourBar {
     let open_end = distribution.max > 1.5 * distribution.p95 && distribution.p95 > 0.0;
     let high = if open_end { distribution.p95 } else { distribution.max };
     let name = "position error [m]".to_owned();
@@ -85,7 +85,12 @@ fn colour_bar(distribution: &PositionError) -> ColourBar {
 }
 
 /// Title and note.
-fn heading(source: &Source<'_>, name: &str, mapped: usize, distribution: Option<PositionError>) -> (String, String) {
+pub(super) fn heading(
+    source: &Source<'_>,
+    name: &str,
+    mapped: usize,
+    distribution: Option<PositionError>,
+) -> (String, String) {
     let total = source.log.node_count();
     let share = format!("{name}: {mapped} of {total} nodes mapped");
     match distribution {

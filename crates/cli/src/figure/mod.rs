@@ -1,7 +1,7 @@
 //! Figures of a recording as SVG or PNG files, for papers and web pages.
 //!
 //! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, one of the targets, one of each recorded instant of a field, one
-//! of each application and of its time series, one of each map, one of the distribution of each kind of error, one of the sector displacement, one of the neighbour scattering in a map that the nodes computed, and one of each likelihood surface. The same recording gives the same bytes. The colours can be distinguished with any
+//! of each application and of its time series, one of each map, one of the distribution of each kind of error, one of the sector displacement, one of the neighbour scattering in a map that the nodes computed, and one of each likelihood surface. Of maps that were computed just now there are more: the map with the 95 % regions and the names of the nodes, the reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
 //! ```no_run
@@ -26,15 +26,20 @@ mod contour;
 mod curves;
 mod displacement;
 mod distribution;
+mod estimated;
+mod estimated_map;
 mod field;
 mod file;
 mod gallery;
+mod labels;
 mod likelihood;
 mod map;
 mod network;
 mod paint;
 mod palette;
 mod picture;
+mod reception_curve;
+mod residuals;
 mod scattering;
 mod sectors;
 mod sheet;
@@ -46,6 +51,7 @@ mod view;
 
 pub use bars::Bars;
 pub use curves::{Curves, Series};
+pub use estimated::{EstimatedMap, Model, ReceptionCurve};
 pub use file::{Figure, FileFormat};
-pub use gallery::all;
+pub use gallery::{all, all_of_maps};
 pub use source::Source;

@@ -109,6 +109,11 @@ impl Views {
         Self { panels, px_per_m }
     }
 
+    /// The same plots, larger by `factor`.
+    pub(super) fn enlarged(self, factor: f64) -> Self {
+        Self { px_per_m: factor * self.px_per_m, ..self }
+    }
+
     /// Widths and heights (px).
     pub(super) fn sizes(&self) -> Vec<(f64, f64)> {
         let size = |range: (f64, f64)| (range.1 - range.0) * self.px_per_m;

@@ -1,7 +1,7 @@
 //! The input of `map`: a reception log and what is known with it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::Seed;
@@ -24,6 +24,8 @@ pub struct Input {
     pub other_logs: Vec<(String, ReceptionLog)>,
     /// The known paths of robots, by name.
     pub paths: Vec<(String, Vec<Position>)>,
+    /// The recording of `run` that it was read from, if it was one.
+    pub recording: Option<PathBuf>,
     /// The scenario of the log, if it is from a recording.
     pub scenario: Option<String>,
     /// The true positions of nodes, by name.
@@ -55,6 +57,7 @@ impl Input {
                 network: None,
                 other_logs: Vec::new(),
                 paths: Vec::new(),
+                recording: None,
                 scenario: None,
                 truth: None,
                 prior: None,
@@ -91,6 +94,7 @@ impl Input {
             network: run.network,
             other_logs: run.other_logs,
             paths: run.paths,
+            recording: Some(path.to_owned()),
             scenario,
             truth,
             prior: None,

@@ -28,8 +28,12 @@ impl<'a> NetworkLogs<'a> {
             Mapper::Joint(joint) => joint.networks().next(),
             _ => map.network.as_deref(),
         };
-        let found = name.and_then(|name| self.logs.iter().find(|(other, _)| *other == name));
-        found.unwrap_or(&self.logs[0]).1
+        name.and_then(|name| self.named(name)).unwrap_or(self.logs[0].1)
+    }
+
+    /// The log of the network `name`.
+    pub(super) fn named(&self, name: &str) -> Option<&'a ReceptionLog> {
+        self.logs.iter().find(|(other, _)| *other == name).map(|(_, log)| *log)
     }
 
     /// What `map` may know of the logs.

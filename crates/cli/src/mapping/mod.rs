@@ -1,12 +1,14 @@
 //! The pipeline of `map`: computes maps from a recording or from the log of a real robot.
 
+mod figures;
 mod input;
 mod logs;
 mod notes;
 mod pipeline;
 mod prior;
 
+pub use figures::{drawn, figures};
 pub use input::Input;
 pub use logs::NetworkLogs;
-pub use pipeline::map;
+pub use pipeline::{ComputedMap, map};
 pub use prior::place_prior;

@@ -3,33 +3,45 @@
 use std::path::{Path, PathBuf};
 
 use sextant_kernel::Watch;
-use sextant_mapper::Knowledge;
+use sextant_mapper::{Knowledge, Learned, TopologyMap};
 
 use super::input::Input;
 use super::notes;
 use crate::diagnostic::Failure;
 use crate::measure::{Truth, in_world, measure};
 use crate::robot_log;
-use crate::scenario::MapSettings;
+use crate::scenario::{MapSettings, NamedMap};
 use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
+/// A map that was computed from a log.
+#[derive(Clone, Debug)]
+pub struct ComputedMap<'a> {
+    /// Its name and its algorithm.
+    pub named: &'a NamedMap,
+    /// The map, in world coordinates.
+    pub map: TopologyMap,
+    /// What else was estimated from the log.
+    pub learned: Option<Learned>,
+}
+
 /// Computes the maps of `settings` from the log of `input`, measures them if the true positions are known, writes them to
-/// the file `out` and files beside it, and returns the results. `start` is when the work began. If `watch` stops the
+/// the file `out` and files beside it, and returns the results and the maps. `start` is when the work began. If `watch` stops the
 /// work, the results are those of the finished maps.
 ///
 /// # Errors
 /// If a map cannot be computed or a file cannot be written.
-pub fn map(
+pub fn map<'a>(
     input: &mut Input,
-    settings: &MapSettings,
+    settings: &'a MapSettings,
     out: Option<&Path>,
     start: Stopwatch,
     watch: &dyn Watch,
-) -> Result<Summary, Failure> {
+) -> Result<(Summary, Vec<ComputedMap<'a>>), Failure> {
     let truth = input.true_places();
     input.notes.extend(notes::of_log(&input.log));
     let map_start = Stopwatch::start();
     let mut summaries: Vec<MapSummary> = Vec::new();
+    let mut maps = Vec::new();
     let logs = input.logs();
     let knowledge = |named| Knowledge {
         neighbours: input.known.neighbours.as_ref(),
@@ -46,12 +58,12 @@ pub fn map(
             named.mapper.map_and_learn(knowledge(named), watch).map_err(Failure::from).and_then(|(map, learned)| {
                 let (map, alignment) = in_world(map, truth.as_deref());
                 let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
-                let learned = learned.as_ref();
-                let summary =
-                    measure(&named.into(), &map, learned, input.log.names(), truth, &settings.metrics, watch)?;
-                Ok((map, alignment, summary))
+                let subject = named.into();
+                let names = input.log.names();
+                let summary = measure(&subject, &map, learned.as_ref(), names, truth, &settings.metrics, watch)?;
+                Ok((ComputedMap { named, map, learned }, alignment, summary))
             });
-        let (map, alignment, summary) = match made {
+        let (computed, alignment, summary) = match made {
             Err(Failure::Interrupted) => {
                 interrupted = true;
                 break;
@@ -61,10 +73,11 @@ pub fn map(
         summaries.push(MapSummary { alignment: Some(alignment), ..summary });
         if let Some(out) = out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
-            robot_log::write_map(&path, input.log.names(), &map)?;
+            robot_log::write_map(&path, input.log.names(), &computed.map)?;
         }
+        maps.push(computed);
     }
-    Ok(Summary {
+    let summary = Summary {
         gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
         interrupted,
         notes: input.notes.clone(),
@@ -76,7 +89,8 @@ pub fn map(
             ..Timing::default()
         }),
         ..Summary::default()
-    })
+    };
+    Ok((summary, maps))
 }
 
 /// `DIR/MAP.NAME.csv` for `DIR/MAP.csv`.

@@ -2,8 +2,10 @@
 
 mod distinct;
 mod draft;
+mod folder;
 mod whole;
 
 pub(crate) use distinct::reject_shared;
 pub(crate) use draft::{Draft, DraftError};
+pub(crate) use folder::open_folder;
 pub(crate) use whole::{write_file, write_whole};
