@@ -6,7 +6,7 @@ use sextant_kernel::NodeId;
 use sextant_mapper::{PositionError, Region, TopologyMap};
 
 use super::estimated::EstimatedMap;
-use super::labels::Labels;
+use super::labels::{Labels, MARK};
 use super::map::{ERROR, colour_bar, heading};
 use super::palette::{ACCENT, CURVES, INK};
 use super::picture::{Picture, Stroke, TextStyle, Weight};
@@ -69,7 +69,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
         let dots = places
             .iter()
             .filter_map(|(node, &place)| Some((panel.at(place), source.log.names().get(node.index())?.as_str())));
-        Labels::of(dots, radius, panel.axes.area, NAME)
+        Labels::of((dots, radius), truth.values().map(|&place| panel.at(place)), panel.axes.area, NAME)
     };
     let has_names = nodes <= MOST_NAMES;
     let left_out = views.panels(&areas).first().filter(|_| has_names).map_or(0, |panel| names(panel).left_out());
@@ -88,7 +88,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
             picture.line(panel.at(truth[node]), panel.at(places[node]), ERROR);
         }
         for &place in truth.values() {
-            picture.cross(panel.at(place), 2.8, TRUE);
+            picture.cross(panel.at(place), MARK, TRUE);
         }
         for (_, &place) in places.iter().filter(|(node, _)| !truth.contains_key(node)) {
             picture.disc(panel.at(place), radius, CURVES[0]);

@@ -5,12 +5,16 @@ use super::picture::{Anchor, Area, Picture, Point, Stroke, TextStyle, text_width
 
 /// Gap between a dot and its name (px).
 const GAP: f64 = 2.5;
+/// Space left and right of a name (px).
+const SIDE: f64 = 1.5;
 /// Height of the box of a name in ems.
 const LINE: f64 = 1.15;
 /// Directions in which a name may stand, beginning with the right side.
 const DIRECTIONS: u8 = 16;
 /// Distances from the dot at which a name may stand; from the second on a line leads there.
-const RINGS: u8 = 7;
+const RINGS: u8 = 10;
+/// Half the side of a cross (px).
+pub(super) const MARK: f64 = 2.8;
 /// Distance of two rings (px).
 const RING: f64 = 8.0;
 /// From a name that is not beside its dot to the dot.
@@ -37,20 +41,22 @@ pub(super) struct Labels {
 }
 
 impl Labels {
-    /// The names of `dots`, all with the same `radius` (px); the first ones get the best places.
+    /// The names of `dots`, all with the same `radius` (px); the first ones get the best places. They keep clear of the
+    /// crosses at `marks` too.
     pub(super) fn of<'a>(
-        dots: impl IntoIterator<Item = (Point, &'a str)> + Clone,
-        radius: f64,
+        (dots, radius): (impl IntoIterator<Item = (Point, &'a str)> + Clone, f64),
+        marks: impl IntoIterator<Item = Point>,
         frame: Area,
         style: TextStyle,
     ) -> Self {
-        let square = |center: Point| Area {
+        let square = |center: Point, radius: f64| Area {
             left: center.x - radius,
             top: center.y - radius,
             width: 2.0 * radius,
             height: 2.0 * radius,
         };
-        let taken = dots.clone().into_iter().map(|(at, _)| square(at)).collect();
+        let of_dots = dots.clone().into_iter().map(|(at, _)| square(at, radius));
+        let taken = of_dots.chain(marks.into_iter().map(|at| square(at, MARK))).collect();
         let mut labels = Self { frame, style, taken, labels: Vec::new(), left_out: 0 };
         for (at, text) in dots {
             labels.add(at, radius, text);
@@ -76,7 +82,7 @@ impl Labels {
     }
 
     fn add(&mut self, at: Point, radius: f64, text: &str) {
-        let (width, height) = (text_width(text, self.style), LINE * self.style.em);
+        let (width, height) = (text_width(text, self.style) + 2.0 * SIDE, LINE * self.style.em);
         for ring in 0..RINGS {
             for direction in 0..DIRECTIONS {
                 let angle = f64::from(direction) * std::f64::consts::TAU / f64::from(DIRECTIONS);
@@ -144,7 +150,7 @@ mod tests {
             .collect();
         let width = 60.0 + step * f64::from(side - 1);
         let frame = Area { left: 0.0, top: 0.0, width, height: width };
-        Labels::of(dots.iter().map(|(at, name)| (*at, name.as_str())), 3.0, frame, STYLE)
+        Labels::of((dots.iter().map(|(at, name)| (*at, name.as_str())), 3.0), [Point::new(30.0, 30.0)], frame, STYLE)
     }
 
     #[test]

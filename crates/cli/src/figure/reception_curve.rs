@@ -34,7 +34,7 @@ pub(super) fn draw(title: &str, name: &str, map: &TopologyMap, of: &ReceptionCur
     let network = of.network.map(|network| format!(", {network}")).unwrap_or_default();
     let sheet = Sheet {
         title: format!("{name}{network}: receptions by distance"),
-        note: format!("{title}; {} pairs of a mapped node and a stop, each one observation", pairs.len()),
+        note: format!("{title}; {} pairs of a mapped node and a stop, each counted as one observation", pairs.len()),
         bar: None,
         legend,
     };

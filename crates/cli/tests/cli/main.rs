@@ -14,6 +14,7 @@ mod figure;
 #[cfg(unix)]
 mod interrupt;
 mod map;
+mod map_figure;
 mod odometry;
 mod partial_truth;
 mod pcap;
