@@ -48,12 +48,15 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
     let views = views.enlarged((nodes as f64 / USUAL_NODES).sqrt().clamp(1.0, 2.0));
     let radius = views.dot_radius(nodes);
     let regions = regions(estimated.map);
+    let has_names = nodes <= MOST_NAMES;
     let sheet = |left_out: usize| {
         let (title, mut note) = heading(source, estimated.name, places.len(), distribution);
         if views.sizes().len() > 1 {
             note += "; seen from above and from the side";
         }
-        if left_out > 0 {
+        if !has_names {
+            note += &format!("; more than {MOST_NAMES} nodes, so without names");
+        } else if left_out > 0 {
             note += &format!("; {} without space", counted(left_out, "name"));
         }
         let legend = legend(
@@ -71,9 +74,7 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
             .filter_map(|(node, &place)| Some((panel.at(place), source.log.names().get(node.index())?.as_str())));
         Labels::of((dots, radius), truth.values().map(|&place| panel.at(place)), panel.axes.area, NAME)
     };
-    let has_names = nodes <= MOST_NAMES;
     let left_out = views.panels(&areas).first().filter(|_| has_names).map_or(0, |panel| names(panel).left_out());
-    let left_out = if has_names { left_out } else { places.len() };
     let sheet = sheet(left_out);
     let (mut picture, areas) = sheet.lay_out(&views.sizes());
     let mut order = errors;
