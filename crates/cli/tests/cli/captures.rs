@@ -141,6 +141,24 @@ fn a_bad_capture_is_an_error() {
 }
 
 #[test]
+fn a_capture_with_any_wrong_octet_has_an_answer() {
+    let folder = folder();
+    let mut options = options();
+    options.sniffer.path = Some(folder.path().join("path.csv"));
+    for name in ["tap.pcap", "mixed.pcapng"] {
+        let whole = octets(name);
+        let capture = folder.path().join(name);
+        for at in 0..whole.len() {
+            let mut octets = whole.clone();
+            octets[at] ^= 1 << (at % 8);
+            std::fs::write(&capture, octets).unwrap();
+            // An error or a log, but no panic.
+            let _ = robot_log::read(&capture, &options);
+        }
+    }
+}
+
+#[test]
 fn a_path_is_required_and_flags_must_fit() {
     let capture = kept("captures/tap.pcap");
     let (code, _, stderr) = map(&capture, &[]);

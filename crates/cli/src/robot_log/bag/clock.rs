@@ -52,3 +52,38 @@ impl LeastDelay {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn moment(stamp_ns: i64, log_ns: u64) -> Moment {
+        Moment { stamp_ns: Some(stamp_ns), log_ns }
+    }
+
+    #[test]
+    fn a_stamp_that_was_never_set_is_no_time() {
+        let at = |stamp_ns, clock| moment(stamp_ns, 9).time(clock).map(SimTime::as_nanos);
+        assert_eq!(at(7, BagClock::Stamp), Some(7));
+        assert_eq!(at(0, BagClock::Stamp), None);
+        assert_eq!(at(-7, BagClock::Stamp), None);
+        assert_eq!(at(0, BagClock::Log), Some(9));
+        assert_eq!(Moment { stamp_ns: None, log_ns: 9 }.time(BagClock::Stamp), None);
+    }
+
+    #[test]
+    fn clocks_that_differ_are_noticed_by_their_least_delays() {
+        let least = |delays_ms: &[i64]| {
+            let mut least = LeastDelay::default();
+            for (index, delay_ms) in (1..).zip(delays_ms) {
+                least.take(moment(index * 1_000_000_000 - delay_ms * 1_000_000, index as u64 * 1_000_000_000));
+            }
+            least
+        };
+        // A long delay of some messages is no other clock.
+        assert_eq!(least(&[20, 900, 30]).differs(least(&[400, 50, 80])), None);
+        let note = least(&[20, 900, 30]).differs(least(&[-1480, -1400])).unwrap();
+        assert!(note.contains("1.500 s apart"), "{note}");
+        assert_eq!(LeastDelay::default().differs(least(&[5])), None);
+    }
+}

@@ -303,3 +303,38 @@ fn stamp_beside(definitions: &Definitions, node: &FieldPath) -> Option<FieldPath
     };
     paths.into_iter().find(is_stamp)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::definition::Dialect;
+    use super::*;
+
+    /// The obvious fields of a message, and its stamp.
+    fn obvious(text: &str) -> Option<String> {
+        let definitions = Definitions::parse(Dialect::Ros2, "radio/msg/Heard", text).unwrap();
+        let fields = obvious_fields(&definitions)?;
+        let time = stamp_beside(&definitions, &fields.node);
+        Some(PacketFields { time, ..fields }.to_string())
+    }
+
+    #[test]
+    fn obvious_fields_are_found_by_their_names() {
+        let beacon = "===\nMSG: radio/Beacon\nbuiltin_interfaces/Time stamp\nuint8[6] Address\nint8 rssi\n";
+        for (text, expected) in [
+            ("string node\nfloat32 rssi_dbm\nuint8 sector", Some("node=node,rssi_dbm=rssi_dbm,sector=sector")),
+            // The first name of the list counts, and the sector must be an integer.
+            ("uint8 id\nuint16 src\nint8 RSSI\nstring sector", Some("node=src,rssi_dbm=RSSI")),
+            ("float64 node\nuint16 source\nint8 rssi", Some("node=source,rssi_dbm=rssi")),
+            (
+                &format!("builtin_interfaces/Time stamp\nuint32 id\nBeacon[] heard\n{beacon}"),
+                Some("node=heard[].Address,rssi_dbm=heard[].rssi,t_s=heard[].stamp"),
+            ),
+            // Without a level, a node alone is obvious only if there is no other one.
+            ("uint32 id\nbuiltin_interfaces/Time stamp", Some("node=id,t_s=stamp")),
+            (&format!("Beacon first\nBeacon second\n{beacon}"), None),
+            ("float32 temperature", None),
+        ] {
+            assert_eq!(obvious(text).as_deref(), expected, "{text}");
+        }
+    }
+}

@@ -281,3 +281,78 @@ fn transform<'a>(row: &[Value<'a>], log_ns: u64, is_fixed: bool) -> Result<Row<'
     let moment = Moment { stamp_ns: Some(*stamp_ns), log_ns };
     Ok(Row { parent, child, sample: Sample { moment, transform }, is_fixed })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    const SECOND_NS: u64 = 1_000_000_000;
+
+    /// A sample at a second: a translation along x, and a rotation about z.
+    fn sample(second: u64, x_m: f64, yaw: f64) -> Sample {
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        let moment = Moment { stamp_ns: Some((second * SECOND_NS).cast_signed()), log_ns: 0 };
+        Sample { moment, transform: Isometry3::from_parts(Translation3::new(x_m, 0.0, 0.0), rotation) }
+    }
+
+    fn link(is_fixed: bool, samples: &[Sample]) -> Link {
+        Link { parent: String::new(), child: String::new(), samples: samples.to_vec(), is_fixed }
+    }
+
+    #[test]
+    fn transforms_are_interpolated_between_their_times() {
+        // The map turns the odometry by 90° within 4 s, while the robot stays 2 m ahead; the antenna is 1 m before it.
+        let map = link(false, &[sample(10, 0.0, 0.0), sample(14, 0.0, FRAC_PI_2)]);
+        let robot: Vec<Sample> = (9..=15).map(|second| sample(second, 2.0, 0.0)).collect();
+        let chain = Chain { links: vec![map, link(false, &robot), link(true, &[sample(0, 1.0, 0.0)])] };
+        let positions = chain.positions(BagClock::Stamp);
+        let times: Vec<u64> = positions.iter().map(|(time, _)| time.as_nanos() / SECOND_NS).collect();
+        assert_eq!(times, [10, 11, 12, 13, 14], "where all transforms are known");
+        for (time, position) in positions {
+            let angle = (time.as_secs_f64() - 10.0) / 4.0 * FRAC_PI_2;
+            let expected = Position::new(3.0 * angle.cos(), 3.0 * angle.sin(), 0.0);
+            assert!(position.distance_m(expected) < 1e-12, "{position} at {time}");
+        }
+    }
+
+    #[test]
+    fn opposite_rotations_and_late_transforms_have_an_answer() {
+        let turning = link(false, &[sample(2, 0.0, PI), sample(0, 0.0, 0.0)]);
+        let chain = Chain { links: vec![turning, link(false, &[sample(1, 2.0, 0.0), sample(2, 2.0, 0.0)])] };
+        let positions = chain.positions(BagClock::Stamp);
+        assert!(!positions.is_empty());
+        assert!(positions.iter().all(|(_, position)| position.is_within_reason()), "{positions:?}");
+    }
+
+    #[test]
+    fn the_frames_between_the_fixed_one_and_the_robot_are_found() {
+        let parents: BTreeMap<String, String> = [("base_link", "odom"), ("odom", "map"), ("camera", "base_link")]
+            .map(|(child, parent)| (child.to_owned(), parent.to_owned()))
+            .into();
+        let pairs_of = |child: Option<&str>, fixed: Option<&str>| {
+            let options = BagOptions {
+                child_frame: child.map(str::to_owned),
+                fixed_frame: fixed.map(str::to_owned),
+                ..BagOptions::default()
+            };
+            let frames = |pairs: Vec<(String, String)>| {
+                pairs.iter().map(|(parent, child)| format!("{parent}/{child}")).collect::<Vec<_>>().join(" ")
+            };
+            pairs(&parents, &options).map(frames)
+        };
+        assert_eq!(pairs_of(None, None).as_deref(), Ok("map/odom odom/base_link"));
+        assert_eq!(pairs_of(Some("/camera"), Some("odom")).as_deref(), Ok("odom/base_link base_link/camera"));
+        for (child, fixed, problem) in [
+            (Some("laser"), None, "no transform leads to frame `laser`"),
+            (None, Some("camera"), "frame `camera` is not above frame `base_link`"),
+            (None, Some("base_link"), "`--fixed-frame` and the frame of the robot are both `base_link`"),
+        ] {
+            let found = pairs_of(child, fixed).unwrap_err();
+            assert!(found.starts_with(problem), "{found}");
+        }
+    }
+}

@@ -320,3 +320,94 @@ impl Source<'_> {
         SnifferError::Damaged { path: self.path.to_owned(), at_byte: self.at_byte, problem }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of pcapng in this byte order.
+    fn block(is_big_endian: bool, kind: u32, body: &[u8]) -> Vec<u8> {
+        let number = |value: u32| if is_big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
+        let length = number(u32::try_from(body.len()).unwrap() + 12);
+        [&number(kind)[..], &length, body, &length].concat()
+    }
+
+    fn times_of(octets: &[u8]) -> Vec<(u16, Option<u64>, Vec<u8>)> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), octets).unwrap();
+        let mut found = Vec::new();
+        let end = frames::<SnifferError>(file.path(), &mut |frame| {
+            found.push((frame.link, frame.time.map(SimTime::as_nanos), frame.octets.to_vec()));
+            Ok(())
+        });
+        assert_eq!(end, Ok(End::Whole));
+        found
+    }
+
+    #[test]
+    fn each_interface_has_its_resolution_and_offset_in_both_byte_orders() {
+        for is_big_endian in [false, true] {
+            let u16_of = |value: u16| if is_big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
+            let u32_of = |value: u32| if is_big_endian { value.to_be_bytes() } else { value.to_le_bytes() };
+            let offset: i64 = 1_000_000_000;
+            let offset = if is_big_endian { offset.to_be_bytes() } else { offset.to_le_bytes() };
+            let section = [&u32_of(BYTE_ORDER)[..], &u16_of(1), &u16_of(0), &[0xFF; 8]].concat();
+            let interface = |link: u16, options: &[&[u8]]| {
+                block(is_big_endian, 1, &[&u16_of(link)[..], &[0, 0], &u32_of(0), &options.concat()].concat())
+            };
+            let binary =
+                interface(195, &[&u16_of(9), &u16_of(1), &[0x80 | 10, 0, 0, 0], &u16_of(14), &u16_of(8), &offset]);
+            let nanoseconds = interface(230, &[&u16_of(9), &u16_of(1), &[9, 0, 0, 0], &u16_of(0), &u16_of(0)]);
+            let usual = interface(127, &[]);
+            let packet = |number: u32, ticks: u64, octets: &[u8; 4]| {
+                let [low, high] =
+                    [u32::try_from(ticks & 0xFFFF_FFFF), u32::try_from(ticks >> 32)].map(Result::unwrap);
+                let words = [number, high, low, 4, 4].map(u32_of).concat();
+                block(is_big_endian, 6, &[&words[..], octets].concat())
+            };
+            let file = [
+                block(is_big_endian, SECTION, &section),
+                binary,
+                nanoseconds,
+                usual,
+                packet(0, 5 * 1024 + 512, b"half"),
+                // A block of an unknown type is skipped.
+                block(is_big_endian, 0x0BAD, &[1; 8]),
+                packet(1, 1_700_000_000_123_456_789, b"nano"),
+                packet(2, 1_700_000_000_123_456, b"usec"),
+                // A simple packet has no time.
+                block(is_big_endian, 3, &[&u32_of(4)[..], b"none"].concat()),
+                // A new section in the other byte order knows no interfaces of the old one.
+                block(!is_big_endian, SECTION, &{
+                    let mut other = section.clone();
+                    other[..4].reverse();
+                    other
+                }),
+            ];
+            let expected = [
+                (195, Some(1_000_000_005_500_000_000), b"half".to_vec()),
+                (230, Some(1_700_000_000_123_456_789), b"nano".to_vec()),
+                (127, Some(1_700_000_000_123_456_000), b"usec".to_vec()),
+                (195, None, b"none".to_vec()),
+            ];
+            assert_eq!(times_of(&file.concat()), expected);
+        }
+    }
+
+    #[test]
+    fn an_impossible_time_is_damage() {
+        let interface = Interface { link: 195, snap_length: 0, resolution: 1, offset_s: -10 };
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let source = Source {
+            path: file.path(),
+            input: BufReader::new(File::open(file.path()).unwrap()),
+            at_byte: 0,
+            is_big_endian: false,
+            octets: Vec::new(),
+        };
+        let sections = Sections { source, interfaces: vec![interface] };
+        assert_eq!(sections.time(&interface, 10), Ok(SimTime::ZERO));
+        assert!(sections.time(&interface, 9).is_err());
+        assert!(sections.time(&interface, 1 << 40).is_err());
+    }
+}
