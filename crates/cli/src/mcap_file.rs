@@ -78,11 +78,12 @@ pub(crate) fn scan<E: From<McapFileError>>(
     }
     let mut source = BufReader::new(file);
     let options = LinearReaderOptions::default()
-        .with_prevalidate_chunk_crcs(true)
+        .with_emit_chunks(true)
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true)
         .with_record_length_limit(LONGEST_RECORD);
     let mut reader = LinearReader::new_with_options(options);
+    let mut chunks = Chunks::new();
     let mut state = Scan::default();
     let mut at_byte = 0_u64;
     while let Some(event) = reader.next_event() {
@@ -97,6 +98,9 @@ pub(crate) fn scan<E: From<McapFileError>>(
                 reader.notify_read(read);
                 at_byte += read as u64;
                 Ok(())
+            }
+            Ok(LinearReadEvent::Record { opcode: op::CHUNK, data }) => {
+                chunks.records(data, &mut |opcode, record| state.show(record, opcode, visit))?
             }
             Ok(LinearReadEvent::Record { opcode, data }) => match parse_record(opcode, data) {
                 Ok(record) => state.show(record, opcode, visit)?,
@@ -114,6 +118,7 @@ pub(crate) fn scan<E: From<McapFileError>>(
             };
             let why = match why {
                 McapError::UnexpectedEof => "it ends in the middle of a record".to_owned(),
+                McapError::UnexpectedEoc => "a chunk ends in the middle of a record".to_owned(),
                 McapError::RecordTooLarge { len, .. } | McapError::ChunkTooLarge(len) => {
                     format!("the length of a record is {len} octets; allowed: at most {LONGEST_RECORD}")
                 }
@@ -123,6 +128,90 @@ pub(crate) fn scan<E: From<McapFileError>>(
         }
     }
     Ok(None)
+}
+
+/// Reads the records in chunks.
+///
+/// The reader of the crate (0.26) does not check that a record ends within its chunk if the chunk is not compressed: a
+/// damaged length makes it panic or read the rest of the file as records of the chunk. So such chunks are read here.
+struct Chunks {
+    /// Reads compressed chunks, one after the other.
+    compressed: LinearReader,
+}
+
+/// What becomes of a record: the inner error is damage; the outer one ends the reading.
+type Shown<E> = Result<Result<(), McapError>, E>;
+
+impl Chunks {
+    fn new() -> Self {
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(LONGEST_RECORD);
+        Self { compressed: LinearReader::new_with_options(options) }
+    }
+
+    /// Calls `show` with each record of the chunk `data`, if its checksum is right.
+    fn records<E>(&mut self, data: &[u8], show: &mut dyn FnMut(u8, Record<'_>) -> Shown<E>) -> Shown<E> {
+        let (header, records) = match parse_record(op::CHUNK, data) {
+            Ok(Record::Chunk { header, data: records }) => (header, records),
+            Ok(_) => return Ok(Ok(())),
+            Err(why) => return Ok(Err(why)),
+        };
+        if !header.compression.is_empty() {
+            return self.decompressed(data, show);
+        }
+        let (saved, calculated) = (header.uncompressed_crc, crc32fast::hash(&records));
+        if saved != 0 && saved != calculated {
+            return Ok(Err(McapError::BadChunkCrc { saved, calculated }));
+        }
+        let mut rest: &[u8] = &records;
+        while let Some((&opcode, tail)) = rest.split_first() {
+            let Some((&length, tail)) = tail.split_first_chunk() else { return Ok(Err(McapError::UnexpectedEoc)) };
+            let length = usize::try_from(u64::from_le_bytes(length)).ok();
+            let Some((record, tail)) = length.and_then(|length| tail.split_at_checked(length)) else {
+                return Ok(Err(McapError::UnexpectedEoc));
+            };
+            rest = tail;
+            match parse_record(opcode, record) {
+                Ok(record) => {
+                    if let Err(why) = show(opcode, record)? {
+                        return Ok(Err(why));
+                    }
+                }
+                Err(why) => return Ok(Err(why)),
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    fn decompressed<E>(&mut self, data: &[u8], show: &mut dyn FnMut(u8, Record<'_>) -> Shown<E>) -> Shown<E> {
+        let length = (data.len() as u64).to_le_bytes();
+        let start = [&[op::CHUNK][..], &length].concat();
+        let mut parts = [start.as_slice(), data];
+        while let Some(event) = self.compressed.next_event() {
+            let shown = match event {
+                Ok(LinearReadEvent::ReadRequest(need)) => {
+                    let Some(part) = parts.iter_mut().find(|part| !part.is_empty()) else { break };
+                    let (now, later) = part.split_at(need.min(part.len()));
+                    self.compressed.insert(now.len())[..now.len()].copy_from_slice(now);
+                    self.compressed.notify_read(now.len());
+                    *part = later;
+                    Ok(())
+                }
+                Ok(LinearReadEvent::Record { opcode, data }) => match parse_record(opcode, data) {
+                    Ok(record) => show(opcode, record)?,
+                    Err(why) => Err(why),
+                },
+                Err(why) => Err(why),
+            };
+            if let Err(why) = shown {
+                return Ok(Err(why));
+            }
+        }
+        Ok(Ok(()))
+    }
 }
 
 /// The state of the reading.
@@ -142,7 +231,7 @@ impl Scan {
         record: Record<'_>,
         opcode: u8,
         visit: &mut dyn FnMut(Piece<'_>) -> Result<(), E>,
-    ) -> Result<Result<(), McapError>, E> {
+    ) -> Shown<E> {
         self.begun = true;
         // The summary section only repeats earlier records.
         self.past_data |= opcode == op::DATA_END;

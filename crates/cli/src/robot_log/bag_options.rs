@@ -12,8 +12,8 @@ use super::field_path::FieldPath;
 #[command(next_help_heading = "Options for ROS bags")]
 pub struct BagOptions {
     /// Take the path of the robot from this topic: nav_msgs/Odometry, geometry_msgs/PoseStamped or
-    /// PoseWithCovarianceStamped, or transforms (tf2_msgs/TFMessage, /tf for example). The default is the only topic with
-    /// such poses; without any, /tf
+    /// PoseWithCovarianceStamped, transforms (tf2_msgs/TFMessage, /tf for example) or satellite fixes (sensor_msgs/NavSatFix).
+    /// The default is the only topic with such poses; without any, the only one with transforms or fixes
     #[arg(long, value_name = "TOPIC")]
     pub pose_topic: Option<String>,
     /// With transforms: the frame of the robot or of its antenna. The default is base_link or base_footprint

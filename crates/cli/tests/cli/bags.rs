@@ -57,6 +57,21 @@ fn transforms_are_composed_and_each_value_of_a_list_is_a_packet() {
 }
 
 #[test]
+fn fixes_of_a_satellite_receiver_are_a_path_in_a_plane() {
+    let log = read("fixes.mcap", &options()).unwrap();
+    let places: Vec<_> = log.log.stops().iter().map(|stop| stop.position).collect();
+    assert_eq!(places.len(), 6);
+    for (second, place) in (0..).zip(&places) {
+        // East of the first fix, along y = 0.
+        let expected_m = 0.5 * f64::from(second) + 0.25;
+        assert!(f64::hypot(place.x_m - expected_m, place.y_m) < 1e-5 && place.z_m.abs() < 1e-5, "{place}");
+    }
+    let first = log.plane.unwrap().origin();
+    assert!((first.lat_deg - 48.58).abs() < 1e-9 && (first.lon_deg - 7.75).abs() < 1e-9, "{first:?}");
+    assert!(log.notes[1].starts_with("1 messages of `/fix` without a fix are skipped"), "{:?}", log.notes);
+}
+
+#[test]
 fn each_type_of_field_is_skipped_in_both_byte_orders() {
     for name in ["little_endian.mcap", "big_endian.mcap"] {
         let log = read(name, &with_fields("node=node_id,rssi_dbm=rssi_dbm")).unwrap();

@@ -8,6 +8,7 @@ mod body;
 mod clock;
 mod definition;
 mod files;
+mod fixes;
 mod leaves;
 mod packets;
 mod poses;
@@ -21,6 +22,7 @@ use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
 use self::clock::{LeastDelay, Moment};
+use self::fixes::Fixes;
 use self::packets::PacketSource;
 use self::poses::{PoseSource, TimedPosition};
 use self::topics::Bag;
@@ -29,6 +31,7 @@ use super::bag_error::BagError;
 use super::bag_options::{BagClock, BagOptions};
 use super::error::RobotLogError;
 use super::gatherer::Gatherer;
+use super::local_plane::LocalPlane;
 use super::log::RobotLog;
 use super::options::ReadOptions;
 use super::packet::Packet;
@@ -77,6 +80,9 @@ pub(super) fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, R
     let mut log = gatherer.finish()?;
     let mut notes = bag.notes.clone();
     notes.push(described(&track, poses, &packets, clock));
+    if let Track::Fixes(Fixes { missing: missing @ 1.., .. }) = &track {
+        notes.push(format!("{missing} messages of `{}` without a fix are skipped", poses.topic().name));
+    }
     if let (PoseSource::Poses(..), Some(transforms)) = (poses, bag.topics().find(|topic| topic.name == "/tf")) {
         notes.push(format!(
             "odometry drifts: if the transforms of `{0}` are corrected by a map, give `--pose-topic {0}`",
@@ -84,20 +90,20 @@ pub(super) fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, R
         ));
     }
     if nameless > 0 {
-        notes.push(format!("{nameless} packets name no node and are skipped"));
+        notes.push(format!("{nameless} packets without the name of a node are skipped"));
     }
     if clock == BagClock::Stamp {
         notes.extend(track.least_delay().differs(delay));
     }
     notes.append(&mut log.notes);
-    Ok(RobotLog { notes, ..log })
+    Ok(RobotLog { notes, plane: track.plane(), ..log })
 }
 
 /// What is read, for people.
 fn described(track: &Track, poses: PoseSource<'_>, packets: &PacketSource<'_>, clock: BagClock) -> String {
     let pose_topic = poses.topic();
     let frames = match track {
-        Track::Positions(_) => pose_topic.message_type.clone(),
+        Track::Positions(_) | Track::Fixes(_) => pose_topic.message_type.clone(),
         Track::Transforms(chain) => chain.frames(),
     };
     let times = match clock {
@@ -115,6 +121,7 @@ fn described(track: &Track, poses: PoseSource<'_>, packets: &PacketSource<'_>, c
 enum Track {
     Positions(Vec<TimedPosition>),
     Transforms(Chain),
+    Fixes(Fixes),
 }
 
 impl Track {
@@ -122,19 +129,30 @@ impl Track {
         match source {
             PoseSource::Poses(topic, position) => poses::read(bag, topic, position).map(Self::Positions),
             PoseSource::Transforms(topic) => Chain::read(bag, topic, options).map(Self::Transforms),
+            PoseSource::Fixes(topic) => fixes::read(bag, topic).map(Self::Fixes),
+        }
+    }
+
+    /// The plane of its places, if they are given by latitude and longitude.
+    fn plane(&self) -> Option<LocalPlane> {
+        match self {
+            Self::Positions(_) | Self::Transforms(_) => None,
+            Self::Fixes(fixes) => fixes.plane,
         }
     }
 
     fn has_stamps(&self) -> bool {
         match self {
-            Self::Positions(all) => all.iter().all(|pose| pose.moment.time(BagClock::Stamp).is_some()),
+            Self::Positions(all) | Self::Fixes(Fixes { positions: all, .. }) => {
+                all.iter().all(|pose| pose.moment.time(BagClock::Stamp).is_some())
+            }
             Self::Transforms(chain) => chain.has_stamps(),
         }
     }
 
     fn least_delay(&self) -> LeastDelay {
         match self {
-            Self::Positions(all) => {
+            Self::Positions(all) | Self::Fixes(Fixes { positions: all, .. }) => {
                 let mut least = LeastDelay::default();
                 all.iter().for_each(|pose| least.take(pose.moment));
                 least
@@ -147,7 +165,7 @@ impl Track {
         let topic = &source.topic().name;
         let pose = |(time, position): (SimTime, Position)| Pose { time, position };
         let poses: Vec<Pose> = match self {
-            Self::Positions(all) => {
+            Self::Positions(all) | Self::Fixes(Fixes { positions: all, .. }) => {
                 let timed = |at: &TimedPosition| Ok(pose((time(bag, topic, at.moment, clock)?, at.position)));
                 all.iter().map(timed).collect::<Result<_, BagError>>()?
             }

@@ -17,6 +17,9 @@ const POSE_TYPES: [(&str, &str); 3] = [
     ("geometry_msgs/PoseWithCovarianceStamped", "pose.pose.position"),
 ];
 
+/// The type of messages with latitude and longitude.
+const FIX_TYPE: &str = "sensor_msgs/NavSatFix";
+
 /// Where the robot was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TimedPosition {
@@ -31,10 +34,12 @@ pub(super) enum PoseSource<'a> {
     Poses(&'a Topic, &'static str),
     /// A topic of transforms.
     Transforms(&'a Topic),
+    /// A topic of fixes of a satellite receiver.
+    Fixes(&'a Topic),
 }
 
 impl<'a> PoseSource<'a> {
-    /// What `options` name, or the only topic of poses, or the transforms if there is none.
+    /// What `options` name, or the only topic of poses; if there is none, the only topic of transforms or fixes.
     ///
     /// # Errors
     /// If there is no such topic, several, or the options do not fit it.
@@ -69,9 +74,9 @@ impl<'a> PoseSource<'a> {
                 }
             }
         };
-        if let (Self::Poses(topic, _), true) =
-            (source, options.child_frame.is_some() || options.fixed_frame.is_some())
-        {
+        let has_frames = options.child_frame.is_some() || options.fixed_frame.is_some();
+        if has_frames && !matches!(source, Self::Transforms(_)) {
+            let topic = source.topic();
             let found = &topic.message_type;
             let problem =
                 format!("`--child-frame` and `--fixed-frame` are for transforms, but its messages are {found}");
@@ -92,6 +97,9 @@ impl<'a> PoseSource<'a> {
         if transforms::is_of_transforms(topic) {
             return (!transforms::is_fixed(topic)).then_some(Self::Transforms(topic));
         }
+        if topic.message_type == FIX_TYPE {
+            return Some(Self::Fixes(topic));
+        }
         let (_, position) = POSE_TYPES.iter().find(|(name, _)| *name == topic.message_type)?;
         Some(Self::Poses(topic, position))
     }
@@ -99,14 +107,14 @@ impl<'a> PoseSource<'a> {
     /// The topic.
     pub(super) const fn topic(self) -> &'a Topic {
         match self {
-            Self::Poses(topic, _) | Self::Transforms(topic) => topic,
+            Self::Poses(topic, _) | Self::Transforms(topic) | Self::Fixes(topic) => topic,
         }
     }
 }
 
 fn allowed() -> String {
     let poses = POSE_TYPES.map(|(name, _)| name).join(", ");
-    format!("{poses}, {}", transforms::MESSAGE_TYPES.join(", "))
+    format!("{poses}, {}, {FIX_TYPE}", transforms::MESSAGE_TYPES.join(", "))
 }
 
 /// The positions of the messages of `topic`, in their order.
@@ -116,24 +124,37 @@ fn allowed() -> String {
 pub(super) fn read(bag: &Bag, topic: &Topic, position: &str) -> Result<Vec<TimedPosition>, BagError> {
     let paths =
         ["header.stamp".to_owned(), format!("{position}.x"), format!("{position}.y"), format!("{position}.z")];
+    let mut found = Vec::new();
+    rows(bag, topic, &paths, |log_ns, row| {
+        if let [Value::Instant(stamp_ns), Value::Real(x_m), Value::Real(y_m), Value::Real(z_m)] = *row {
+            let moment = Moment { stamp_ns: Some(stamp_ns), log_ns };
+            found.push(TimedPosition { moment, position: Position::new(x_m, y_m, z_m) });
+        }
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// Calls `take` with the values at `paths` in each message of `topic`, and when it was recorded (ns).
+///
+/// # Errors
+/// If a message does not fit its definition, or a file cannot be read; or the error of `take`.
+pub(super) fn rows(
+    bag: &Bag,
+    topic: &Topic,
+    paths: &[String],
+    mut take: impl FnMut(u64, &[Value<'_>]) -> Result<(), String>,
+) -> Result<(), BagError> {
     let select = || {
         let paths = paths.iter().map(|path| FieldPath::parse(path)).collect::<Result<Vec<_>, _>>()?;
         Selection::new(topic.definitions()?, &paths)
     };
     let selection = select().map_err(|problem| bag.topic_problem(&topic.name, problem))?;
-    let mut found = Vec::new();
     bag.messages::<BagError>(|message| {
         if message.topic != topic.name {
             return Ok(());
         }
-        let read = selection.rows(message.data, |row| {
-            if let [Value::Instant(stamp_ns), Value::Real(x_m), Value::Real(y_m), Value::Real(z_m)] = *row {
-                let moment = Moment { stamp_ns: Some(stamp_ns), log_ns: message.log_ns };
-                found.push(TimedPosition { moment, position: Position::new(x_m, y_m, z_m) });
-            }
-            Ok::<(), String>(())
-        });
+        let read = selection.rows(message.data, |row| take(message.log_ns, row));
         read.and_then(|visited| visited).map_err(|problem| bag.topic_problem(&topic.name, problem))
-    })?;
-    Ok(found)
+    })
 }

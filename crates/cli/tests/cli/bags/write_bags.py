@@ -274,6 +274,46 @@ def drive_everything(types):
     return sorted(rows, key=lambda row: (row[2], row[0]))
 
 
+def drive_fixes(types):
+    """The drive east from 48.58 N, 7.75 E; the first message has no fix."""
+    lat, lon, height = 48.58, 7.75, 150.0
+    # One metre east in degrees of longitude: NIMA TR8350.2, radius of curvature in the prime vertical.
+    a, e2 = 6378137.0, 6.69437999014e-3
+    radius = a / math.sqrt(1 - e2 * math.sin(math.radians(lat)) ** 2) + height
+    rows = []
+    for second, ns in times(2):
+        east = math.degrees(antenna(second)[0] / (radius * math.cos(math.radians(lat))))
+        status = of(types, "sensor_msgs/msg/NavSatStatus", status=0, service=1)
+        fix = of(
+            types,
+            "sensor_msgs/msg/NavSatFix",
+            header=header(types, ns, "gps"),
+            status=status,
+            latitude=lat,
+            longitude=lon + east,
+            altitude=height,
+            position_covariance=np.zeros(9),
+            position_covariance_type=0,
+        )
+        rows.append(("/fix", "sensor_msgs/msg/NavSatFix", ns, fix))
+    nan, ns = float("nan"), START_NS - SECOND_NS
+    lost = of(types, "sensor_msgs/msg/NavSatStatus", status=-1, service=1)
+    none = of(
+        types,
+        "sensor_msgs/msg/NavSatFix",
+        header=header(types, ns, "gps"),
+        status=lost,
+        latitude=nan,
+        longitude=nan,
+        altitude=nan,
+        position_covariance=np.zeros(9),
+        position_covariance_type=0,
+    )
+    rows.append(("/fix", "sensor_msgs/msg/NavSatFix", ns, none))
+    rows += [("/radio", "radio_msgs/msg/Heard", ns, heard(types, ns, n, level)) for ns, n, level in packets()]
+    return sorted(rows, key=lambda row: (row[2], row[0]))
+
+
 def with_rosbags(folder, rows, compress=False):
     """A folder as `ros2 bag record -s mcap` writes it."""
     shutil.rmtree(folder, ignore_errors=True)
@@ -337,6 +377,7 @@ def main():
     with_mcap(HERE / "big_endian.mcap", drive_everything(TYPES), TYPES, big, "ros2", CompressionType.LZ4)
     little = TYPES.serialize_cdr
     with_mcap(HERE / "little_endian.mcap", drive_everything(TYPES), TYPES, little, "", CompressionType.ZSTD)
+    with_mcap(HERE / "fixes.mcap", drive_fixes(TYPES), TYPES, little, "ros2", CompressionType.ZSTD)
     one = TYPES1.serialize_ros1
     with_mcap(HERE / "ros1.mcap", drive_odometry(TYPES1), TYPES1, one, "ros1", CompressionType.ZSTD)
 
