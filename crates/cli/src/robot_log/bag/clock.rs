@@ -76,7 +76,10 @@ mod tests {
         let least = |delays_ms: &[i64]| {
             let mut least = LeastDelay::default();
             for (index, delay_ms) in (1..).zip(delays_ms) {
-                least.take(moment(index * 1_000_000_000 - delay_ms * 1_000_000, index as u64 * 1_000_000_000));
+                least.take(moment(
+                    index * 1_000_000_000 - delay_ms * 1_000_000,
+                    1_000_000_000 * index.cast_unsigned(),
+                ));
             }
             least
         };
