@@ -1,7 +1,7 @@
 //! A map with the 95 % region and the name of each node, the stops and the paths, and the true positions if they are known.
 
 use plotters::style::RGBColor;
-use sextant_channel::Position;
+use sextant_channel::{Bounds, Position};
 use sextant_kernel::NodeId;
 use sextant_mapper::{PositionError, Region, TopologyMap};
 
@@ -44,10 +44,11 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
     let distribution = PositionError::of(&errors.iter().map(|&(_, error_m)| error_m).collect::<Vec<_>>());
     let bar = distribution.map(|distribution| colour_bar(&distribution));
     let nodes = source.log.node_count();
-    let views = source.views(source.survey().chain(places.values().copied()));
+    let regions = regions(estimated.map);
+    let shown = || source.survey().chain(places.values().copied()).chain(truth.values().copied());
+    let views = source.views(shown().chain(reach(&regions, shown())));
     let views = views.enlarged((nodes as f64 / USUAL_NODES).sqrt().clamp(1.0, 2.0));
     let radius = views.dot_radius(nodes);
-    let regions = regions(estimated.map);
     let has_names = nodes <= MOST_NAMES;
     let sheet = |left_out: usize| {
         let (title, mut note) = heading(source, estimated.name, places.len(), distribution);
@@ -115,6 +116,33 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
 fn regions(map: &TopologyMap) -> Vec<Region> {
     let step_m = map.grid_step_m.unwrap_or(0.0);
     map.estimates.iter().flatten().filter_map(|estimate| Region::of_95(estimate, step_m)).collect()
+}
+
+/// The corners of the boxes around `regions`, but no farther beyond the box around `places` than a quarter of its size, or
+/// than half the regions reach: a few regions may be much larger than the world.
+fn reach(regions: &[Region], places: impl Iterator<Item = Position>) -> Vec<Position> {
+    let box_of = |region: &Region| {
+        let range = |axes: [usize; 2], of: usize| {
+            let along = || region.outline(axes, CORNERS).into_iter().map(move |corner| corner[of]);
+            [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
+        };
+        let [x, y, z] = [range([0, 1], 0), range([0, 1], 1), range([0, 2], 1)];
+        Bounds { min: Position::new(x[0], y[0], z[0]), max: Position::new(x[1], y[1], z[1]) }
+    };
+    let boxes: Vec<Bounds> = regions.iter().map(box_of).collect();
+    let Some(world) = Bounds::of(places) else { return Vec::new() };
+    let mut sizes: Vec<f64> = boxes.iter().map(|bounds| bounds.min.distance_m(bounds.max)).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let usual = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    let limit = world.grown((0.25 * world.min.distance_m(world.max)).max(0.5 * usual));
+    let limited = |place: Position| {
+        Position::new(
+            place.x_m.clamp(limit.min.x_m, limit.max.x_m),
+            place.y_m.clamp(limit.min.y_m, limit.max.y_m),
+            place.z_m.clamp(limit.min.z_m, limit.max.z_m),
+        )
+    };
+    boxes.into_iter().flat_map(|bounds| [limited(bounds.min), limited(bounds.max)]).collect()
 }
 
 /// Draws the part of the outline of a region that is within the frame.
@@ -192,4 +220,36 @@ fn legend(source: &Source<'_>, map: &TopologyMap, shown: &Shown<'_>) -> Vec<Entr
 pub(super) fn places(map: &TopologyMap) -> Places {
     let place = |(node, place): (usize, Option<Position>)| Some((NodeId::from_index(node), place?));
     map.positions().into_iter().enumerate().filter_map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_mapper::CoordinateFrame;
+
+    use super::*;
+
+    /// A node at (1, 2) with these standard deviations (m).
+    fn region(sigma_x_m: f64, sigma_y_m: f64) -> Region {
+        let places = vec![Some(Position::new(1.0, 2.0, 0.0))];
+        let mut map = TopologyMap::of_places("test", places, CoordinateFrame::World);
+        let covariance = [[sigma_x_m * sigma_x_m, 0.0, 0.0], [0.0, sigma_y_m * sigma_y_m, 0.0], [0.0; 3]];
+        map.estimates[0].as_mut().unwrap().covariance = Some(covariance);
+        regions(&map).remove(0)
+    }
+
+    #[test]
+    fn a_region_is_shown_as_a_whole_unless_it_is_much_larger_than_the_world() {
+        let world = [Position::ORIGIN, Position::new(30.0, 40.0, 0.0)];
+        // The half-axes of a 95 % region are 2.4477 standard deviations.
+        let shown = reach(&[region(1.0, 2.0), region(1.0, 2.0), region(1000.0, 1.0)], world.into_iter());
+        let expected = [[-1.4477, -2.8955], [3.4477, 6.8955], [-1.4477, -2.8955], [3.4477, 6.8955]];
+        for (place, [x_m, y_m]) in shown.iter().zip(expected) {
+            assert!((place.x_m - x_m).abs() < 1e-3 && (place.y_m - y_m).abs() < 1e-3, "{place:?}");
+        }
+        // A quarter of the diagonal of 50 m beyond the world.
+        assert!((shown[4].x_m + 12.5).abs() < 1e-9 && (shown[5].x_m - 42.5).abs() < 1e-9, "{shown:?}");
+        // A world of one place is as large as its region.
+        let alone = reach(&[region(1.0, 2.0)], [Position::new(1.0, 2.0, 0.0)].into_iter());
+        assert!((alone[1].y_m - 6.8955).abs() < 1e-3, "{alone:?}");
+    }
 }

@@ -15,7 +15,7 @@ use super::ticks::number;
 const MORE: RGBColor = CURVES[0];
 /// Fewer packets than expected.
 const FEWER: RGBColor = ACCENT;
-/// Radius of the largest residual (px).
+/// Radius of the largest residual, if it is at least a packet (px).
 const LARGEST: f64 = 13.0;
 /// Round a residual, so that two that overlap can be told apart.
 const RIM: Stroke = Stroke::new(PAPER, 1.0);
@@ -33,7 +33,8 @@ pub(super) fn draw(source: &Source<'_>, name: &str, map: &TopologyMap, of: &Rece
     if largest.is_nan() {
         return None;
     }
-    let radius = |residual: f64| LARGEST * (residual.abs() / largest.max(1e-9)).sqrt();
+    let largest = largest.max(1.0);
+    let radius = |residual: f64| LARGEST * (residual.abs() / largest).sqrt();
     let received: f64 = pairs.iter().map(|pair| pair.received).sum();
     let sum: f64 = residuals.iter().flatten().sum();
     let network = of.network.map(|network| format!(", {network}")).unwrap_or_default();
@@ -77,10 +78,9 @@ fn legend(largest: f64, radius: &dyn Fn(f64) -> f64, has_solids: bool, source: &
     let disc = |fill, text: &str| Entry { symbol: Symbol::Disc { radius: 6.0, fill }, text: text.to_owned() };
     let mut legend = vec![disc(MORE, "more than expected (+)"), disc(FEWER, "fewer than expected (\u{2212})")];
     let size = round(largest);
-    let decimals = if size < 1.0 { 2 } else { 0 };
     legend.push(Entry {
         symbol: Symbol::Circle { radius: radius(size), stroke: Stroke::new(INK, 1.0) },
-        text: format!("size of {} packets", number(size, decimals)),
+        text: format!("size of {} packet{}", number(size, 0), if size > 1.0 { "s" } else { "" }),
     });
     legend.push(Entry { symbol: Symbol::Square { side: STOP, fill: INK }, text: "stop".to_owned() });
     legend.push(Entry { symbol: Symbol::Cross { stroke: NODE }, text: "mapped node".to_owned() });
@@ -90,9 +90,8 @@ fn legend(largest: f64, radius: &dyn Fn(f64) -> f64, has_solids: bool, source: &
     legend
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that does not exceed `value`; 0.01 at least.
+/// The largest of 1, 2 and 5 times a power of ten that does not exceed `value`, which is at least 1.
 fn round(value: f64) -> f64 {
-    let value = value.max(0.01);
     let power = 10_f64.powf((value * (1.0 + 1e-9)).log10().floor());
     [5.0, 2.0].into_iter().map(|factor| factor * power).find(|round| *round <= value).unwrap_or(power)
 }
@@ -127,7 +126,7 @@ mod tests {
 
     #[test]
     fn the_size_in_the_legend_is_round() {
-        for (value, expected) in [(1.0, 1.0), (7.3, 5.0), (49.9, 20.0), (0.3, 0.2), (1e-9, 0.01), (999.0, 500.0)] {
+        for (value, expected) in [(1.0, 1.0), (7.3, 5.0), (49.9, 20.0), (10.0, 10.0), (999.0, 500.0)] {
             assert!((round(value) - expected).abs() < 1e-12, "{value}: {}", round(value));
         }
     }
