@@ -35,7 +35,7 @@ const CORNERS: u32 = 72;
 /// Maps with more nodes than this have no names.
 const MOST_NAMES: usize = 500;
 /// A picture has its usual size up to this number of nodes, and at most twice that for more.
-const USUAL_NODES: f64 = 30.0;
+const USUAL_NODES: f64 = 15.0;
 
 /// The figure.
 pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &Places) -> Picture {
