@@ -115,7 +115,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         return Err(Failure::bad_input_with_help(problem, "leave out `--network`"));
     }
     if let Some(path) = &arguments.truth {
-        input.take_truth(robot_log::read_truth(path)?);
+        let truth = robot_log::read_truth(path, input.plane.as_ref(), &mut input.notes)?;
+        input.take_truth(truth);
     }
     input.prior =
         mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;

@@ -73,7 +73,7 @@ pub fn map<'a>(
         summaries.push(MapSummary { alignment: Some(alignment), ..summary });
         if let Some(out) = out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
-            robot_log::write_map(&path, input.log.names(), &computed.map)?;
+            robot_log::write_map(&path, input.log.names(), &computed.map, input.plane.as_ref())?;
         }
         maps.push(computed);
     }

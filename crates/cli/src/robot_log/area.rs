@@ -7,6 +7,7 @@ use sextant_mapper::Area;
 
 use super::error::RobotLogError;
 use super::local_plane::LocalPlane;
+use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
 
 /// What a GeoJSON file of an area may hold.
@@ -32,36 +33,21 @@ pub fn read_area(path: &Path, plane: Option<&LocalPlane>) -> Result<Area, RobotL
                 ring.into_iter().map(corner).collect::<Result<_, _>>().map_err(refused)?
             }
         }
-    } else if let Some(plane) = plane {
-        rows_on_plane(path, plane)?
     } else {
-        rows(path)?
+        rows(path, plane)?
     };
     Area::polygon(&corners).map_err(|error| refused(error.to_string()))
 }
 
 /// The corners in the rows of a CSV file.
-fn rows(path: &Path) -> Result<Vec<[f64; 2]>, RobotLogError> {
-    let table = Table::read(path, &["x_m", "y_m"], &["z_m"])?;
-    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
+fn rows(path: &Path, plane: Option<&LocalPlane>) -> Result<Vec<[f64; 2]>, RobotLogError> {
+    let table = Table::open(path, &[], &COLUMNS)?;
+    let places = Places::of(&table, Frame::of(plane), &mut Vec::new())?;
+    let mut plane = plane.copied();
     let mut corners = Vec::new();
     table.rows(|row| {
-        let corner = row.position(place)?;
+        let corner = places.read(row, &mut plane)?;
         corners.push([corner.x_m, corner.y_m]);
-        Ok(())
-    })?;
-    Ok(corners)
-}
-
-/// The corners by latitude and longitude in the rows of a CSV file.
-fn rows_on_plane(path: &Path, plane: &LocalPlane) -> Result<Vec<[f64; 2]>, RobotLogError> {
-    let table = Table::read(path, &["lat", "lon"], &[])?;
-    let [lat, lon] = ["lat", "lon"].map(|name| table.column(name));
-    let mut corners = Vec::new();
-    table.rows(|row| {
-        let degrees = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a number of degrees"));
-        let corner = on_plane(plane, degrees(lat)?, degrees(lon)?);
-        corners.push(corner.map_err(|problem| row.wrong(lat, problem))?);
         Ok(())
     })?;
     Ok(corners)
@@ -147,7 +133,7 @@ mod tests {
         let polygon = "{\"type\":\"Polygon\",\"coordinates\":[[[3,50],[3.001,50],[3,50.001],[3,50]]]}";
         assert_eq!(area(polygon).unwrap(), csv);
         let far = area("lat,lon\n50,3\n3,50\n50.001,3\n").unwrap_err();
-        assert!(far.contains("line 3") && far.contains("within 100 km"), "{far}");
+        assert!(far.contains("line 3") && far.contains("at most 100 km"), "{far}");
     }
 
     #[test]

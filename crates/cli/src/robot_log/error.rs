@@ -65,6 +65,42 @@ pub enum RobotLogError {
         /// The error.
         why: LogError,
     },
+    /// A folder has packets and receptions.
+    #[error(
+        "`{}` has both packets.csv and {rival}: a log is packets.csv and path.csv, or stops.csv and receptions.csv; move \
+         away those that are not meant",
+        .path.display()
+    )]
+    TwoLogs {
+        /// The folder.
+        path: PathBuf,
+        /// The file beside the packets.
+        rival: &'static str,
+    },
+    /// A folder has a path and nothing that was heard.
+    #[error("`{}` has path.csv, but no packets.csv with what was heard on it", .path.display())]
+    NoPacketFile {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A folder has no log.
+    #[error(
+        "`{}` has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv", .path.display()
+    )]
+    NoLog {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A map is to be written as GeoJSON, but its places on the earth are unknown.
+    #[error(
+        "`{}`: GeoJSON has latitudes and longitudes, but the places of this map are metres in a plane of their own; name a \
+         .csv file, or give the log its places by the columns `lat` and `lon`",
+        .path.display()
+    )]
+    NotOnEarth {
+        /// The file.
+        path: PathBuf,
+    },
     /// The packets do not form a valid reception log.
     #[error(transparent)]
     Invalid(LogError),

@@ -24,6 +24,14 @@ pub struct Geodetic {
     pub height_m: f64,
 }
 
+impl Geodetic {
+    /// The same with degrees to nine decimals (0.1 mm on the ground) and the height to a tenth of a millimetre.
+    pub(super) fn rounded(self) -> Self {
+        let round = |value: f64, decimals: i32| (value * 10_f64.powi(decimals)).round() / 10_f64.powi(decimals);
+        Self { lat_deg: round(self.lat_deg, 9), lon_deg: round(self.lon_deg, 9), height_m: round(self.height_m, 4) }
+    }
+}
+
 /// A local plane: x and y are east and north in the plane that touches the ellipsoid at the origin, z is the height
 /// above that of the origin. So level ground stays level, and distances are true to first order.
 ///
@@ -63,6 +71,12 @@ impl LocalPlane {
         self.origin
     }
 
+    /// Whether the log has heights above the sea or the ellipsoid: the origin is not at height 0.
+    #[must_use]
+    pub fn has_altitude(&self) -> bool {
+        self.origin.height_m.abs() > 0.0
+    }
+
     /// The place in the plane (m) of a place on the earth (degrees north and east, metres).
     #[must_use]
     pub fn to_local(&self, lat_deg: f64, lon_deg: f64, height_m: f64) -> Position {
@@ -72,6 +86,13 @@ impl LocalPlane {
         let east = self.cos_lon * dy - self.sin_lon * dx;
         let north = self.cos_lat * dz - self.sin_lat * outward;
         Position::new(east, north, height_m - self.origin.height_m)
+    }
+
+    /// Straight distance from the origin to a place on the earth (m).
+    #[must_use]
+    pub fn distance_m(&self, lat_deg: f64, lon_deg: f64, height_m: f64) -> f64 {
+        let place = to_earth(Geodetic { lat_deg, lon_deg, height_m });
+        Position::from(place).distance_m(Position::from(self.center))
     }
 
     /// The place on the earth of a place in the plane. It inverts [`to_local`](Self::to_local).

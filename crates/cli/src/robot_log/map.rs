@@ -1,12 +1,14 @@
-//! A map as a CSV file.
+//! A map as a file.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use sextant_channel::Position;
-use sextant_mapper::{Concern, TopologyMap};
+use sextant_mapper::{Concern, CoordinateFrame, TopologyMap};
 
 use super::error::RobotLogError;
+use super::geojson;
+use super::local_plane::LocalPlane;
 use super::output::Output;
 use super::truth::read_places;
 
@@ -26,20 +28,38 @@ const COVARIANCE: [(usize, usize, &str); 6] = [
 /// If the file cannot be read or has an invalid row; the error names file, line and column.
 pub fn read_map(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
     let covariance = COVARIANCE.map(|(_, _, name)| name);
-    let optional = ["z_m", "ties", "infeasible", "concern"].into_iter().chain(covariance);
-    read_places(path, &optional.collect::<Vec<_>>())
+    let other = ["ties", "infeasible", "concern"].into_iter().chain(covariance);
+    // A map has both kinds of places if its log has; that is no news.
+    read_places(path, None, &other.collect::<Vec<_>>(), &mut Vec::new())
 }
 
 /// Writes the mapped nodes to the file `path`, with the columns `node,x_m,y_m,z_m,ties,infeasible,concern` and the
-/// covariance (m²) if the map has one. `concern` is why a place is not reliable, empty for most nodes. Unmapped nodes have no row. `names` are the names of the nodes in the log.
+/// covariance (m²) if the map has one. `concern` is why a place is not reliable, empty for most nodes. Unmapped nodes have
+/// no row. `names` are the names of the nodes in the log. If the places of the log are in `plane`, the columns `lat,lon`
+/// follow the places, and `alt_m` if the log has heights above the sea. If the name of the file ends in `.geojson`, it gets
+/// a GeoJSON text instead.
 ///
 /// # Errors
-/// If the file cannot be written.
-pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(), RobotLogError> {
+/// If the file cannot be written, or GeoJSON is asked for and the places on the earth are unknown.
+pub fn write_map(
+    path: &Path,
+    names: &[String],
+    map: &TopologyMap,
+    plane: Option<&LocalPlane>,
+) -> Result<(), RobotLogError> {
+    let plane = plane.filter(|_| !matches!(map.frame, CoordinateFrame::Relative(_)));
+    if geojson::is_named(path) {
+        let plane = plane.ok_or_else(|| RobotLogError::NotOnEarth { path: path.to_owned() })?;
+        return geojson::write(path, names, map, plane);
+    }
     let with_covariance = map.estimates.iter().flatten().any(|estimate| estimate.covariance.is_some());
     let mut header = vec!["node", "x_m", "y_m", "z_m", "ties", "infeasible", "concern"];
     if with_covariance {
         header.extend(COVARIANCE.map(|(_, _, name)| name));
+    }
+    if let Some(plane) = plane {
+        header.extend(["lat", "lon"]);
+        header.extend(plane.has_altitude().then_some("alt_m"));
     }
     let mut output = Output::new(&header);
     for (name, estimate) in names.iter().zip(&map.estimates) {
@@ -52,6 +72,13 @@ pub fn write_map(path: &Path, names: &[String], map: &TopologyMap) -> Result<(),
                 Some(covariance) => output.number(covariance[*row][*column]),
                 None => output.text(""),
             };
+        }
+        if let Some(plane) = plane {
+            let place = plane.to_geodetic(estimate.position).rounded();
+            output.number(place.lat_deg).number(place.lon_deg);
+            if plane.has_altitude() {
+                output.number(place.height_m);
+            }
         }
         output.end();
     }

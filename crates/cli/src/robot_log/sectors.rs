@@ -12,15 +12,16 @@ const AZIMUTHS: [&str; 2] = ["azimuth_from_deg", "azimuth_to_deg"];
 const ELEVATIONS: [&str; 2] = ["elevation_from_deg", "elevation_to_deg"];
 
 /// Reads the sectors in the file `path`.
-pub(super) fn read(path: &Path) -> Result<SectorTable, RobotLogError> {
-    let table = Table::read(path, &["sector", AZIMUTHS[0], AZIMUTHS[1]], &ELEVATIONS)?;
+pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorTable, RobotLogError> {
+    let table = Table::open(path, &["sector", AZIMUTHS[0], AZIMUTHS[1]], &ELEVATIONS)?;
     let sector = table.column("sector");
     let azimuths = AZIMUTHS.map(|name| table.column(name));
     let elevations = ELEVATIONS.map(|name| table.column(name));
+    notes.extend(table.ignored());
     let mut sectors: Vec<SectorConfig> = Vec::new();
     table.rows(|row: &Row<'_>| {
         let angle = |column| row.finite(column)?.ok_or_else(|| row.wrong(column, "a finite number"));
-        let id = row.whole(sector, u32::from(u8::MAX))?.and_then(|id| u8::try_from(id).ok());
+        let id = row.sector(sector)?;
         let config = SectorConfig {
             sector: id.ok_or_else(|| row.wrong(sector, "a whole number from 0 to 255"))?,
             azimuth_from_deg: angle(azimuths[0])?,

@@ -36,6 +36,11 @@ impl Signal {
         Some(self.snr_db).filter(|level| !level.is_nan())
     }
 
+    /// Whether nothing is known of the packets.
+    pub(super) fn is_unknown(&self) -> bool {
+        self.sector.is_none() && self.rssi_dbm.is_nan() && self.snr_db.is_nan()
+    }
+
     /// Adds packets of the same sector, or of any: strengths are averaged over packets, in dBm.
     pub(super) fn add(&mut self, other: &Self) {
         // `max` leaves NaN aside.

@@ -4,15 +4,12 @@ use std::path::{Path as FilePath, PathBuf};
 
 use super::error::RobotLogError;
 use super::folder;
+use super::local_plane::LocalPlane;
 use super::log::RobotLog;
 use super::options::ReadOptions;
-use super::path::{Path, Pose};
+use super::path::Path;
 use super::sniffer_error::SnifferError;
-use super::table::Table;
-use super::{bag, sniffer};
-
-/// The path of the robot beside captures in a folder.
-const PATH: &str = "path.csv";
+use super::{bag, path_file, sniffer};
 
 /// The kinds of logs of robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +26,8 @@ impl Source {
     /// What the file or folder `path` is, by its content; `None` if it is not the log of a robot.
     #[must_use]
     pub fn of(path: &FilePath) -> Option<Self> {
-        if path.is_dir() && (path.join(folder::STOPS).exists() || path.join(folder::RECEPTIONS).exists()) {
+        let tables = [folder::STOPS, folder::RECEPTIONS, folder::PACKETS];
+        if path.is_dir() && tables.iter().any(|name| path.join(name).exists()) {
             return Some(Self::Tables);
         }
         if bag::is_bag(path) {
@@ -60,6 +58,9 @@ pub fn refuse_flags(path: &FilePath, source: Option<Source>, options: &ReadOptio
         Some(flag) => Err(RobotLogError::Flag { path: path.to_owned(), flag, meant, found }),
         None => Ok(()),
     };
+    if source.is_none() {
+        folder::refuse_cutting(path, found, options)?;
+    }
     refused(of_bags.first(), "ROS bags")?;
     refused(of_captures.first(), "captures of sniffers")
 }
@@ -76,10 +77,14 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
         Source::Bag => bag::read(path, options),
         Source::Captures => {
             let captures = captures(path)?;
-            let beside = Some(path.join(PATH)).filter(|beside| beside.exists());
+            let beside = Some(path.join(folder::PATH)).filter(|beside| beside.exists());
             let robot = options.sniffer.path.clone().or(beside);
             let robot = robot.ok_or_else(|| SnifferError::NoPath { path: path.to_owned() })?;
-            sniffer::read(&captures, read_path(&robot)?, options)
+            let mut notes = Vec::new();
+            let (robot, plane) = read_path(&robot, &mut notes)?;
+            let log = sniffer::read(&captures, robot, options)?;
+            notes.extend(log.notes);
+            Ok(RobotLog { plane, notes, ..log })
         }
     }
 }
@@ -97,15 +102,12 @@ fn captures(path: &FilePath) -> Result<Vec<PathBuf>, RobotLogError> {
     Ok(found)
 }
 
-/// Reads the path of a robot.
-fn read_path(path: &FilePath) -> Result<Path, RobotLogError> {
-    let table = Table::read(path, &["t_s", "x_m", "y_m"], &["z_m"])?;
-    let time = table.column("t_s");
-    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
-    let mut poses = Vec::new();
-    table.rows(|row| {
-        poses.push(Pose { time: row.instant(time)?, position: row.position(place)? });
-        Ok(())
-    })?;
-    Path::new(poses).map_err(|why| RobotLogError::Path { path: path.to_owned(), why })
+/// Reads the path of the robot that heard a capture.
+fn read_path(path: &FilePath, notes: &mut Vec<String>) -> Result<(Path, Option<LocalPlane>), RobotLogError> {
+    let path_file::Paths { paths, plane, .. } = path_file::read(path, notes)?;
+    let robots = paths.len();
+    let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the capture");
+    let [robot] = <[Path; 1]>::try_from(paths)
+        .map_err(|_| RobotLogError::Row { path: path.to_owned(), line: 1, problem })?;
+    Ok((robot, plane))
 }

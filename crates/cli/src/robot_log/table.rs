@@ -1,113 +1,172 @@
-//! A CSV file with columns by name; errors name line and column.
+//! A CSV file with columns by name, read row by row; errors name line and column.
 
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use sextant_channel::Position;
-use sextant_kernel::{RobotId, SimTime};
-
 use super::error::RobotLogError;
-use super::instant;
-use crate::robot_names::RobotNames;
+use super::header::Header;
 
-/// A CSV file in memory and the names of its columns.
+/// A CSV file whose header was read.
 pub(super) struct Table {
-    path: PathBuf,
-    content: Vec<u8>,
-    columns: Vec<String>,
+    head: Head,
+    reader: csv::Reader<BufReader<File>>,
+}
+
+/// What is known of a table besides its rows.
+pub(super) struct Head {
+    pub(super) path: PathBuf,
+    header: Header,
+    /// Octets before the header: a byte order mark.
+    skipped: u64,
+    /// Whether a comma in a number is its decimal mark, because another character separates cells.
+    pub(super) decimal_comma: bool,
 }
 
 /// A column by name, and its index in a row if the file has it.
 #[derive(Clone, Copy)]
 pub(super) struct Column {
-    name: &'static str,
-    at: Option<usize>,
+    pub(super) name: &'static str,
+    pub(super) at: Option<usize>,
+}
+
+impl Column {
+    /// Whether the file has the column.
+    pub(super) fn exists(self) -> bool {
+        self.at.is_some()
+    }
 }
 
 /// A row of a table.
 pub(super) struct Row<'a> {
-    table: &'a Table,
-    record: csv::StringRecord,
-    /// Offset of the row in the file (octets).
-    pub(super) offset: usize,
+    pub(super) head: &'a Head,
+    record: &'a csv::StringRecord,
+    /// Offset of the row in the file (octets), without a byte order mark.
+    pub(super) offset: u64,
 }
 
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 impl Table {
-    /// Reads the file `path`. It must have all `required` columns, may have the `optional` ones, and no others.
-    pub(super) fn read(
+    /// Opens the file `path`. It must have all `required` columns and may have the `optional` ones; others are ignored,
+    /// unless one looks like a known column that is absent.
+    pub(super) fn open(
         path: &Path,
         required: &[&'static str],
         optional: &[&'static str],
     ) -> Result<Self, RobotLogError> {
-        let mut content = std::fs::read(path).map_err(|why| RobotLogError::read(path, why))?;
-        if content.starts_with(b"\xef\xbb\xbf") {
-            content.drain(..3);
+        let file = File::open(path).map_err(|why| RobotLogError::read(path, why))?;
+        let mut input = BufReader::with_capacity(1 << 16, file);
+        let start = input.fill_buf().map_err(|why| RobotLogError::read(path, why))?;
+        let wrong = |problem: String| RobotLogError::Row { path: path.to_owned(), line: 1, problem };
+        if start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff") {
+            return Err(wrong("the file is UTF-16 text; save it as UTF-8".to_owned()));
         }
-        let mut table = Self { path: path.to_owned(), content, columns: Vec::new() };
-        let header = table.reader().headers().cloned().map_err(|why| table.malformed(&why))?;
-        let columns: Vec<String> = header.iter().map(|name| name.trim().to_owned()).collect();
-        let problem = |problem: String| RobotLogError::Row { path: path.to_owned(), line: 1, problem };
-        let known = || [required, optional].concat();
-        for (at, name) in columns.iter().enumerate() {
-            if !known().contains(&name.as_str()) {
-                let hint =
-                    nearest(name, &known()).map_or_else(String::new, |near| format!("did you mean `{near}`? "));
-                return Err(problem(format!("unknown column `{name}`; {hint}known columns: {}", known().join(", "))));
-            }
-            if columns[..at].contains(name) {
-                return Err(problem(format!("column `{name}` appears twice")));
-            }
-        }
-        if let Some(missing) = required.iter().find(|name| !columns.iter().any(|column| column == *name)) {
-            return Err(problem(format!(
-                "column `{missing}` is missing; the first line must name the columns: {}",
-                required.join(",")
-            )));
-        }
-        table.columns = columns;
-        Ok(table)
+        let skipped = if start.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let delimiter = delimiter(&start[skipped..]);
+        input.consume(skipped);
+        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).from_reader(input);
+        let mut head = Head {
+            path: path.to_owned(),
+            header: Header::default(),
+            skipped: skipped as u64,
+            decimal_comma: delimiter != b',',
+        };
+        let names = reader.headers().cloned().map_err(|why| head.malformed(&why))?;
+        head.header = Header::new(&names, required, optional).map_err(wrong)?;
+        Ok(Self { head, reader })
     }
 
     /// The column `name`.
     pub(super) fn column(&self, name: &'static str) -> Column {
-        Column { name, at: self.columns.iter().position(|column| column == name) }
+        Column { name, at: self.head.header.find(name) }
     }
 
-    /// Calls `visit` with each row below the header.
+    /// A note on the columns that are ignored, if there are any.
+    pub(super) fn ignored(&self) -> Option<String> {
+        let names = self.head.header.ignored_names()?;
+        Some(format!("{}: ignored columns: {names}", self.head.file_name()))
+    }
+
+    /// A note that the columns `unused` are ignored beside those that are `used`.
+    pub(super) fn ignored_beside(&self, unused: &str, used: &str) -> String {
+        format!("{}: {unused} ignored, because the places are read from {used}", self.head.file_name())
+    }
+
+    /// The error that the header lacks something.
+    pub(super) fn wrong_header(&self, problem: impl Into<String>) -> RobotLogError {
+        RobotLogError::Row { path: self.head.path.clone(), line: 1, problem: problem.into() }
+    }
+
+    /// Calls `visit` with each row below the header. Returns what is known of the table besides.
     pub(super) fn rows(
-        &self,
+        mut self,
         mut visit: impl FnMut(&Row<'_>) -> Result<(), RobotLogError>,
-    ) -> Result<(), RobotLogError> {
-        let mut reader = self.reader();
-        let mut row = Row { table: self, record: csv::StringRecord::new(), offset: 0 };
-        while reader.read_record(&mut row.record).map_err(|why| self.malformed(&why))? {
-            let byte = row.record.position().map_or(0, csv::Position::byte);
-            row.offset = usize::try_from(byte).expect("an offset in memory");
-            visit(&row)?;
+    ) -> Result<Head, RobotLogError> {
+        let mut record = csv::StringRecord::new();
+        while self.reader.read_record(&mut record).map_err(|why| self.head.malformed(&why))? {
+            let offset = record.position().map_or(0, csv::Position::byte);
+            visit(&Row { head: &self.head, record: &record, offset })?;
         }
-        Ok(())
+        Ok(self.head)
+    }
+}
+
+impl Head {
+    /// Name of the file without its folder.
+    pub(super) fn file_name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// Line of the row that begins at `offset`, counted from 1. The reader's own count is wrong after a blank line and
-    /// after a line that ends in two characters.
-    pub(super) fn line(&self, offset: usize) -> usize {
-        let blank = self.content[offset..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
-        1 + self.content[..offset + blank].iter().filter(|&&byte| byte == b'\n').count()
+    /// after a line that ends in two characters, so the file is read once more, up to the row.
+    pub(super) fn line(&self, offset: u64) -> usize {
+        let lines = || -> std::io::Result<usize> {
+            let mut input = BufReader::new(File::open(&self.path)?);
+            let mut line = 1;
+            let mut before = (&mut input).take(self.skipped + offset);
+            loop {
+                let octets = before.fill_buf()?;
+                if octets.is_empty() {
+                    break;
+                }
+                line += octets.iter().filter(|&&octet| octet == b'\n').count();
+                let length = octets.len();
+                before.consume(length);
+            }
+            // Blank lines before a row belong to it.
+            for octet in input.bytes() {
+                match octet? {
+                    b'\n' => line += 1,
+                    b'\r' => {}
+                    _ => break,
+                }
+            }
+            Ok(line)
+        };
+        lines().unwrap_or(1)
     }
 
-    fn reader(&self) -> csv::Reader<&[u8]> {
-        csv::Reader::from_reader(self.content.as_slice())
+    /// The error that the row at `offset` is wrong as a whole.
+    pub(super) fn wrong_row(&self, offset: u64, problem: impl Into<String>) -> RobotLogError {
+        RobotLogError::Row { path: self.path.clone(), line: self.line(offset), problem: problem.into() }
     }
 
     fn malformed(&self, why: &csv::Error) -> RobotLogError {
-        let offset = why.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
+        let offset = why.position().map_or(0, csv::Position::byte);
         let problem = match why.kind() {
             csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                format!("{len} cells, but the header has {expected_len} columns")
+                let hint = if *len > *expected_len && !self.decimal_comma {
+                    "; a decimal comma needs `;` or a tab between the cells"
+                } else {
+                    ""
+                };
+                format!("{len} cells, but the header has {expected_len} columns{hint}")
             }
             csv::ErrorKind::Utf8 { .. } => "not UTF-8 text".to_owned(),
             _ => why.to_string(),
         };
-        RobotLogError::Row { path: self.path.clone(), line: self.line(offset), problem }
+        self.wrong_row(offset, problem)
     }
 }
 
@@ -116,73 +175,21 @@ impl Row<'_> {
     pub(super) fn text(&self, column: Column) -> &str {
         column.at.and_then(|at| self.record.get(at)).unwrap_or("")
     }
-
-    /// The text of the cell, without the spaces around it; `None` if it is empty or there is no such column.
-    pub(super) fn filled(&self, column: Column) -> Option<&str> {
-        Some(self.text(column).trim()).filter(|text| !text.is_empty())
-    }
-
-    /// A whole number of at most `max`; `None` if the cell is empty.
-    pub(super) fn whole(&self, column: Column, max: u32) -> Result<Option<u32>, RobotLogError> {
-        let parse = |text: &str| {
-            let number = text.parse().ok().filter(|&number| number <= max);
-            number.ok_or_else(|| self.wrong(column, format!("a whole number from 0 to {max}")))
-        };
-        self.filled(column).map(parse).transpose()
-    }
-
-    /// A finite number; `None` if the cell is empty.
-    pub(super) fn finite(&self, column: Column) -> Result<Option<f64>, RobotLogError> {
-        let parse = |text: &str| {
-            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-            number.ok_or_else(|| self.wrong(column, "a finite number"))
-        };
-        self.filled(column).map(parse).transpose()
-    }
-
-    /// A time.
-    pub(super) fn instant(&self, column: Column) -> Result<SimTime, RobotLogError> {
-        instant::parse(self.text(column).trim()).ok_or_else(|| self.wrong(column, instant::ALLOWED))
-    }
-
-    /// A position. Its height is 0 if the file has no column for it.
-    pub(super) fn position(&self, [x, y, z]: [Column; 3]) -> Result<Position, RobotLogError> {
-        let coordinate = |column| {
-            let value_m = self.finite(column)?.filter(|value_m| value_m.abs() <= Position::FARTHEST_M);
-            value_m.ok_or_else(|| self.wrong(column, "a number of metres from -1e9 to 1e9"))
-        };
-        let z_m = if z.at.is_some() { coordinate(z)? } else { 0.0 };
-        Ok(Position::new(coordinate(x)?, coordinate(y)?, z_m))
-    }
-
-    /// The robot that the cell names. If the file has a column for robots, each cell must name one; otherwise it is
-    /// robot 0.
-    pub(super) fn robot(&self, column: Column, robots: &mut RobotNames) -> Result<RobotId, RobotLogError> {
-        if column.at.is_none() {
-            return Ok(RobotId(0));
-        }
-        let name = self.filled(column).ok_or_else(|| self.wrong(column, "the name of a robot"))?;
-        Ok(robots.id(name))
-    }
-
-    /// The error that the cell is not what is `allowed`.
-    pub(super) fn wrong(&self, column: Column, allowed: impl Into<String>) -> RobotLogError {
-        RobotLogError::Cell {
-            path: self.table.path.clone(),
-            line: self.table.line(self.offset),
-            column: column.name,
-            found: self.text(column).to_owned(),
-            allowed: allowed.into(),
-        }
-    }
 }
 
-/// The known name that is most similar to `name`, if any is similar enough.
-fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let distance = |candidate: &&str| strsim::damerau_levenshtein(&name.to_lowercase(), candidate);
-    known
-        .iter()
-        .copied()
-        .filter(|candidate| distance(candidate) <= 2 || candidate.starts_with(name))
-        .min_by_key(distance)
+/// The character between the cells: the one of `,`, `;` and tab that the header has most often outside of quotes.
+fn delimiter(text: &[u8]) -> u8 {
+    let mut counts = [(b',', 0), (b';', 0), (b'\t', 0)];
+    let mut quoted = false;
+    let line = text.iter().skip_while(|octet| matches!(octet, b'\r' | b'\n'));
+    for &octet in line {
+        match octet {
+            b'"' => quoted = !quoted,
+            b'\n' | b'\r' if !quoted => break,
+            _ if quoted => {}
+            _ => counts.iter_mut().filter(|(character, _)| *character == octet).for_each(|(_, count)| *count += 1),
+        }
+    }
+    // Of equal counts the first.
+    counts.into_iter().rev().max_by_key(|&(_, count)| count).map_or(b',', |(character, _)| character)
 }

@@ -6,34 +6,41 @@ use std::path::Path;
 use sextant_channel::Position;
 
 use super::error::RobotLogError;
+use super::local_plane::LocalPlane;
+use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
 
-/// Reads the positions (m) in the file `path` (`node,x_m,y_m[,z_m]`), by name of node.
+/// Reads the positions (m) in the file `path`, by name of node: `node,x_m,y_m[,z_m]`, or `node,lat,lon[,alt_m]` if the log
+/// has its places in `plane`. `notes` get what the user should know.
 ///
 /// # Errors
 /// If the file cannot be read or has an invalid row; the error names file, line and column.
-pub fn read_truth(path: &Path) -> Result<BTreeMap<String, Position>, RobotLogError> {
-    read_places(path, &["z_m"])
+pub fn read_truth(
+    path: &Path,
+    plane: Option<&LocalPlane>,
+    notes: &mut Vec<String>,
+) -> Result<BTreeMap<String, Position>, RobotLogError> {
+    read_places(path, plane, &[], notes)
 }
 
-/// Reads the positions (m) in the file `path`, by name of node; columns that are `optional` and no position are ignored.
+/// Reads the positions (m) in the file `path`, by name of node; the columns `other` are known and not read.
 pub(super) fn read_places(
     path: &Path,
-    optional: &[&'static str],
+    plane: Option<&LocalPlane>,
+    other: &[&'static str],
+    notes: &mut Vec<String>,
 ) -> Result<BTreeMap<String, Position>, RobotLogError> {
-    let table = Table::read(path, &["node", "x_m", "y_m"], optional)?;
+    let table = Table::open(path, &["node"], &[&COLUMNS, other].concat())?;
+    notes.extend(table.ignored());
+    let places = Places::of(&table, Frame::of(plane), notes)?;
     let node = table.column("node");
-    let place = ["x_m", "y_m", "z_m"].map(|name| table.column(name));
-    let mut places = BTreeMap::new();
+    let mut plane = plane.copied();
+    let mut found = BTreeMap::new();
     table.rows(|row| {
-        let name = row.text(node);
-        if name.is_empty() {
-            return Err(row.wrong(node, "the name of a node"));
-        }
-        if places.insert(name.to_owned(), row.position(place)?).is_some() {
+        if found.insert(row.node(node)?.to_owned(), places.read(row, &mut plane)?).is_some() {
             return Err(row.wrong(node, "each node once; this node is already given above"));
         }
         Ok(())
     })?;
-    Ok(places)
+    Ok(found)
 }

@@ -1,0 +1,82 @@
+//! The values of cells.
+
+use std::borrow::Cow;
+
+use sextant_kernel::{RobotId, SimTime};
+
+use super::error::RobotLogError;
+use super::instant;
+use super::table::{Column, Row};
+use crate::robot_names::RobotNames;
+
+impl Row<'_> {
+    /// The text of the cell, without the spaces around it; `None` if it is empty or there is no such column.
+    pub(super) fn filled(&self, column: Column) -> Option<&str> {
+        Some(self.text(column).trim()).filter(|text| !text.is_empty())
+    }
+
+    /// The same as a number is written in a program: with a decimal point.
+    fn number(&self, column: Column) -> Option<Cow<'_, str>> {
+        let text = self.filled(column)?;
+        let is_decimal = self.head.decimal_comma && !text.contains('.') && text.matches(',').count() == 1;
+        Some(if is_decimal { text.replace(',', ".").into() } else { text.into() })
+    }
+
+    /// A whole number of at most `max`; `None` if the cell is empty.
+    pub(super) fn whole(&self, column: Column, max: u32) -> Result<Option<u32>, RobotLogError> {
+        let parse = |text: &str| {
+            let number = text.parse().ok().filter(|&number| number <= max);
+            number.ok_or_else(|| self.wrong(column, format!("a whole number from 0 to {max}")))
+        };
+        self.filled(column).map(parse).transpose()
+    }
+
+    /// A finite number; `None` if the cell is empty.
+    pub(super) fn finite(&self, column: Column) -> Result<Option<f64>, RobotLogError> {
+        let parse = |text: Cow<'_, str>| {
+            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+            number.ok_or_else(|| self.wrong(column, "a finite number"))
+        };
+        self.number(column).map(parse).transpose()
+    }
+
+    /// The identity of a sector; `None` if the cell is empty.
+    pub(super) fn sector(&self, column: Column) -> Result<Option<u8>, RobotLogError> {
+        let sector = self.whole(column, u32::from(u8::MAX))?;
+        Ok(sector.and_then(|sector| u8::try_from(sector).ok()))
+    }
+
+    /// A time.
+    pub(super) fn instant(&self, column: Column) -> Result<SimTime, RobotLogError> {
+        let time = self.number(column).and_then(|text| instant::parse(&text));
+        time.ok_or_else(|| self.wrong(column, instant::ALLOWED))
+    }
+
+    /// The name of a node.
+    pub(super) fn node(&self, column: Column) -> Result<&str, RobotLogError> {
+        Some(self.text(column))
+            .filter(|name| !name.is_empty())
+            .ok_or_else(|| self.wrong(column, "the name of a node"))
+    }
+
+    /// The robot that the cell names. If the file has a column for robots, each cell must name one; otherwise it is
+    /// robot 0.
+    pub(super) fn robot(&self, column: Column, robots: &mut RobotNames) -> Result<RobotId, RobotLogError> {
+        if !column.exists() {
+            return Ok(RobotId(0));
+        }
+        let name = self.filled(column).ok_or_else(|| self.wrong(column, "the name of a robot"))?;
+        Ok(robots.id(name))
+    }
+
+    /// The error that the cell is not what is `allowed`.
+    pub(super) fn wrong(&self, column: Column, allowed: impl Into<String>) -> RobotLogError {
+        RobotLogError::Cell {
+            path: self.head.path.clone(),
+            line: self.head.line(self.offset),
+            column: column.name,
+            found: self.text(column).to_owned(),
+            allowed: allowed.into(),
+        }
+    }
+}

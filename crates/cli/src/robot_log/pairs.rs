@@ -1,0 +1,338 @@
+//! The rows of `receptions.csv` as receptions: rows of one pair are added up, and pairs without a row get what the log says of
+//! others at the stop.
+
+use std::collections::BTreeMap;
+
+use sextant_channel::{Reception, ReceptionLogBuilder};
+use sextant_kernel::NodeId;
+
+use super::gathered::{Gathered, Keyed};
+use super::gatherer::{MOST_SILENT_PAIRS, silent};
+use super::signal::{OfSector, Signal, merged};
+
+/// What the rows of the file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Listing {
+    /// Each row is a packet.
+    Packets,
+    /// Each row has the number of packets received.
+    Received,
+    /// Each row has the number of packets received, and most have the number of those sent.
+    ReceivedOfSent,
+}
+
+/// The packets of a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Count {
+    pub(super) received: u32,
+    /// As the row states it.
+    pub(super) sent: Option<u32>,
+}
+
+/// What is kept of the signal of a row: nothing if the file has no such columns.
+pub(super) trait Kept: Copy {
+    fn of(signal: Signal) -> Self;
+    fn signal(&self) -> Option<Signal>;
+    fn add(&mut self, later: &Self);
+}
+
+impl Kept for () {
+    fn of(_: Signal) -> Self {}
+
+    fn signal(&self) -> Option<Signal> {
+        None
+    }
+
+    fn add(&mut self, (): &Self) {}
+}
+
+impl Kept for Signal {
+    fn of(signal: Signal) -> Self {
+        signal
+    }
+
+    fn signal(&self) -> Option<Signal> {
+        Some(*self)
+    }
+
+    fn add(&mut self, later: &Self) {
+        Signal::add(self, later);
+    }
+}
+
+/// The rows of a node at a stop in one sector.
+#[derive(Clone, Copy, Debug)]
+struct Entry<S> {
+    node: u32,
+    stop: u32,
+    received: u32,
+    /// Packets sent, or [`UNSTATED`].
+    sent: u32,
+    signal: S,
+}
+
+/// No row of the pair states the packets sent, though the file has a column for them.
+const UNSTATED: u32 = u32::MAX;
+
+impl<S: Kept> Keyed for Entry<S> {
+    type Key = (u32, u32, Option<u8>);
+
+    fn key(&self) -> Self::Key {
+        (self.node, self.stop, self.signal.signal().and_then(|signal| signal.sector))
+    }
+
+    fn add(&mut self, later: &Self) {
+        self.sent = add_sent((self.received, self.sent), (later.received, later.sent));
+        self.received = self.received.saturating_add(later.received).min(UNSTATED - 1);
+        self.signal.add(&later.signal);
+    }
+}
+
+/// The packets sent of two rows, given as received and sent. A row that does not state them counts as one, or as those that
+/// were received, if another row states them.
+fn add_sent((received, sent): (u32, u32), (later_received, later_sent): (u32, u32)) -> u32 {
+    let at_least = |received: u32, sent: u32| if sent == UNSTATED { received.max(1) } else { sent };
+    if sent == UNSTATED && later_sent == UNSTATED {
+        return UNSTATED;
+    }
+    at_least(received, sent).saturating_add(at_least(later_received, later_sent)).min(UNSTATED - 1)
+}
+
+/// The packets of a pair of a node and a stop, in all sectors.
+struct Pair {
+    node: u32,
+    stop: u32,
+    received: u32,
+    sent: u32,
+    signal: Option<Signal>,
+}
+
+impl Pair {
+    fn of<S: Kept>(entries: &[Entry<S>]) -> Self {
+        let [Entry { node, stop, .. }, ..] = entries else { unreachable!("a pair has a row") };
+        let mut sum = (0, entries[0].sent);
+        for (at, entry) in entries.iter().enumerate() {
+            if at > 0 {
+                sum.1 = add_sent(sum, (entry.received, entry.sent));
+            }
+            sum.0 = sum.0.saturating_add(entry.received).min(UNSTATED - 1);
+        }
+        let of_sector =
+            |entry: &Entry<S>| Some(OfSector { received: entry.received, signal: entry.signal.signal()? });
+        let signal = merged(entries.iter().filter_map(of_sector));
+        Self { node: *node, stop: *stop, received: sum.0, sent: sum.1, signal }
+    }
+}
+
+/// Takes rows and gives receptions.
+pub(super) struct Collector<S> {
+    listing: Listing,
+    entries: Gathered<Entry<S>>,
+    /// Whether some row has more than one packet.
+    has_counts: bool,
+    /// Rows that do not state the packets sent, though the file has a column for them.
+    unstated: usize,
+}
+
+impl<S: Kept> Collector<S> {
+    pub(super) fn new(listing: Listing) -> Self {
+        Self { listing, entries: Gathered::new(), has_counts: false, unstated: 0 }
+    }
+
+    /// Adds a row.
+    pub(super) fn push(&mut self, node: u32, stop: u32, Count { received, sent }: Count, signal: Signal) {
+        self.has_counts |= received > 1;
+        let sent = match (sent, self.listing) {
+            (Some(sent), _) => sent,
+            (None, Listing::ReceivedOfSent) => {
+                self.unstated += 1;
+                UNSTATED
+            }
+            (None, Listing::Packets | Listing::Received) => received.max(1),
+        };
+        self.entries.push(Entry { node, stop, received, sent, signal: S::of(signal) });
+    }
+
+    /// The receptions of `nodes` nodes. `at_stop` are the packets that a node sent at each stop, where the file of stops says
+    /// so.
+    pub(super) fn finish(
+        self,
+        nodes: usize,
+        at_stop: &[Option<u32>],
+        notes: &mut Vec<String>,
+    ) -> ReceptionLogBuilder {
+        let Self { listing, has_counts, unstated, .. } = self;
+        let (entries, repeated) = self.entries.finish();
+        let pairs = || entries.chunk_by(|a, b| (a.node, a.stop) == (b.node, b.stop)).map(Pair::of);
+        let is_counted = listing == Listing::Packets || listing == Listing::Received && has_counts;
+        let seen = Seen::of(pairs(), listing, at_stop.len());
+        let usual: Vec<u32> = match listing {
+            Listing::ReceivedOfSent => seen.medians(),
+            Listing::Received if !has_counts => vec![1; at_stop.len()],
+            Listing::Packets | Listing::Received => seen.most.iter().map(|&most| most.max(1)).collect(),
+        };
+        let usual: Vec<u32> = at_stop.iter().zip(usual).map(|(stated, usual)| stated.unwrap_or(usual)).collect();
+        let absent_at = |stop: usize| nodes - seen.pairs[stop];
+        let silent_pairs: usize = (0..usual.len()).filter(|&stop| usual[stop] != 1).map(&absent_at).sum();
+        let fills = silent_pairs <= MOST_SILENT_PAIRS;
+        let absent = (0..usual.len()).map(absent_at).sum();
+        let is_stated = at_stop.iter().any(Option::is_some);
+        Notes { listing, has_counts, unstated, repeated, silent_pairs, fills, absent, zeros: seen.zeros, is_stated }
+            .tell(notes);
+
+        let mut receptions = ReceptionLogBuilder::default();
+        let mut pairs = pairs().peekable();
+        while let Some(node) = pairs.peek().map(|pair| pair.node) {
+            let mut next_stop = 0;
+            let mut pass_to = |stop: u32, receptions: &mut ReceptionLogBuilder| {
+                if fills && silent_pairs > 0 {
+                    for stop in (next_stop..stop).filter(|&stop| usual[stop as usize] != 1) {
+                        receptions.push(silent(NodeId(node), stop, usual[stop as usize]));
+                    }
+                }
+                next_stop = stop + 1;
+            };
+            while let Some(pair) = pairs.next_if(|pair| pair.node == node) {
+                pass_to(pair.stop, &mut receptions);
+                let usual = usual[pair.stop as usize];
+                let is_open = pair.sent == UNSTATED || is_counted || listing != Listing::ReceivedOfSent && is_stated;
+                let sent = if is_open { usual.max(pair.received) } else { pair.sent };
+                // 0 of 1 packets means the same as an absent pair.
+                if (pair.received, sent, pair.signal.is_some_and(|signal| !signal.is_unknown())) != (0, 1, false) {
+                    receptions.push(pair.reception(sent));
+                }
+            }
+            pass_to(u32::try_from(usual.len()).expect("fewer than 2^32 stops"), &mut receptions);
+        }
+        receptions
+    }
+}
+
+impl Pair {
+    fn reception(&self, sent: u32) -> Reception {
+        Reception {
+            node: NodeId(self.node),
+            stop: self.stop,
+            received: self.received,
+            sent,
+            sector: self.signal.and_then(|signal| signal.sector),
+            rssi_dbm: self.signal.and_then(|signal| signal.rssi_dbm()),
+            snr_db: self.signal.and_then(|signal| signal.snr_db()),
+        }
+    }
+}
+
+/// What the pairs with rows say of each stop.
+struct Seen {
+    /// Pairs with a row at each stop.
+    pairs: Vec<usize>,
+    /// Most packets received of a node at each stop.
+    most: Vec<u32>,
+    /// How many pairs state a number of packets sent at a stop: by stop and number, above 0.
+    stated: BTreeMap<(u32, u32), usize>,
+    /// Pairs of which nothing was received, of nodes that were heard at another stop.
+    zeros: usize,
+}
+
+impl Seen {
+    fn of(pairs: impl Iterator<Item = Pair>, listing: Listing, stops: usize) -> Self {
+        let mut seen = Self { pairs: vec![0; stops], most: vec![0; stops], stated: BTreeMap::new(), zeros: 0 };
+        let (mut node, mut is_heard, mut zeros) = (None, false, 0);
+        for pair in pairs {
+            if node.replace(pair.node) != Some(pair.node) {
+                seen.zeros += if is_heard { zeros } else { 0 };
+                (is_heard, zeros) = (false, 0);
+            }
+            is_heard |= pair.received > 0;
+            zeros += usize::from(pair.received == 0 && pair.sent > 0);
+            let stop = pair.stop as usize;
+            seen.pairs[stop] += 1;
+            seen.most[stop] = seen.most[stop].max(pair.received);
+            if listing == Listing::ReceivedOfSent && pair.sent != UNSTATED && pair.sent > 0 {
+                *seen.stated.entry((pair.stop, pair.sent)).or_default() += 1;
+            }
+        }
+        seen.zeros += if is_heard { zeros } else { 0 };
+        seen
+    }
+
+    /// The median number of packets sent at each stop, the lower one of two; 1 where none is stated.
+    fn medians(&self) -> Vec<u32> {
+        let mut medians = vec![1; self.pairs.len()];
+        let stated: Vec<(u32, u32, usize)> =
+            self.stated.iter().map(|(&(stop, sent), &count)| (stop, sent, count)).collect();
+        for of_stop in stated.chunk_by(|a, b| a.0 == b.0) {
+            let all: usize = of_stop.iter().map(|&(_, _, count)| count).sum();
+            let mut below = 0;
+            let median = of_stop.iter().find(|&&(_, _, count)| {
+                below += count;
+                2 * below >= all
+            });
+            if let Some(&(stop, sent, _)) = median {
+                medians[stop as usize] = sent;
+            }
+        }
+        medians
+    }
+}
+
+/// What the user should know.
+struct Notes {
+    listing: Listing,
+    has_counts: bool,
+    unstated: usize,
+    repeated: usize,
+    silent_pairs: usize,
+    fills: bool,
+    absent: usize,
+    zeros: usize,
+    is_stated: bool,
+}
+
+impl Notes {
+    fn tell(&self, notes: &mut Vec<String>) {
+        let Self { unstated, repeated, silent_pairs, absent, zeros, .. } = *self;
+        let usual = match self.listing {
+            _ if self.is_stated => "`sent` of stops.csv",
+            Listing::ReceivedOfSent => "the median of `sent` at the stop",
+            Listing::Packets | Listing::Received => "the most that were received of a node at the stop",
+        };
+        match self.listing {
+            Listing::Packets => notes.push(format!(
+                "receptions.csv has no column `received`: each row is a packet, and the packets sent are {usual}"
+            )),
+            Listing::Received if self.has_counts => {
+                notes.push(format!("receptions.csv has no column `sent`: the packets sent are {usual}"));
+            }
+            Listing::Received | Listing::ReceivedOfSent => {}
+        }
+        if repeated > 0 && self.listing != Listing::Packets {
+            notes.push(format!(
+                "receptions.csv: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
+                 averaged over packets"
+            ));
+        }
+        if unstated > 0 {
+            notes.push(format!(
+                "receptions.csv: {unstated} rows do not state `sent`; for them it is {usual}, or `received` if that is more"
+            ));
+        }
+        if silent_pairs > 0 && self.fills {
+            notes.push(format!(
+                "receptions.csv: {silent_pairs} absent pairs of node and stop count as missed packets, as many as {usual} \
+                 (0 of 0 means that a node could not have been heard)"
+            ));
+        } else if silent_pairs > 0 {
+            notes.push(format!(
+                "receptions.csv: {silent_pairs} absent pairs of node and stop are too many to list (at most \
+                 {MOST_SILENT_PAIRS}); each counts as one missed packet"
+            ));
+        }
+        if zeros > 0 && absent > 0 && !self.is_stated {
+            notes.push(format!(
+                "receptions.csv lists {zeros} pairs of which nothing was received and leaves out {absent} others; those count \
+                 as missed packets too. List all pairs, with 0 of 0 where the robot could not have heard the node"
+            ));
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! `receptions.csv`: what was heard of each node at each stop.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_channel::ReceptionLogBuilder;
+
+use super::error::RobotLogError;
+use super::pairs::{Collector, Count, Kept, Listing};
+use super::signal::Signal;
+use super::stops::{MOST_SENT, Stops};
+use super::table::{Column, Row, Table};
+
+/// Names of the nodes and their receptions.
+pub(super) struct Receptions {
+    pub(super) names: Vec<String>,
+    pub(super) receptions: ReceptionLogBuilder,
+}
+
+/// The columns of the file.
+#[derive(Clone, Copy)]
+struct Columns {
+    node: Column,
+    stop: Column,
+    received: Column,
+    sent: Column,
+    sector: Column,
+    rssi: Column,
+    snr: Column,
+}
+
+/// Reads the receptions at `stops` in the file `path`. Nodes are numbered in the order of their first rows.
+pub(super) fn read(path: &Path, stops: &Stops, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
+    let optional = ["received", "sent", "sector", "rssi_dbm", "snr_db"];
+    let table = Table::open(path, &["node", "stop"], &optional)?;
+    notes.extend(table.ignored());
+    let [node, stop, received, sent] = ["node", "stop", "received", "sent"].map(|name| table.column(name));
+    let [sector, rssi, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
+    let columns = Columns { node, stop, received, sent, sector, rssi, snr };
+    if !received.exists() && (sent.exists() || !rssi.exists()) {
+        return Err(table.wrong_header(
+            "column `received` is missing; the first line must name the columns: node,stop,received \
+             (or node,stop,rssi_dbm, if each row is a packet)",
+        ));
+    }
+    let listing = match (received.exists(), sent.exists()) {
+        (false, _) => Listing::Packets,
+        (true, false) => Listing::Received,
+        (true, true) => Listing::ReceivedOfSent,
+    };
+    if [sector, rssi, snr].into_iter().any(Column::exists) {
+        read_rows::<Signal>(table, columns, listing, stops, notes)
+    } else {
+        read_rows::<()>(table, columns, listing, stops, notes)
+    }
+}
+
+/// Reads the rows. What is not known of any reception takes no memory.
+fn read_rows<S: Kept>(
+    table: Table,
+    columns: Columns,
+    listing: Listing,
+    stops: &Stops,
+    notes: &mut Vec<String>,
+) -> Result<Receptions, RobotLogError> {
+    let mut names: Vec<String> = Vec::new();
+    let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
+    let mut last: Option<u32> = None;
+    let mut pairs = Collector::<S>::new(listing);
+    table.rows(|row| {
+        let name = row.node(columns.node)?;
+        // The rows of a node often follow each other.
+        let node = match last.filter(|&last| names[last as usize] == name).or_else(|| nodes.get(name).copied()) {
+            Some(node) => node,
+            None => {
+                let node = u32::try_from(names.len()).expect("fewer than 2^32 nodes");
+                names.push(name.to_owned());
+                nodes.insert(name.to_owned(), node);
+                node
+            }
+        };
+        last = Some(node);
+        let id = row.filled(columns.stop).unwrap_or("");
+        let stop = *stops.ids.get(id).ok_or_else(|| row.wrong(columns.stop, known_stops(&stops.ids)))?;
+        let count = count(row, columns, stops.sent[stop as usize])?;
+        let signal = Signal::new(
+            count.received,
+            row.sector(columns.sector)?,
+            row.finite(columns.rssi)?,
+            row.finite(columns.snr)?,
+        );
+        pairs.push(node, stop, count, signal);
+        Ok(())
+    })?;
+    let receptions = pairs.finish(names.len(), &stops.sent, notes);
+    Ok(Receptions { names, receptions })
+}
+
+/// The packets of a row. `at_stop` are those that a node sent at its stop, if the file of stops says so.
+fn count(row: &Row<'_>, columns: Columns, at_stop: Option<u32>) -> Result<Count, RobotLogError> {
+    if !columns.received.exists() {
+        // A row is a packet; without a level, it names a node of which nothing was heard.
+        let received = u32::from(row.filled(columns.rssi).is_some());
+        return Ok(Count { received, sent: None });
+    }
+    let received = row.whole(columns.received, MOST_SENT)?;
+    let received = received.ok_or_else(|| row.wrong(columns.received, "a whole number, 0 or above"))?;
+    let sent = row.whole(columns.sent, MOST_SENT)?;
+    let (most, whose) = match (sent, at_stop) {
+        (Some(sent), _) => (sent, ""),
+        (None, Some(at_stop)) => (at_stop, " at this stop as stops.csv has it"),
+        (None, None) => (MOST_SENT, ""),
+    };
+    if received > most {
+        return Err(row.wrong(columns.received, format!("at most {most}, the packets sent{whose}")));
+    }
+    Ok(Count { received, sent })
+}
+
+fn known_stops(ids: &BTreeMap<String, u32>) -> String {
+    let mut by_index: Vec<(&u32, &String)> = ids.iter().map(|(id, index)| (index, id)).collect();
+    by_index.sort_unstable();
+    match by_index.as_slice() {
+        [(_, first), .., (_, last)] => {
+            format!("one of the {} stops in stops.csv, from `{first}` to `{last}`", ids.len())
+        }
+        _ => {
+            format!("the only stop in stops.csv: {}", by_index.iter().map(|(_, id)| id.as_str()).collect::<String>())
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! `stops.csv` and `contacts.csv`: where robots listened and what they met.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use sextant_channel::{Contact, Stop};
+use sextant_kernel::SimTime;
+
+use super::error::RobotLogError;
+use super::local_plane::LocalPlane;
+use super::place::{COLUMNS, Frame, Places};
+use super::table::Table;
+use crate::robot_names::RobotNames;
+
+/// The stops of a log.
+pub(super) struct Stops {
+    pub(super) stops: Vec<Stop>,
+    /// The index of each stop by its name in the files.
+    pub(super) ids: BTreeMap<String, u32>,
+    /// Packets that a node sent at each stop, where the file says so.
+    pub(super) sent: Vec<Option<u32>>,
+    /// The plane of the places, if they are given by latitude and longitude.
+    pub(super) plane: Option<LocalPlane>,
+}
+
+/// Reads the stops in the file `path`.
+pub(super) fn read(path: &Path, robots: &mut RobotNames, notes: &mut Vec<String>) -> Result<Stops, RobotLogError> {
+    let optional = [&COLUMNS[..], &["t_s", "robot", "sent"]].concat();
+    let table = Table::open(path, &["stop"], &optional)?;
+    notes.extend(table.ignored());
+    let places = Places::of(&table, Frame::Any, notes)?;
+    let [id, time, robot, sent] = ["stop", "t_s", "robot", "sent"].map(|name| table.column(name));
+    if !time.exists() {
+        notes.push("stops.csv has no times (t_s): the duration of the survey is unknown".to_owned());
+    }
+    let mut read = Stops { stops: Vec::new(), ids: BTreeMap::new(), sent: Vec::new(), plane: None };
+    table.rows(|row| {
+        let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name that is not used above"))?;
+        let index = u32::try_from(read.stops.len()).expect("fewer than 2^32 stops");
+        if read.ids.insert(name.to_owned(), index).is_some() {
+            return Err(row.wrong(id, "each stop once; this stop is already given above"));
+        }
+        read.sent.push(row.whole(sent, MOST_SENT)?);
+        read.stops.push(Stop {
+            robot: row.robot(robot, robots)?,
+            time: if time.exists() { row.instant(time)? } else { SimTime::ZERO },
+            position: places.read(row, &mut read.plane)?,
+        });
+        Ok(())
+    })?;
+    Ok(read)
+}
+
+/// Most packets that a node can have sent at a stop.
+pub(super) const MOST_SENT: u32 = u32::MAX - 1;
+
+/// Reads the contacts in the file `path`, if there is one. The places of the log are in `plane`.
+pub(super) fn read_contacts(
+    path: &Path,
+    plane: Option<LocalPlane>,
+    robots: &mut RobotNames,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Contact>, RobotLogError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let table = Table::open(path, &["t_s"], &[&COLUMNS[..], &["robot"]].concat())?;
+    notes.extend(table.ignored());
+    let places = Places::of(&table, Frame::of(plane.as_ref()), notes)?;
+    let [time, robot] = ["t_s", "robot"].map(|name| table.column(name));
+    let mut plane = plane;
+    let mut contacts = Vec::new();
+    table.rows(|row| {
+        contacts.push(Contact {
+            robot: row.robot(robot, robots)?,
+            time: row.instant(time)?,
+            position: places.read(row, &mut plane)?,
+        });
+        Ok(())
+    })?;
+    Ok(contacts)
+}
