@@ -8,7 +8,7 @@ use sextant_kernel::NodeId;
 
 use super::gathered::{Gathered, Keyed};
 use super::gatherer::{MOST_SILENT_PAIRS, silent};
-use super::signal::{OfSector, Signal, merged};
+use super::signal::{OfSector, Signal, Strength, merged};
 
 /// What the rows of the file are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +44,22 @@ impl Kept for () {
     }
 
     fn add(&mut self, (): &Self) {}
+}
+
+impl Kept for Strength {
+    fn of(signal: Signal) -> Self {
+        signal.into()
+    }
+
+    fn signal(&self) -> Option<Signal> {
+        Some((*self).into())
+    }
+
+    fn add(&mut self, later: &Self) {
+        let mut all = Signal::from(*self);
+        all.add(&(*later).into());
+        *self = all.into();
+    }
 }
 
 impl Kept for Signal {

@@ -7,7 +7,7 @@ use sextant_channel::ReceptionLogBuilder;
 
 use super::error::RobotLogError;
 use super::pairs::{Collector, Count, Kept, Listing};
-use super::signal::Signal;
+use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
 use super::table::{Column, Row, Table};
 
@@ -48,8 +48,10 @@ pub(super) fn read(path: &Path, stops: &Stops, notes: &mut Vec<String>) -> Resul
         (true, false) => Listing::Received,
         (true, true) => Listing::ReceivedOfSent,
     };
-    if [sector, rssi, snr].into_iter().any(Column::exists) {
+    if sector.exists() || snr.exists() {
         read_rows::<Signal>(table, columns, listing, stops, notes)
+    } else if rssi.exists() {
+        read_rows::<Strength>(table, columns, listing, stops, notes)
     } else {
         read_rows::<()>(table, columns, listing, stops, notes)
     }

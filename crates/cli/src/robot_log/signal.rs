@@ -57,6 +57,25 @@ impl Signal {
     }
 }
 
+/// The strength of some packets, if nothing else is measured: takes less memory than a [`Signal`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strength {
+    rssi_dbm: f64,
+    measured: u32,
+}
+
+impl From<Signal> for Strength {
+    fn from(Signal { rssi_dbm, measured, .. }: Signal) -> Self {
+        Self { rssi_dbm, measured }
+    }
+}
+
+impl From<Strength> for Signal {
+    fn from(Strength { rssi_dbm, measured }: Strength) -> Self {
+        Self { sector: None, measured, rssi_dbm, snr_db: f64::NAN }
+    }
+}
+
 /// Packets received in one sector.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfSector {

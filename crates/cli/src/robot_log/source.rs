@@ -107,7 +107,7 @@ fn read_path(path: &FilePath, notes: &mut Vec<String>) -> Result<(Path, Option<L
     let path_file::Paths { paths, plane, .. } = path_file::read(path, notes)?;
     let robots = paths.len();
     let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the capture");
-    let [robot] = <[Path; 1]>::try_from(paths)
-        .map_err(|_| RobotLogError::Row { path: path.to_owned(), line: 1, problem })?;
+    let [robot] =
+        <[Path; 1]>::try_from(paths).map_err(|_| RobotLogError::Row { path: path.to_owned(), line: 1, problem })?;
     Ok((robot, plane))
 }

@@ -19,7 +19,8 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 }
 
 fn try_read(files: &[(&str, &str)]) -> Result<RobotLog, RobotLogError> {
-    let options = ReadOptions { stop_every: StopRule::Distance(5.0), packet_interval_s: Some(1.0), ..ReadOptions::default() };
+    let options =
+        ReadOptions { stop_every: StopRule::Distance(5.0), packet_interval_s: Some(1.0), ..ReadOptions::default() };
     robot_log::read(folder(files).path(), &options)
 }
 
@@ -155,6 +156,20 @@ fn a_folder_has_one_log() {
 }
 
 #[test]
+fn a_log_that_has_stops_is_not_cut() {
+    let folder =
+        folder(&[("stops.csv", "stop,x_m,y_m\nA,0,0\n"), ("receptions.csv", "node,stop,received\nlamp,A,1\n")]);
+    for (flag, options) in [
+        ("--stop-every", ReadOptions { stop_every: StopRule::Distance(1.0), ..ReadOptions::default() }),
+        ("--packet-interval", ReadOptions { packet_interval_s: Some(1.0), ..ReadOptions::default() }),
+    ] {
+        let message = robot_log::read(folder.path(), &options).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("`{flag}` is for logs of packets and a path, but")), "{message}");
+        assert!(message.ends_with("is a folder with stops"), "{message}");
+    }
+}
+
+#[test]
 fn a_survey_of_packets_is_the_survey_of_its_counts() {
     // Nodes that send every second, heard within 3 m, along a line. As packets and as counted by hand.
     let mut packets = "t_s,node\n".to_owned();
@@ -170,7 +185,8 @@ fn a_survey_of_packets_is_the_survey_of_its_counts() {
             }
         }
     }
-    let options = ReadOptions { stop_every: StopRule::Distance(1.0), packet_interval_s: None, ..ReadOptions::default() };
+    let options =
+        ReadOptions { stop_every: StopRule::Distance(1.0), packet_interval_s: None, ..ReadOptions::default() };
     let folder = folder(&[("path.csv", "t_s,x_m,y_m\n0,0,0\n20,10,0\n"), ("packets.csv", &packets)]);
     let log = robot_log::read(folder.path(), &options).unwrap();
     for (node, expected) in (0..).zip(counted) {
