@@ -20,8 +20,8 @@ use crate::terminal::Watcher;
 /// Arguments of `sextant map`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// A recording of `run`; or the log of a robot: a folder with stops.csv and receptions.csv, a ROS 2 bag (an MCAP file, or
-    /// a folder of `ros2 bag record`), or the capture of a sniffer (pcap, pcapng; needs --path)
+    /// A recording of `run`; or the log of a robot: a folder with stops.csv and receptions.csv or with path.csv and
+    /// packets.csv, a ROS 2 bag (an MCAP file, or a folder of `ros2 bag record`), or the capture of a sniffer (pcap, pcapng; needs --path)
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// The probability of a reception as a function of distance: `fitted` (estimated from the log),
@@ -37,8 +37,8 @@ pub struct Arguments {
     /// Compute one map with this algorithm and its default settings, instead of the maps of the recorded scenario
     #[arg(long, value_enum, value_name = "ALGORITHM")]
     pub algorithm: Option<AlgorithmName>,
-    /// Compare the maps with the true positions in this CSV file, with columns node,x_m,y_m,z_m. The default for a
-    /// recording are the true positions in it
+    /// Compare the maps with the true positions in this CSV file, with columns node,x_m,y_m,z_m, or node,lat,lon,alt_m if
+    /// the log has lat,lon. The default for a recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
     /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order: one a
@@ -51,7 +51,9 @@ pub struct Arguments {
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     pub near_stops: Option<f64>,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern (why a position is
-    /// unreliable: at-edge, unsettled or no-evidence) and the entries of the covariance, if there is one. Each further map is written to MAP.NAME.csv in the same folder
+    /// unreliable: at-edge, unsettled or no-evidence), the entries of the covariance, if there is one, and lat,lon, if the
+    /// log has them. A name that ends in .geojson gets GeoJSON. Each further map is written to MAP.NAME.csv in the same
+    /// folder
     #[arg(long, value_name = "MAP.csv")]
     pub out: Option<PathBuf>,
     /// Draw the survey, the maps with the 95 % regions of the nodes, the reception curves against the data, the residual of

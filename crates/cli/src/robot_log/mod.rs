@@ -1,10 +1,8 @@
-//! Logs of real robots and maps of them, as CSV files.
+//! Logs of real robots, and maps of them as files.
 //!
-//! Input: a folder with `stops.csv` and `receptions.csv`, with `contacts.csv` if the robot has a range sensor, and with
-//! `sectors.csv` if its antenna has sectors. Output: the reception log for a mapper, or an error with file, line and
-//! column. A byte order mark, both line endings, any order of columns and quoted cells are accepted. An unknown column is
-//! rejected, because a misspelt `sent` would otherwise count as absent. The columns are described in
-//! `docs/recording.md`.
+//! Input: a folder with `stops.csv` and `receptions.csv`, or with `path.csv` and `packets.csv`; a ROS 2 bag; captures of a
+//! sniffer and a path. Output: the reception log for a mapper, the plane of its places if they are given by latitude and
+//! longitude, and notes; or an error with file, line and column. The formats are described in `docs/robot-logs.md`.
 //!
 //! ```
 //! use sextant::robot_log::{self, ReadOptions};
