@@ -71,12 +71,6 @@ pub struct Arguments {
     /// Seconds between two packets of a node, if the log has packets and a path. The default is estimated from the packets
     #[arg(long, value_name = "S", value_parser = interval)]
     pub packet_interval: Option<f64>,
-    /// What is read from a ROS bag.
-    #[command(flatten)]
-    pub bag: BagOptions,
-    /// What belongs to the capture of a sniffer.
-    #[command(flatten)]
-    pub sniffer: SnifferOptions,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub overrides: Overrides,
@@ -86,6 +80,12 @@ pub struct Arguments {
     /// How the work is done.
     #[command(flatten)]
     pub work: Work,
+    /// What is read from a ROS bag. This and what follows have headings of their own, which would hold for flags below.
+    #[command(flatten)]
+    pub bag: BagOptions,
+    /// What belongs to the capture of a sniffer.
+    #[command(flatten)]
+    pub sniffer: SnifferOptions,
 }
 
 /// Reads the value of `--packet-interval`.

@@ -10,6 +10,7 @@ mod definition;
 mod files;
 mod fixes;
 mod leaves;
+mod obvious;
 mod packets;
 mod poses;
 mod selection;

@@ -4,8 +4,11 @@
 //! names its sender is a packet of this node. Frames that are sent again are packets too: they were received. A capture is
 //! read twice from start to end, with one frame in memory: first for the PANs, then for the packets.
 
+mod captured;
 mod container;
 mod ieee80211;
+mod parts;
+mod pcapng;
 mod radiotap;
 mod sender;
 mod skipped;
@@ -16,7 +19,7 @@ use std::path::{Path as FilePath, PathBuf};
 
 use sextant_kernel::SimTime;
 
-use self::container::{Captured, End};
+use self::captured::{Captured, End};
 use self::sender::{Heard, PanNames, Sender, SenderAddress};
 use self::skipped::{Count, Skipped};
 use super::error::RobotLogError;
