@@ -6,8 +6,10 @@ use std::time::Duration;
 use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
+use super::cover::{self, Cover};
 use super::error::RobotLogError;
-use super::gathered::{Gathered, Keyed};
+use super::gathered::Gathered;
+use super::heard::{Heard, reception};
 use super::instant;
 use super::interval::{Gaps, Intervals, intervals};
 use super::log::RobotLog;
@@ -15,7 +17,7 @@ use super::options::{ReadOptions, StopRule};
 use super::packet::Packet;
 use super::path::Path;
 use super::sending;
-use super::signal::{OfSector, Signal, merged};
+use super::signal::Signal;
 use super::slot::{self, Slot};
 
 /// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
@@ -57,7 +59,7 @@ pub struct Gatherer {
     names: Vec<String>,
     nodes: BTreeMap<String, u32>,
     heard: Gathered<Heard>,
-    count: Count,
+    cover: Cover,
     notes: Vec<String>,
 }
 
@@ -70,46 +72,6 @@ struct Track {
     stops: Vec<u32>,
     /// The gaps between the packets of each node.
     gaps: Vec<Gaps>,
-}
-
-/// The packets of one sector of a node that were heard at a stop.
-#[derive(Clone, Debug)]
-struct Heard {
-    node: u32,
-    stop: u32,
-    received: u32,
-    signal: Signal,
-    first: SimTime,
-    last: SimTime,
-}
-
-impl Keyed for Heard {
-    type Key = (u32, u32, Option<u8>);
-
-    fn key(&self) -> Self::Key {
-        (self.node, self.stop, self.signal.sector)
-    }
-
-    fn add(&mut self, later: &Self) {
-        self.received = self.received.saturating_add(later.received);
-        self.signal.add(&later.signal);
-        self.first = self.first.min(later.first);
-        self.last = self.last.max(later.last);
-    }
-}
-
-/// What became of the packets.
-#[derive(Clone, Debug, Default)]
-struct Count {
-    all: u64,
-    before: u64,
-    after: u64,
-    in_gaps: u64,
-    /// Earliest and latest time.
-    span: Option<(SimTime, SimTime)>,
-    /// Packets of a node that go back in time by more than a jitter, and the farthest.
-    back: u64,
-    farthest_back: Duration,
 }
 
 impl Gatherer {
@@ -135,7 +97,7 @@ impl Gatherer {
             names: Vec::new(),
             nodes: BTreeMap::new(),
             heard: Gathered::new(),
-            count: Count::default(),
+            cover: Cover::default(),
             notes: Vec::new(),
         };
         for path in paths {
@@ -201,15 +163,11 @@ impl Gatherer {
         let Some(track) = self.tracks.get_mut(packet.robot.index()) else {
             return Err(refused("the robot that heard it has no path"));
         };
-        self.count.take(packet.time);
         if track.gaps.len() <= node as usize {
             track.gaps.resize_with(node as usize + 1, Gaps::default);
         }
         let back = track.gaps[node as usize].heard(packet.time);
-        if back > Path::JITTER {
-            self.count.back += 1;
-            self.count.farthest_back = self.count.farthest_back.max(back);
-        }
+        self.cover.take(packet.time, back);
         let (start, end) = track.path.span();
         let slot = track.slots.partition_point(|slot| slot.end <= packet.time);
         match track.slots.get(slot).filter(|slot| slot.start <= packet.time) {
@@ -221,9 +179,9 @@ impl Gatherer {
                 first: packet.time,
                 last: packet.time,
             }),
-            None if packet.time < start => self.count.before += 1,
-            None if packet.time > end => self.count.after += 1,
-            None => self.count.in_gaps += 1,
+            None if packet.time < start => self.cover.before += 1,
+            None if packet.time > end => self.cover.after += 1,
+            None => self.cover.in_gaps += 1,
         }
         Ok(())
     }
@@ -243,7 +201,7 @@ impl Gatherer {
     /// # Errors
     /// If there were no packets, or none on the path.
     pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
-        self.check_cover()?;
+        self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
         let intervals = self.intervals();
         let pairs = self.names.len().saturating_mul(self.stops.len());
         let lists_silent = pairs <= MOST_SILENT_PAIRS;
@@ -286,9 +244,7 @@ impl Gatherer {
         let mut times: Vec<SimTime> = heard.iter().flat_map(|row| [row.first, row.last]).collect();
         times.sort_unstable();
         times.dedup();
-        let starts = self.tracks.iter().map(|track| track.path.span().0);
-        let ends = self.tracks.iter().map(|track| track.path.span().1);
-        let span = (starts.min().unwrap_or_default(), ends.max().unwrap_or_default());
+        let span = cover::span(self.tracks.iter().map(|track| &track.path));
         for track in &self.tracks {
             let mut counts = vec![0; track.slots.len()];
             sending::count(&track.slots, &mut counts, &times, interval, span);
@@ -296,44 +252,6 @@ impl Gatherer {
                 sent[stop as usize] = count;
             }
         }
-    }
-
-    /// Notes the packets that are not on the path.
-    fn check_cover(&mut self) -> Result<(), RobotLogError> {
-        let Some(packets) = self.count.span else {
-            return Err(RobotLogError::NoPackets);
-        };
-        let Count { all, before, after, in_gaps, back, farthest_back, .. } = self.count;
-        let starts = self.tracks.iter().map(|track| track.path.span().0);
-        let ends = self.tracks.iter().map(|track| track.path.span().1);
-        let path = (starts.min().unwrap_or_default(), ends.max().unwrap_or_default());
-        if before + after + in_gaps == all {
-            return Err(RobotLogError::NotCovered { count: all, packets, path });
-        }
-        if before + after > 0 {
-            self.notes.push(format!(
-                "{before} packets are from before the path begins and {after} from after it ends, of {all}: they are not used"
-            ));
-        }
-        if in_gaps > 0 {
-            let gaps = self.tracks.iter().flat_map(|track| track.path.gaps());
-            let longest = gaps.max_by_key(|gap| (gap.to.saturating_since(gap.from), std::cmp::Reverse(gap.from)));
-            let longest = longest.map_or_else(String::new, |gap| {
-                format!("; the longest is from {} s to {} s", instant::format(gap.from), instant::format(gap.to))
-            });
-            self.notes.push(format!(
-                "{in_gaps} of {all} packets are from gaps of the path, in which the place of the robot is unknown{longest}: \
-                 they are not used"
-            ));
-        }
-        if back > 0 {
-            self.notes.push(format!(
-                "{back} packets are earlier than the packet of the same node before them, by up to {} s: each was placed by \
-                 its own time; correct the times if a clock was set during the survey",
-                instant::format_span(farthest_back)
-            ));
-        }
-        Ok(())
     }
 
     /// The sending interval of each node.
@@ -368,30 +286,6 @@ impl Gatherer {
             ));
         }
         found
-    }
-}
-
-impl Count {
-    fn take(&mut self, time: SimTime) {
-        self.all += 1;
-        let (first, last) = self.span.unwrap_or((time, time));
-        self.span = Some((first.min(time), last.max(time)));
-    }
-}
-
-/// What was heard of a node at a stop, in each sector. `sent` is `None` if it is unknown.
-fn reception(pair: &[Heard], sent: Option<u32>) -> Reception {
-    let received = pair.iter().fold(0, |sum: u32, row| sum.saturating_add(row.received));
-    let sectors = pair.iter().map(|row| OfSector { received: row.received, signal: row.signal });
-    let signal = merged(sectors);
-    Reception {
-        node: NodeId(pair[0].node),
-        stop: pair[0].stop,
-        received: if sent.is_some() { received } else { 1 },
-        sent: sent.map_or(1, |sent| sent.max(received)),
-        sector: signal.and_then(|signal| signal.sector),
-        rssi_dbm: signal.and_then(|signal| signal.rssi_dbm()),
-        snr_db: signal.and_then(|signal| signal.snr_db()),
     }
 }
 

@@ -8,18 +8,8 @@ use sextant_kernel::NodeId;
 
 use super::gathered::{Gathered, Keyed};
 use super::gatherer::{MOST_SILENT_PAIRS, silent};
+use super::pair_notes::{Listing, PairNotes};
 use super::signal::{OfSector, Signal, Strength, merged};
-
-/// What the rows of the file are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Listing {
-    /// Each row is a packet.
-    Packets,
-    /// Each row has the number of packets received.
-    Received,
-    /// Each row has the number of packets received, and most have the number of those sent.
-    ReceivedOfSent,
-}
 
 /// The packets of a row.
 #[derive(Clone, Copy, Debug)]
@@ -193,8 +183,18 @@ impl<S: Kept> Collector<S> {
         let fills = silent_pairs <= MOST_SILENT_PAIRS;
         let absent = (0..usual.len()).map(absent_at).sum();
         let is_stated = at_stop.iter().any(Option::is_some);
-        Notes { listing, has_counts, unstated, repeated, silent_pairs, fills, absent, zeros: seen.zeros, is_stated }
-            .tell(notes);
+        PairNotes {
+            listing,
+            has_counts,
+            unstated,
+            repeated,
+            silent_pairs,
+            fills,
+            absent,
+            zeros: seen.zeros,
+            is_stated,
+        }
+        .tell(notes);
 
         let mut receptions = ReceptionLogBuilder::default();
         let mut pairs = pairs().peekable();
@@ -272,83 +272,35 @@ impl Seen {
         seen
     }
 
-    /// The median number of packets sent at each stop, the lower one of two; 1 where none is stated.
+    /// The median number of packets sent at each stop, the lower one of two; 1 where none is stated. Where fewer than
+    /// [`FEWEST_STATED`] pairs state one, it is at most that of all pairs.
     fn medians(&self) -> Vec<u32> {
         let mut medians = vec![1; self.pairs.len()];
         let stated: Vec<(u32, u32, usize)> =
             self.stated.iter().map(|(&(stop, sent), &count)| (stop, sent, count)).collect();
+        let mut all: Vec<(u32, usize)> = stated.iter().map(|&(_, sent, count)| (sent, count)).collect();
+        all.sort_unstable();
+        let of_all = median(&all);
         for of_stop in stated.chunk_by(|a, b| a.0 == b.0) {
-            let all: usize = of_stop.iter().map(|&(_, _, count)| count).sum();
-            let mut below = 0;
-            let median = of_stop.iter().find(|&&(_, _, count)| {
-                below += count;
-                2 * below >= all
-            });
-            if let Some(&(stop, sent, _)) = median {
-                medians[stop as usize] = sent;
-            }
+            let numbers: Vec<(u32, usize)> = of_stop.iter().map(|&(_, sent, count)| (sent, count)).collect();
+            let is_few = numbers.iter().map(|&(_, count)| count).sum::<usize>() < FEWEST_STATED;
+            let own = median(&numbers);
+            medians[of_stop[0].0 as usize] = if is_few { own.min(of_all) } else { own };
         }
         medians
     }
 }
 
-/// What the user should know.
-struct Notes {
-    listing: Listing,
-    has_counts: bool,
-    unstated: usize,
-    repeated: usize,
-    silent_pairs: usize,
-    fills: bool,
-    absent: usize,
-    zeros: usize,
-    is_stated: bool,
-}
+/// Fewer pairs do not say what is usual at a stop.
+const FEWEST_STATED: usize = 3;
 
-impl Notes {
-    fn tell(&self, notes: &mut Vec<String>) {
-        let Self { unstated, repeated, silent_pairs, absent, zeros, .. } = *self;
-        let usual = match self.listing {
-            _ if self.is_stated => "`sent` of stops.csv",
-            Listing::ReceivedOfSent => "the median of `sent` at the stop",
-            Listing::Packets | Listing::Received => "the most that were received of a node at the stop",
-        };
-        match self.listing {
-            Listing::Packets => notes.push(format!(
-                "receptions.csv has no column `received`: each row is a packet, and the packets sent are {usual}"
-            )),
-            Listing::Received if self.has_counts => {
-                notes.push(format!("receptions.csv has no column `sent`: the packets sent are {usual}"));
-            }
-            Listing::Received | Listing::ReceivedOfSent => {}
-        }
-        if repeated > 0 && self.listing != Listing::Packets {
-            notes.push(format!(
-                "receptions.csv: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
-                 averaged over packets"
-            ));
-        }
-        if unstated > 0 {
-            notes.push(format!(
-                "receptions.csv: {unstated} rows do not state `sent`; for them it is {usual}, or `received` if that is more"
-            ));
-        }
-        if silent_pairs > 0 && self.fills {
-            notes.push(format!(
-                "receptions.csv: {silent_pairs} absent pairs of node and stop count as missed packets, as many as {usual} \
-                 (0 of 0 means that a node could not have been heard)"
-            ));
-        } else if silent_pairs > 0 {
-            notes.push(format!(
-                "receptions.csv: {silent_pairs} absent pairs of node and stop are too many to list (at most \
-                 {MOST_SILENT_PAIRS}); each counts as one missed packet"
-            ));
-        }
-        if zeros > 0 && absent > 0 && !self.is_stated {
-            notes.push(format!(
-                "receptions.csv lists {zeros} pairs of which nothing was received and leaves out {absent} others; those count \
-                 as missed packets too. List all pairs, with 0 of 0 where the robot could not have heard the node"
-            ));
-        }
-    }
+/// The median of numbers in ascending order, each with how often it occurs: the lower one of two, 1 of none.
+fn median(numbers: &[(u32, usize)]) -> u32 {
+    let all: usize = numbers.iter().map(|&(_, count)| count).sum();
+    let mut below = 0;
+    let middle = numbers.iter().find(|&&(_, count)| {
+        below += count;
+        2 * below >= all
+    });
+    middle.map_or(1, |&(number, _)| number)
 }

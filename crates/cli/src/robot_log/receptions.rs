@@ -6,7 +6,8 @@ use std::path::Path;
 use sextant_channel::ReceptionLogBuilder;
 
 use super::error::RobotLogError;
-use super::pairs::{Collector, Count, Kept, Listing};
+use super::pair_notes::Listing;
+use super::pairs::{Collector, Count, Kept};
 use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
 use super::table::{Column, Row, Table};

@@ -186,6 +186,17 @@ fn absent_pairs_are_as_many_missed_packets_as_are_usual_at_the_stop() {
 }
 
 #[test]
+fn one_row_does_not_say_what_is_usual_at_a_stop() {
+    // As in a log that counts packets from the first to the last one received: mostly one.
+    let log = read(STOPS, "node,stop,received,sent\na,A,1,1\nb,A,1,1\nc,A,1,1\na,B,2,3\n");
+    assert_eq!(
+        (counts(&log.log, 0), counts(&log.log, 1)),
+        (vec![(1, 1), (2, 3), (0, 1)], vec![(1, 1), (0, 1), (0, 1)])
+    );
+    assert_eq!(log.notes, Vec::<String>::new());
+}
+
+#[test]
 fn listing_some_silent_pairs_and_not_others_is_said() {
     let log = read(STOPS, "node,stop,received,sent\na,A,3,4\na,B,0,4\nb,B,1,4\nmute,A,0,4\n");
     let mixed = "receptions.csv lists 1 pairs of which nothing was received and leaves out 5 others";

@@ -1,0 +1,85 @@
+//! What the user should know of how `receptions.csv` was read.
+
+use super::gatherer::MOST_SILENT_PAIRS;
+
+/// What the rows of the file are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Listing {
+    /// Each row is a packet.
+    Packets,
+    /// Each row has the number of packets received.
+    Received,
+    /// Each row has the number of packets received, and most have the number of those sent.
+    ReceivedOfSent,
+}
+
+/// What the user should know.
+pub(super) struct PairNotes {
+    /// What the rows are.
+    pub(super) listing: Listing,
+    /// Whether some row has more than one packet.
+    pub(super) has_counts: bool,
+    /// Rows that do not state the packets sent, though the file has a column for them.
+    pub(super) unstated: usize,
+    /// Rows of a pair that has a row above.
+    pub(super) repeated: usize,
+    /// Absent pairs at stops where another number of packets than one is usual.
+    pub(super) silent_pairs: usize,
+    /// Whether these are few enough to be listed.
+    pub(super) fills: bool,
+    /// Absent pairs.
+    pub(super) absent: usize,
+    /// Pairs of which nothing was received, of nodes that were heard at another stop.
+    pub(super) zeros: usize,
+    /// Whether the file of stops states the packets sent.
+    pub(super) is_stated: bool,
+}
+
+impl PairNotes {
+    /// Adds the notes to `notes`.
+    pub(super) fn tell(&self, notes: &mut Vec<String>) {
+        let Self { unstated, repeated, silent_pairs, absent, zeros, .. } = *self;
+        let usual = match self.listing {
+            _ if self.is_stated => "`sent` of stops.csv",
+            Listing::ReceivedOfSent => "the median of `sent` at the stop",
+            Listing::Packets | Listing::Received => "the most that were received of a node at the stop",
+        };
+        match self.listing {
+            Listing::Packets => notes.push(format!(
+                "receptions.csv has no column `received`: each row is a packet, and the packets sent are {usual}"
+            )),
+            Listing::Received if self.has_counts => {
+                notes.push(format!("receptions.csv has no column `sent`: the packets sent are {usual}"));
+            }
+            Listing::Received | Listing::ReceivedOfSent => {}
+        }
+        if repeated > 0 && self.listing != Listing::Packets {
+            notes.push(format!(
+                "receptions.csv: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
+                 averaged over packets"
+            ));
+        }
+        if unstated > 0 {
+            notes.push(format!(
+                "receptions.csv: {unstated} rows do not state `sent`; for them it is {usual}, or `received` if that is more"
+            ));
+        }
+        if silent_pairs > 0 && self.fills {
+            notes.push(format!(
+                "receptions.csv: {silent_pairs} absent pairs of node and stop count as missed packets, as many as {usual} \
+                 (0 of 0 means that a node could not have been heard)"
+            ));
+        } else if silent_pairs > 0 {
+            notes.push(format!(
+                "receptions.csv: {silent_pairs} absent pairs of node and stop are too many to list (at most \
+                 {MOST_SILENT_PAIRS}); each counts as one missed packet"
+            ));
+        }
+        if zeros > 0 && absent > 0 && !self.is_stated {
+            notes.push(format!(
+                "receptions.csv lists {zeros} pairs of which nothing was received and leaves out {absent} others; those count \
+                 as missed packets too. List all pairs, with 0 of 0 where the robot could not have heard the node"
+            ));
+        }
+    }
+}
