@@ -3,7 +3,13 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
-use crate::{Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap, TrapezoidConfig};
+use crate::fitted::WideSearch;
+use crate::reach::heard_nodes;
+use crate::search_box::Limits;
+use crate::{
+    Concern, CoordinateFrame, Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap,
+    TrapezoidConfig,
+};
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,14 +39,15 @@ impl FittedMlTm {
     /// # Errors
     /// [`MapError::Log`] if a sector of the log is not among those of the settings; [`MapError::Interrupted`].
     pub fn fit(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<Fit>, MapError> {
-        self.fitted.fit_with(&self.ml_tm.counted(log), self.z_range_m, self.ml_tm.sectors(), watch)
+        let heights = (self.z_range_m, self.ml_tm.grid_step_m());
+        self.fitted.fit_with(&self.ml_tm.counted(log), heights, self.ml_tm.sectors(), watch)
     }
 
     /// The algorithm under a fitted profile. Give it the part of the log that is [evidence](Fit::evidence).
     #[must_use]
     pub fn with_fit(&self, fit: &Fit) -> MlTm {
         let step_m = self.ml_tm.grid_step_m().min(fit.curve.range_m());
-        self.ml_tm.with_profile(fit.profile(step_m))
+        self.ml_tm.with_profile(fit.profile(step_m)).with_heights(fit.heights)
     }
 
     /// The algorithm under a profile that means nothing, for logs to which none can be fitted.
@@ -55,11 +62,46 @@ impl FittedMlTm {
     pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<Fit>), MapError> {
         match self.fit(log, watch)? {
             Some(fit) => {
-                let map = self.with_fit(&fit).map(&fit.evidence(log), watch)?;
+                let map = self.map_with(&self.with_fit(&fit), &fit, log, watch)?;
                 Ok((map, Some(fit)))
             }
             None => Ok((self.ml_tm.map(log, watch)?, None)),
         }
+    }
+
+    /// The map by `ml_tm`, which has the profile of `fit`. Each node is within reach of the stops that heard it.
+    fn map_with(
+        &self,
+        ml_tm: &MlTm,
+        fit: &Fit,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
+        let evidence = fit.evidence(log);
+        let limits = Limits::new(log, fit.reach_m, fit.heights);
+        let boxes: Vec<_> = heard_nodes(&evidence).into_iter().map(|heard| (heard, limits.of(&heard))).collect();
+        let (step_m, kind) = (ml_tm.grid_step_m(), ml_tm.estimate_kind());
+        let counted = ml_tm.counted(&evidence);
+        let wide = WideSearch { log: &counted, fit, step_m, kind };
+        let mut map = if evidence.sectors().is_none() && wide.is_warranted(&boxes) {
+            let estimates = wide.estimates(&boxes, watch)?;
+            TopologyMap {
+                estimates,
+                grid_step_m: Some(step_m),
+                ..TopologyMap::of_places(MlTm::NAME, Vec::new(), CoordinateFrame::World)
+            }
+        } else {
+            ml_tm.map_within(&evidence, Some(&limits), watch)?
+        };
+        map.heights = Some(fit.heights);
+        for estimate in map.estimates.iter_mut().flatten() {
+            estimate.concern = match estimate.concern {
+                _ if !fit.is_reach_known => Some(Concern::NoEvidence),
+                None if !fit.converged => Some(Concern::Unsettled),
+                concern => concern,
+            };
+        }
+        Ok(map)
     }
 
     /// The same for an `algorithm` that needs sectors in the log.
@@ -75,7 +117,7 @@ impl FittedMlTm {
             Some(fit) => {
                 let ml_tm = self.with_fit(&fit);
                 ml_tm.demand_sectors(log, algorithm)?;
-                Ok((ml_tm.map(&fit.evidence(log), watch)?, Some(fit)))
+                Ok((self.map_with(&ml_tm, &fit, log, watch)?, Some(fit)))
             }
             None => Ok((self.ml_tm.map(log, watch)?, None)),
         }

@@ -8,6 +8,11 @@ use sextant_kernel::SettingError;
 /// differences come from an uneven floor.
 const UNEVEN: f64 = 0.05;
 
+/// The same where the radio range is estimated from the log: the stops are level if their heights differ by at most
+/// this share of their spread in the plane. Of the stops, those that hear one node count, which are within twice the
+/// reach of each other.
+const NEARLY_LEVEL: f64 = 0.1;
+
 /// The heights at which the nodes of a map were searched for, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoughtHeights {
@@ -29,7 +34,8 @@ pub enum HeightReason {
     /// The heights of the stops differ so little that they do not determine the heights of nodes. The map is in the
     /// plane half way between the lowest and the highest stop. Holds the difference (m).
     UnevenStops(f64),
-    /// From one radio range below the lowest stop to one radio range above the highest.
+    /// From one radio range below the lowest stop to one radio range above the highest; for a log whose radio range is
+    /// not known, one reach as seen in the log.
     Reach,
 }
 
@@ -37,7 +43,19 @@ impl SoughtHeights {
     /// The heights of `z_range_m`, if given. Otherwise the height of the stops if they are level; if not, from
     /// `reach_m` below the lowest stop to `reach_m` above the highest. `None` without stops.
     pub(crate) fn of(stops: &[Stop], z_range_m: Option<[f64; 2]>, reach_m: f64) -> Option<Self> {
-        let [lowest, highest] = extremes(stops)?;
+        Self::with(stops, z_range_m, reach_m, UNEVEN * reach_m)
+    }
+
+    /// The same for a log whose radio range is not known. Nodes are heard over about `reach_m`, and `step_m` is the step
+    /// of the grid. The stops are level if their heights differ by at most a grid step, or by at most a tenth of their
+    /// spread in the plane.
+    pub(crate) fn of_log(stops: &[Stop], z_range_m: Option<[f64; 2]>, reach_m: f64, step_m: f64) -> Option<Self> {
+        Self::with(stops, z_range_m, reach_m, unevenness_m(stops, reach_m, step_m))
+    }
+
+    /// Stops whose heights differ by at most `level_m` are level.
+    fn with(stops: &[Stop], z_range_m: Option<[f64; 2]>, reach_m: f64, level_m: f64) -> Option<Self> {
+        let [lowest, highest] = extremes(stops, 2)?;
         if let Some([low_m, high_m]) = z_range_m {
             return Some(Self { low_m, high_m, reason: HeightReason::Settings });
         }
@@ -45,7 +63,7 @@ impl SoughtHeights {
         let span_m = highest - lowest;
         Some(if span_m <= 0.0 {
             Self { low_m: lowest, high_m: lowest, reason: HeightReason::LevelStops }
-        } else if are_level(stops, reach_m) {
+        } else if span_m <= level_m {
             Self { low_m: middle, high_m: middle, reason: HeightReason::UnevenStops(span_m) }
         } else {
             Self { low_m: lowest - reach_m, high_m: highest + reach_m, reason: HeightReason::Reach }
@@ -91,15 +109,22 @@ pub(crate) fn check_z_range(z_range_m: Option<[f64; 2]>) -> Result<(), SettingEr
     }
 }
 
-/// Whether the heights of the stops differ too little to determine the heights of nodes that are heard within
-/// `reach_m`.
-pub(crate) fn are_level(stops: &[Stop], reach_m: f64) -> bool {
-    extremes(stops).is_none_or(|[lowest, highest]| highest - lowest <= UNEVEN * reach_m)
+/// Whether the heights of the stops of a log differ too little to determine the heights of nodes that are heard over
+/// about `reach_m`, on a grid of `step_m`.
+pub(crate) fn are_level(stops: &[Stop], reach_m: f64, step_m: f64) -> bool {
+    extremes(stops, 2).is_none_or(|[lowest, highest]| highest - lowest <= unevenness_m(stops, reach_m, step_m))
 }
 
-/// The lowest and the highest height of the stops (m); `None` if there are none.
-fn extremes(stops: &[Stop]) -> Option<[f64; 2]> {
-    let heights = stops.iter().map(|stop| stop.position.z_m);
-    let extremes = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z_m| [low.min(z_m), high.max(z_m)]);
+/// Differences of height up to this do not determine the heights of nodes (m).
+fn unevenness_m(stops: &[Stop], reach_m: f64, step_m: f64) -> f64 {
+    let extent_m = |axis| extremes(stops, axis).map_or(0.0, |[low, high]| high - low);
+    let spread_m = extent_m(0).hypot(extent_m(1)).min(2.0 * reach_m);
+    step_m.max(UNEVEN * reach_m).max(NEARLY_LEVEL * spread_m)
+}
+
+/// The lowest and the highest coordinate of the stops along an axis (m); `None` if there are no stops.
+fn extremes(stops: &[Stop], axis: usize) -> Option<[f64; 2]> {
+    let along = stops.iter().map(|stop| <[f64; 3]>::from(stop.position)[axis]);
+    let extremes = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
     (!stops.is_empty()).then_some(extremes)
 }

@@ -25,6 +25,7 @@
 
 mod algorithm;
 mod alignment;
+mod bounded_search;
 mod cells;
 mod comparators;
 mod concern;
@@ -57,6 +58,7 @@ mod profile;
 mod purpose;
 mod reach;
 mod region;
+mod search_box;
 mod sector_errors;
 mod sectors;
 mod self_calibrated;

@@ -8,15 +8,17 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use crate::bounded_search::BoundedSink;
 use crate::findings::Findings;
 use crate::heights::check_z_range;
 use crate::reach::heard_nodes;
+use crate::search_box::{Limits, SearchBox};
 use crate::sector_errors::likeliest_sigma_db;
 use crate::sectors::SectorSettings;
 use crate::solver::{Moments, Peak, Scratch, Solver};
 use crate::{
-    CoordinateFrame, Estimate, EstimateKind, Lattice, MapError, ProfileConfig, ReceptionProfile, SectorsConfig,
-    SoughtHeights, Surface, TieRule, TopologyMap,
+    Concern, CoordinateFrame, Estimate, EstimateKind, Lattice, MapError, ProfileConfig, ReceptionProfile,
+    SectorsConfig, SoughtHeights, Surface, TieRule, TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -119,6 +121,16 @@ impl MlTm {
         Self { grid_step_m, profile, ..self.clone() }
     }
 
+    /// The same algorithm, which searches for nodes at these heights.
+    pub(crate) fn with_heights(&self, heights: SoughtHeights) -> Self {
+        Self { z_range_m: Some([heights.low_m, heights.high_m]), ..self.clone() }
+    }
+
+    /// How the place is estimated.
+    pub(crate) fn estimate_kind(&self) -> EstimateKind {
+        self.estimate
+    }
+
     /// How sectors are used.
     pub(crate) fn sectors(&self) -> &SectorSettings {
         &self.sectors
@@ -157,6 +169,16 @@ impl MlTm {
     /// [`MapError::GridTooLarge`]; [`MapError::Log`] if a sector of the log is not among those of the settings;
     /// [`MapError::Interrupted`].
     pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        self.map_within(log, None, watch)
+    }
+
+    /// The same with each node in the box that `limits` give it, if there are any.
+    pub(crate) fn map_within(
+        &self,
+        log: &ReceptionLog,
+        limits: Option<&Limits>,
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
         let mut map = TopologyMap {
             algorithm: Self::NAME,
             estimates: vec![None; log.node_count()],
@@ -171,11 +193,16 @@ impl MlTm {
         let log = &*self.counted(log);
         let lattice = self.lattice(log)?;
         let solver = self.solver(&lattice, log, watch)?;
+        let heard_nodes = heard_nodes(log);
+        let mut boxes: Vec<Option<SearchBox>> = vec![None; log.node_count()];
+        if let Some(limits) = limits {
+            heard_nodes.iter().for_each(|heard| boxes[heard.node.index()] = Some(limits.of(heard)));
+        }
         watch.begin(Work {
             name: Self::NAME,
             unit: "node",
             steps: log.node_count() as u64,
-            operations: heard_nodes(log).iter().map(|heard| solver.operations(heard)).sum(),
+            operations: heard_nodes.iter().map(|heard| solver.operations(heard)).sum(),
         });
         let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = (0..log.node_count())
             .into_par_iter()
@@ -183,7 +210,8 @@ impl MlTm {
             .map_init(
                 || solver.scratch(),
                 |scratch, node| {
-                    let solved = self.estimate(&solver, scratch, log, NodeId::from_index(node));
+                    let solved =
+                        self.estimate(&solver, scratch, (log, NodeId::from_index(node)), boxes[node].as_ref());
                     watch.check()?;
                     watch.advance(1);
                     Ok(solved)
@@ -265,23 +293,52 @@ impl MlTm {
         &self,
         solver: &Solver<'_>,
         scratch: &mut Scratch,
-        log: &ReceptionLog,
-        node: NodeId,
+        (log, node): (&ReceptionLog, NodeId),
+        within: Option<&SearchBox>,
     ) -> (Option<Estimate>, u64) {
         let receptions = log.of(node);
         let lattice = solver.lattice();
-        let (search, findings) = match self.estimate {
-            EstimateKind::Argmax => {
+        let step_m = lattice.step_m();
+        let mut concern = None;
+        scratch.keep_within(within.map(|within| [within.low, within.high]));
+        let (search, findings) = match (self.estimate, within) {
+            (EstimateKind::Argmax, None) => {
                 let mut peak = Peak::default();
                 (solver.search(scratch, receptions, 0.0, &mut peak), Findings { peak, moments: None })
             }
-            EstimateKind::PosteriorMean => {
+            (EstimateKind::Argmax, Some(within)) => {
+                let mut bounded = BoundedSink::new(Peak::default(), within, step_m);
+                let search = solver.search(scratch, receptions, 0.0, &mut bounded);
+                concern = bounded.concern();
+                (search, Findings { peak: bounded.inner, moments: None })
+            }
+            (EstimateKind::PosteriorMean, None) => {
                 let mut both = (Peak::default(), Moments::new(lattice));
                 let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut both);
                 (search, Findings { peak: both.0, moments: Some(both.1) })
             }
+            (EstimateKind::PosteriorMean, Some(within)) => {
+                let both = (Peak::default(), Moments::new(lattice));
+                let mut bounded = BoundedSink::new(both, within, step_m);
+                let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut bounded);
+                concern = bounded.concern();
+                let (peak, moments) = bounded.inner;
+                (search, Findings { peak, moments: Some(moments) })
+            }
         };
-        (findings.estimate(lattice, self.ties, search.infeasible), search.evaluated)
+        let estimate = findings.estimate(lattice, self.ties, search.infeasible);
+        let Some(within) = within else { return (estimate, search.evaluated) };
+        if let Some(estimate) = estimate {
+            return (Some(Estimate { concern, ..estimate }), search.evaluated);
+        }
+        // No vertex in the box is within range of the receptions.
+        let (unbounded, evaluated) = self.estimate(solver, scratch, (log, node), None);
+        let clamped = unbounded.map(|estimate| Estimate {
+            position: within.nearest(estimate.position),
+            concern: Some(Concern::AtEdge),
+            ..estimate
+        });
+        (clamped, search.evaluated + evaluated)
     }
 }
 

@@ -71,6 +71,13 @@ pub(crate) struct Scratch {
     survivors: Survivors,
 }
 
+impl Scratch {
+    /// Searches look at no vertex outside of the box with these corners, if there is one, from now on.
+    pub(crate) fn keep_within(&mut self, corners: Option<[[f64; 3]; 2]>) {
+        self.rows.keep_within(corners);
+    }
+}
+
 /// The result of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Search {

@@ -4,7 +4,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
 use super::receivers;
-use crate::heights::Heights;
+use crate::search_box::SearchBox;
 
 /// The estimated place of a node during a fit.
 #[derive(Clone, Debug)]
@@ -15,7 +15,7 @@ pub(super) struct Belief {
 
 impl Belief {
     /// The median along each axis of the stops that heard the node. Outliers do not move it much.
-    pub(super) fn first(log: &ReceptionLog, node: NodeId, heights: Heights) -> Self {
+    pub(super) fn first(log: &ReceptionLog, node: NodeId, within: &SearchBox) -> Self {
         let (mut mean, mut spread_m) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
             let coordinate = |(place, packets): (Position, u32)| (<[f64; 3]>::from(place)[axis], packets);
@@ -28,7 +28,6 @@ impl Belief {
         // If the survey is a straight line, nodes lie beside it.
         let widest = spread_m.iter().fold(0.0_f64, |widest, &spread| widest.max(spread));
         let spread_m = spread_m.map(|spread| spread.max(0.5 * widest));
-        mean[2] = heights.clamp(mean[2]);
-        Self { mean: mean.into(), spread_m }
+        Self { mean: within.nearest(mean.into()), spread_m }
     }
 }

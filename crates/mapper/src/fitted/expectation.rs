@@ -9,6 +9,7 @@ use crate::directions::{Directions, covers};
 use crate::heights::Heights;
 use crate::lattice::whole;
 use crate::local_posterior::{LocalPosterior, local_posterior};
+use crate::search_box::SearchBox;
 
 /// Smallest step of a grid, in bins of the curve.
 const LEAST_STEP: f64 = 0.5;
@@ -48,9 +49,9 @@ struct Listener {
 impl Round<'_> {
     /// The posterior of a node and what it says of the curve. If the work was ended meanwhile, the result means
     /// nothing.
-    pub(super) fn expect(&self, node: NodeId, belief: &Belief) -> Expected {
+    pub(super) fn expect(&self, node: NodeId, within: &SearchBox, belief: &Belief) -> Expected {
         let (listeners, far) = self.listeners(node, belief);
-        let posterior = self.posterior(belief, &listeners);
+        let posterior = self.posterior(belief, within, &listeners);
         let mut counts = Counts::new(self.curve.bins());
         let last = counts.bins.len() - 1;
         counts.bins[last] = far;
@@ -82,13 +83,13 @@ impl Round<'_> {
     }
 
     /// Receptions of a node from far beyond the range. Empty if the work was ended.
-    pub(super) fn outliers(&self, node: NodeId) -> Vec<(NodeId, u32)> {
+    pub(super) fn outliers(&self, node: NodeId, within: &SearchBox) -> Vec<(NodeId, u32)> {
         if self.watch.is_stopped() {
             return Vec::new();
         }
-        let belief = Belief::first(self.log, node, self.heights);
+        let belief = Belief::first(self.log, node, within);
         let (listeners, _) = self.listeners(node, &belief);
-        let Some(LocalPosterior { mean, spread_m, .. }) = self.posterior(&belief, &listeners) else {
+        let Some(LocalPosterior { mean, spread_m, .. }) = self.posterior(&belief, within, &listeners) else {
             return Vec::new();
         };
         let sure_m = self.curve.range_m() + SURE * spread_m.iter().fold(self.curve.bin_m(), |most, &s| most.max(s));
@@ -122,7 +123,7 @@ impl Round<'_> {
         (listeners, far)
     }
 
-    fn posterior(&self, belief: &Belief, listeners: &[Listener]) -> Option<LocalPosterior> {
+    fn posterior(&self, belief: &Belief, within: &SearchBox, listeners: &[Listener]) -> Option<LocalPosterior> {
         let values: Vec<[f64; 2]> = (0..self.curve.bins())
             .map(|bin| self.curve.value(bin))
             .map(|s| [libm::log(s), libm::log1p(-s)])
@@ -131,7 +132,7 @@ impl Round<'_> {
         let live: Vec<&Listener> =
             listeners.iter().filter(|listener| !self.is_dead[listener.stop as usize]).collect();
         let log_likelihood = |vertex: Position| {
-            if self.watch.is_stopped() {
+            if !within.contains(vertex) || self.watch.is_stopped() {
                 return f64::NEG_INFINITY;
             }
             let mut sum = 0.0;

@@ -4,6 +4,7 @@ mod belief;
 mod curve;
 mod dead_stops;
 mod expectation;
+mod wide;
 
 use rayon::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
@@ -12,12 +13,14 @@ use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 use crate::directions::{CoverageEdge, Directions};
 use crate::heights::{Heights, SoughtHeights};
 use crate::profile::averaged_over_cell;
-use crate::reach::{heard_nodes, reach_m};
+use crate::reach::{heard_nodes, is_reach_known, reach_m};
+use crate::search_box::{Limits, SearchBox};
 use crate::sectors::SectorSettings;
 use crate::{FittedConfig, MapError, ReceptionProfile, TableProfile};
 use belief::Belief;
 use curve::{Counts, FittedCurve};
 use expectation::Round;
+pub(crate) use wide::WideSearch;
 
 /// How a reception profile is estimated from a log.
 ///
@@ -48,11 +51,20 @@ pub struct Fit {
     pub outliers: Vec<(NodeId, u32)>,
     /// Number of nodes from which the curve was estimated.
     pub nodes: usize,
+    /// How far nodes are heard, as the log says without a model (m).
+    pub reach_m: f64,
+    /// Whether the log says so. It does not if each node was heard at one place only.
+    pub is_reach_known: bool,
+    /// The heights at which nodes are searched for.
+    pub heights: SoughtHeights,
 }
 
 /// Maximum number of nodes from which the curve is estimated, in a plane and in space. This gives an accuracy of a
 /// few thousandths.
 const ENOUGH_NODES: [usize; 2] = [512, 192];
+/// Number of listed packets from which the curve is estimated, if so many are listed, and least number of nodes for them.
+const ENOUGH_PACKETS: u64 = 200_000;
+const LEAST_NODES: u64 = 64;
 /// The curve has converged if it changes by less than this share of its statistical error.
 const NOISE: f64 = 0.2;
 /// Number of nodes whose posteriors are held at a time.
@@ -64,7 +76,7 @@ const ROUNDS_BEFORE_TESTS: u32 = 6;
 
 impl Fitted {
     /// The profile of `log`; `None` if no node was heard at any stop. `z_range_m` bounds the heights of the nodes
-    /// (m). If absent, nodes are at the height of the stops if these are level, otherwise within one radio range
+    /// (m). If absent, nodes are at the height of the stops if these are nearly level, otherwise within one reach
     /// below and above them. If the log has sectors with their directions, these are evidence, and a stop that heard nothing
     /// counts only where they point. The result is bit-identical for any number of threads.
     ///
@@ -76,28 +88,33 @@ impl Fitted {
         z_range_m: Option<[f64; 2]>,
         watch: &dyn Watch,
     ) -> Result<Option<Fit>, MapError> {
-        self.fit_with(log, z_range_m, &SectorSettings::default(), watch)
+        self.fit_with(log, (z_range_m, 0.0), &SectorSettings::default(), watch)
     }
 
-    /// The same with sectors as the settings say.
+    /// The same for a grid of a step (m), with sectors as the settings say.
     pub(crate) fn fit_with(
         &self,
         log: &ReceptionLog,
-        z_range_m: Option<[f64; 2]>,
+        (z_range_m, step_m): (Option<[f64; 2]>, f64),
         sectors: &SectorSettings,
         watch: &dyn Watch,
     ) -> Result<Option<Fit>, MapError> {
         let heard_nodes = heard_nodes(log);
         let reach_m = reach_m(log, &heard_nodes);
-        let heights = SoughtHeights::of(log.stops(), z_range_m, reach_m);
-        let Some(heights) = heights.map(SoughtHeights::heights) else { return Ok(None) };
+        let Some(sought) = SoughtHeights::of_log(log.stops(), z_range_m, reach_m, step_m) else { return Ok(None) };
+        let heights = sought.heights();
+        let limits = Limits::new(log, reach_m, sought);
         let directions = Directions::of(log, sectors, reach_m, heights, CoverageEdge::Tolerant)?;
         let directions = directions.as_ref();
-        let heard: Vec<NodeId> = heard_nodes.iter().map(|heard| heard.node).collect();
-        let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))];
-        let sample: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
-        let mut beliefs: Vec<Belief> = sample.iter().map(|&node| Belief::first(log, node, heights)).collect();
-        let Some(mut curve) = FittedCurve::first(log, &sample, &beliefs, directions) else { return Ok(None) };
+        let heard: Vec<(NodeId, SearchBox)> =
+            heard_nodes.iter().map(|heard| (heard.node, limits.of(heard))).collect();
+        let enough = ENOUGH_NODES[usize::from(!matches!(heights, Heights::Level(_)))].min(nodes_with_enough(log));
+        let sample: Vec<(NodeId, SearchBox)> =
+            heard.iter().copied().step_by(heard.len().div_ceil(enough).max(1)).collect();
+        let nodes: Vec<NodeId> = sample.iter().map(|&(node, _)| node).collect();
+        let mut beliefs: Vec<Belief> =
+            sample.iter().map(|(node, within)| Belief::first(log, *node, within)).collect();
+        let Some(mut curve) = FittedCurve::first(log, &nodes, &beliefs, directions) else { return Ok(None) };
         let mut is_dead = vec![false; log.stops().len()];
         let (mut rounds, mut converged) = (0, false);
         watch.begin(self.work(log, sample.len(), heights));
@@ -106,7 +123,9 @@ impl Fitted {
             let mut counts = Counts::new(curve.bins());
             let mut ln_silence = vec![0.0; is_dead.len()];
             for (sample, beliefs) in sample.chunks(BLOCK).zip(beliefs.chunks_mut(BLOCK)) {
-                let expect = |(&node, belief): (&NodeId, &Belief)| watch.check().map(|()| round.expect(node, belief));
+                let expect = |((node, within), belief): (&(NodeId, SearchBox), &Belief)| {
+                    watch.check().map(|()| round.expect(*node, within, belief))
+                };
                 let results: Result<Vec<_>, Interrupted> = sample.par_iter().zip(&*beliefs).map(expect).collect();
                 watch.check()?;
                 for (result, belief) in results?.into_iter().zip(beliefs) {
@@ -130,10 +149,20 @@ impl Fitted {
             }
         }
         let round = Round { log, heights, directions, curve: &curve, is_dead: &is_dead, watch };
-        let outliers = heard.par_iter().flat_map_iter(|&node| round.outliers(node)).collect();
+        let outliers = heard.par_iter().flat_map_iter(|(node, within)| round.outliers(*node, within)).collect();
         watch.check()?;
         let dead_stops = (0..).zip(&is_dead).filter(|(_, dead)| **dead).map(|(stop, _)| stop).collect();
-        Ok(Some(Fit { curve: curve.table(), rounds, converged, dead_stops, outliers, nodes: sample.len() }))
+        Ok(Some(Fit {
+            curve: curve.table(),
+            rounds,
+            converged,
+            dead_stops,
+            outliers,
+            nodes: sample.len(),
+            reach_m,
+            is_reach_known: is_reach_known(&heard_nodes),
+            heights: sought,
+        }))
     }
 
     /// The work of all rounds, if all stops are in reach of each of `nodes` nodes.
@@ -204,6 +233,14 @@ impl Fit {
         }
         .expect("a part of a log is a log")
     }
+}
+
+/// Number of nodes that together have enough packets in the log.
+fn nodes_with_enough(log: &ReceptionLog) -> usize {
+    let listed: u64 = log.receptions().iter().map(|reception| u64::from(reception.sent)).sum();
+    let nodes = log.node_count() as u64;
+    let enough = (ENOUGH_PACKETS.saturating_mul(nodes) / listed.max(1)).max(LEAST_NODES);
+    usize::try_from(enough).unwrap_or(usize::MAX)
 }
 
 /// The places of the stops that heard a node, with the packets heard.

@@ -4,7 +4,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use super::absorption::AbsorptionMap;
-use super::bounds::Limits;
+use super::belief::Belief;
 use super::counts::Counts;
 use super::draft::Draft;
 use super::model::CalibratedCurve;
@@ -12,7 +12,8 @@ use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
 use crate::directions::{CoverageEdge, Directions};
 use crate::heights::are_level;
-use crate::reach::reach_m;
+use crate::reach::{is_reach_known, reach_m};
+use crate::search_box::Limits;
 use crate::sectors::SectorSettings;
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
@@ -57,8 +58,8 @@ pub struct Calibration {
     pub obstacles: Option<AbsorptionMap>,
     /// Number of rounds of positions, curve and obstacles.
     pub rounds: u32,
-    /// Whether the last round moved the nodes by less than a twentieth of the grid step on average, and neither a node
-    /// nor the curve is at its bound.
+    /// Whether the last round moved the nodes by less than a twentieth of the grid step on average, no node has a
+    /// [`Concern`], and the curve is not at its bound.
     pub converged: bool,
     /// Nodes that may be farther away. A node is searched for in a box within reach of the stops that heard it. If it
     /// is at the border of this box, its place is not reliable.
@@ -98,14 +99,16 @@ impl SelfCalibrated {
         };
         let Some(start) = Start::of(log) else { return Ok((map, None)) };
         let reach_m = reach_m(log, &start.nodes);
-        let Some(heights) = SoughtHeights::of(log.stops(), self.settings.z_range_m, reach_m) else {
-            return Ok((map, None));
+        let step_of = |is_spatial| {
+            self.settings.grid_step_m.unwrap_or(start.range_m / STEPS_PER_RANGE[usize::from(is_spatial)])
         };
+        let sought = SoughtHeights::of_log(log.stops(), self.settings.z_range_m, reach_m, step_of(true));
+        let Some(heights) = sought else { return Ok((map, None)) };
         map.heights = Some(heights);
         let is_spatial = heights.high_m > heights.low_m;
-        let step_m = self.settings.grid_step_m.unwrap_or(start.range_m / STEPS_PER_RANGE[usize::from(is_spatial)]);
+        let step_m = step_of(is_spatial);
         // If the stops have several heights, the robot may pass above or below an obstacle that blocks it elsewhere.
-        let applies = start.is_rich && are_level(log.stops(), reach_m);
+        let applies = start.is_rich && are_level(log.stops(), reach_m, step_m);
         let knowledge = if applies { self.settings.obstacles } else { ObstacleKnowledge::None };
         let directions =
             Directions::of(log, &SectorSettings::default(), start.range_m, heights.heights(), CoverageEdge::Exact)?;
@@ -113,6 +116,16 @@ impl SelfCalibrated {
         let mut draft = Draft::new(&counts, &start, &Limits::new(log, reach_m, heights), watch);
         watch.begin(self.work(log, start.nodes.len(), is_spatial));
         let settled = self.run(&mut draft, start.range_m, step_m, knowledge)?;
+        draft.widen(step_m)?;
+        let is_known = is_reach_known(&start.nodes);
+        let concern = |belief: &Belief| match belief {
+            _ if !is_known => Some(Concern::NoEvidence),
+            Belief { at_bound: true, is_flat: true, .. } => Some(Concern::NoEvidence),
+            Belief { at_bound: true, .. } => Some(Concern::AtEdge),
+            Belief { is_cramped: true, .. } => Some(Concern::Unsettled),
+            Belief { shift_m, .. } if !settled && *shift_m >= SETTLED * step_m => Some(Concern::Unsettled),
+            _ => None,
+        };
         for belief in &draft.beliefs.nodes {
             map.estimates[belief.node.index()] = Some(Estimate {
                 position: belief.mean,
@@ -120,7 +133,7 @@ impl SelfCalibrated {
                 ties: 1,
                 covariance: Some(belief.covariance),
                 infeasible: false,
-                concern: belief.at_bound.then_some(Concern::AtEdge),
+                concern: concern(belief),
             });
         }
         map.grid_step_m = Some(step_m);
@@ -133,7 +146,7 @@ impl SelfCalibrated {
             efficiency: draft.model.efficiencies().to_vec(),
             knowledge,
             rounds: draft.rounds,
-            converged: settled && at_bound.is_empty() && !curve_at_bound,
+            converged: settled && map.concerns().next().is_none() && !curve_at_bound,
             at_bound,
             curve_at_bound,
             obstacles: draft.into_obstacles(),

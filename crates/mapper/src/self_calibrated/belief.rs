@@ -15,6 +15,13 @@ pub(super) struct Belief {
     pub(super) covariance: [[f64; 3]; 3],
     /// Whether places at the bounds of the node are about as likely as the likeliest.
     pub(super) at_bound: bool,
+    /// Whether nearly all places in the window are about as likely as the likeliest.
+    pub(super) is_flat: bool,
+    /// Whether places at the edge of the window, but within the bounds, are about as likely as the likeliest: the window
+    /// does not hold the posterior.
+    pub(super) is_cramped: bool,
+    /// How far the mean moved in the last round (m).
+    pub(super) shift_m: f64,
 }
 
 impl Belief {

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use sextant_kernel::Interrupted;
 
 use super::belief::Belief;
-use super::bounds::Bounds;
 use super::model::Sums;
 use super::posterior::{Scratch, Surroundings, Tally};
+use crate::search_box::SearchBox;
 
 /// Number of nodes whose counts are held at a time.
 const BLOCK: usize = 512;
@@ -16,7 +16,7 @@ const BLOCK: usize = 512;
 pub(super) struct Beliefs {
     pub(super) nodes: Vec<Belief>,
     /// The box in which each node is searched for.
-    bounds: Vec<Bounds>,
+    bounds: Vec<SearchBox>,
     tallies: Vec<Tally>,
     next: Vec<Belief>,
 }
@@ -30,7 +30,7 @@ pub(super) struct Progress {
 }
 
 impl Beliefs {
-    pub(super) fn new(nodes: Vec<Belief>, bounds: Vec<Bounds>, bins: usize) -> Self {
+    pub(super) fn new(nodes: Vec<Belief>, bounds: Vec<SearchBox>, bins: usize) -> Self {
         let tallies = vec![Tally::new(bins); nodes.len().min(BLOCK)];
         Self { next: nodes.clone(), nodes, bounds, tallies }
     }
@@ -59,9 +59,31 @@ impl Beliefs {
                 sums.add(tally);
             }
         }
+        for (before, after) in self.nodes.iter().zip(&mut self.next) {
+            after.shift_m = before.mean.distance_m(after.mean);
+        }
         std::mem::swap(&mut self.nodes, &mut self.next);
         let share = 1.0 / self.nodes.len() as f64;
         Ok(Progress { shift_m: shift_m * share, vertices })
+    }
+
+    /// Computes the posteriors of the nodes again whose windows do not hold them, in windows as wide as they have become.
+    /// Returns the number of vertices.
+    pub(super) fn refine_cramped(&mut self, surroundings: &Surroundings<'_>) -> Result<u64, Interrupted> {
+        let bins = surroundings.model.bins();
+        let work = self.nodes.par_iter_mut().zip(&self.bounds).filter(|(belief, _)| belief.is_cramped);
+        let vertices = work.map_init(
+            || (Scratch::default(), Tally::new(bins)),
+            |(scratch, tally), (belief, bounds)| {
+                tally.vertices = 0;
+                let shift_m = belief.shift_m;
+                *belief = Belief { shift_m, ..surroundings.refine(scratch, bounds, belief, tally) };
+                tally.vertices
+            },
+        );
+        let vertices = vertices.sum();
+        surroundings.watch.check()?;
+        Ok(vertices)
     }
 }
 

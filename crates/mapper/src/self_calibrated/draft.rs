@@ -4,7 +4,6 @@ use sextant_kernel::{Interrupted, Watch};
 
 use super::belief::Belief;
 use super::beliefs::Beliefs;
-use super::bounds::Limits;
 use super::counts::Counts;
 use super::model::{Model, Sums};
 use super::posterior::{Obstacles, Surroundings};
@@ -12,6 +11,7 @@ use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::Tomography;
+use crate::search_box::Limits;
 
 /// Number of rounds in which all stops have the same efficiency, because the first curves are too rough to compare
 /// stops.
@@ -19,6 +19,9 @@ const EQUAL_ROUNDS: u32 = 2;
 /// Number of rounds of tomography the first time, and each time after that.
 const FIRST_IMPROVEMENT: usize = 40;
 const IMPROVEMENT: usize = 15;
+
+/// Maximum number of times that windows are widened in the end.
+const WIDENINGS: usize = 8;
 
 /// The current positions, curve, efficiencies and obstacles.
 #[derive(Debug)]
@@ -41,13 +44,16 @@ pub(super) struct Draft<'a> {
 impl<'a> Draft<'a> {
     pub(super) fn new(counts: &'a Counts<'a>, start: &Start, limits: &Limits, watch: &'a dyn Watch) -> Self {
         let model = Model::new(start.range_m, counts.log.stops().len());
-        let bounds: Vec<_> = start.nodes.iter().map(|heard| limits.bounds(heard)).collect();
+        let bounds: Vec<_> = start.nodes.iter().map(|heard| limits.of(heard)).collect();
         let nodes = start.nodes.iter().zip(&bounds).map(|(heard, bounds)| Belief {
             node: heard.node,
             mean: bounds.nearest(heard.middle),
             highest: f64::NEG_INFINITY,
             covariance: [[0.0; 3]; 3],
             at_bound: false,
+            is_flat: false,
+            is_cramped: false,
+            shift_m: 0.0,
         });
         let nodes = nodes.collect();
         Self {
@@ -93,6 +99,30 @@ impl<'a> Draft<'a> {
             }
             self.improve_obstacles(IMPROVEMENT)?;
         }
+    }
+
+    /// Widens the windows of nodes that do not hold their posteriors, under the last curve, until they do. If packets
+    /// arrive even over the longest distance in the log, they may arrive over any: the curve then goes on as it ends.
+    pub(super) fn widen(&mut self, step_m: f64) -> Result<(), Interrupted> {
+        if self.fits && self.model.is_at_bound() {
+            self.model.extrapolate(&self.sums);
+            self.beliefs.nodes.iter_mut().for_each(|belief| belief.is_cramped = true);
+        }
+        for _ in 0..WIDENINGS {
+            if !self.beliefs.nodes.iter().any(|belief| belief.is_cramped) {
+                break;
+            }
+            let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
+            let surroundings = Surroundings {
+                counts: self.counts,
+                model: &self.model,
+                obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
+                step_m,
+                watch: self.watch,
+            };
+            self.vertices += self.beliefs.refine_cramped(&surroundings)?;
+        }
+        Ok(())
     }
 
     /// The obstacles, if they were searched for and found.

@@ -20,7 +20,6 @@ mod absorption;
 mod algorithm;
 mod belief;
 mod beliefs;
-mod bounds;
 mod counts;
 mod draft;
 mod likelihood;

@@ -16,6 +16,8 @@ pub(super) const CEILING: f64 = 1.0 - 1e-4;
 const TOP: f64 = 0.998;
 /// Weight of the mean efficiency of all stops in the estimate for one stop, in expected packets.
 const SHRINKAGE: f64 = 20.0;
+/// Least number of packets over a distance for which the log tells how often they arrive.
+const SOME: f64 = 1.0;
 /// The curve ends where it falls below this.
 const NOTHING: f64 = 1e-4;
 /// The reported range ends where the curve falls below this.
@@ -208,6 +210,14 @@ impl Model {
         let end = self.clear.iter().rposition(|&clear| clear > 3.0 * self.floor + NOTHING).map_or(1, |bin| bin + 1);
         let range_m = end as f64 * self.bin_m;
         self.range_m = range_m;
+    }
+
+    /// Lets the curve go on as it ends: beyond the longest distance with packets it has the value that it has there.
+    pub(super) fn extrapolate(&mut self, sums: &Sums) {
+        let Some(last) = sums.sent.iter().rposition(|&sent| sent >= SOME) else { return };
+        let value = self.clear[last];
+        self.clear[last..].fill(value);
+        self.finish();
     }
 
     /// Whether the curve is still clearly above 0 in the last bin.

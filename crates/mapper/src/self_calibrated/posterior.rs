@@ -5,7 +5,6 @@ use sextant_kernel::{NodeId, Watch};
 
 use super::absorption::AbsorptionMap;
 use super::belief::Belief;
-use super::bounds::Bounds;
 use super::counts::{Counts, Link, Record};
 use super::likelihood::Likelihood;
 use super::model::{FLOOR, Model};
@@ -13,12 +12,16 @@ use super::shadows::Shadows;
 use super::window::Window;
 use crate::directions::Directions;
 use crate::local_posterior::covariance;
+use crate::search_box::SearchBox;
 
 /// Probability above which a vertex counts.
 const NEGLIGIBLE: f64 = 1e-4;
 /// The 95 % region holds places whose log-likelihood is at most this much below the highest: half the quantile of the
 /// chi-squared law with two degrees of freedom.
 const LIKELY: f64 = 3.0;
+
+/// A posterior is flat if at least this share of the window is about as likely as the likeliest place.
+const FLAT: f64 = 0.9;
 
 /// The contribution of one node to the counts.
 #[derive(Clone, Debug)]
@@ -95,7 +98,7 @@ impl Surroundings<'_> {
     pub(super) fn refine(
         &self,
         scratch: &mut Scratch,
-        bounds: &Bounds,
+        bounds: &SearchBox,
         before: &Belief,
         tally: &mut Tally,
     ) -> Belief {
@@ -239,7 +242,12 @@ impl Scratch {
         }
         let mean = mode + offset;
         let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
-        Belief { node, mean, highest, covariance, at_bound: self.is_likely_at_cut(highest) }
+        let is_likely = |vertex: &usize| self.likelihood.logarithms()[*vertex] >= highest - LIKELY;
+        let likely = (0..self.window.len()).filter(is_likely);
+        let is_cramped = likely.clone().any(|vertex| self.window.is_at_open_end(vertex));
+        let share = likely.count() as f64 / self.window.len() as f64;
+        let (at_bound, is_flat) = (self.is_likely_at_cut(highest), share >= FLAT);
+        Belief { node, mean, highest, covariance, at_bound, is_flat, is_cramped, shift_m: 0.0 }
     }
 
     /// Whether a place where the window is cut off is about as likely as the likeliest, whose log-likelihood is `highest`.

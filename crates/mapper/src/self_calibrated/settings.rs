@@ -23,8 +23,8 @@ pub struct SelfCalibratedConfig {
     #[serde(default = "default_max_rounds")]
     pub max_rounds: u32,
     /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
-    /// heights of the stops differ by at most a twentieth of the radio range seen in the log; otherwise up to one
-    /// such range below and above the stops.
+    /// heights of the stops differ by at most a grid step, or by at most a tenth of the spread in the plane of the
+    /// stops that hear one node; otherwise up to the reach seen in the log below and above the stops.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_range_m: Option<[f64; 2]>,
 }

@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 
 use super::belief::Belief;
-use super::bounds::Bounds;
+use crate::search_box::SearchBox;
 
 /// Least number of steps from the middle of a window to its edge.
 const REACH: usize = 4;
@@ -30,11 +30,13 @@ struct Axis {
     coordinates: Vec<f64>,
     /// Whether guessed bounds of the node cut the window off, at the low and at the high end.
     is_cut: [bool; 2],
+    /// Whether no bounds cut the window off, at the low and at the high end.
+    is_open: [bool; 2],
 }
 
 impl Window {
     /// Lays the vertices round the last belief and within the bounds, in steps of `step_m` or longer ones.
-    pub(super) fn lay(&mut self, bounds: &Bounds, before: &Belief, step_m: f64) {
+    pub(super) fn lay(&mut self, bounds: &SearchBox, before: &Belief, step_m: f64) {
         for (number, axis) in self.axes.iter_mut().enumerate() {
             axis.lay(number, bounds, before, step_m);
         }
@@ -81,6 +83,13 @@ impl Window {
         self.axes.iter().any(|axis| axis.is_cut != [false; 2])
     }
 
+    /// Whether a vertex is at an end of the window that no bounds cut off, and that may therefore be too near.
+    pub(super) fn is_at_open_end(&self, vertex: usize) -> bool {
+        let [columns, rows, _] = [0, 1, 2].map(|axis| self.axes[axis].coordinates.len());
+        let indices = [vertex % columns, vertex / columns % rows, vertex / (columns * rows)];
+        self.axes.iter().zip(indices).any(|(axis, index)| axis.is_open_at(index))
+    }
+
     /// Whether guessed bounds cut the window off right at a vertex.
     pub(super) fn is_at_cut(&self, vertex: usize) -> bool {
         let [columns, rows, _] = [0, 1, 2].map(|axis| self.axes[axis].coordinates.len());
@@ -90,21 +99,25 @@ impl Window {
 }
 
 impl Axis {
-    fn lay(&mut self, number: usize, bounds: &Bounds, before: &Belief, least_step_m: f64) {
+    fn lay(&mut self, number: usize, bounds: &SearchBox, before: &Belief, least_step_m: f64) {
         let (low, high) = (bounds.low[number], bounds.high[number]);
         let mean_m = <[f64; 3]>::from(before.mean)[number];
         self.coordinates.clear();
         self.is_cut = [false; 2];
+        self.is_open = [false; 2];
         if low < high {
             let spread_m = before.spread_m(number);
             let step_m = step_m(spread_m, least_step_m);
             let half = half_width(spread_m, step_m, MOST[usize::from(!bounds.is_level())]);
             let middle = (mean_m / step_m - PHASE[number]).round() + PHASE[number];
+            self.is_open = [true; 2];
             for along in (0..=2 * half).map(|i| (middle + f64::from(i) - f64::from(half)) * step_m) {
                 if along < low {
                     self.is_cut[0] = bounds.is_guessed[number];
+                    self.is_open[0] = false;
                 } else if along > high {
                     self.is_cut[1] = bounds.is_guessed[number];
+                    self.is_open[1] = false;
                 } else {
                     self.coordinates.push(along);
                 }
@@ -117,6 +130,10 @@ impl Axis {
 
     fn ends(&self) -> [f64; 2] {
         [self.coordinates[0], self.coordinates[self.coordinates.len() - 1]]
+    }
+
+    fn is_open_at(&self, index: usize) -> bool {
+        self.is_open[0] && index == 0 || self.is_open[1] && index + 1 == self.coordinates.len()
     }
 
     fn is_cut_at(&self, index: usize) -> bool {

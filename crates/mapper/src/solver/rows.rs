@@ -31,9 +31,21 @@ pub(crate) struct Rows {
     steps: Vec<i64>,
     /// Coordinates along an axis, to be sorted.
     sorted: Vec<(f64, u32)>,
+    /// Corners of a box outside of which no vertex is looked at, if there is one.
+    within: Option<[[f64; 3]; 2]>,
 }
 
 impl Rows {
+    /// Looks at no vertex outside of the box with these corners, if there is one, from now on.
+    pub(crate) fn keep_within(&mut self, corners: Option<[[f64; 3]; 2]>) {
+        self.within = corners;
+    }
+
+    /// The part of an axis from `low` to `high` that may be looked at.
+    fn allowed(&self, axis: usize, low: f64, high: f64) -> (f64, f64) {
+        self.within.map_or((low, high), |[first, last]| (low.max(first[axis]), high.min(last[axis])))
+    }
+
     /// Sets the box to the bounding box of the places within `range_m` and in the sector of every reception.
     /// Returns whether it may hold such a vertex.
     pub(crate) fn intersection(
@@ -56,7 +68,10 @@ impl Rows {
             }
             self.planes.iter().for_each(|plane| plane.tighten(&mut low, &mut high));
         }
-        self.span = [0, 1, 2].map(|axis| lattice.span(axis, low[axis], high[axis]).0);
+        self.span = [0, 1, 2].map(|axis| {
+            let (low, high) = self.allowed(axis, low[axis], high[axis]);
+            lattice.span(axis, low, high).0
+        });
         if let Some(wedges) = wedges
             && !self.span.iter().any(Range::is_empty)
         {
@@ -84,6 +99,7 @@ impl Rows {
             // Of the receptions up to the one at which `cap` is exceeded, at least one is in range.
             let high = beyond(self.sorted.iter(), cap) + range_m;
             let low = beyond(self.sorted.iter().rev(), cap) - range_m;
+            let (low, high) = self.allowed(axis, low, high);
             self.span[axis] = lattice.span(axis, low, high).0;
         }
         self.find_rim(lattice, range_m, receivers, true)

@@ -1,4 +1,4 @@
-//! The box in which a node is searched for, from the stops that heard it.
+//! The box in which a node of a log without a known channel is searched for, from the stops that heard it.
 //!
 //! A log determines the place of a node only within the reach of its stops. If all stops hear all nodes equally well,
 //! a node far away explains the log as well as a node among the stops. So a node is searched for in a box round the
@@ -17,21 +17,35 @@ const BEYOND: [f64; 2] = [0.5, 0.1];
 
 /// The corners of the box in which a node is searched for (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bounds {
-    pub(super) low: [f64; 3],
-    pub(super) high: [f64; 3],
+pub(crate) struct SearchBox {
+    pub(crate) low: [f64; 3],
+    pub(crate) high: [f64; 3],
     /// Whether the bounds along an axis follow from the stops that heard the node, and not from the settings.
-    pub(super) is_guessed: [bool; 3],
+    pub(crate) is_guessed: [bool; 3],
 }
 
-impl Bounds {
+impl SearchBox {
     /// Whether the box is a rectangle at one height.
-    pub(super) fn is_level(&self) -> bool {
+    pub(crate) fn is_level(&self) -> bool {
         self.low[2] >= self.high[2]
     }
 
+    /// Whether the box holds `place`.
+    pub(crate) fn contains(&self, place: Position) -> bool {
+        let place: [f64; 3] = place.into();
+        // A plane is found within rounding errors.
+        (0..3).all(|axis| place[axis] >= self.low[axis] - 1e-9 && place[axis] <= self.high[axis] + 1e-9)
+    }
+
+    /// Whether `place` is less than `step_m` from an end of the box that is guessed.
+    pub(crate) fn is_at_edge(&self, place: Position, step_m: f64) -> bool {
+        let place: [f64; 3] = place.into();
+        let is_near = |axis: usize| place[axis] < self.low[axis] + step_m || place[axis] > self.high[axis] - step_m;
+        (0..3).any(|axis| self.is_guessed[axis] && self.low[axis] < self.high[axis] && is_near(axis))
+    }
+
     /// The place in the box that is nearest to `place`.
-    pub(super) fn nearest(&self, place: Position) -> Position {
+    pub(crate) fn nearest(&self, place: Position) -> Position {
         let place: [f64; 3] = place.into();
         [0, 1, 2].map(|axis| place[axis].clamp(self.low[axis], self.high[axis])).into()
     }
@@ -39,7 +53,7 @@ impl Bounds {
 
 /// How far from stops nodes may be.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
+pub(crate) struct Limits {
     from_stop_m: f64,
     beyond_m: f64,
     heights: SoughtHeights,
@@ -47,7 +61,7 @@ pub(super) struct Limits {
 
 impl Limits {
     /// Limits for a log whose nodes are heard over `reach_m` and searched for at `heights`.
-    pub(super) fn new(log: &ReceptionLog, reach_m: f64, heights: SoughtHeights) -> Self {
+    pub(crate) fn new(log: &ReceptionLog, reach_m: f64, heights: SoughtHeights) -> Self {
         let mut corners = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         for stop in log.stops() {
             for (axis, value) in <[f64; 3]>::from(stop.position).into_iter().enumerate() {
@@ -60,7 +74,7 @@ impl Limits {
     }
 
     /// The box for a node.
-    pub(super) fn bounds(&self, heard: &HeardNode) -> Bounds {
+    pub(crate) fn of(&self, heard: &HeardNode) -> SearchBox {
         let [first, last] = heard.corners;
         let reach_m = |axis: usize| self.from_stop_m.max(last[axis] - first[axis] + self.beyond_m);
         let mut low = [0, 1, 2].map(|axis| last[axis] - reach_m(axis));
@@ -72,6 +86,6 @@ impl Limits {
         } else {
             (low[2], high[2], is_guessed[2]) = (low_m, high_m, false);
         }
-        Bounds { low, high, is_guessed }
+        SearchBox { low, high, is_guessed }
     }
 }
