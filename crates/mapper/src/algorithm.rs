@@ -5,11 +5,11 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
-    ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DrMdsConfig, DvHopConfig, Fit, FittedMlTm,
-    JointConfig, JointMlTm, Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig,
-    ObstacleMlTm, ObstacleUse, PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig,
-    RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig, TriangleCentroidConfig,
-    WeightedCentroidConfig,
+    ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DrMdsConfig, DvHopConfig, Fit, FittedChannel,
+    FittedMlTm, JointConfig, JointMlTm, Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm,
+    NtldvHopConfig, ObstacleMlTm, ObstacleUse, PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile,
+    RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig,
+    TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
 /// One map to compute from the reception log, as written in a scenario.
@@ -139,6 +139,8 @@ pub enum Learned {
     Profiles(Vec<(String, Fit)>),
     /// A reception curve, the efficiency of each stop, and the obstacles.
     Calibration(Calibration),
+    /// How power falls with distance, and the sensitivity.
+    Channel(FittedChannel),
 }
 
 /// Names of the algorithms that use a [`PlacePrior`].
@@ -248,6 +250,10 @@ impl Mapper {
             Self::SelfCalibrated(algorithm) => {
                 let (map, calibration) = algorithm.map(knowledge.log, watch)?;
                 Ok((map, calibration.map(Learned::Calibration)))
+            }
+            Self::Comparator(Comparator::RssGrid(grid)) => {
+                let (map, channel) = grid.map_and_learn(&knowledge, watch)?;
+                Ok((map, channel.map(Learned::Channel)))
             }
             Self::Comparator(comparator) => comparator.map(&knowledge, watch).map(|map| (map, None)),
         }

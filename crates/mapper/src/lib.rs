@@ -70,9 +70,10 @@ pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper, ProfileSetting}
 pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
-    DvHopConfig, ExtremeConfig, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig, NtldvHop,
-    NtldvHopConfig, Ranging, RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, Smacof, SmacofConfig, Tpm,
-    TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
+    DvHopConfig, ExtremeConfig, FittedChannel, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig,
+    NtldvHop, NtldvHopConfig, Ranging, RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, Smacof,
+    SmacofConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
+    WeightedCentroidConfig,
 };
 pub use concern::Concern;
 pub use error::MapError;

@@ -30,6 +30,11 @@ impl SearchBox {
         self.low[2] >= self.high[2]
     }
 
+    /// The middle of the box.
+    pub(crate) fn middle(&self) -> Position {
+        [0, 1, 2].map(|axis| 0.5 * (self.low[axis] + self.high[axis])).into()
+    }
+
     /// Whether the box holds `place`.
     pub(crate) fn contains(&self, place: Position) -> bool {
         let place: [f64; 3] = place.into();

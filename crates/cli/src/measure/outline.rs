@@ -2,14 +2,14 @@
 
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Concern, Fit, HeightReason, Learned, ObstacleKnowledge,
-    PositionError, SoughtHeights, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, Concern, Fit, FittedChannel, HeightReason, Learned,
+    ObstacleKnowledge, PositionError, SoughtHeights, TopologyMap,
 };
 
 use super::subject::Subject;
 use crate::summary::{
-    CalibrationSummary, ConcernSummary, ErrorSummary, FittedProfileSummary, HeightsSource, HeightsSummary,
-    MapSummary, NetworkProfileSummary,
+    CalibrationSummary, ConcernSummary, ErrorSummary, FittedChannelSummary, FittedProfileSummary, HeightsSource,
+    HeightsSummary, MapSummary, NetworkProfileSummary,
 };
 
 /// The properties of a map of nodes with these `names`, without the truth.
@@ -18,7 +18,12 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
     let mut at_bound = Vec::new();
     let mut fitted_profiles = Vec::new();
     let (fitted_profile, calibration) = match learned {
-        Some(Learned::Profile(fit)) => (Some(fit.into()), None),
+        Some(Learned::Profile(fit)) => {
+            let profile = FittedProfileSummary::from(fit);
+            // A node whose place is not reliable has not converged.
+            let converged = profile.converged && map.concerns().next().is_none();
+            (Some(FittedProfileSummary { converged, ..profile }), None)
+        }
         Some(Learned::Profiles(fits)) => {
             let of_network =
                 |(name, fit): &(String, Fit)| NetworkProfileSummary { network: name.clone(), profile: fit.into() };
@@ -31,6 +36,13 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         }
         _ => (None, None),
     };
+    let fitted_channel = match learned {
+        Some(Learned::Channel(channel)) => {
+            let converged = channel.converged && map.concerns().next().is_none();
+            Some(FittedChannelSummary { converged, ..FittedChannelSummary::from(channel) })
+        }
+        _ => None,
+    };
     let concern = |(node, concern): (NodeId, Concern)| ConcernSummary { node: names[node.index()].clone(), concern };
     let name = subject.name;
     let coincident = map.coincident();
@@ -41,6 +53,7 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         networks: subject.networks.clone(),
         fitted_profile,
         fitted_profiles,
+        fitted_channel,
         calibration,
         concerns: map.concerns().map(concern).collect(),
         at_bound,
@@ -66,6 +79,21 @@ impl From<&Fit> for FittedProfileSummary {
             probability: (0..8).map(|i| fit.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
             dead_stops: fit.dead_stops.clone(),
             outliers: fit.outliers.len(),
+        }
+    }
+}
+
+impl From<&FittedChannel> for FittedChannelSummary {
+    fn from(channel: &FittedChannel) -> Self {
+        Self {
+            rounds: channel.rounds,
+            converged: channel.converged,
+            exponent: channel.exponent,
+            tx_power_dbm: channel.tx_power_dbm,
+            reference_distance_m: channel.reference_distance_m,
+            sigma_db: channel.sigma_db,
+            sensitivity_dbm: channel.sensitivity_dbm,
+            loss: channel.loss,
         }
     }
 }

@@ -28,6 +28,9 @@ const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimat
 /// The default map by the self-calibrated algorithm.
 const SELF_CALIBRATED: &str = "[[maps]]\nalgorithm.self_calibrated = {}\n";
 
+/// The default map by the grid of signal strengths.
+const RSS_GRID: &str = "[[maps]]\nalgorithm.rss_grid = {}\n";
+
 /// An algorithm whose default settings suit any log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum AlgorithmName {
@@ -35,6 +38,8 @@ pub enum AlgorithmName {
     MlTm,
     /// Joint estimate of positions, reception curve, stops and obstacles.
     SelfCalibrated,
+    /// Maximum likelihood of signal strengths, with a channel that is fitted first.
+    RssGrid,
 }
 
 impl AlgorithmName {
@@ -43,6 +48,7 @@ impl AlgorithmName {
         match self {
             Self::MlTm => DEFAULT,
             Self::SelfCalibrated => SELF_CALIBRATED,
+            Self::RssGrid => RSS_GRID,
         }
     }
 }

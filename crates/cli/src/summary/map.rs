@@ -60,6 +60,9 @@ pub struct MapSummary {
     /// The reception profiles of the networks of a joint map that were estimated from their logs.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fitted_profiles: Vec<NetworkProfileSummary>,
+    /// The channel, if it was estimated from the log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitted_channel: Option<FittedChannelSummary>,
     /// What was estimated with the map, if it is self-calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationSummary>,
@@ -117,7 +120,7 @@ pub struct MapSummary {
 pub struct FittedProfileSummary {
     /// Rounds of the estimation.
     pub rounds: u32,
-    /// Whether it converged.
+    /// Whether it converged, and no node has a concern.
     pub converged: bool,
     /// Distance beyond which receptions are outliers (m).
     pub range_m: f64,
@@ -127,6 +130,27 @@ pub struct FittedProfileSummary {
     pub dead_stops: Vec<u32>,
     /// Receptions that were ignored because they came from far beyond the range.
     pub outliers: usize,
+}
+
+/// A channel that was estimated from the log.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FittedChannelSummary {
+    /// Rounds of the estimation.
+    pub rounds: u32,
+    /// Whether it converged, and no node has a concern.
+    pub converged: bool,
+    /// Path loss exponent.
+    pub exponent: f64,
+    /// Mean signal strength over the reference distance (dBm).
+    pub tx_power_dbm: f64,
+    /// The reference distance (m).
+    pub reference_distance_m: f64,
+    /// Standard deviation of the signal strengths (dB).
+    pub sigma_db: f64,
+    /// Least signal strength at which packets are received (dBm).
+    pub sensitivity_dbm: f64,
+    /// Probability that a link that is strong enough is silent all the same, 0 to 1.
+    pub loss: f64,
 }
 
 /// The reception profile of one network of a joint map.
@@ -179,7 +203,7 @@ pub enum HeightsSource {
 pub struct CalibrationSummary {
     /// Rounds of the estimation.
     pub rounds: u32,
-    /// Whether it converged. It did not if a node or the curve is at its bound.
+    /// Whether it converged. It did not if a node has a concern, or the curve is at its bound.
     pub converged: bool,
     /// Distance beyond which less than one packet in a hundred is received (m). Absent if the log has too few receptions
     /// for a curve.

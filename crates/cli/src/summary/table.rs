@@ -45,6 +45,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         maps(&summary.maps, out)?;
         measured(&summary.maps, out)?;
         fitted_profiles(&summary.maps, out)?;
+        fitted_channels(&summary.maps, out)?;
         calibrations(&summary.maps, out)?;
         displacements(&summary.maps, out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
@@ -212,6 +213,27 @@ fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> 
             write!(out, ", {} ignored (far beyond the range)", counted(profile.outliers, "reception"))?;
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn fitted_channels(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(channel) = &map.fitted_channel else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        let end = if channel.converged { "converged" } else { "did not converge" };
+        writeln!(
+            out,
+            "{name}: fitted channel: exponent {:.2}, {:.1} dBm at {} m, deviation {:.1} dB, sensitivity {:.1} dBm, {:.0} % \
+             lost; {end} in {}",
+            channel.exponent,
+            channel.tx_power_dbm,
+            channel.reference_distance_m,
+            channel.sigma_db,
+            channel.sensitivity_dbm,
+            100.0 * channel.loss,
+            counted(channel.rounds as usize, "round")
+        )?;
     }
     Ok(())
 }

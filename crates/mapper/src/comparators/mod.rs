@@ -34,7 +34,7 @@ pub use landmarks::{CountConfig, ExtremeConfig, LandmarksConfig};
 pub use mds_map::{MdsMap, MdsMapConfig};
 pub use ntldv_hop::{NtldvHop, NtldvHopConfig};
 pub use ranging::{Ranging, RangingConfig};
-pub use rss_grid::{RssGrid, RssGridConfig};
+pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use rss_ml::{RssMl, RssMlConfig};
 pub use smacof::{Smacof, SmacofConfig};
 pub use tpm::{AxesConfig, Tpm, TpmConfig};
@@ -105,7 +105,7 @@ impl Comparator {
             Self::Smacof(smacof) => smacof.uses(),
             Self::Apit(_) => Apit::USES,
             Self::RssMl(_) => RssMl::USES,
-            Self::RssGrid(_) => RssGrid::USES,
+            Self::RssGrid(rss_grid) => rss_grid.uses(),
         }
     }
 

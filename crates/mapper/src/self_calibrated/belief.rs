@@ -17,8 +17,7 @@ pub(super) struct Belief {
     pub(super) at_bound: bool,
     /// Whether nearly all places in the window are about as likely as the likeliest.
     pub(super) is_flat: bool,
-    /// Whether places at the edge of the window, but within the bounds, are about as likely as the likeliest: the window
-    /// does not hold the posterior.
+    /// Whether the window does not hold the posterior: there is probability at its edge, but within the bounds.
     pub(super) is_cramped: bool,
     /// How far the mean moved in the last round (m).
     pub(super) shift_m: f64,

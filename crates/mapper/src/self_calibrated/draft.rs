@@ -11,6 +11,7 @@ use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::Tomography;
+use super::window::Detail;
 use crate::search_box::Limits;
 
 /// Number of rounds in which all stops have the same efficiency, because the first curves are too rough to compare
@@ -20,6 +21,8 @@ const EQUAL_ROUNDS: u32 = 2;
 const FIRST_IMPROVEMENT: usize = 40;
 const IMPROVEMENT: usize = 15;
 
+/// Maximum number of rounds for a long log, whose rounds take long.
+const LONG_LOG_ROUNDS: u32 = 30;
 /// Maximum number of times that windows are widened in the end.
 const WIDENINGS: usize = 8;
 
@@ -36,6 +39,7 @@ pub(super) struct Draft<'a> {
     is_obstructed: bool,
     /// Whether curve and efficiencies are fitted.
     fits: bool,
+    detail: Detail,
     watch: &'a dyn Watch,
     pub(super) rounds: u32,
     pub(super) vertices: u64,
@@ -65,6 +69,7 @@ impl<'a> Draft<'a> {
             shadows: Shadows::default(),
             is_obstructed: false,
             fits: start.is_rich,
+            detail: Detail::of_pairs(counts.log.receptions().len()),
             watch,
             rounds: 0,
             vertices: 0,
@@ -81,6 +86,7 @@ impl<'a> Draft<'a> {
     /// Runs rounds on a grid of `step_m` until a round moves the nodes by less than `tolerance_m` on average. Returns
     /// whether this happened before the total number of rounds reached `most_rounds`. At least one round is run.
     pub(super) fn stage(&mut self, step_m: f64, tolerance_m: f64, most_rounds: u32) -> Result<bool, Interrupted> {
+        let most_rounds = if self.detail == Detail::Coarse { most_rounds.min(LONG_LOG_ROUNDS) } else { most_rounds };
         if self.tomography.is_some() && !self.is_obstructed {
             self.look_for_obstacles()?;
         } else {
@@ -113,11 +119,14 @@ impl<'a> Draft<'a> {
                 break;
             }
             let map = self.tomography.as_ref().filter(|_| self.is_obstructed).map(|tomography| &tomography.map);
+            let logarithms = (self.detail == Detail::Coarse).then(|| self.model.logarithms());
             let surroundings = Surroundings {
                 counts: self.counts,
                 model: &self.model,
                 obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
                 step_m,
+                detail: self.detail,
+                logarithms: logarithms.as_ref(),
                 watch: self.watch,
             };
             self.vertices += self.beliefs.refine_cramped(&surroundings)?;
@@ -136,11 +145,14 @@ impl<'a> Draft<'a> {
         if let Some(map) = map {
             self.shadows.trace(map, self.counts.log.stops(), self.model.range_m(), self.watch)?;
         }
+        let logarithms = (self.detail == Detail::Coarse).then(|| self.model.logarithms());
         let surroundings = Surroundings {
             counts: self.counts,
             model: &self.model,
             obstacles: map.map(|map| Obstacles { map, shadows: &self.shadows }),
             step_m,
+            detail: self.detail,
+            logarithms: logarithms.as_ref(),
             watch: self.watch,
         };
         let progress = self.beliefs.refine(&surroundings, &mut self.sums)?;

@@ -35,6 +35,20 @@ pub(super) struct Sums {
     pub(super) stops: Vec<[f64; 2]>,
 }
 
+/// The logarithms of the probabilities that a packet is received and missed over a clear link, by stop and bin.
+#[derive(Clone, Debug)]
+pub(super) struct Logarithms {
+    values: Vec<[f64; 2]>,
+    bins: usize,
+}
+
+impl Logarithms {
+    /// Those of a stop, by bin.
+    pub(super) fn of_stop(&self, stop: usize) -> &[[f64; 2]] {
+        &self.values[stop * self.bins..(stop + 1) * self.bins]
+    }
+}
+
 /// The probability of a reception.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
@@ -130,6 +144,16 @@ impl Model {
     #[inline]
     pub(super) fn clear(&self, efficiency: f64, distance_m: f64) -> f64 {
         (self.clear[self.bin(distance_m)] * efficiency).clamp(self.floor, CEILING)
+    }
+
+    /// Tables of its logarithms.
+    pub(super) fn logarithms(&self) -> Logarithms {
+        let value = |efficiency: f64, clear: f64| {
+            let p = (clear * efficiency).clamp(self.floor, CEILING);
+            [libm::log(p), libm::log1p(-p)]
+        };
+        let of_stop = |&efficiency: &f64| self.clear.iter().map(move |&clear| value(efficiency, clear));
+        Logarithms { values: self.efficiency.iter().flat_map(of_stop).collect(), bins: self.clear.len() }
     }
 
     /// Probability of a reception over a link that obstacles weaken by `absorbed` standard deviations.

@@ -7,9 +7,9 @@ use super::absorption::AbsorptionMap;
 use super::belief::Belief;
 use super::counts::{Counts, Link, Record};
 use super::likelihood::Likelihood;
-use super::model::{FLOOR, Model};
+use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
-use super::window::Window;
+use super::window::{Detail, Window};
 use crate::directions::Directions;
 use crate::local_posterior::covariance;
 use crate::search_box::SearchBox;
@@ -22,6 +22,8 @@ const LIKELY: f64 = 3.0;
 
 /// A posterior is flat if at least this share of the window is about as likely as the likeliest place.
 const FLAT: f64 = 0.9;
+/// A window does not hold the posterior if more than this probability is at its ends.
+const CRAMPED: f64 = 0.02;
 
 /// The contribution of one node to the counts.
 #[derive(Clone, Debug)]
@@ -52,6 +54,9 @@ pub(super) struct Surroundings<'a> {
     pub(super) model: &'a Model,
     pub(super) obstacles: Option<Obstacles<'a>>,
     pub(super) step_m: f64,
+    pub(super) detail: Detail,
+    /// Tables of the logarithms of the model, for a long log.
+    pub(super) logarithms: Option<&'a Logarithms>,
     pub(super) watch: &'a dyn Watch,
 }
 
@@ -103,7 +108,7 @@ impl Surroundings<'_> {
         tally: &mut Tally,
     ) -> Belief {
         tally.clear();
-        scratch.window.lay(bounds, before, self.step_m);
+        scratch.window.lay(bounds, before, self.step_m, self.detail);
         self.gather(scratch, before, tally);
         self.weigh(scratch);
         tally.vertices += scratch.window.len() as u64;
@@ -164,9 +169,11 @@ impl Surroundings<'_> {
                     let apart = place - link.place;
                     self.model.shaded(efficiency, apart.length_m(), obstacles.absorbed(link.stop, apart))
                 }),
-                None => {
-                    likelihood.add(window, link, |place| self.model.clear(efficiency, place.distance_m(link.place)))
-                }
+                None => match self.logarithms {
+                    Some(logarithms) => likelihood.add_logarithms(window, link, self.model, logarithms),
+                    None => likelihood
+                        .add(window, link, |place| self.model.clear(efficiency, place.distance_m(link.place))),
+                },
             }
         }
         likelihood.take_logarithms();
@@ -244,7 +251,9 @@ impl Scratch {
         let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
         let is_likely = |vertex: &usize| self.likelihood.logarithms()[*vertex] >= highest - LIKELY;
         let likely = (0..self.window.len()).filter(is_likely);
-        let is_cramped = likely.clone().any(|vertex| self.window.is_at_open_end(vertex));
+        let at_open_end = (0..self.window.len()).filter(|&vertex| self.window.is_at_open_end(vertex));
+        let weight = |vertex: usize| libm::exp(self.likelihood.logarithms()[vertex] - highest) / sum;
+        let is_cramped = at_open_end.map(weight).sum::<f64>() > CRAMPED;
         let share = likely.count() as f64 / self.window.len() as f64;
         let (at_bound, is_flat) = (self.is_likely_at_cut(highest), share >= FLAT);
         Belief { node, mean, highest, covariance, at_bound, is_flat, is_cramped, shift_m: 0.0 }

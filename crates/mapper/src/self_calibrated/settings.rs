@@ -19,7 +19,7 @@ pub struct SelfCalibratedConfig {
     #[serde(default)]
     pub obstacles: ObstacleKnowledge,
     /// Maximum number of rounds of positions, curve and obstacles, 1 or more. Each stage runs at least one round,
-    /// even beyond this number.
+    /// even beyond this number. A log that lists more than 50000 pairs of a node and a stop has at most 30.
     #[serde(default = "default_max_rounds")]
     pub max_rounds: u32,
     /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the

@@ -7,15 +7,31 @@ use crate::search_box::SearchBox;
 
 /// Least number of steps from the middle of a window to its edge.
 const REACH: usize = 4;
-/// Maximum number of steps from the middle to the edge, in the plane and in space.
-const MOST: [usize; 2] = [24, 9];
+/// Maximum number of steps from the middle to the edge, in the plane and in space, fine and coarse.
+const MOST: [[usize; 2]; 2] = [[24, 9], [24, 4]];
 /// Half the width of a window in standard deviations of the last posterior.
 const SPREADS: f64 = 4.0;
-/// Steps along an axis are doubled while they are below this share of the standard deviation.
-const COARSENESS: f64 = 0.8;
+/// Steps along an axis are doubled while they are below this share of the standard deviation, fine and coarse in space.
+const COARSENESS: [f64; 2] = [0.8, 1.6];
+/// A log that lists more pairs of a node and a stop than this is long.
+const MOST_PAIRS: usize = 50_000;
 /// Where vertices lie relative to round coordinates, in steps (powers of the golden ratio): a lattice that matches
 /// the places of the nodes would make estimates look better than they are.
 const PHASE: [f64; 3] = [0.381_966, 0.236_068, 0.145_898];
+
+/// How much work a round may take: less for a long log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Detail {
+    Fine,
+    Coarse,
+}
+
+impl Detail {
+    /// The detail for a log that lists so many pairs of a node and a stop.
+    pub(super) fn of_pairs(pairs: usize) -> Self {
+        if pairs > MOST_PAIRS { Self::Coarse } else { Self::Fine }
+    }
+}
 
 /// A box of vertices. They are counted with x running fastest.
 #[derive(Debug, Default)]
@@ -36,9 +52,9 @@ struct Axis {
 
 impl Window {
     /// Lays the vertices round the last belief and within the bounds, in steps of `step_m` or longer ones.
-    pub(super) fn lay(&mut self, bounds: &SearchBox, before: &Belief, step_m: f64) {
+    pub(super) fn lay(&mut self, bounds: &SearchBox, before: &Belief, step_m: f64, detail: Detail) {
         for (number, axis) in self.axes.iter_mut().enumerate() {
-            axis.lay(number, bounds, before, step_m);
+            axis.lay(number, bounds, before, (step_m, detail));
         }
     }
 
@@ -99,7 +115,7 @@ impl Window {
 }
 
 impl Axis {
-    fn lay(&mut self, number: usize, bounds: &SearchBox, before: &Belief, least_step_m: f64) {
+    fn lay(&mut self, number: usize, bounds: &SearchBox, before: &Belief, (least_step_m, detail): (f64, Detail)) {
         let (low, high) = (bounds.low[number], bounds.high[number]);
         let mean_m = <[f64; 3]>::from(before.mean)[number];
         self.coordinates.clear();
@@ -107,8 +123,9 @@ impl Axis {
         self.is_open = [false; 2];
         if low < high {
             let spread_m = before.spread_m(number);
-            let step_m = step_m(spread_m, least_step_m);
-            let half = half_width(spread_m, step_m, MOST[usize::from(!bounds.is_level())]);
+            let is_coarse = detail == Detail::Coarse && !bounds.is_level();
+            let step_m = step_m(spread_m, least_step_m, COARSENESS[usize::from(is_coarse)]);
+            let half = half_width(spread_m, step_m, MOST[detail as usize][usize::from(!bounds.is_level())]);
             let middle = (mean_m / step_m - PHASE[number]).round() + PHASE[number];
             self.is_open = [true; 2];
             for along in (0..=2 * half).map(|i| (middle + f64::from(i) - f64::from(half)) * step_m) {
@@ -142,8 +159,8 @@ impl Axis {
 }
 
 /// Step along an axis along which the last posterior spreads by `spread_m` (m).
-fn step_m(spread_m: f64, least_step_m: f64) -> f64 {
-    let doublings = libm::log2(COARSENESS * spread_m / least_step_m).floor().clamp(0.0, 20.0);
+fn step_m(spread_m: f64, least_step_m: f64, coarseness: f64) -> f64 {
+    let doublings = libm::log2(coarseness * spread_m / least_step_m).floor().clamp(0.0, 20.0);
     least_step_m * libm::exp2(doublings)
 }
 

@@ -98,7 +98,7 @@ fn algorithms() -> Vec<AlgorithmConfig> {
         AlgorithmConfig::Apit(Default::default()),
         AlgorithmConfig::RssMl(RssMlConfig { ranging, ..Default::default() }),
         AlgorithmConfig::RssGrid(RssGridConfig {
-            grid_step_m: 0.5,
+            grid_step_m: Some(0.5),
             ranging,
             sensitivity_dbm: Some(-65.0),
             max_range_m: None,

@@ -188,7 +188,7 @@ fn the_bayesian_grid_finds_nodes_and_covers_them() {
     let draw = |i: u64, axis| 9.0 * Seed(6).uniform(Purpose::new(8), [i, axis, 22]);
     let nodes: Vec<Position> = (0..200).map(|i| Position::new(draw(i, 0), draw(i, 1), 0.0)).collect();
     let config = RssGridConfig {
-        grid_step_m: 0.2,
+        grid_step_m: Some(0.2),
         ranging: RangingConfig { sigma_db: Some(4.0), ..RANGING },
         sensitivity_dbm: Some(-72.0),
         max_range_m: Some(8.0),
@@ -227,7 +227,7 @@ fn the_grid_is_the_same_on_any_number_of_threads_and_silent_nodes_are_not_placed
     nodes.push(Position::new(500.0, 0.0, 0.0));
     let log = survey(&nodes, 8.0, 2.0);
     let config = RssGridConfig {
-        grid_step_m: 0.5,
+        grid_step_m: Some(0.5),
         ranging: RangingConfig { sigma_db: Some(2.0), ..RANGING },
         sensitivity_dbm: Some(-72.0),
         max_range_m: None,
@@ -246,7 +246,7 @@ fn the_grid_is_the_same_on_any_number_of_threads_and_silent_nodes_are_not_placed
     let key = |config: RssGridConfig| RssGrid::try_from(config).unwrap_err().key;
     assert_eq!(key(RssGridConfig { sensitivity_dbm: None, ..config }), "sensitivity_dbm");
     assert_eq!(key(RssGridConfig { ranging: RANGING, ..config }), "ranging.sigma_db");
-    assert_eq!(key(RssGridConfig { grid_step_m: 0.0, ..config }), "grid_step_m");
+    assert_eq!(key(RssGridConfig { grid_step_m: Some(0.0), ..config }), "grid_step_m");
 }
 
 #[test]
@@ -271,7 +271,7 @@ fn the_grid_counts_the_vertices_that_are_equally_likely() {
         let receptions = (0..).zip(places).map(reception).collect();
         let log = ReceptionLog::new(vec!["n".into()], places.iter().map(stop).collect(), receptions, Vec::new());
         let config = RssGridConfig {
-            grid_step_m: step_m,
+            grid_step_m: Some(step_m),
             ranging: RangingConfig { sigma_db: Some(4.0), ..RANGING },
             sensitivity_dbm: Some(-90.0),
             max_range_m: Some(10.0),
