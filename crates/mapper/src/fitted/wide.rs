@@ -15,7 +15,9 @@ use crate::{Concern, Estimate, EstimateKind, MapError};
 /// Places of the scan along each axis, in the plane and in space.
 const SCAN: [u32; 2] = [15, 9];
 /// A grid is too large if it takes more operations than this for a node on average, and for all nodes.
-const MOST_OPERATIONS: [f64; 2] = [2e7, 2e9];
+const MOST_OPERATIONS: [f64; 2] = [1e7, 4e8];
+/// Or if the log lists more pairs of a node and a stop than this, and it takes more operations for a node on average.
+const LONG_LOG: (usize, f64) = (50_000, 1e6);
 /// Operations of the adaptive grid for each link of a node, about.
 const OPERATIONS: f64 = 3000.0;
 /// A place is likely if its probability is at least this share of that of the likeliest: `exp(−3)`, as in a 95 % region.
@@ -81,7 +83,10 @@ impl WideSearch<'_> {
         };
         let vertices: f64 = boxes.iter().map(|(_, within)| vertices(within)).sum();
         let operations = vertices * self.log.stops().len() as f64;
-        operations > MOST_OPERATIONS[1] && operations > MOST_OPERATIONS[0] * boxes.len() as f64
+        let of_node = operations / boxes.len().max(1) as f64;
+        let (pairs, most) = LONG_LOG;
+        operations > MOST_OPERATIONS[1] && of_node > MOST_OPERATIONS[0]
+            || self.log.receptions().len() > pairs && of_node > most
     }
 
     /// The estimates of the nodes in `boxes`, in the order of the nodes of the log.

@@ -3,6 +3,7 @@
 mod bounds;
 mod calibration;
 mod comparators;
+mod concerns;
 mod heights;
 mod ml_tm;
 mod mm_tm;

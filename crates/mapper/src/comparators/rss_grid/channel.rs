@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{Interrupted, Watch, Work};
 
-use super::evidence::{Evidence, LEAST_M, Links};
+use super::evidence::{Evidence, LEAST_M, Links, below};
 use super::zoom::{Detail, Posterior};
 use crate::comparators::ranging::RangingConfig;
 use crate::lattice::whole;
@@ -54,7 +54,7 @@ const ENOUGH_NODES: usize = 64;
 /// Maximum number of rounds of places and channel.
 const MOST_ROUNDS: u32 = 40;
 /// The channel has settled if a round changes the exponent by less, and the power and the deviation (dB).
-const TOLERANCES: [f64; 3] = [0.02, 0.3, 0.1];
+const TOLERANCES: [f64; 3] = [0.003, 0.05, 0.02];
 /// Rounds of the regression with censored strengths for one round of places.
 const INNER_ROUNDS: usize = 100;
 /// Bins of the logarithm of distance for silent links: per tenfold distance, and in all.
@@ -80,17 +80,18 @@ impl Sums {
     /// Adds a node whose place has these probabilities.
     fn take(&mut self, links: &Links, places: &[(Position, f64)], reference_m: f64) {
         for &(place, weight) in places {
-            for &(stop, y) in &links.heard {
+            for &(stop, y, share) in &links.heard {
                 let x = libm::log10(place.distance_m(stop).max(LEAST_M) / reference_m);
                 for (sum, term) in self.heard.iter_mut().zip([1.0, x, x * x, y, x * y, y * y]) {
-                    *sum += weight * term;
+                    *sum += weight * share * term;
                 }
             }
-            for &stop in &links.silent {
+            for &(stop, share) in &links.silent {
                 let x = libm::log10(place.distance_m(stop).max(LEAST_M) / LEAST_M);
-                self.silent[whole(x * BINS_PER_DECADE).min(BINS - 1)] += weight;
+                self.silent[whole(x * BINS_PER_DECADE).min(BINS - 1)] += weight * share;
             }
-            self.links += weight * (links.heard.len() + links.unmeasured.len()) as f64;
+            let heard = links.heard.iter().map(|&(_, _, share)| share);
+            self.links += weight * heard.chain(links.unmeasured.iter().map(|&(_, share)| share)).sum::<f64>();
         }
     }
 
@@ -103,12 +104,13 @@ impl Sums {
 }
 
 impl FittedChannel {
-    /// The channel of a log, from the nodes with these links and boxes. `None` if no strength was measured.
+    /// The channel of a log, from the nodes with these links and boxes, on grids of `step_m` in which no distance is above
+    /// `longest_m`. `None` if no strength was measured.
     pub(super) fn fit(
         log: &ReceptionLog,
         nodes: &[(Links, SearchBox)],
         given: &Given,
-        step_m: f64,
+        (step_m, longest_m): (f64, f64),
         watch: &dyn Watch,
     ) -> Result<Option<Self>, Interrupted> {
         let stride = nodes.len().div_ceil(ENOUGH_NODES).max(1);
@@ -118,7 +120,7 @@ impl FittedChannel {
         let operations = sample.len() as f64 * log.stops().len() as f64 * 2e3 * f64::from(MOST_ROUNDS);
         watch.begin(Work { name: "fitted channel", unit: "round", steps: MOST_ROUNDS.into(), operations });
         while channel.rounds < MOST_ROUNDS && !channel.converged {
-            let evidence = Evidence::new(channel);
+            let evidence = Evidence::new(channel, longest_m);
             let tallies: Result<Vec<Sums>, Interrupted> = sample
                 .par_iter()
                 .map(|(links, within)| {
@@ -147,7 +149,7 @@ impl FittedChannel {
     /// A first channel, with each node at the middle of the stops that heard it, weighted by amplitude.
     fn first(sample: &[&(Links, SearchBox)], given: &Given) -> Option<Self> {
         let mut strengths: Vec<f64> =
-            sample.iter().flat_map(|(links, _)| links.heard.iter().map(|&(_, rssi_dbm)| rssi_dbm)).collect();
+            sample.iter().flat_map(|(links, _)| links.heard.iter().map(|&(_, rssi_dbm, _)| rssi_dbm)).collect();
         strengths.sort_unstable_by(f64::total_cmp);
         let faintest = strengths.get(whole(FAINTEST * strengths.len() as f64))?;
         let sensitivity_dbm = given.sensitivity_dbm.unwrap_or(*faintest);
@@ -155,8 +157,10 @@ impl FittedChannel {
         let mut sums = Sums::new();
         for (links, within) in sample {
             let weight = |rssi_dbm: f64| libm::pow(10.0, (rssi_dbm - sensitivity_dbm) / 20.0);
-            let total: f64 = links.heard.iter().map(|&(_, rssi_dbm)| weight(rssi_dbm)).sum();
-            let sum = |sum: Position, &(place, rssi_dbm): &(Position, f64)| sum + place * (weight(rssi_dbm) / total);
+            let total: f64 = links.heard.iter().map(|&(_, rssi_dbm, _)| weight(rssi_dbm)).sum();
+            let sum = |sum: Position, &(place, rssi_dbm, _): &(Position, f64, f64)| {
+                sum + place * (weight(rssi_dbm) / total)
+            };
             let middle = within.nearest(links.heard.iter().fold(Position::ORIGIN, sum));
             sums.take(links, &[(middle, 1.0)], reference_distance_m);
         }
@@ -221,9 +225,4 @@ impl FittedChannel {
         }
         channel
     }
-}
-
-/// The standard normal distribution function, above 0 as far as numbers go.
-fn below(x: f64) -> f64 {
-    0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }

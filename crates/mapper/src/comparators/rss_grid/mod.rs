@@ -206,12 +206,14 @@ impl RssGrid {
         if heard.is_empty() {
             return Ok((map, None));
         }
-        let channel = FittedChannel::fit(log, &nodes, given, step_m, watch)?.ok_or(MapError::Missing {
-            algorithm: Self::NAME,
-            what: "the signal strengths of receptions",
-            remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
-        })?;
-        let evidence = Evidence::new(channel);
+        let longest_m = longest_m(log, &nodes);
+        let channel =
+            FittedChannel::fit(log, &nodes, given, (step_m, longest_m), watch)?.ok_or(MapError::Missing {
+                algorithm: Self::NAME,
+                what: "the signal strengths of receptions",
+                remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
+            })?;
+        let evidence = Evidence::new(channel, longest_m);
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;
         watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
@@ -303,6 +305,21 @@ impl RssGrid {
             suggested_step_m: step_m * excess.sqrt().ceil(),
         })
     }
+}
+
+/// A distance that no place in the boxes of the nodes exceeds from a stop (m).
+fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    let stops = log.stops().iter().map(|stop| <[f64; 3]>::from(stop.position)).map(|place| (place, place));
+    let boxes = nodes.iter().map(|(_, within)| (within.low, within.high));
+    for (first, last) in stops.chain(boxes) {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(first[axis]);
+            high[axis] = high[axis].max(last[axis]);
+        }
+    }
+    Position::from(low).distance_m(high.into())
 }
 
 /// The stops that heard a node with a strength.
