@@ -256,11 +256,12 @@ fn a_curve_and_nodes_at_their_bound_are_reported() {
     assert_eq!((&calibration["converged"], &calibration["curve_at_bound"]), (&false.into(), &true.into()));
     // All positions agree equally well with the log, also those at the boundary of the search.
     assert_eq!(mapped["at_bound"], serde_json::json!(["a", "b", "c"]), "{mapped:#}");
-    let concerns = ["a", "b", "c"].map(|node| serde_json::json!({"node": node, "concern": "at-edge"}));
+    let concerns = ["a", "b", "c"].map(|node| serde_json::json!({"node": node, "concern": "no-evidence"}));
     assert_eq!(mapped["concerns"], serde_json::json!(concerns), "{mapped:#}");
     let (_, text, _) = map(folder.path(), &words);
     assert!(
-        text.contains("warning: 3 nodes are at the boundary of the searched area") && text.contains(": a, b, c"),
+        text.contains("warning: 3 nodes have no place that receptions and silence prefer")
+            && text.contains(": a, b, c"),
         "{text}"
     );
     assert!(text.contains("did not converge") && text.contains("received at all distances in the log"), "{text}");

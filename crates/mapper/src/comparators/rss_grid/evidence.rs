@@ -3,7 +3,7 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use super::channel::FittedChannel;
+use super::fitted_channel::FittedChannel;
 use crate::normal::index;
 
 /// Least probability of what a stop heard.

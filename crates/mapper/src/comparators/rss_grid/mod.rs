@@ -3,6 +3,7 @@
 mod channel;
 mod curves;
 mod evidence;
+mod fitted_channel;
 mod search;
 mod tiles;
 mod zoom;
@@ -13,10 +14,10 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
-pub use self::channel::FittedChannel;
 use self::channel::Given;
 use self::curves::Curves;
 use self::evidence::{Evidence, Links};
+pub use self::fitted_channel::FittedChannel;
 use self::search::{HeardStop, Search};
 use self::tiles::Tiles;
 use self::zoom::{Detail, Posterior};

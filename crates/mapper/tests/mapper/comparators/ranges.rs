@@ -244,7 +244,7 @@ fn the_grid_is_the_same_on_any_number_of_threads_and_silent_nodes_are_not_placed
     assert_eq!(map.positions()[30], None);
     assert_eq!(map.mapped(), 30);
     let key = |config: RssGridConfig| RssGrid::try_from(config).unwrap_err().key;
-    assert_eq!(key(RssGridConfig { sensitivity_dbm: None, ..config }), "sensitivity_dbm");
+    assert_eq!(key(RssGridConfig { sensitivity_dbm: Some(f64::NAN), ..config }), "sensitivity_dbm");
     assert_eq!(key(RssGridConfig { ranging: RANGING, ..config }), "ranging.sigma_db");
     assert_eq!(key(RssGridConfig { grid_step_m: Some(0.0), ..config }), "grid_step_m");
 }
