@@ -36,12 +36,14 @@ pub(super) const MOST_SILENT_PAIRS: usize = 4_000_000;
 /// use sextant_channel::Position;
 /// use sextant_kernel::SimTime;
 ///
-/// let pose = |second, x_m| Pose { time: SimTime::from_nanos(second * 1_000_000_000), position: Position::new(x_m, 0.0, 0.0) };
+/// let at = |second: u64| SimTime::from_nanos(second * 1_000_000_000);
+/// let pose = |second, x_m| Pose { time: at(second), position: Position::new(x_m, 0.0, 0.0) };
 /// let path = Path::new(vec![pose(0, 0.0), pose(10, 10.0)])?;
-/// let options = ReadOptions { stop_every: StopRule::Distance(2.0), packet_interval_s: Some(1.0), ..ReadOptions::default() };
+/// let every = StopRule::Distance(2.0);
+/// let options = ReadOptions { stop_every: every, packet_interval_s: Some(1.0), ..ReadOptions::default() };
 /// let mut gatherer = Gatherer::new(path, &options)?;
 /// for second in [1, 2, 4] {
-///     gatherer.take(Packet::new(SimTime::from_nanos(second * 1_000_000_000), "lamp"))?;
+///     gatherer.take(Packet::new(at(second), "lamp"))?;
 /// }
 /// let log = gatherer.finish()?.log;
 /// assert_eq!(log.stops().len(), 5);
