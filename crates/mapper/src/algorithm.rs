@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
-    ApitConfig, Calibration, Centroid, CentroidConfig, Comparator, DrMdsConfig, DvHopConfig, Fit, FittedChannel,
-    FittedMlTm, JointConfig, JointMlTm, Knowledge, KnowledgeKind, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm,
-    NtldvHopConfig, ObstacleMlTm, ObstacleUse, PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile,
+    ApitConfig, Auto, AutoConfig, Calibration, Centroid, CentroidConfig, Choice, Comparator, DrMdsConfig,
+    DvHopConfig, Fit, FittedChannel, FittedMlTm, JointConfig, JointMlTm, Knowledge, KnowledgeKind, LinkFit,
+    LinkModel, LinkModelConfig, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig, ObstacleMlTm,
+    ObstacleUse, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile,
     RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig,
     TriangleCentroidConfig, WeightedCentroidConfig,
 };
@@ -39,6 +40,12 @@ pub enum AlgorithmConfig {
     Joint(JointConfig),
     /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibratedConfig),
+    /// A model of real radio links, estimated from the log alone.
+    LinkModel(LinkModelConfig),
+    /// The mean of the stops that heard a node, weighted by a power of the share of packets that they received.
+    PacketCentroid(PacketCentroidConfig),
+    /// The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid.
+    Auto(AutoConfig),
     /// A topology-preserving map of hop counts.
     Tpm(TpmConfig),
     /// Intersections of circles round the strongest anchors, three at a time.
@@ -125,6 +132,12 @@ pub enum Mapper {
     ObstacleMlTm(Box<ObstacleMlTm>),
     /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibrated),
+    /// A model of real radio links, estimated from the log alone.
+    LinkModel(LinkModel),
+    /// The mean of the stops that heard a node, weighted by packets.
+    PacketCentroid(PacketCentroid),
+    /// The estimator that the log chooses.
+    Auto(Auto),
     /// An algorithm for comparison.
     Comparator(Comparator),
 }
@@ -141,10 +154,14 @@ pub enum Learned {
     Calibration(Calibration),
     /// How power falls with distance, and the sensitivity.
     Channel(FittedChannel),
+    /// A law of links.
+    Links(LinkFit),
+    /// Which estimator suits the log.
+    Choice(Choice),
 }
 
 /// Names of the algorithms that use a [`PlacePrior`].
-const USE_PRIOR: &[&str] = &["auto", "link-model"];
+const USE_PRIOR: &[&str] = &[Auto::NAME, LinkModel::NAME];
 
 impl Mapper {
     /// The algorithm's name in tables and topics: `ml-tm`.
@@ -155,6 +172,9 @@ impl Mapper {
             Self::MmTm(_) => MmTm::NAME,
             Self::Joint(_) => JointMlTm::NAME,
             Self::SelfCalibrated(_) => SelfCalibrated::NAME,
+            Self::LinkModel(_) => LinkModel::NAME,
+            Self::PacketCentroid(_) => PacketCentroid::NAME,
+            Self::Auto(_) => Auto::NAME,
             Self::Comparator(comparator) => comparator.name(),
         }
     }
@@ -173,6 +193,9 @@ impl Mapper {
                 &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
             }
             Self::SelfCalibrated(algorithm) => algorithm.uses(),
+            Self::LinkModel(algorithm) => algorithm.uses(),
+            Self::PacketCentroid(_) => PacketCentroid::USES,
+            Self::Auto(algorithm) => algorithm.uses(),
             Self::Comparator(comparator) => comparator.uses(),
         }
     }
@@ -204,7 +227,10 @@ impl Mapper {
             | Self::Joint(_)
             | Self::FittedMlTm(_)
             | Self::ObstacleMlTm(_)
-            | Self::SelfCalibrated(_) => 0,
+            | Self::SelfCalibrated(_)
+            | Self::LinkModel(_)
+            | Self::PacketCentroid(_)
+            | Self::Auto(_) => 0,
             Self::Comparator(comparator) => comparator.least_anchors(dimensions),
         }
     }
@@ -255,6 +281,15 @@ impl Mapper {
                 let (map, channel) = grid.map_and_learn(&knowledge, watch)?;
                 Ok((map, channel.map(Learned::Channel)))
             }
+            Self::LinkModel(algorithm) => {
+                let (map, fit) = algorithm.map(knowledge.log, knowledge.prior, watch)?;
+                Ok((map, fit.map(Learned::Links)))
+            }
+            Self::PacketCentroid(algorithm) => Ok((algorithm.map(knowledge.log), None)),
+            Self::Auto(algorithm) => {
+                let (map, choice) = algorithm.map(knowledge.log, knowledge.prior, watch)?;
+                Ok((map, choice.map(Learned::Choice)))
+            }
             Self::Comparator(comparator) => comparator.map(&knowledge, watch).map(|map| (map, None)),
         }
     }
@@ -282,6 +317,15 @@ impl TryFrom<AlgorithmConfig> for Mapper {
             AlgorithmConfig::SelfCalibrated(config) => SelfCalibrated::try_from(config)
                 .map(Self::SelfCalibrated)
                 .map_err(|error| error.within("self_calibrated")),
+            AlgorithmConfig::LinkModel(config) => {
+                LinkModel::try_from(config).map(Self::LinkModel).map_err(|error| error.within("link_model"))
+            }
+            AlgorithmConfig::PacketCentroid(config) => PacketCentroid::try_from(config)
+                .map(Self::PacketCentroid)
+                .map_err(|error| error.within("packet_centroid")),
+            AlgorithmConfig::Auto(config) => {
+                Auto::try_from(config).map(Self::Auto).map_err(|error| error.within("auto"))
+            }
             AlgorithmConfig::Tpm(config) => compare("tpm", config, Comparator::Tpm),
             AlgorithmConfig::RssiTriangleCentroid(config) => {
                 compare("rssi_triangle_centroid", config, Comparator::TriangleCentroid)

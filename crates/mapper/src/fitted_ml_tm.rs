@@ -34,6 +34,11 @@ impl FittedMlTm {
         Ok(Self { fitted, ml_tm: MlTm::try_from(MlTmConfig { profile, ..config })?, z_range_m })
     }
 
+    /// The algorithm with a grid of this step (m).
+    pub(crate) fn with_grid_step_m(&self, grid_step_m: f64) -> Self {
+        Self { ml_tm: self.ml_tm.with_grid_step_m(grid_step_m), ..self.clone() }
+    }
+
     /// The profile of `log`; `None` if no node was heard.
     ///
     /// # Errors

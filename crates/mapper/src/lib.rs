@@ -25,6 +25,7 @@
 
 mod algorithm;
 mod alignment;
+mod auto;
 mod bounded_search;
 mod cells;
 mod comparators;
@@ -42,6 +43,7 @@ mod knowledge;
 pub mod lateration;
 mod lattice;
 mod least_squares;
+mod link_model;
 mod local_posterior;
 mod memory;
 mod metrics;
@@ -52,6 +54,7 @@ mod normal;
 mod obstacle_ml_tm;
 mod orientation;
 mod own_place;
+mod packet_centroid;
 mod place_prior;
 mod posterior_bound;
 mod profile;
@@ -68,6 +71,7 @@ mod topology_map;
 
 pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper, ProfileSetting};
 pub use alignment::{AlignmentError, Reflection, Similarity};
+pub use auto::{Auto, AutoConfig, Choice, EstimatorFit, Score};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
     DvHopConfig, ExtremeConfig, FittedChannel, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig,
@@ -85,6 +89,7 @@ pub use isotonic::never_rising;
 pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
+pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Receiver};
 pub use metrics::{
     ConnectivityError, MetricError, NeighbourhoodRule, NodeDisplacement, PositionError, RssLinks, SectorDisplacement,
     SectorDisplacementRule, SectorDistance, connectivity_error, rss_crlb_m, sector_displacement, sector_of,
@@ -95,6 +100,7 @@ pub use mm_tm::MmTm;
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
 pub use own_place::{AnchorSilence, HeardAnchor, HeardSector, OwnEstimate, OwnPlace, OwnPlaceConfig, PlaceModel};
+pub use packet_centroid::{PacketCentroid, PacketCentroidConfig};
 pub use place_prior::{Area, PlacePrior};
 pub use posterior_bound::{TrueModel, posterior_bound_m};
 pub use profile::{

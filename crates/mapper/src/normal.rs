@@ -15,7 +15,7 @@ pub(crate) struct Normal {
 
 impl Normal {
     pub(crate) fn new() -> Self {
-        Self { values: (0..=STEPS).map(|i| exact(f64::from(i) / PER_UNIT - END)).collect() }
+        Self { values: (0..=STEPS).map(|i| below(f64::from(i) / PER_UNIT - END)).collect() }
     }
 
     /// Φ(x).
@@ -37,7 +37,7 @@ pub(crate) fn index(along: f64) -> usize {
 }
 
 /// Φ(x).
-fn exact(x: f64) -> f64 {
+pub(crate) fn below(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn quantile(p: f64) -> f64 {
     let (mut low, mut high) = (-END, END);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        if exact(middle) < p {
+        if below(middle) < p {
             low = middle;
         } else {
             high = middle;

@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, RobotId};
-use sextant_mapper::{CalibratedCurve, Calibration, Fit, Learned, Mapper, ReceptionProfile};
+use sextant_mapper::{CalibratedCurve, Calibration, EstimatorFit, Fit, Learned, LinkFit, Mapper, ReceptionProfile};
 
 use super::input::Input;
 use super::pipeline::ComputedMap;
@@ -76,6 +76,12 @@ fn of_learned(learned: &Learned) -> Option<Model<'_>> {
     match learned {
         Learned::Profile(fit) => Some(of_fit(fit)),
         Learned::Calibration(calibration) => of_calibration(calibration),
+        Learned::Links(fit) => Some(of_links(fit)),
+        Learned::Choice(choice) => match choice.fit.as_ref()? {
+            EstimatorFit::Links(fit) => Some(of_links(fit)),
+            EstimatorFit::Profile(fit) => Some(of_fit(fit)),
+            EstimatorFit::Calibration(calibration) => of_calibration(calibration),
+        },
         _ => None,
     }
 }
@@ -86,6 +92,15 @@ fn of_fit(fit: &Fit) -> Model<'_> {
         probability: Box::new(|distance_m| fit.curve.probability(distance_m)),
         of_stops: Vec::new(),
         range_m: Some(fit.curve.range_m()),
+    }
+}
+
+fn of_links(fit: &LinkFit) -> Model<'_> {
+    Model {
+        name: "law of links".to_owned(),
+        probability: Box::new(|distance_m| fit.probability(distance_m)),
+        of_stops: Vec::new(),
+        range_m: None,
     }
 }
 

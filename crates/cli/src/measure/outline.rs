@@ -2,47 +2,46 @@
 
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Concern, Fit, FittedChannel, HeightReason, Learned,
-    ObstacleKnowledge, PositionError, SoughtHeights, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, Concern, EstimatorFit, Fit, FittedChannel, HeightReason, Learned,
+    LinkFit, ObstacleKnowledge, PositionError, Score, SoughtHeights, TopologyMap,
 };
 
 use super::subject::Subject;
 use crate::summary::{
-    CalibrationSummary, ConcernSummary, ErrorSummary, FittedChannelSummary, FittedProfileSummary, HeightsSource,
-    HeightsSummary, MapSummary, NetworkProfileSummary,
+    CalibrationSummary, ConcernSummary, ErrorSummary, EstimatorScoreSummary, FittedChannelSummary,
+    FittedProfileSummary, HeightsSource, HeightsSummary, LinkLawSummary, MapSummary, NetworkProfileSummary,
 };
 
 /// The properties of a map of nodes with these `names`, without the truth.
 #[must_use]
 pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
-    let mut at_bound = Vec::new();
-    let mut fitted_profiles = Vec::new();
-    let (fitted_profile, calibration) = match learned {
-        Some(Learned::Profile(fit)) => {
-            let profile = FittedProfileSummary::from(fit);
-            // A node whose place is not reliable has not converged.
-            let converged = profile.converged && map.concerns().next().is_none();
-            (Some(FittedProfileSummary { converged, ..profile }), None)
-        }
+    let mut outline = MapSummary::default();
+    match learned {
+        Some(Learned::Profile(fit)) => outline.fitted_profile = Some(of_fit(fit, map)),
         Some(Learned::Profiles(fits)) => {
             let of_network =
                 |(name, fit): &(String, Fit)| NetworkProfileSummary { network: name.clone(), profile: fit.into() };
-            fitted_profiles.extend(fits.iter().map(of_network));
-            (None, None)
+            outline.fitted_profiles = fits.iter().map(of_network).collect();
         }
-        Some(Learned::Calibration(calibration)) => {
-            at_bound.extend(calibration.at_bound.iter().map(|node| names[node.index()].clone()));
-            (None, Some(calibration.into()))
+        Some(Learned::Calibration(calibration)) => outline_calibration(&mut outline, calibration, names),
+        Some(Learned::Links(fit)) => outline.link_law = Some(fit.into()),
+        Some(Learned::Choice(choice)) => {
+            outline.chosen = Some(choice.chosen);
+            outline.scores = choice.scores.iter().map(Into::into).collect();
+            match &choice.fit {
+                Some(EstimatorFit::Links(fit)) => outline.link_law = Some(fit.into()),
+                Some(EstimatorFit::Profile(fit)) => outline.fitted_profile = Some(of_fit(fit, map)),
+                Some(EstimatorFit::Calibration(fit)) => outline_calibration(&mut outline, fit, names),
+                None => {}
+            }
         }
-        _ => (None, None),
-    };
-    let fitted_channel = match learned {
         Some(Learned::Channel(channel)) => {
+            // A node whose place is not reliable has not converged.
             let converged = channel.converged && map.concerns().next().is_none();
-            Some(FittedChannelSummary { converged, ..FittedChannelSummary::from(channel) })
+            outline.fitted_channel = Some(FittedChannelSummary { converged, ..FittedChannelSummary::from(channel) });
         }
-        _ => None,
-    };
+        _ => {}
+    }
     let concern = |(node, concern): (NodeId, Concern)| ConcernSummary { node: names[node.index()].clone(), concern };
     let name = subject.name;
     let coincident = map.coincident();
@@ -51,12 +50,7 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         algorithm: map.algorithm.to_owned(),
         knowledge: subject.knowledge.to_vec(),
         networks: subject.networks.clone(),
-        fitted_profile,
-        fitted_profiles,
-        fitted_channel,
-        calibration,
         concerns: map.concerns().map(concern).collect(),
-        at_bound,
         heights: map.heights.map(HeightsSummary::from),
         coincident: (coincident > 0).then_some(coincident),
         mapped: map.mapped(),
@@ -65,8 +59,20 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         infeasible: Some(map.infeasible()),
         grid_step_m: map.grid_step_m,
         vertices_evaluated: (map.vertices_evaluated > 0).then_some(map.vertices_evaluated),
-        ..MapSummary::default()
+        ..outline
     }
+}
+
+fn of_fit(fit: &Fit, map: &TopologyMap) -> FittedProfileSummary {
+    let profile = FittedProfileSummary::from(fit);
+    // A node whose place is not reliable has not converged.
+    let converged = profile.converged && map.concerns().next().is_none();
+    FittedProfileSummary { converged, ..profile }
+}
+
+fn outline_calibration(outline: &mut MapSummary, calibration: &Calibration, names: &[String]) {
+    outline.at_bound = calibration.at_bound.iter().map(|node| names[node.index()].clone()).collect();
+    outline.calibration = Some(calibration.into());
 }
 
 impl From<&Fit> for FittedProfileSummary {
@@ -121,6 +127,35 @@ impl From<&Calibration> for CalibrationSummary {
             },
             absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
         }
+    }
+}
+
+impl From<&LinkFit> for LinkLawSummary {
+    fn from(fit: &LinkFit) -> Self {
+        let LinkFit { law, receiver, evidence, rounds, settled } = *fit;
+        Self {
+            evidence,
+            rounds,
+            settled,
+            distance_m: law.distance_m,
+            margin: law.margin,
+            slope: law.slope,
+            shadowing: law.shadowing,
+            shared: law.shared,
+            correlation_m: law.correlation_m,
+            offset: law.offset,
+            direction: law.direction,
+            threshold_dbm: receiver.map(|receiver| receiver.threshold_dbm),
+            fading_db: receiver.map(|receiver| receiver.fading_db),
+            path_loss_exponent: fit.path_loss_exponent(),
+            shadowing_db: receiver.map(|receiver| receiver.fading_db * law.shadowing),
+        }
+    }
+}
+
+impl From<&Score> for EstimatorScoreSummary {
+    fn from(&Score { estimator, log_probability, error, pairs }: &Score) -> Self {
+        Self { estimator, log_probability, standard_error: error, pairs }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use clap::ValueEnum;
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
@@ -31,9 +32,22 @@ const SELF_CALIBRATED: &str = "[[maps]]\nalgorithm.self_calibrated = {}\n";
 /// The default map by the grid of signal strengths.
 const RSS_GRID: &str = "[[maps]]\nalgorithm.rss_grid = {}\n";
 
+/// The map of a log without a scenario.
+const AUTO: &str = "[[maps]]\nalgorithm.auto = {}\n";
+
+/// The default maps by other algorithms.
+const LINK_MODEL: &str = "[[maps]]\nalgorithm.link_model = {}\n";
+const PACKET_CENTROID: &str = "[[maps]]\nalgorithm.packet_centroid = {}\n";
+
 /// An algorithm whose default settings suit any log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum AlgorithmName {
+    /// The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid.
+    Auto,
+    /// A model of real radio links, estimated from the log; uses signal strengths where the log has them.
+    LinkModel,
+    /// The mean of the stops that heard a node, weighted by a power of the share of packets that they received.
+    PacketCentroid,
     /// Maximum likelihood on a grid, with a reception profile that is fitted first.
     MlTm,
     /// Joint estimate of positions, reception curve, stops and obstacles.
@@ -43,9 +57,24 @@ pub enum AlgorithmName {
 }
 
 impl AlgorithmName {
+    /// The algorithm of a log without a scenario, if none is named: the one whose settings are given, `ml-tm` for a
+    /// profile, otherwise the choice of the log.
+    fn meant(has_scenario: bool, has_profile: bool, set: &[String]) -> Option<Self> {
+        let is_set = |name: &Self| {
+            let key =
+                name.to_possible_value().map(|value| format!("algorithm.{}", value.get_name().replace('-', "_")));
+            key.is_some_and(|key| set.iter().any(|flag| flag.contains(&key)))
+        };
+        let set_up = Self::value_variants().iter().copied().find(is_set);
+        (!has_scenario).then(|| set_up.unwrap_or(if has_profile { Self::MlTm } else { Self::Auto }))
+    }
+
     /// One map by the algorithm, as written in a scenario.
     fn text(self) -> &'static str {
         match self {
+            Self::Auto => AUTO,
+            Self::LinkModel => LINK_MODEL,
+            Self::PacketCentroid => PACKET_CENTROID,
             Self::MlTm => DEFAULT,
             Self::SelfCalibrated => SELF_CALIBRATED,
             Self::RssGrid => RSS_GRID,
@@ -115,7 +144,8 @@ impl MapSettingsConfig {
 
 impl MapSettings {
     /// The maps of `scenario`, which is a name for messages and a text. If `algorithm` is given, it is one map by that
-    /// algorithm instead. Without a scenario, or if the scenario has no maps, it is one `ml-tm` map with a fitted profile.
+    /// algorithm instead. If the scenario has no maps, it is one `ml-tm` map with a fitted profile. Without a scenario, it is
+    /// the map that the log chooses (`auto`), or one by the algorithm that `profile` or `set` are for.
     ///
     /// `profile` replaces the profile of every map that has one. It is the name of a profile (`fitted`), or a name, a
     /// colon and settings (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); settings without a name are those of a trapezoid.
@@ -130,6 +160,7 @@ impl MapSettings {
         (profile, network): (Option<&str>, Option<&str>),
         set: &[String],
     ) -> Result<Self, ScenarioErrors> {
+        let algorithm = algorithm.or_else(|| AlgorithmName::meant(scenario.is_some(), profile.is_some(), set));
         let mut document = document(scenario, algorithm)?;
         if let Some(profile) = profile {
             replace_profiles(&mut document, profile)?;

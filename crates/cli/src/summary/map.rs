@@ -1,7 +1,7 @@
 //! One map and its errors.
 
 use serde::Serialize;
-use sextant_mapper::{Concern, KnowledgeKind};
+use sextant_mapper::{Concern, KnowledgeKind, LinkEvidence};
 
 use super::distributed::DistributedSummary;
 
@@ -66,6 +66,15 @@ pub struct MapSummary {
     /// What was estimated with the map, if it is self-calibrated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<CalibrationSummary>,
+    /// The law of links, if the link model estimated one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub link_law: Option<LinkLawSummary>,
+    /// The estimator that the log chose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<&'static str>,
+    /// How well each estimator that could be chosen predicted the stops that were left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub scores: Vec<EstimatorScoreSummary>,
     /// Nodes whose position is unreliable, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub concerns: Vec<ConcernSummary>,
@@ -225,6 +234,58 @@ pub struct CalibrationSummary {
     /// Area that absorbs (m²). Absent if obstacles were not estimated, or none were found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorbing_m2: Option<f64>,
+}
+
+/// What the link model estimated from the log. Margins are in standard deviations of the fading over packets.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LinkLawSummary {
+    /// Which measurements were used: `packets`, `rssi` or `packets-and-rssi`.
+    pub evidence: LinkEvidence,
+    /// Rounds of the search for the law.
+    pub rounds: u32,
+    /// Whether the search ended by itself, within the bounds of the law.
+    pub settled: bool,
+    /// Distance at which the mean margin is given: the usual one of a link (m).
+    pub distance_m: f64,
+    /// Mean margin at this distance.
+    pub margin: f64,
+    /// How much the margin falls when the distance grows by a factor of e.
+    pub slope: f64,
+    /// Standard deviation of the static shadowing of links.
+    pub shadowing: f64,
+    /// Share of its variance that neighbouring stops share, 0 to 1.
+    pub shared: f64,
+    /// Distance over which it is correlated (m).
+    pub correlation_m: f64,
+    /// Standard deviation of the offsets of nodes.
+    pub offset: f64,
+    /// Standard deviation of the amplitudes of the dependence on direction.
+    pub direction: f64,
+    /// Strength at which half of the packets are received (dBm). Absent without signal strengths, as the next three.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold_dbm: Option<f64>,
+    /// Standard deviation of the strength over the packets of a link (dB).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fading_db: Option<f64>,
+    /// Path-loss exponent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_loss_exponent: Option<f64>,
+    /// Standard deviation of the static shadowing (dB).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadowing_db: Option<f64>,
+}
+
+/// The score of an estimator on stops that were left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EstimatorScoreSummary {
+    /// Name of the estimator.
+    pub estimator: &'static str,
+    /// Mean natural logarithm of the probability that it gave to what was heard of a node at a stop that was left out.
+    pub log_probability: f64,
+    /// Standard error of its difference to the highest score; 0 for the highest.
+    pub standard_error: f64,
+    /// Number of pairs of node and stop.
+    pub pairs: usize,
 }
 
 /// Statistics of an error (m).

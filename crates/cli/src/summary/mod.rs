@@ -26,9 +26,9 @@ pub use distributed::{
 pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSummary, RoundSummary};
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
-    AlignmentSummary, CalibrationSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, FittedChannelSummary,
-    FittedProfileSummary, HeightsSource, HeightsSummary, MapSummary, NODE_ERRORS, NetworkProfileSummary,
-    POSITION_ERRORS_M,
+    AlignmentSummary, CalibrationSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, EstimatorScoreSummary,
+    FittedChannelSummary, FittedProfileSummary, HeightsSource, HeightsSummary, LinkLawSummary, MapSummary,
+    NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
 };
 pub use measures::{Measure, Number, Unit};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use sextant_mapper::Concern;
+use sextant_mapper::{Concern, LinkEvidence};
 
 use super::applications_table;
 use super::distributed_table;
@@ -47,6 +47,7 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
         fitted_profiles(&summary.maps, out)?;
         fitted_channels(&summary.maps, out)?;
         calibrations(&summary.maps, out)?;
+        laws_and_choices(&summary.maps, out)?;
         displacements(&summary.maps, out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
         concerns(&summary.maps, out)?;
@@ -271,6 +272,44 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             Some(area_m2) => writeln!(out, "; {area_m2:.0} m² of obstacles found from {knowledge}")?,
             None => writeln!(out, "; no obstacles found from {knowledge}")?,
         }
+    }
+    Ok(())
+}
+
+/// The laws of links, and which estimators the log chose.
+fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        if let Some(chosen) = map.chosen {
+            write!(out, "{name}: the log chose {chosen}")?;
+            for (number, score) in map.scores.iter().enumerate() {
+                let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
+                write!(out, "{lead}{} {:.3}", score.estimator, score.log_probability)?;
+            }
+            writeln!(out)?;
+        }
+        let Some(law) = &map.link_law else { continue };
+        let evidence = match law.evidence {
+            LinkEvidence::Packets => "packets",
+            LinkEvidence::Rssi => "signal strengths",
+            LinkEvidence::PacketsAndRssi => "packets and signal strengths",
+        };
+        write!(out, "{name}: law of links from {evidence}: ")?;
+        match (law.path_loss_exponent, law.shadowing_db, law.fading_db) {
+            (Some(exponent), Some(shadowing_db), Some(fading_db)) => write!(
+                out,
+                "path-loss exponent {exponent:.1}, shadowing {shadowing_db:.1} dB, fading {fading_db:.1} dB"
+            )?,
+            _ => write!(out, "slope {:.1} and shadowing {:.1} in units of the fading", law.slope, law.shadowing)?,
+        }
+        let end = if law.settled { "settled" } else { "did not settle" };
+        writeln!(
+            out,
+            ", {:.0} % of the shadowing shared over {:.1} m, {end} in {}",
+            100.0 * law.shared,
+            law.correlation_m,
+            counted(law.rounds as usize, "round")
+        )?;
     }
     Ok(())
 }

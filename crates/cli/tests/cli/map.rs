@@ -75,9 +75,34 @@ fn a_map_of_a_log_is_close_to_the_truth() {
 }
 
 #[test]
-fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
+fn a_log_is_mapped_by_the_estimator_that_it_chooses() {
     let folder = survey();
     let (code, stdout, stderr) = map(folder.path(), &["--truth", "nodes.csv", "--format", "json"]);
+    assert_eq!(code, 0, "{stderr}");
+    let summary: Value = serde_json::from_str(&stdout).unwrap();
+    let mapped = &summary["maps"][0];
+    assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &"auto".into()));
+    assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < 0.8, "{mapped:#}");
+    let scores = mapped["scores"].as_array().unwrap();
+    assert!(scores.iter().any(|score| score["estimator"] == mapped["chosen"]), "{mapped:#}");
+    assert!(scores.iter().all(|score| score["log_probability"].as_f64().unwrap() < 0.0), "{mapped:#}");
+    let (_, text, _) = map(folder.path(), &["--truth", "nodes.csv"]);
+    assert!(text.contains("auto: the log chose "), "{text}");
+    for algorithm in ["link-model", "packet-centroid"] {
+        let (code, stdout, stderr) = map(folder.path(), &["--algorithm", algorithm, "--format", "json"]);
+        assert_eq!(code, 0, "{stderr}");
+        let summary: Value = serde_json::from_str(&stdout).unwrap();
+        let mapped = &summary["maps"][0];
+        assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &algorithm.into()));
+        assert_eq!(mapped["link_law"].is_object(), algorithm == "link-model", "{mapped:#}");
+    }
+}
+
+#[test]
+fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
+    let folder = survey();
+    let words = ["--algorithm", "ml-tm", "--truth", "nodes.csv", "--format", "json"];
+    let (code, stdout, stderr) = map(folder.path(), &words);
     assert_eq!(code, 0, "{stderr}");
     let summary: Value = serde_json::from_str(&stdout).unwrap();
     let mapped = &summary["maps"][0];

@@ -9,6 +9,7 @@ mod ml_tm;
 mod mm_tm;
 mod own_place;
 mod profiles;
+mod real_links;
 mod sectored;
 mod self_calibrated;
 mod watched;

@@ -1,0 +1,138 @@
+//! A log without some of its stops.
+
+use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+use sextant_kernel::NodeId;
+
+use super::predict::Pair;
+
+/// At most so many nodes are mapped without a fold.
+const NODES: usize = 32;
+/// Number of folds, and of blocks of neighbouring stops that each has.
+const FOLDS: usize = 2;
+const BLOCKS: usize = 6;
+/// Fewer stops than this cannot be cut into folds.
+const LEAST_STOPS: usize = 8;
+
+/// A log of some of the nodes, and the fold of each of its stops.
+#[derive(Debug)]
+pub(super) struct Folds {
+    log: ReceptionLog,
+    fold_of: Vec<usize>,
+}
+
+/// The stops of one fold.
+#[derive(Debug)]
+pub(super) struct Fold<'a> {
+    all: &'a ReceptionLog,
+    fold_of: &'a [usize],
+    number: usize,
+    /// The log without them.
+    pub(super) rest: ReceptionLog,
+}
+
+impl Folds {
+    /// The folds of `log`; `None` if it has too few stops or nodes.
+    pub(super) fn of(log: &ReceptionLog) -> Option<Self> {
+        let is_heard = |node: &NodeId| log.of(*node).iter().any(|reception| reception.received > 0);
+        let heard: Vec<NodeId> = (0..log.node_count()).map(NodeId::from_index).filter(is_heard).collect();
+        if heard.len() < 2 || log.stops().len() < LEAST_STOPS {
+            return None;
+        }
+        let nodes: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(NODES)).collect();
+        let names = nodes.iter().map(|node| log.names()[node.index()].clone()).collect();
+        let receptions = nodes.iter().enumerate().flat_map(|(number, &node)| {
+            log.of(node).iter().map(move |reception| Reception { node: NodeId::from_index(number), ..reception })
+        });
+        let places: Vec<Position> = log.stops().iter().map(|stop| stop.position).collect();
+        let log = part(log, names, log.stops().to_vec(), receptions.collect());
+        Some(Self { fold_of: folds(&places), log })
+    }
+
+    pub(super) fn nodes(&self) -> usize {
+        self.log.node_count()
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = Fold<'_>> {
+        (0..FOLDS).map(|number| Fold { all: &self.log, fold_of: &self.fold_of, number, rest: self.without(number) })
+    }
+
+    fn without(&self, fold: usize) -> ReceptionLog {
+        let mut number_of = Vec::with_capacity(self.fold_of.len());
+        let mut stops = Vec::new();
+        for (stop, &of) in self.log.stops().iter().zip(&self.fold_of) {
+            number_of.push((of != fold).then(|| u32::try_from(stops.len()).unwrap_or(u32::MAX)));
+            if of != fold {
+                stops.push(*stop);
+            }
+        }
+        let kept = |reception: Reception| Some(Reception { stop: number_of[reception.stop as usize]?, ..reception });
+        let receptions = self.log.receptions().iter().filter_map(kept).collect();
+        part(&self.log, self.log.names().to_vec(), stops, receptions)
+    }
+}
+
+impl Fold<'_> {
+    /// The pairs of `node` and the stops of the fold, without those that were not tried.
+    pub(super) fn pairs(&self, node: usize) -> impl Iterator<Item = Pair> {
+        let mut heard = self.all.of(NodeId::from_index(node)).iter().peekable();
+        let stops = self.all.stops().iter().zip(self.fold_of).enumerate();
+        let pairs: Vec<Pair> = stops
+            .filter_map(|(number, (stop, &of))| {
+                let listed = heard.next_if(|reception| reception.stop as usize == number);
+                let (received, sent) = listed.map_or((0, 1), |reception| (reception.received, reception.sent));
+                (of == self.number && sent > 0).then_some(Pair { position: stop.position, received, sent })
+            })
+            .collect();
+        pairs.into_iter()
+    }
+
+    /// Share of the packets that arrived at the other stops.
+    pub(super) fn usual_share(&self) -> f64 {
+        let counts = self.rest.receptions().iter().map(|reception| (reception.received, reception.sent));
+        let (received, sent) = counts
+            .fold((0.0, 0.0), |(received, sent), (more, of)| (received + f64::from(more), sent + f64::from(of)));
+        let listed = self.rest.receptions().iter().count() as f64;
+        let absent = self.rest.node_count() as f64 * self.rest.stops().len() as f64 - listed;
+        (received + 0.5) / (sent + absent + 1.0)
+    }
+}
+
+/// A log of parts of `log`, with its contacts, robots and sectors.
+fn part(log: &ReceptionLog, names: Vec<String>, stops: Vec<Stop>, receptions: Vec<Reception>) -> ReceptionLog {
+    let part = ReceptionLog::new(names, stops, receptions, log.contacts().to_vec())
+        .and_then(|part| part.with_robots(log.robots().to_vec()))
+        .and_then(|part| match log.sectors() {
+            Some(sectors) => part.with_sectors(sectors.clone()),
+            None => Ok(part),
+        });
+    part.unwrap_or_else(|error| unreachable!("a part of a log is a log: {error}"))
+}
+
+/// The fold of each place. The places are cut into halves by their wider axis again and again, so that neighbours follow each
+/// other; blocks of them are dealt out in turn.
+fn folds(places: &[Position]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    halve(&mut order, places);
+    let mut fold_of = vec![0; places.len()];
+    for (rank, &place) in order.iter().enumerate() {
+        fold_of[place] = rank * FOLDS * BLOCKS / places.len() % FOLDS;
+    }
+    fold_of
+}
+
+fn halve(part: &mut [usize], places: &[Position]) {
+    if part.len() < 2 {
+        return;
+    }
+    let along = |place: usize, axis: usize| <[f64; 3]>::from(places[place])[axis];
+    let width_m = |axis: usize| {
+        let ends = part.iter().map(|&place| along(place, axis));
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    let axis = usize::from(width_m(0) < width_m(1));
+    part.sort_by(|&a, &b| along(a, axis).total_cmp(&along(b, axis)).then(a.cmp(&b)));
+    let (low, high) = part.split_at_mut(part.len() / 2);
+    halve(low, places);
+    halve(high, places);
+}

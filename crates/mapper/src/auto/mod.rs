@@ -1,0 +1,259 @@
+//! The estimator that suits a log, chosen by the log.
+
+mod folds;
+mod predict;
+mod score;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{SettingError, Watch};
+
+use self::folds::{Fold, Folds};
+use self::score::Predicted;
+pub use self::score::Score;
+use crate::reach::{heard_nodes, reach_m};
+use crate::{
+    Calibration, EstimateKind, Fit, FittedConfig, FittedMlTm, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig,
+    MapError, MlTmConfig, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated,
+    SelfCalibratedConfig, TopologyMap,
+};
+
+/// The choice of an estimator as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct AutoConfig {
+    /// Whether signal strengths are used where the log has them.
+    pub rssi: bool,
+    /// Lowest and highest height of a node (m). If absent, nodes are at the height of the stops if these are nearly level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z_range_m: Option<[f64; 2]>,
+}
+
+impl Default for AutoConfig {
+    fn default() -> Self {
+        Self { rssi: true, z_range_m: None }
+    }
+}
+
+/// Several estimators, of which the log chooses one.
+///
+/// The stops are cut into a few folds of neighbours. Each estimator maps some of the nodes without the stops of one fold,
+/// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out. The
+/// fitted grid and the self-calibrated map take packets as independent; the better one maps the log unless the link model is
+/// better by two standard errors. A packet centroid, whose predictions are those of the link model at its places, must be
+/// clearly better than the link model. A log with too few stops or nodes for folds is mapped by the link model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Auto {
+    rssi: bool,
+    link_model: LinkModel,
+    /// Its grid suits no log yet.
+    fitted: FittedMlTm,
+    self_calibrated: SelfCalibrated,
+    centroids: Vec<PacketCentroid>,
+}
+
+/// What was learned about a log and its estimators.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The score of each estimator.
+    pub scores: Vec<Score>,
+    /// Name of the estimator that was chosen.
+    pub chosen: &'static str,
+    /// What it estimated with the map.
+    pub fit: Option<EstimatorFit>,
+}
+
+/// What an estimator estimated with its map.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EstimatorFit {
+    /// A law of links.
+    Links(LinkFit),
+    /// A reception profile.
+    Profile(Fit),
+    /// A reception curve, the efficiency of each stop, and the obstacles.
+    Calibration(Calibration),
+}
+
+/// Powers of packet centroids that are tried.
+const POWERS: [f64; 3] = [1.0, 3.0, 6.0];
+/// Steps of the grid of the fitted map over the reach.
+const STEPS_PER_REACH: f64 = 40.0;
+
+/// An estimator that may be chosen.
+#[derive(Clone, Copy)]
+enum Candidate<'a> {
+    LinkModel(&'a LinkModel),
+    Fitted(&'a FittedMlTm),
+    SelfCalibrated(&'a SelfCalibrated),
+    Centroid(&'a PacketCentroid),
+}
+
+impl Auto {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "auto";
+
+    /// The kinds of knowledge that it uses.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        if self.rssi {
+            &[KnowledgeKind::RobotReceptions, KnowledgeKind::RobotRssi, KnowledgeKind::RobotPath]
+        } else {
+            &[KnowledgeKind::RobotReceptions, KnowledgeKind::RobotPath]
+        }
+    }
+
+    /// The map of the nodes in `log`, and how it was chosen (`None` if nothing was heard). With a `prior`, only the link model
+    /// can use what is known. The result is bit-identical for any number of threads.
+    ///
+    /// # Errors
+    /// Those of the estimators; [`MapError::Interrupted`] if `watch` ends the work.
+    pub fn map(
+        &self,
+        log: &ReceptionLog,
+        prior: Option<&PlacePrior>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Choice>), MapError> {
+        let heard = heard_nodes(log);
+        let fitted = self.fitted.with_grid_step_m(reach_m(log, &heard) / STEPS_PER_REACH);
+        let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
+        if prior.is_none() {
+            candidates.extend([Candidate::Fitted(&fitted), Candidate::SelfCalibrated(&self.self_calibrated)]);
+            candidates.extend(self.centroids.iter().map(Candidate::Centroid));
+        }
+        let mut predicted = Vec::new();
+        if candidates.len() > 1
+            && let Some(folds) = Folds::of(log)
+        {
+            predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
+            for fold in folds.iter() {
+                self.predict(&fold, &candidates, &mut predicted, watch)?;
+            }
+        }
+        let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
+        let candidate = chosen(&candidates, &predicted);
+        let (mut map, fit) = candidate.map(log, prior, watch)?;
+        if let Candidate::Centroid(_) = candidate {
+            self.lend_regions(&mut map, log, watch)?;
+        }
+        map.algorithm = Self::NAME;
+        let choice = Choice { scores, chosen: candidate.name(), fit };
+        Ok(if map.mapped() == 0 { (map, None) } else { (map, Some(choice)) })
+    }
+
+    /// Takes what each candidate predicts of `fold`.
+    fn predict(
+        &self,
+        fold: &Fold<'_>,
+        candidates: &[Candidate<'_>],
+        predicted: &mut [Predicted],
+        watch: &dyn Watch,
+    ) -> Result<(), MapError> {
+        let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
+        for (candidate, predicted) in candidates.iter().zip(predicted) {
+            match candidate {
+                Candidate::LinkModel(_) => predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, predicted),
+                // A place without a radio model: the law of links tells what it predicts.
+                Candidate::Centroid(centroid) => {
+                    predict::by_links(fold, &fold.rest, law.as_ref(), &centroid.map(&fold.rest), predicted);
+                }
+                Candidate::Fitted(_) | Candidate::SelfCalibrated(_) => {
+                    let (map, fit) = candidate.map(&fold.rest, None, watch)?;
+                    predict::independent(fold, &map, fit.as_ref(), predicted);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the places of `map`, which has no regions, the second moments of the posteriors of the link model about them.
+    fn lend_regions(&self, map: &mut TopologyMap, log: &ReceptionLog, watch: &dyn Watch) -> Result<(), MapError> {
+        let (of_links, _) = self.link_model.map(log, None, watch)?;
+        for (estimate, other) in map.estimates.iter_mut().zip(&of_links.estimates) {
+            let (Some(estimate), Some(other)) = (estimate, other) else { continue };
+            let off: [f64; 3] = (other.position - estimate.position).into();
+            estimate.covariance = other.covariance.map(|mut covariance| {
+                for (row, entries) in covariance.iter_mut().enumerate() {
+                    for (column, entry) in entries.iter_mut().enumerate() {
+                        *entry += off[row] * off[column];
+                    }
+                }
+                covariance
+            });
+            estimate.concern = other.concern;
+        }
+        Ok(())
+    }
+}
+
+/// The candidate that the predictions choose; without any, the first one.
+fn chosen<'a>(candidates: &[Candidate<'a>], predicted: &[Predicted]) -> Candidate<'a> {
+    if predicted.is_empty() {
+        return candidates[0];
+    }
+    let numbers = |is: fn(&Candidate<'_>) -> bool| -> Vec<usize> {
+        (0..candidates.len()).filter(|&number| is(&candidates[number])).collect()
+    };
+    let independent = numbers(|one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_)));
+    let places = numbers(|one| matches!(one, Candidate::Centroid(_)));
+    candidates[score::best(predicted, 0, &independent, &places)]
+}
+
+impl Candidate<'_> {
+    fn name(self) -> &'static str {
+        match self {
+            Self::LinkModel(_) => LinkModel::NAME,
+            Self::Fitted(_) => "fitted",
+            Self::SelfCalibrated(_) => SelfCalibrated::NAME,
+            Self::Centroid(centroid) if centroid.power() < 2.0 => "packet-centroid-1",
+            Self::Centroid(centroid) if centroid.power() < 4.0 => "packet-centroid-3",
+            Self::Centroid(_) => "packet-centroid-6",
+        }
+    }
+
+    fn map(
+        self,
+        log: &ReceptionLog,
+        prior: Option<&PlacePrior>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<EstimatorFit>), MapError> {
+        Ok(match self {
+            Self::LinkModel(model) => {
+                let (map, fit) = model.map(log, prior, watch)?;
+                (map, fit.map(EstimatorFit::Links))
+            }
+            Self::Fitted(fitted) => {
+                let (map, fit) = fitted.map(log, watch)?;
+                (map, fit.map(EstimatorFit::Profile))
+            }
+            Self::SelfCalibrated(calibrated) => {
+                let (map, calibration) = calibrated.map(log, watch)?;
+                (map, calibration.map(EstimatorFit::Calibration))
+            }
+            Self::Centroid(centroid) => (centroid.map(log), None),
+        })
+    }
+}
+
+impl TryFrom<AutoConfig> for Auto {
+    type Error = SettingError;
+
+    fn try_from(AutoConfig { rssi, z_range_m }: AutoConfig) -> Result<Self, SettingError> {
+        let fitted = MlTmConfig {
+            estimate: EstimateKind::PosteriorMean,
+            z_range_m,
+            ..MlTmConfig::new(1.0, ProfileConfig::Fitted(FittedConfig::default()))
+        };
+        let centroids = POWERS.map(|power| PacketCentroid::try_from(PacketCentroidConfig { power }));
+        Ok(Self {
+            rssi,
+            link_model: LinkModel::try_from(LinkModelConfig { rssi, z_range_m })?,
+            fitted: FittedMlTm::new(fitted, FittedConfig::default())?,
+            self_calibrated: SelfCalibrated::try_from(SelfCalibratedConfig {
+                z_range_m,
+                ..SelfCalibratedConfig::default()
+            })?,
+            centroids: centroids.into_iter().collect::<Result<_, _>>()?,
+        })
+    }
+}

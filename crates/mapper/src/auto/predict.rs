@@ -1,0 +1,109 @@
+//! What estimators predict of stops that they did not use.
+
+use sextant_channel::{Position, ReceptionLog};
+
+use super::EstimatorFit;
+use super::folds::Fold;
+use super::score::Predicted;
+use crate::link_model::{LinkFit, Placed, Predictor};
+use crate::normal::{below, quantile};
+use crate::{Estimate, TopologyMap};
+
+/// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
+const POINTS: [(f64, f64); 3] =
+    [(-1.732_050_807_568_877_2, 1.0 / 6.0), (0.0, 2.0 / 3.0), (1.732_050_807_568_877_2, 1.0 / 6.0)];
+
+/// Takes what an estimator of independent packets predicts of a fold: the places of `map`, and the curve of its `fit`.
+/// Without a curve it predicts the usual share.
+pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&EstimatorFit>, predicted: &mut Predicted) {
+    let usual = fold.usual_share();
+    for (node, estimate) in map.estimates.iter().enumerate() {
+        let points = estimate.as_ref().map(points);
+        for pair in fold.pairs(node) {
+            let share = match (&points, fit) {
+                (Some(points), Some(fit)) => points
+                    .iter()
+                    .map(|&(place, weight)| weight * binomial(share(fit, place, pair.position, usual), &pair))
+                    .sum(),
+                _ => binomial(usual, &pair),
+            };
+            predicted.take(node, share, pair.sent);
+        }
+    }
+}
+
+/// A pair of node and stop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) position: Position,
+    pub(super) received: u32,
+    pub(super) sent: u32,
+}
+
+fn binomial(share: f64, pair: &Pair) -> f64 {
+    let (received, sent) = (f64::from(pair.received), f64::from(pair.sent));
+    let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
+    let share = share.clamp(1e-9, 1.0 - 1e-9);
+    libm::exp(ways + received * libm::log(share) + (sent - received) * libm::log(1.0 - share))
+}
+
+/// Share of packets that arrive over a link.
+fn share(fit: &EstimatorFit, place: Position, stop: Position, usual: f64) -> f64 {
+    let distance_m = place.distance_m(stop);
+    match fit {
+        EstimatorFit::Profile(profile) => profile.curve.probability(distance_m),
+        EstimatorFit::Calibration(calibration) => {
+            let Some(curve) = &calibration.curve else { return usual };
+            let clear = curve.probability(distance_m);
+            match &calibration.obstacles {
+                Some(obstacles) => below(quantile(clear) - obstacles.absorbed(place, stop)),
+                None => clear,
+            }
+        }
+        EstimatorFit::Links(_) => usual,
+    }
+}
+
+/// Points that stand for the posterior of a node, with their weights.
+fn points(estimate: &Estimate) -> Vec<(Position, f64)> {
+    let covariance = estimate.covariance.unwrap_or_default();
+    let flat = nalgebra::Matrix3::from_fn(|row, column| covariance[row][column]).symmetric_eigen();
+    let axis = |k: usize| flat.eigenvectors.column(k) * flat.eigenvalues[k].max(0.0).sqrt();
+    let axes = [axis(0), axis(1), axis(2)];
+    let mut points = vec![(estimate.position, 1.0)];
+    for axis in axes.iter().filter(|axis| axis.norm() > 1e-9) {
+        let spread = |&(place, weight): &(Position, f64)| {
+            let along = Position::new(axis[0], axis[1], axis[2]);
+            POINTS.map(|(deviations, share)| (place + along * deviations, weight * share))
+        };
+        points = points.iter().flat_map(spread).collect();
+    }
+    points
+}
+
+/// Takes what the law of `fit` predicts of a fold, if nodes are where `map` says.
+pub(super) fn by_links(
+    fold: &Fold<'_>,
+    log: &ReceptionLog,
+    fit: Option<&LinkFit>,
+    map: &TopologyMap,
+    predicted: &mut Predicted,
+) {
+    let predictor = fit.and_then(|fit| Predictor::new(log, fit));
+    let usual = fold.usual_share();
+    for (node, estimate) in map.estimates.iter().enumerate() {
+        let pairs: Vec<Pair> = fold.pairs(node).collect();
+        let others: Vec<Position> = pairs.iter().map(|pair| pair.position).collect();
+        let margins = estimate.as_ref().zip(predictor.as_ref()).and_then(|(estimate, predictor)| {
+            let placed = Placed { place: estimate.position, covariance: estimate.covariance.unwrap_or_default() };
+            predictor.margins(node, &placed, &others)
+        });
+        for (number, pair) in pairs.iter().enumerate() {
+            let probability = match &margins {
+                Some(margins) => margins[number].probability(pair.received, pair.sent),
+                None => binomial(usual, pair),
+            };
+            predicted.take(node, probability, pair.sent);
+        }
+    }
+}

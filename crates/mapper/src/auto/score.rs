@@ -1,0 +1,134 @@
+//! How well estimators predict what was heard at stops that they did not use.
+
+/// The score of an estimator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// Name of the estimator.
+    pub estimator: &'static str,
+    /// Mean logarithm of the probability that it gave to what was heard of a node at a stop that was left out (nats).
+    pub log_probability: f64,
+    /// Standard error of its difference to the highest score; 0 for the highest.
+    pub error: f64,
+    /// Number of pairs of node and stop.
+    pub pairs: usize,
+}
+
+/// What an estimator predicted of each node: the sum of the logarithms of the probabilities, and their number.
+#[derive(Clone, Debug)]
+pub(super) struct Predicted {
+    by_node: Vec<(f64, usize)>,
+}
+
+/// Each number of packets has at least this probability, shared by all numbers: an estimator that is sure of what does not
+/// happen is wrong, but not infinitely so.
+const SURPRISE: f64 = 1e-3;
+
+impl Predicted {
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { by_node: vec![(0.0, 0); nodes] }
+    }
+
+    /// Takes the `probability` of what was heard of `node` when `sent` packets were sent.
+    pub(super) fn take(&mut self, node: usize, probability: f64, sent: u32) {
+        let probability = (1.0 - SURPRISE) * probability + SURPRISE / (f64::from(sent) + 1.0);
+        self.by_node[node].0 += libm::log(probability);
+        self.by_node[node].1 += 1;
+    }
+
+    fn pairs(&self) -> usize {
+        self.by_node.iter().map(|&(_, pairs)| pairs).sum()
+    }
+
+    fn mean(&self) -> f64 {
+        self.by_node.iter().map(|&(log, _)| log).sum::<f64>() / self.pairs().max(1) as f64
+    }
+}
+
+/// The scores of estimators with these names.
+pub(super) fn scores(names: impl Iterator<Item = &'static str>, predicted: &[Predicted]) -> Vec<Score> {
+    let highest =
+        (0..predicted.len()).max_by(|&a, &b| predicted[a].mean().total_cmp(&predicted[b].mean()).then(b.cmp(&a)));
+    let highest = highest.unwrap_or(0);
+    let score = |(estimator, own): (&'static str, &Predicted)| {
+        let error = error(own, &predicted[highest]);
+        Score { estimator, log_probability: own.mean(), error, pairs: own.pairs() }
+    };
+    names.zip(predicted).map(score).collect()
+}
+
+/// Standard error of the difference of two means. Nodes are independent of each other; their pairs are not.
+fn error(own: &Predicted, other: &Predicted) -> f64 {
+    let nodes = own.by_node.len().max(1) as f64;
+    let differences = || own.by_node.iter().zip(&other.by_node).map(|(a, b)| a.0 - b.0);
+    let mean = differences().sum::<f64>() / nodes;
+    let squares: f64 = differences().map(|difference| (difference - mean) * (difference - mean)).sum();
+    squares.sqrt() / own.pairs().max(1) as f64
+}
+
+/// Which of the estimators to take: the number of one that assumes independent packets (`independent`), of that of links
+/// (`links`), or of one that has places only (`places`), whose predictions are those of the law of links at its places.
+///
+/// Estimators of independent packets are taken if the log does not refute them: the link model must be better by two standard
+/// errors. Where packets are independent, the others place nodes better than it; where they are not, they are refuted by
+/// far. Predictions by one law depend little on the places, so that one with places only must be better than the link model
+/// by [`CLEARLY`].
+pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize], places: &[usize]) -> usize {
+    let highest = |numbers: &[usize]| {
+        let by_mean = |a: &&usize, b: &&usize| predicted[**a].mean().total_cmp(&predicted[**b].mean()).then(b.cmp(a));
+        numbers.iter().max_by(by_mean).copied()
+    };
+    if let Some(number) = highest(independent) {
+        let gain = predicted[links].mean() - predicted[number].mean();
+        if gain <= 2.0 * error(&predicted[links], &predicted[number]) {
+            return number;
+        }
+    }
+    let gain = |number: usize| predicted[number].mean() - predicted[links].mean();
+    highest(places).filter(|&number| gain(number) > CLEARLY).unwrap_or(links)
+}
+
+/// A gain that is not by chance (nats a pair). On real logs, predictions at places twice as far from the truth were up to
+/// 0.09 better.
+const CLEARLY: f64 = 0.15;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn predicted(probabilities: &[f64]) -> Predicted {
+        let mut predicted = Predicted::new(probabilities.len());
+        for (node, &probability) in probabilities.iter().enumerate() {
+            predicted.take(node, probability, 1);
+        }
+        predicted
+    }
+
+    #[test]
+    fn independent_packets_are_believed_until_the_log_refutes_them() {
+        let grid = predicted(&[0.5, 0.5, 0.5, 0.5]);
+        let surely = predicted(&[0.6, 0.61, 0.6, 0.61]);
+        let hardly = predicted(&[0.9, 0.2, 0.9, 0.5]);
+        assert_eq!(best(&[surely.clone(), grid.clone()], 0, &[1], &[]), 0);
+        assert_eq!(best(&[hardly, grid.clone()], 0, &[1], &[]), 1);
+        assert_eq!(best(&[grid.clone(), grid.clone(), surely.clone()], 0, &[1, 2], &[]), 2);
+        let scores = scores(["a", "b"].into_iter(), &[grid, surely]);
+        assert!(scores[1].log_probability > scores[0].log_probability && scores[1].error == 0.0);
+        assert_eq!((scores[0].pairs, scores[0].estimator), (4, "a"));
+        assert!(scores[0].error > 0.0);
+    }
+
+    #[test]
+    fn places_without_a_model_must_be_clearly_better() {
+        let links = predicted(&[0.5; 4]);
+        let hardly = predicted(&[0.55; 4]);
+        let clearly = predicted(&[0.6; 4]);
+        assert_eq!(best(&[links.clone(), hardly.clone()], 0, &[], &[1]), 0);
+        assert_eq!(best(&[links, hardly, clearly], 0, &[], &[1, 2]), 2);
+    }
+
+    #[test]
+    fn a_prediction_that_never_comes_true_costs_a_bounded_amount() {
+        let sure = predicted(&[0.0]);
+        assert!((sure.mean() - libm::log(SURPRISE / 2.0)).abs() < 1e-12);
+    }
+}

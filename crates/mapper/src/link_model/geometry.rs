@@ -1,0 +1,132 @@
+//! Distances and directions from possible places of a node to the places of its links.
+
+use sextant_channel::Position;
+
+use super::links::Link;
+
+/// Vertices that are treated together.
+pub(super) const BLOCK: usize = 16;
+/// What is known at a vertex of a place: logarithm of the distance, cosine and sine of the direction and of twice the
+/// direction.
+pub(super) const COLUMNS: usize = 5;
+/// A place is compared with at most so many neighbours.
+pub(super) const NEIGHBOURS: usize = 8;
+
+/// The values of a column at the vertices of a block.
+pub(super) type Lane = [f32; BLOCK];
+
+/// Where the places of a node's links lie relative to each other. The shadowing at a place is predicted from at most
+/// [`NEIGHBOURS`] nearest places before it (Vecchia 1988), in an order in which each next place is the one farthest from all
+/// before it, which makes few neighbours enough (Guinness 2018).
+#[derive(Clone, Debug)]
+pub(super) struct Arrangement {
+    /// Index of the link at each position of the order.
+    pub(super) order: Vec<usize>,
+    /// The neighbours of each, as positions of the order, and the distances: to them, then between them by rows below the
+    /// diagonal (m).
+    pub(super) neighbours: Vec<Neighbours>,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct Neighbours {
+    pub(super) at: Vec<usize>,
+    pub(super) distances_m: Vec<f64>,
+}
+
+impl Arrangement {
+    /// The arrangement of `links`, of which there may be a few hundred.
+    pub(super) fn of(links: &[Link], places: &[Position]) -> Self {
+        let at: Vec<Position> = links.iter().map(|link| places[link.place]).collect();
+        let order = farthest_first(&at);
+        let mut near: Vec<(f64, usize)> = Vec::new();
+        let neighbours = order.iter().enumerate().map(|(position, &link)| {
+            near.clear();
+            near.extend(
+                order[..position].iter().enumerate().map(|(before, &other)| (at[link].distance_m(at[other]), before)),
+            );
+            if near.len() > NEIGHBOURS {
+                near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                near.truncate(NEIGHBOURS);
+            }
+            near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let mut distances_m: Vec<f64> = near.iter().map(|&(distance_m, _)| distance_m).collect();
+            for (row, &(_, first)) in near.iter().enumerate() {
+                let between = near[..row].iter().map(|&(_, second)| at[order[first]].distance_m(at[order[second]]));
+                distances_m.extend(between);
+            }
+            Neighbours { at: near.iter().map(|&(_, before)| before).collect(), distances_m }
+        });
+        Self { neighbours: neighbours.collect(), order }
+    }
+}
+
+/// `value` in single precision, which has enough digits for logarithms, directions and margins.
+#[expect(clippy::cast_possible_truncation, reason = "rounding is what is wanted")]
+pub(super) fn single(value: f64) -> f32 {
+    value as f32
+}
+
+/// An order of the places in which each next one is the farthest from those before it. The first is the one nearest to the
+/// middle of all.
+fn farthest_first(at: &[Position]) -> Vec<usize> {
+    let Some(share) = (!at.is_empty()).then(|| 1.0 / at.len() as f64) else { return Vec::new() };
+    let middle = at.iter().fold(Position::ORIGIN, |sum, &place| sum + place) * share;
+    let mut nearest_m = vec![f64::INFINITY; at.len()];
+    let mut is_left = vec![true; at.len()];
+    let first = (0..at.len()).min_by(|&a, &b| at[a].distance_m(middle).total_cmp(&at[b].distance_m(middle)));
+    let mut next = first;
+    let mut order = Vec::with_capacity(at.len());
+    while let Some(link) = next {
+        order.push(link);
+        is_left[link] = false;
+        next = None;
+        let mut farthest_m = f64::NEG_INFINITY;
+        for other in 0..at.len() {
+            if is_left[other] {
+                nearest_m[other] = nearest_m[other].min(at[other].distance_m(at[link]));
+                if nearest_m[other] > farthest_m {
+                    (farthest_m, next) = (nearest_m[other], Some(other));
+                }
+            }
+        }
+    }
+    order
+}
+
+/// The columns of all links at all vertices, by blocks of vertices; within a block in the order of an arrangement.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    lanes: Vec<[Lane; COLUMNS]>,
+    links: usize,
+}
+
+impl Columns {
+    /// The columns at `vertices`. Distances are at least `least_m`.
+    pub(super) fn new(vertices: &[Position], places: &[Position], least_m: f64) -> Self {
+        let mut lanes = Vec::with_capacity(vertices.len().div_ceil(BLOCK) * places.len());
+        for block in vertices.chunks(BLOCK) {
+            for &place in places {
+                let mut columns = [[0.0; BLOCK]; COLUMNS];
+                for (lane, &vertex) in block.iter().enumerate() {
+                    let way = place - vertex;
+                    let flat_m = way.x_m.hypot(way.y_m);
+                    let (cosine, sine) =
+                        if flat_m > 1e-9 { (way.x_m / flat_m, way.y_m / flat_m) } else { (0.0, 0.0) };
+                    let distance_m = flat_m.hypot(way.z_m).max(least_m);
+                    let twice = (cosine * cosine - sine * sine, 2.0 * cosine * sine);
+                    let values = [libm::log(distance_m), cosine, sine, twice.0, twice.1];
+                    for (column, value) in columns.iter_mut().zip(values) {
+                        column[lane] = single(value);
+                    }
+                }
+                lanes.push(columns);
+            }
+        }
+        Self { lanes, links: places.len() }
+    }
+
+    /// The columns of each block of vertices.
+    pub(super) fn blocks(&self) -> impl Iterator<Item = &[[Lane; COLUMNS]]> {
+        self.lanes.chunks(self.links.max(1))
+    }
+}

@@ -1,0 +1,95 @@
+//! The law of links, and how it is found.
+
+/// Number of parameters.
+pub(super) const PARAMETERS: usize = 7;
+
+/// The law of the margins of links, in standard deviations of the fading.
+///
+/// The margin of a link from node i to place k is `margin − slope ln(d / distance) + g + c(θ) + s`. `g` is the offset of
+/// the node. `c` is what depends on the direction θ in which the node sends: cosine and sine of θ and 2θ with random
+/// amplitudes. `s` is static shadowing: part of it is shared by neighbouring places, with a correlation of exp(−Δ/l)
+/// (Gudmundson 1991), the rest is of the link alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// Mean margin at the distance `distance_m`.
+    pub margin: f64,
+    /// The distance (m).
+    pub distance_m: f64,
+    /// How much the margin falls when the distance grows by a factor of e.
+    pub slope: f64,
+    /// Standard deviation of the static shadowing.
+    pub shadowing: f64,
+    /// Share of the variance of the shadowing that neighbouring places share, 0 to 1.
+    pub shared: f64,
+    /// Distance over which shadowing is correlated (m).
+    pub correlation_m: f64,
+    /// Standard deviation of the offsets of nodes.
+    pub offset: f64,
+    /// Standard deviation of each amplitude of the dependence on direction.
+    pub direction: f64,
+}
+
+impl Law {
+    /// The mean margin at a distance, as `a − slope ln d`: the `a`.
+    pub(super) fn at_one_metre(&self) -> f64 {
+        self.margin + self.slope * libm::log(self.distance_m)
+    }
+
+    /// Standard deviation of a margin about its mean at the distance.
+    pub(super) fn spread(&self) -> f64 {
+        let (s, g, c) = (self.shadowing, self.offset, self.direction);
+        (s * s + g * g + 2.0 * c * c).sqrt()
+    }
+
+    /// The law with parameter `number` moved by `step`, or `None` if it is at its bound.
+    pub(super) fn moved(&self, number: usize, step: f64) -> Option<Self> {
+        let scaled = |value: f64, rate: f64, [low, high]: [f64; 2]| (value * libm::exp(rate * step)).clamp(low, high);
+        let mut law = *self;
+        match number {
+            0 => law.margin = (law.margin + 0.4 * step).clamp(-8.0, 12.0),
+            1 => law.slope = scaled(law.slope, 0.3, SLOPES),
+            2 => law.shadowing = scaled(law.shadowing, 0.3, [0.1, 8.0]),
+            3 => law.offset = scaled(law.offset, 0.3, [0.05, 4.0]),
+            4 => {
+                let odds = libm::log(law.shared / (1.0 - law.shared)) + step;
+                law.shared = (1.0 / (1.0 + libm::exp(-odds))).clamp(LEAST_SHARED, 0.99);
+            }
+            5 => law.correlation_m = scaled(law.correlation_m, 0.3, [0.02 * self.distance_m, 10.0 * self.distance_m]),
+            _ => law.direction = scaled(law.direction, 0.3, [0.05, 2.0]),
+        }
+        (law != *self).then_some(law)
+    }
+
+    /// Logarithm of the prior density of the law for each node of the log, up to a constant.
+    ///
+    /// Without true places, a log can explain itself by shadowing alone, with a flat curve. What is known of radio forbids
+    /// it: over a factor of e in distance, links lose 6 to 17 dB (path-loss exponents of 1.5 to 4), shadowing is 4 to 8 dB
+    /// (ITU-R P.1411), offsets of nodes and antennas are smaller.
+    pub(super) fn log_prior(&self) -> f64 {
+        let far = |value: f64, usual: f64, factor: f64| {
+            let units = libm::log(value / usual) / libm::log(factor);
+            -0.5 * units * units
+        };
+        far(self.slope / self.shadowing, USUAL_SLOPE, 1.6)
+            + far(self.direction / self.shadowing, USUAL_DIRECTION, 1.5)
+            + 0.3 * far(self.offset / self.shadowing, USUAL_OFFSET, 3.0)
+            + 0.3 * far(self.correlation_m, USUAL_CORRELATION * self.distance_m, 2.0)
+    }
+
+    /// Whether a parameter is at its bound.
+    pub(super) fn is_at_bound(&self) -> bool {
+        (0..3).any(|number| [-0.25, 0.25].iter().any(|&step| self.moved(number, step).is_none()))
+    }
+}
+
+/// Bounds of the slope.
+const SLOPES: [f64; 2] = [0.2, 12.0];
+/// Usual slope, dependence on direction and offsets as multiples of the shadowing, and correlation as a multiple of the
+/// usual distance.
+const USUAL_SLOPE: f64 = 1.7;
+const USUAL_DIRECTION: f64 = 0.3;
+const USUAL_OFFSET: f64 = 0.3;
+const USUAL_CORRELATION: f64 = 1.0;
+/// Least share of the shadowing that neighbouring places share: without any, many places would be as many independent
+/// witnesses, which they never are.
+const LEAST_SHARED: f64 = 0.3;

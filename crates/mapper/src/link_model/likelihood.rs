@@ -1,0 +1,240 @@
+//! The likelihood of the places of a node under a law of links.
+
+use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, single};
+use super::law::Law;
+use super::margin::Site;
+
+/// Amplitudes of the dependence on direction.
+const AMPLITUDES: usize = COLUMNS - 1;
+/// Products of two amplitudes.
+const PRODUCTS: usize = AMPLITUDES * (AMPLITUDES + 1) / 2;
+
+/// How one margin is predicted from those before it.
+struct Prediction {
+    neighbours: usize,
+    at: [usize; NEIGHBOURS],
+    weights: [f32; NEIGHBOURS],
+    /// One over the standard deviation of the error.
+    precision: f32,
+    /// The margin minus its prediction, without the slope, in standard deviations.
+    margin: f32,
+}
+
+/// The logarithm of the likelihood at each vertex, up to a constant that is the same for all laws.
+///
+/// `sites` are in the order of the links. Offsets, shadowing and amplitudes of direction are integrated out: a normal
+/// distribution of all margins, whose inverse is sparse because each margin depends on few before it; the amplitudes by the
+/// identity of Woodbury.
+pub(super) fn log_likelihoods(
+    law: &Law,
+    arrangement: &Arrangement,
+    sites: &[Site],
+    columns: &Columns,
+    out: &mut Vec<f64>,
+) {
+    out.clear();
+    let (predictions, logs) = predictions(law, arrangement, sites);
+    let slope = single(law.slope);
+    let strength = law.direction * law.direction;
+    for block in columns.blocks() {
+        let mut squares = [0.0f32; BLOCK];
+        let mut along = [[0.0f32; BLOCK]; AMPLITUDES];
+        let mut products = [[0.0f32; BLOCK]; PRODUCTS];
+        for (own, prediction) in block.iter().zip(&predictions) {
+            let mut left = *own;
+            for (&at, &weight) in prediction.at.iter().zip(&prediction.weights).take(prediction.neighbours) {
+                for (column, other) in left.iter_mut().zip(&block[at]) {
+                    subtract(column, other, weight);
+                }
+            }
+            let precision = prediction.precision;
+            let mut error = [0.0f32; BLOCK];
+            for lane in 0..BLOCK {
+                error[lane] = prediction.margin + slope * precision * left[0][lane];
+                squares[lane] += error[lane] * error[lane];
+            }
+            let [_, directions @ ..] = &mut left;
+            for column in directions.iter_mut() {
+                for value in column.iter_mut() {
+                    *value *= precision;
+                }
+            }
+            let mut product = 0;
+            for first in 0..AMPLITUDES {
+                add_product(&mut along[first], &directions[first], &error);
+                for second in 0..=first {
+                    add_product(&mut products[product], &directions[first], &directions[second]);
+                    product += 1;
+                }
+            }
+        }
+        for lane in 0..BLOCK {
+            let gained =
+                gained(strength, along.map(|sum| f64::from(sum[lane])), products.map(|sum| f64::from(sum[lane])));
+            out.push(-0.5 * f64::from(squares[lane]) + gained - logs);
+        }
+    }
+}
+
+#[inline]
+fn subtract(from: &mut Lane, other: &Lane, weight: f32) {
+    for (from, other) in from.iter_mut().zip(other) {
+        *from -= weight * other;
+    }
+}
+
+#[inline]
+fn add_product(to: &mut Lane, first: &Lane, second: &Lane) {
+    for ((to, first), second) in to.iter_mut().zip(first).zip(second) {
+        *to += first * second;
+    }
+}
+
+/// What the amplitudes add to the logarithm of the likelihood: `½ gᵀ(I/σ² + M)⁻¹g − ½ ln det(I + σ²M)`.
+fn gained(variance: f64, along: [f64; AMPLITUDES], products: [f64; PRODUCTS]) -> f64 {
+    // Cholesky factor of I + σ²M, row by row, and the solution with σg.
+    let deviation = variance.sqrt();
+    let mut factor = [[0.0f64; AMPLITUDES]; AMPLITUDES];
+    let mut solved = [0.0f64; AMPLITUDES];
+    let (mut quadratic, mut determinant) = (0.0, 1.0);
+    let mut product = 0;
+    for row in 0..AMPLITUDES {
+        for column in 0..=row {
+            let own = variance * products[product] + if row == column { 1.0 } else { 0.0 };
+            product += 1;
+            let sum = own - dot(&factor[row], &factor[column], column);
+            factor[row][column] = if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
+        }
+        solved[row] = (deviation * along[row] - dot(&factor[row], &solved, row)) / factor[row][row];
+        quadratic += solved[row] * solved[row];
+        determinant *= factor[row][row];
+    }
+    0.5 * quadratic - libm::log(determinant)
+}
+
+/// The product of the first `count` entries.
+fn dot(first: &[f64], second: &[f64], count: usize) -> f64 {
+    first.iter().zip(second).take(count).map(|(a, b)| a * b).sum()
+}
+
+/// The predictions, and the sum of the logarithms of the standard deviations of their errors.
+fn predictions(law: &Law, arrangement: &Arrangement, sites: &[Site]) -> (Vec<Prediction>, f64) {
+    let variance = law.shadowing * law.shadowing;
+    let common = law.offset * law.offset;
+    let shared = law.shared * variance;
+    let covariance = |distance_m: f64| common + shared * libm::exp(-distance_m / law.correlation_m);
+    let level = law.at_one_metre();
+    let at = |position: usize| sites[arrangement.order[position]];
+    let mut logs = 0.0;
+    let each = arrangement.neighbours.iter().enumerate().map(|(position, neighbours)| {
+        let site = at(position);
+        let count = neighbours.at.len();
+        let (to, mut between) = neighbours.distances_m.split_at(count);
+        // Cholesky factor of the covariance of the neighbours; weights solve it for the covariance with them.
+        let mut factor = [[0.0f64; NEIGHBOURS]; NEIGHBOURS];
+        let mut half = [0.0f64; NEIGHBOURS];
+        let mut left = variance + common + site.variance;
+        for row in 0..count {
+            let (distances_m, rest) = between.split_at(row);
+            between = rest;
+            for column in 0..=row {
+                let own = if row == column {
+                    variance + common + at(neighbours.at[row]).variance
+                } else {
+                    covariance(distances_m[column])
+                };
+                let sum = own - dot(&factor[row], &factor[column], column);
+                factor[row][column] =
+                    if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
+            }
+            half[row] = (covariance(to[row]) - dot(&factor[row], &half, row)) / factor[row][row];
+            left -= half[row] * half[row];
+        }
+        let mut exact = [0.0f64; NEIGHBOURS];
+        for row in (0..count).rev() {
+            let mut sum = half[row];
+            for k in row + 1..count {
+                sum -= factor[k][row] * exact[k];
+            }
+            exact[row] = sum / factor[row][row];
+        }
+        let deviation = left.max(1e-9).sqrt();
+        logs += libm::log(deviation);
+        let mut prediction = Prediction {
+            neighbours: count,
+            at: [0; NEIGHBOURS],
+            weights: exact.map(single),
+            precision: single(1.0 / deviation),
+            margin: 0.0,
+        };
+        let mut margin = site.margin - level;
+        for (slot, &neighbour) in neighbours.at.iter().enumerate() {
+            prediction.at[slot] = neighbour;
+            margin -= exact[slot] * (at(neighbour).margin - level);
+        }
+        prediction.margin = single(margin / deviation);
+        prediction
+    });
+    let predictions = each.collect();
+    (predictions, logs)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use sextant_channel::Position;
+
+    use super::super::links::Link;
+    use super::*;
+
+    /// The same likelihood from the whole covariance matrix.
+    fn literal(law: &Law, places: &[Position], sites: &[Site], vertex: Position) -> f64 {
+        let bearing = |place: Position| libm::atan2(place.y_m - vertex.y_m, place.x_m - vertex.x_m);
+        let variance = law.shadowing * law.shadowing;
+        let covariance = DMatrix::from_fn(places.len(), places.len(), |i, j| {
+            let angle = bearing(places[i]) - bearing(places[j]);
+            let shared = law.shared * variance * (-places[i].distance_m(places[j]) / law.correlation_m).exp();
+            let alone = if i == j { (1.0 - law.shared) * variance + sites[i].variance } else { 0.0 };
+            let direction = law.direction * law.direction * (angle.cos() + (2.0 * angle).cos());
+            law.offset * law.offset + shared + alone + direction
+        });
+        let errors = DVector::from_fn(places.len(), |i, _| {
+            let mean = law.margin - law.slope * (vertex.distance_m(places[i]) / law.distance_m).ln();
+            sites[i].margin - mean
+        });
+        let factor = covariance.cholesky().unwrap();
+        let half: f64 = (0..places.len()).map(|i| factor.l()[(i, i)].ln()).sum();
+        -0.5 * errors.dot(&factor.solve(&errors)) - half
+    }
+
+    #[test]
+    fn few_links_have_the_likelihood_of_the_whole_covariance_matrix() {
+        let law = Law {
+            margin: 0.7,
+            distance_m: 4.0,
+            slope: 1.6,
+            shadowing: 1.1,
+            shared: 0.7,
+            correlation_m: 3.0,
+            offset: 0.4,
+            direction: 0.35,
+        };
+        let at = [[0.0, 0.0], [3.0, 1.0], [-2.0, 4.0], [5.0, -1.0], [6.0, 6.0], [-4.0, -3.0], [1.0, 8.0]];
+        let places: Vec<Position> = at.iter().map(|&[x, y]| Position::new(x, y, 0.5)).collect();
+        let links: Vec<Link> =
+            (0..at.len()).map(|place| Link { place, received: 1, sent: 2, rssi_dbm: None }).collect();
+        let site = |i: usize| Site { margin: 1.5 - 0.4 * i as f64, variance: 0.1 + 0.2 * i as f64 };
+        let sites: Vec<Site> = (0..at.len()).map(site).collect();
+        let arrangement = Arrangement::of(&links, &places);
+        let vertices: Vec<Position> =
+            (0..40).map(|i| Position::new(0.37 * f64::from(i) - 5.0, 0.21 * f64::from(i % 17), 1.0)).collect();
+        let ordered: Vec<Position> = arrangement.order.iter().map(|&link| places[link]).collect();
+        let columns = Columns::new(&vertices, &ordered, 1e-6);
+        let mut found = Vec::new();
+        log_likelihoods(&law, &arrangement, &sites, &columns, &mut found);
+        for (vertex, found) in vertices.iter().zip(&found) {
+            let literal = literal(&law, &places, &sites, *vertex);
+            assert!((found - literal).abs() < 1e-3, "{vertex:?}: {found} instead of {literal}");
+        }
+    }
+}

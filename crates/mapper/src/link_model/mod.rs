@@ -1,0 +1,278 @@
+//! Maps by a model of real radio links.
+
+mod fit;
+mod geometry;
+mod law;
+mod likelihood;
+mod links;
+mod margin;
+mod posterior;
+mod predict;
+mod window;
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::{Interrupted, SettingError, Watch, Work};
+
+use crate::heights::check_z_range;
+use crate::normal::below;
+use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
+use fit::Found;
+pub use law::Law;
+use links::{Links, NodeLinks};
+pub use margin::Receiver;
+use posterior::{Evidence, Grid, Posterior};
+pub(crate) use predict::{Placed, Predictor};
+use window::Window;
+
+/// The link model as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LinkModelConfig {
+    /// Whether signal strengths are used where the log has them.
+    pub rssi: bool,
+    /// Lowest and highest height of a node (m). If absent, nodes are at the height of the stops if these are nearly level.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z_range_m: Option<[f64; 2]>,
+}
+
+impl Default for LinkModelConfig {
+    fn default() -> Self {
+        Self { rssi: true, z_range_m: None }
+    }
+}
+
+/// Maps by a model of real radio links: packets of a link share their shadowing, and neighbouring places share part of it.
+///
+/// Each link has a margin: what its signal has above the need of the receiver, in standard deviations of the fading. The
+/// packets that were received and their mean strength tell the margin; a [`Law`] tells how it depends on the place of the
+/// node. The law comes from the log itself (empirical Bayes). Its shadowing is a Gaussian process over the places of
+/// listening: what many places say that lie close together counts about once. A place is the mean of its posterior.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkModel {
+    config: LinkModelConfig,
+}
+
+/// Which measurements a map used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LinkEvidence {
+    /// How many packets were received.
+    Packets,
+    /// With which strength; every packet that is known to be sent was received.
+    Rssi,
+    /// Both.
+    PacketsAndRssi,
+}
+
+/// What was estimated with a map by the link model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinkFit {
+    /// The law of links.
+    pub law: Law,
+    /// How the receivers turn margins into strengths, if the log has usable strengths.
+    pub receiver: Option<Receiver>,
+    /// Which measurements were used.
+    pub evidence: LinkEvidence,
+    /// Number of rounds of the search for the law.
+    pub rounds: u32,
+    /// Whether the search ended by itself, within the bounds of the law.
+    pub settled: bool,
+}
+
+impl LinkFit {
+    /// Share of the packets that arrive over a distance (m), over all nodes, directions and shadowing.
+    #[must_use]
+    pub fn probability(&self, distance_m: f64) -> f64 {
+        let spread = self.law.spread();
+        let margin = self.law.at_one_metre() - self.law.slope * libm::log(distance_m.max(1e-9));
+        below(margin / (1.0 + spread * spread).sqrt())
+    }
+
+    /// The path-loss exponent, if the log has strengths.
+    #[must_use]
+    pub fn path_loss_exponent(&self) -> Option<f64> {
+        self.receiver.map(|receiver| self.law.slope * receiver.fading_db * std::f64::consts::LN_10 / 10.0)
+    }
+}
+
+/// Vertices of the coarse and the fine grid of a node, in the plane and in space.
+const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
+/// Largest factor on a variance.
+const MOST_INFLATION: f64 = 3.0;
+/// A posterior whose variance is more than this share of that before anything was heard says nothing.
+const NO_EVIDENCE: f64 = 0.8;
+/// A node with at least this probability within a step of the end of the window is at its edge.
+const AT_EDGE: f64 = 0.2;
+
+impl LinkModel {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "link-model";
+
+    /// The kinds of knowledge that it uses.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        if self.config.rssi {
+            &[KnowledgeKind::RobotReceptions, KnowledgeKind::RobotRssi]
+        } else {
+            &[KnowledgeKind::RobotReceptions]
+        }
+    }
+
+    /// The map of the nodes in `log`, with a covariance for each node, and the law that was estimated (`None` if nothing was
+    /// heard). The result is bit-identical for any number of threads. Nodes that were never heard are not placed.
+    ///
+    /// # Errors
+    /// [`MapError::Interrupted`] if `watch` ends the work.
+    pub fn map(
+        &self,
+        log: &ReceptionLog,
+        prior: Option<&PlacePrior>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<LinkFit>), MapError> {
+        let mut map = TopologyMap {
+            algorithm: Self::NAME,
+            estimates: vec![None; log.node_count()],
+            grid_step_m: None,
+            vertices_evaluated: 0,
+            heights: None,
+            frame: CoordinateFrame::World,
+        };
+        let Some(links) = Links::of(log) else { return Ok((map, None)) };
+        let z_range_m = self.config.z_range_m;
+        let Some(heights) = SoughtHeights::of(log.stops(), z_range_m, links.reach_m) else { return Ok((map, None)) };
+        let is_spatial = heights.high_m > heights.low_m;
+        let window = Window::new(&links, heights, z_range_m.is_some(), prior);
+        let [low_m, high_m] = window.heights();
+        map.heights = Some(SoughtHeights { low_m, high_m, ..heights });
+        watch.begin(Self::work(&links, is_spatial));
+        let receiver = if self.config.rssi { Receiver::of(&links) } else { None };
+        let Found { law, rounds, settled } = fit::find(&links, &window, is_spatial, receiver.as_ref(), watch)?;
+        let settled = settled && !law.is_at_bound();
+        let model = Fitted {
+            law,
+            receiver: receiver.as_ref(),
+            links: &links,
+            window: &window,
+            is_spatial,
+            inflation: inflation(links.nodes.len()),
+        };
+        let located: Result<Vec<_>, Interrupted> = links
+            .nodes
+            .par_iter()
+            .map(|node| {
+                watch.check()?;
+                let located = model.locate(node);
+                watch.advance(1);
+                Ok(located)
+            })
+            .collect();
+        for (node, (estimate, vertices)) in links.nodes.iter().zip(located?) {
+            let concern = estimate.concern.or((!settled).then_some(Concern::Unsettled));
+            map.estimates[node.node().index()] = Some(Estimate { concern, ..estimate });
+            map.vertices_evaluated += vertices;
+        }
+        let evidence = evidence(&links, receiver.is_some());
+        Ok((map, Some(LinkFit { law, receiver, evidence, rounds, settled })))
+    }
+
+    fn work(links: &Links, is_spatial: bool) -> Work {
+        let pairs: usize = links.nodes.iter().map(|node| node.links.len()).sum();
+        Work {
+            name: Self::NAME,
+            unit: "node",
+            steps: links.nodes.len() as u64 + fit::WORK,
+            operations: pairs as f64 * VERTICES[usize::from(is_spatial)].iter().sum::<f64>() * 200.0,
+        }
+    }
+}
+
+fn evidence(links: &Links, uses_rssi: bool) -> LinkEvidence {
+    let mut heard = links.nodes.iter().flat_map(|node| &node.links).filter(|link| link.received > 0);
+    match uses_rssi {
+        false => LinkEvidence::Packets,
+        true if heard.all(|link| link.received == link.sent && link.rssi_dbm.is_some()) => LinkEvidence::Rssi,
+        true => LinkEvidence::PacketsAndRssi,
+    }
+}
+
+/// The factor on a variance that a model predicts if its parameters were estimated from `nodes` nodes: that of the final
+/// prediction error (Akaike 1969).
+fn inflation(nodes: usize) -> f64 {
+    let (nodes, parameters) = (nodes as f64, law::PARAMETERS as f64);
+    if nodes > parameters {
+        ((nodes + parameters) / (nodes - parameters)).min(MOST_INFLATION)
+    } else {
+        MOST_INFLATION
+    }
+}
+
+/// The model with its law.
+struct Fitted<'a> {
+    law: Law,
+    receiver: Option<&'a Receiver>,
+    links: &'a Links,
+    window: &'a Window<'a>,
+    is_spatial: bool,
+    /// Factor on covariances.
+    inflation: f64,
+}
+
+impl Fitted<'_> {
+    /// Where `node` is, and the number of vertices looked at.
+    fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
+        let mut evidence = Evidence::new(node, self.links, self.window, self.receiver);
+        let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
+        let mut scratch = Vec::new();
+        let coarse = evidence.grid(self.window, coarse);
+        let first = evidence.posterior(&self.law, &coarse, &mut scratch);
+        evidence.refine(&self.law, &coarse, &first, self.links, self.receiver);
+        let second = evidence.posterior(&self.law, &coarse, &mut scratch);
+        evidence.refine(&self.law, &coarse, &second, self.links, self.receiver);
+        let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
+        let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
+        let concern = self.concern(node, &coarse, &second);
+        let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
+        let Posterior { mean, covariance, highest, .. } = posterior;
+        let estimate = Estimate {
+            position: mean,
+            log_likelihood: Some(highest),
+            ties: 1,
+            covariance: Some(covariance.map(|row| row.map(|entry| entry * self.inflation))),
+            infeasible: false,
+            concern,
+        };
+        (estimate, vertices)
+    }
+
+    fn concern(&self, node: &NodeLinks, grid: &Grid, posterior: &Posterior) -> Option<Concern> {
+        let variance_m2 = posterior.covariance[0][0] + posterior.covariance[1][1];
+        if variance_m2 > NO_EVIDENCE * posterior.prior_variance_m2 {
+            return Some(Concern::NoEvidence);
+        }
+        let bounds = self.window.of(node);
+        let is_near_edge = |place: Position| {
+            let at: [f64; 3] = place.into();
+            (0..2).any(|axis| at[axis] - bounds.low[axis] < grid.step_m || bounds.high[axis] - at[axis] < grid.step_m)
+        };
+        let at_edge: f64 = grid
+            .vertices
+            .iter()
+            .zip(&posterior.shares)
+            .filter(|(vertex, _)| is_near_edge(**vertex))
+            .map(|(_, share)| share)
+            .sum();
+        (at_edge > AT_EDGE).then_some(Concern::AtEdge)
+    }
+}
+
+impl TryFrom<LinkModelConfig> for LinkModel {
+    type Error = SettingError;
+
+    fn try_from(config: LinkModelConfig) -> Result<Self, SettingError> {
+        check_z_range(config.z_range_m)?;
+        Ok(Self { config })
+    }
+}

@@ -1,0 +1,167 @@
+//! Where a node can be, before anything is heard of its direction: within reach of the places that heard it.
+
+use sextant_channel::Position;
+
+use super::links::{Links, NodeLinks};
+use crate::{PlacePrior, SoughtHeights};
+
+/// Length over which the density of nodes falls outside the box of the places, as a share of its diagonal.
+const BEYOND: f64 = 0.05;
+/// The same, as a share of the reach beyond half the width of the box: where robots drove along a line, nodes are beside
+/// it.
+const BEYOND_REACH: f64 = 0.35;
+/// The same in height, as a share of the heights of the places.
+const BEYOND_HEIGHT: f64 = 0.25;
+/// The window ends after so many of these lengths.
+const LENGTHS: f64 = 4.0;
+
+/// The window of all nodes, and the density in it.
+#[derive(Clone, Debug)]
+pub(super) struct Window<'a> {
+    /// The box of the places (m).
+    low: [f64; 3],
+    high: [f64; 3],
+    /// Length of the fall of the density beyond the box along each axis (m).
+    length_m: [f64; 3],
+    /// How far the window goes beyond the box (m).
+    margin_m: [f64; 3],
+    /// Bounds of the heights (m).
+    heights: [f64; 2],
+    is_bounded_in_height: bool,
+    reach_m: f64,
+    places: Vec<Position>,
+    prior: Option<&'a PlacePrior>,
+}
+
+/// A box (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    pub(super) low: [f64; 3],
+    pub(super) high: [f64; 3],
+}
+
+impl<'a> Window<'a> {
+    pub(super) fn new(
+        links: &Links,
+        heights: SoughtHeights,
+        z_is_given: bool,
+        prior: Option<&'a PlacePrior>,
+    ) -> Self {
+        let places = links.places.clone();
+        let corner = |from: f64, pick: fn(f64, f64) -> f64| {
+            let along = |axis: usize| places.iter().map(|&place| <[f64; 3]>::from(place)[axis]).fold(from, pick);
+            [along(0), along(1), along(2)]
+        };
+        let (low, high) = (corner(f64::INFINITY, f64::min), corner(f64::NEG_INFINITY, f64::max));
+        let diagonal_m = (high[0] - low[0]).hypot(high[1] - low[1]);
+        let reach_m = links.reach_m;
+        let length_m = [0, 1, 2].map(|axis| {
+            let width_m = high[axis] - low[axis];
+            if axis == 2 {
+                return (BEYOND_HEIGHT * width_m).min(reach_m).max(1e-6);
+            }
+            let beyond_m = BEYOND_REACH * (reach_m - 0.5 * width_m);
+            (BEYOND * diagonal_m).max(beyond_m).max(0.01 * reach_m)
+        });
+        let margin_m = length_m.map(|length_m| (LENGTHS * length_m).min(reach_m));
+        let is_bounded_in_height = z_is_given || heights.high_m <= heights.low_m;
+        let heights = if is_bounded_in_height {
+            [heights.low_m, heights.high_m]
+        } else {
+            [(low[2] - margin_m[2]).max(heights.low_m), (high[2] + margin_m[2]).min(heights.high_m)]
+        };
+        Self { low, high, length_m, margin_m, heights, is_bounded_in_height, reach_m, places, prior }
+    }
+
+    /// Bounds of the heights (m).
+    pub(super) fn heights(&self) -> [f64; 2] {
+        self.heights
+    }
+
+    /// Where `node` can be: within reach of the places that heard it, and in the window.
+    pub(super) fn of(&self, node: &NodeLinks) -> Bounds {
+        let [corner_low, corner_high] = node.heard.corners;
+        let axis_bounds = |axis: usize| {
+            if axis == 2 {
+                return self.heights;
+            }
+            let mut low = (self.low[axis] - self.margin_m[axis]).max(corner_low[axis] - self.reach_m);
+            let mut high = (self.high[axis] + self.margin_m[axis]).min(corner_high[axis] + self.reach_m);
+            if let Some(area) = self.prior.and_then(|prior| prior.area.as_ref()) {
+                let [area_low, area_high] = area.bounds();
+                // What the user knows wins over what is usual.
+                low = area_low[axis].max(corner_low[axis] - self.reach_m);
+                high = area_high[axis].min(corner_high[axis] + self.reach_m);
+                if low >= high {
+                    (low, high) = (area_low[axis], area_high[axis]);
+                }
+            }
+            [low, high]
+        };
+        let bounds = [0, 1, 2].map(axis_bounds);
+        Bounds { low: bounds.map(|[low, _]| low), high: bounds.map(|[_, high]| high) }
+    }
+
+    /// Logarithm of the density of nodes at `place`, up to a constant.
+    pub(super) fn log_density(&self, place: Position) -> f64 {
+        let at: [f64; 3] = place.into();
+        let has_area = self.prior.is_some_and(|prior| prior.area.is_some());
+        let counts = [!has_area, !has_area, !self.is_bounded_in_height];
+        let mut log = 0.0;
+        for (axis, along_m) in at.into_iter().enumerate().filter(|(axis, _)| counts[*axis]) {
+            let beyond_m = (self.low[axis] - along_m).max(along_m - self.high[axis]).max(0.0);
+            log -= beyond_m / self.length_m[axis];
+        }
+        if let Some(prior) = self.prior {
+            let nearest_m = match prior.near_stops_m {
+                Some(_) => self.places.iter().map(|stop| stop.distance_m(place)).fold(f64::INFINITY, f64::min),
+                None => 0.0,
+            };
+            log += prior.log_density(place, nearest_m);
+        }
+        log
+    }
+}
+
+impl Bounds {
+    /// The vertices of a grid in the box, about `count` in number, each in the middle of its cell, and the step (m).
+    pub(super) fn vertices(&self, count: f64) -> (Vec<Position>, f64) {
+        let widths = [0, 1, 2].map(|axis| (self.high[axis] - self.low[axis]).max(0.0));
+        let step_m = step_m(widths, count);
+        let cells = widths.map(|width| crate::lattice::whole((width / step_m).round()).max(1));
+        let along =
+            |axis: usize, cell: usize| self.low[axis] + widths[axis] * (cell as f64 + 0.5) / cells[axis] as f64;
+        let mut vertices = Vec::with_capacity(cells.iter().product());
+        for z in 0..cells[2] {
+            for y in 0..cells[1] {
+                for x in 0..cells[0] {
+                    vertices.push(Position::new(along(0, x), along(1, y), along(2, z)));
+                }
+            }
+        }
+        (vertices, step_m)
+    }
+
+    /// The part of the box round `middle`, `half` wide on each side along each axis (m).
+    pub(super) fn round(&self, middle: Position, half: [f64; 3]) -> Self {
+        let middle: [f64; 3] = middle.into();
+        let low = [0, 1, 2].map(|axis| (middle[axis] - half[axis]).clamp(self.low[axis], self.high[axis]));
+        let high = [0, 1, 2].map(|axis| (middle[axis] + half[axis]).clamp(self.low[axis], self.high[axis]));
+        Self { low, high }
+    }
+}
+
+/// The step with which a box of these widths has about `count` cells (m).
+fn step_m(widths: [f64; 3], count: f64) -> f64 {
+    let cells = |step_m: f64| widths.iter().map(|width| (width / step_m).round().max(1.0)).product::<f64>();
+    let widest = widths.into_iter().fold(0.0, f64::max);
+    if widest <= 0.0 {
+        return 1.0;
+    }
+    let (mut fine, mut coarse) = (widest / count, widest);
+    for _ in 0..40 {
+        let middle = (fine * coarse).sqrt();
+        if cells(middle) > count { fine = middle } else { coarse = middle }
+    }
+    coarse
+}
