@@ -80,10 +80,11 @@ fn regions(path: &Path) -> usize {
 #[test]
 fn a_log_is_drawn_with_names_regions_curve_and_residuals() {
     let folder = survey([0.0; 3]);
-    let (code, stdout, stderr) = map(folder.path(), &[".", "--truth", "nodes.csv", "--figure", "new/figures"]);
+    let (code, stdout, stderr) =
+        map(folder.path(), &[".", "--algorithm", "ml-tm", "--truth", "nodes.csv", "--figure", "new/figures"]);
     assert_eq!(code, 0, "{stderr}");
     let figures = folder.path().join("new/figures");
-    let expected = ["connectivity-cdf", "curve-auto", "error-cdf", "map-auto", "network", "residuals-auto"];
+    let expected = ["connectivity-cdf", "curve-ml-tm", "error-cdf", "map-ml-tm", "network", "residuals-ml-tm"];
     let expected = expected.map(|name| format!("{name}.svg"));
     assert_eq!(files(&figures), expected);
     let mut told: Vec<&Path> = stdout.lines().filter(|line| line.ends_with(".svg")).map(Path::new).collect();
@@ -92,18 +93,18 @@ fn a_log_is_drawn_with_names_regions_curve_and_residuals() {
     for file in &expected {
         texts(&figures.join(file));
     }
-    let map = texts(&figures.join("map-auto.svg"));
+    let map = texts(&figures.join("map-ml-tm.svg"));
     for name in ["hall", "oven", "lamp", "a&lt;b&amp;c", "its 95 % region", "node without a true position", "x [m]"] {
         assert!(map.iter().any(|text| text == name), "{name}: {map:?}");
     }
     assert!(!map.iter().any(|text| text == "mute"), "it is not on the map");
     assert!(map[0].starts_with("ml-tm: 4 of 5 nodes mapped, mean error"), "{map:?}");
-    assert_eq!(regions(&figures.join("map-auto.svg")), 4);
-    let curve = texts(&figures.join("curve-auto.svg"));
+    assert_eq!(regions(&figures.join("map-ml-tm.svg")), 4);
+    let curve = texts(&figures.join("curve-ml-tm.svg"));
     assert!(curve.iter().any(|text| text == "fitted curve") && curve.iter().any(|text| text.ends_with("[m]")));
     // Four mapped nodes and 27 stops.
     assert!(curve.iter().any(|text| text.contains("108 pairs")), "{curve:?}");
-    let residuals = texts(&figures.join("residuals-auto.svg"));
+    let residuals = texts(&figures.join("residuals-ml-tm.svg"));
     for text in ["more than expected (+)", "fewer than expected (\u{2212})"] {
         assert!(residuals.iter().any(|other| other == text), "{residuals:?}");
     }

@@ -3,8 +3,6 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
-use super::predict::Pair;
-
 /// At most so many nodes are mapped without a fold.
 const NODES: usize = 32;
 /// Number of folds, and of blocks of neighbouring stops that each has.
@@ -28,6 +26,14 @@ pub(super) struct Fold<'a> {
     number: usize,
     /// The log without them.
     pub(super) rest: ReceptionLog,
+}
+
+/// A pair of node and stop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) position: Position,
+    pub(super) received: u32,
+    pub(super) sent: u32,
 }
 
 impl Folds {

@@ -3,7 +3,7 @@
 use sextant_channel::{Position, ReceptionLog};
 
 use super::EstimatorFit;
-use super::folds::Fold;
+use super::folds::{Fold, Pair};
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
 use crate::normal::{below, quantile};
@@ -30,14 +30,6 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
             predicted.take(node, share, pair.sent);
         }
     }
-}
-
-/// A pair of node and stop.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    pub(super) position: Position,
-    pub(super) received: u32,
-    pub(super) sent: u32,
 }
 
 fn binomial(share: f64, pair: &Pair) -> f64 {
