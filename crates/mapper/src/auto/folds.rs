@@ -3,8 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::NodeId;
 
-/// At most so many nodes are mapped without a fold.
-const NODES: usize = 32;
+/// At most so many nodes are mapped without a fold, in the plane and in space.
+const NODES: [usize; 2] = [32, 14];
 /// Number of folds, and of blocks of neighbouring stops that each has.
 const FOLDS: usize = 2;
 const BLOCKS: usize = 6;
@@ -37,14 +37,15 @@ pub(super) struct Pair {
 }
 
 impl Folds {
-    /// The folds of `log`; `None` if it has too few stops or nodes.
-    pub(super) fn of(log: &ReceptionLog) -> Option<Self> {
+    /// The folds of `log`, whose nodes are in a plane or in space; `None` if it has too few stops or nodes.
+    pub(super) fn of(log: &ReceptionLog, is_spatial: bool) -> Option<Self> {
         let is_heard = |node: &NodeId| log.of(*node).iter().any(|reception| reception.received > 0);
         let heard: Vec<NodeId> = (0..log.node_count()).map(NodeId::from_index).filter(is_heard).collect();
         if heard.len() < 2 || log.stops().len() < LEAST_STOPS {
             return None;
         }
-        let nodes: Vec<NodeId> = heard.iter().copied().step_by(heard.len().div_ceil(NODES)).collect();
+        let nodes: Vec<NodeId> =
+            heard.iter().copied().step_by(heard.len().div_ceil(NODES[usize::from(is_spatial)])).collect();
         let names = nodes.iter().map(|node| log.names()[node.index()].clone()).collect();
         let receptions = nodes.iter().enumerate().flat_map(|(number, &node)| {
             log.of(node).iter().map(move |reception| Reception { node: NodeId::from_index(number), ..reception })
@@ -62,18 +63,23 @@ impl Folds {
         (0..FOLDS).map(|number| Fold { all: &self.log, fold_of: &self.fold_of, number, rest: self.without(number) })
     }
 
+    /// The log as if no node could have been heard at the stops of a fold. The stops themselves stay, because the robot's way
+    /// tells where there is no obstacle.
     fn without(&self, fold: usize) -> ReceptionLog {
-        let mut number_of = Vec::with_capacity(self.fold_of.len());
-        let mut stops = Vec::new();
-        for (stop, &of) in self.log.stops().iter().zip(&self.fold_of) {
-            number_of.push((of != fold).then(|| u32::try_from(stops.len()).unwrap_or(u32::MAX)));
-            if of != fold {
-                stops.push(*stop);
-            }
-        }
-        let kept = |reception: Reception| Some(Reception { stop: number_of[reception.stop as usize]?, ..reception });
-        let receptions = self.log.receptions().iter().filter_map(kept).collect();
-        part(&self.log, self.log.names().to_vec(), stops, receptions)
+        let is_left_out = |stop: u32| self.fold_of[stop as usize] == fold;
+        let kept = self.log.receptions().iter().filter(|reception| !is_left_out(reception.stop));
+        let left_out = (0..).zip(&self.fold_of).filter(|&(_, &of)| of == fold).flat_map(|(stop, _)| {
+            (0..self.log.node_count()).map(NodeId::from_index).map(move |node| Reception {
+                node,
+                stop,
+                received: 0,
+                sent: 0,
+                sector: None,
+                rssi_dbm: None,
+                snr_db: None,
+            })
+        });
+        part(&self.log, self.log.names().to_vec(), self.log.stops().to_vec(), kept.chain(left_out).collect())
     }
 }
 
@@ -98,7 +104,7 @@ impl Fold<'_> {
         let (received, sent) = counts
             .fold((0.0, 0.0), |(received, sent), (more, of)| (received + f64::from(more), sent + f64::from(of)));
         let listed = self.rest.receptions().iter().count() as f64;
-        let absent = self.rest.node_count() as f64 * self.rest.stops().len() as f64 - listed;
+        let absent = (self.rest.node_count() as f64 * self.rest.stops().len() as f64 - listed).max(0.0);
         (received + 0.5) / (sent + absent + 1.0)
     }
 }

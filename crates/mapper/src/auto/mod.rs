@@ -16,7 +16,7 @@ use crate::reach::{heard_nodes, reach_m};
 use crate::{
     Calibration, EstimateKind, Fit, FittedConfig, FittedMlTm, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig,
     MapError, MlTmConfig, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated,
-    SelfCalibratedConfig, TopologyMap,
+    SelfCalibratedConfig, SoughtHeights, TopologyMap,
 };
 
 /// The choice of an estimator as written in a scenario.
@@ -40,12 +40,13 @@ impl Default for AutoConfig {
 ///
 /// The stops are cut into a few folds of neighbours. Each estimator maps some of the nodes without the stops of one fold,
 /// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out. The
-/// fitted grid and the self-calibrated map take packets as independent; the better one maps the log unless the link model is
-/// better by two standard errors. A packet centroid, whose predictions are those of the link model at its places, must be
+/// self-calibrated map and the fitted grid take packets as independent: the first of them maps the log, the second if it is
+/// better by two standard errors, and neither if the link model is better than it by as much. A packet centroid, whose predictions are those of the link model at its places, must be
 /// clearly better than the link model. A log with too few stops or nodes for folds is mapped by the link model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
     rssi: bool,
+    z_range_m: Option<[f64; 2]>,
     link_model: LinkModel,
     /// Its grid suits no log yet.
     fitted: FittedMlTm,
@@ -115,15 +116,16 @@ impl Auto {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<Choice>), MapError> {
         let heard = heard_nodes(log);
-        let fitted = self.fitted.with_grid_step_m(reach_m(log, &heard) / STEPS_PER_REACH);
+        let reach_m = reach_m(log, &heard);
+        let fitted = self.fitted.with_grid_step_m(reach_m / STEPS_PER_REACH);
         let mut candidates = vec![Candidate::LinkModel(&self.link_model)];
         if prior.is_none() {
-            candidates.extend([Candidate::Fitted(&fitted), Candidate::SelfCalibrated(&self.self_calibrated)]);
+            candidates.extend([Candidate::SelfCalibrated(&self.self_calibrated), Candidate::Fitted(&fitted)]);
             candidates.extend(self.centroids.iter().map(Candidate::Centroid));
         }
         let mut predicted = Vec::new();
         if candidates.len() > 1
-            && let Some(folds) = Folds::of(log)
+            && let Some(folds) = Folds::of(log, self.is_spatial(log, reach_m))
         {
             predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
             for fold in folds.iter() {
@@ -139,6 +141,12 @@ impl Auto {
         map.algorithm = Self::NAME;
         let choice = Choice { scores, chosen: candidate.name(), fit };
         Ok(if map.mapped() == 0 { (map, None) } else { (map, Some(choice)) })
+    }
+
+    /// Whether nodes are searched for in space.
+    fn is_spatial(&self, log: &ReceptionLog, reach_m: f64) -> bool {
+        let heights = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, reach_m / STEPS_PER_REACH);
+        heights.is_some_and(|heights| heights.high_m > heights.low_m)
     }
 
     /// Takes what each candidate predicts of `fold`.
@@ -247,6 +255,7 @@ impl TryFrom<AutoConfig> for Auto {
         let centroids = POWERS.map(|power| PacketCentroid::try_from(PacketCentroidConfig { power }));
         Ok(Self {
             rssi,
+            z_range_m,
             link_model: LinkModel::try_from(LinkModelConfig { rssi, z_range_m })?,
             fitted: FittedMlTm::new(fitted, FittedConfig::default())?,
             self_calibrated: SelfCalibrated::try_from(SelfCalibratedConfig {

@@ -65,7 +65,8 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
     squares.sqrt() / own.pairs().max(1) as f64
 }
 
-/// Which of the estimators to take: the number of one that assumes independent packets (`independent`), of that of links
+/// Which of the estimators to take: the number of one that assumes independent packets (`independent`, in the order of
+/// trust: a later one must be better than those before it by two standard errors), of that of links
 /// (`links`), or of one that has places only (`places`), whose predictions are those of the law of links at its places.
 ///
 /// Estimators of independent packets are taken if the log does not refute them: the link model must be better by two standard
@@ -77,14 +78,15 @@ pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize],
         let by_mean = |a: &&usize, b: &&usize| predicted[**a].mean().total_cmp(&predicted[**b].mean()).then(b.cmp(a));
         numbers.iter().max_by(by_mean).copied()
     };
-    if let Some(number) = highest(independent) {
-        let gain = predicted[links].mean() - predicted[number].mean();
-        if gain <= 2.0 * error(&predicted[links], &predicted[number]) {
-            return number;
-        }
+    let gain = |number: usize, over: usize| predicted[number].mean() - predicted[over].mean();
+    let is_surely_better =
+        |number: usize, over: usize| gain(number, over) > 2.0 * error(&predicted[number], &predicted[over]);
+    let trusted =
+        independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
+    match trusted {
+        Some(number) if !is_surely_better(links, number) => number,
+        _ => highest(places).filter(|&number| gain(number, links) > CLEARLY).unwrap_or(links),
     }
-    let gain = |number: usize| predicted[number].mean() - predicted[links].mean();
-    highest(places).filter(|&number| gain(number) > CLEARLY).unwrap_or(links)
 }
 
 /// A gain that is not by chance (nats a pair). On real logs, predictions at places twice as far from the truth were up to

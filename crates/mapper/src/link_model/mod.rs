@@ -100,6 +100,8 @@ impl LinkFit {
 
 /// Vertices of the coarse and the fine grid of a node, in the plane and in space.
 const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
+/// Heights of stops that differ by less than this share of the reach are level, as far as a step of a grid goes.
+const LEVEL: f64 = 0.025;
 /// Largest factor on a variance.
 const MOST_INFLATION: f64 = 3.0;
 /// A posterior whose variance is more than this share of that before anything was heard says nothing.
@@ -142,7 +144,10 @@ impl LinkModel {
         };
         let Some(links) = Links::of(log) else { return Ok((map, None)) };
         let z_range_m = self.config.z_range_m;
-        let Some(heights) = SoughtHeights::of(log.stops(), z_range_m, links.reach_m) else { return Ok((map, None)) };
+        let Some(heights) = SoughtHeights::of_log(log.stops(), z_range_m, links.reach_m, LEVEL * links.reach_m)
+        else {
+            return Ok((map, None));
+        };
         let is_spatial = heights.high_m > heights.low_m;
         let window = Window::new(&links, heights, z_range_m.is_some(), prior);
         let [low_m, high_m] = window.heights();
