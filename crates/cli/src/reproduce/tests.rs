@@ -61,7 +61,7 @@ fn tiny_mmtm(scenario: &str) -> Vec<String> {
         set.push("anchors.share=0.5".to_owned());
     } else {
         let maps = if scenario.starts_with("dmtm/") { 1 } else { 3 };
-        set.extend((0..maps).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.6")));
+        set.extend((0..maps).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.45")));
     }
     set
 }
