@@ -26,8 +26,8 @@ pub struct BagOptions {
     /// only topic whose messages have an obvious node and RSSI (node and rssi, or address and rssi for example)
     #[arg(long, value_name = "TOPIC")]
     pub packet_topic: Option<String>,
-    /// The fields of the packets' messages: node=PATH[,rssi_dbm=PATH][,sector=PATH][,t_s=PATH], where PATH is a name or
-    /// names joined by points, `radio.src` for example, or `beacons[].address` for each value of a list
+    /// The fields of the packets' messages: node=PATH,rssi_dbm=PATH,sector=PATH,t_s=PATH, of which only node is needed. PATH
+    /// is a name or names joined by points, `radio.src` for example, or `beacons[].address` for each value of a list
     #[arg(long, value_name = "FIELDS")]
     pub packet_fields: Option<PacketFields>,
     /// The clock of poses and packets: the stamps in the messages, or the times of recording. The default is the stamps if

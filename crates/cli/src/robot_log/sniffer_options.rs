@@ -8,8 +8,8 @@ use clap::Args;
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Options for captures of sniffers")]
 pub struct SnifferOptions {
-    /// The path of the robot that carried the sniffer: a CSV file with columns t_s,x_m,y_m[,z_m] or t_s,lat,lon, with times
-    /// of the clock of the capture (seconds since 1970, as a rule)
+    /// The path of the robot that carried the sniffer: a CSV file with columns t_s,x_m,y_m (and z_m) or t_s,lat,lon, with
+    /// times of the clock of the capture (seconds since 1970, as a rule)
     #[arg(long, value_name = "path.csv")]
     pub path: Option<PathBuf>,
     /// Use only frames of this IEEE 802.15.4 PAN, 0xabcd for example. The default is all; nodes with a short address are then
