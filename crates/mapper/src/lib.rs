@@ -89,7 +89,7 @@ pub use isotonic::never_rising;
 pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use lattice::Lattice;
-pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Receiver};
+pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
 pub use metrics::{
     ConnectivityError, MetricError, NeighbourhoodRule, NodeDisplacement, PositionError, RssLinks, SectorDisplacement,
     SectorDisplacementRule, SectorDistance, connectivity_error, rss_crlb_m, sector_displacement, sector_of,

@@ -91,8 +91,8 @@ pub(super) fn by_links(
             predictor.margins(node, &placed, &others)
         });
         for (number, pair) in pairs.iter().enumerate() {
-            let probability = match &margins {
-                Some(margins) => margins[number].probability(pair.received, pair.sent),
+            let probability = match margins.as_ref().zip(predictor.as_ref()) {
+                Some((margins, predictor)) => predictor.probability(&margins[number], pair.received, pair.sent),
                 None => binomial(usual, pair),
             };
             predicted.take(node, probability, pair.sent);

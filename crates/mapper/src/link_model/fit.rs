@@ -1,12 +1,12 @@
 //! The law of links, estimated from the log itself.
 
 use rayon::prelude::*;
-use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
 
+use super::hearing::Hearing;
 use super::law::{Law, PARAMETERS};
 use super::links::Links;
-use super::margin::Receiver;
+use super::outages::{Outages, Pair};
 use super::posterior::{Evidence, Grid};
 use super::window::Window;
 
@@ -22,9 +22,10 @@ const ROUNDS: [u32; 3] = [8, 6, 6];
 const GAIN: f64 = 1e-2;
 
 /// The law that was found, and whether it settled.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Found {
     pub(super) law: Law,
+    pub(super) outages: Outages,
     pub(super) rounds: u32,
     pub(super) settled: bool,
 }
@@ -39,35 +40,57 @@ struct Sample<'a> {
 pub(super) const WORK: u64 = 2;
 
 /// The law of highest evidence, with the places of nodes integrated out (type II maximum likelihood): no place has to be
-/// known for it.
+/// known for it. Outages are estimated with it.
 pub(super) fn find(
     links: &Links,
     window: &Window<'_>,
     is_spatial: bool,
-    receiver: Option<&Receiver>,
+    hearing: &Hearing,
     watch: &dyn Watch,
 ) -> Result<Found, Interrupted> {
     let thinned = thinned(links);
+    let usual = Outages::start(links, hearing.receiver.is_some());
     let mut samples: Vec<Sample<'_>> = thinned
         .nodes
         .par_iter()
         .map(|node| {
-            let evidence = Evidence::new(node, &thinned, window, receiver);
+            let evidence = Evidence::new(node, &thinned, window, hearing, &usual);
             let grid = evidence.grid(window, VERTICES[usize::from(is_spatial)]);
             Sample { evidence, grid }
         })
         .collect();
-    let mut found = Found { law: start(&thinned, &samples), rounds: 0, settled: false };
+    let fading_db = hearing.receiver.map(|receiver| receiver.fading_db);
+    let law = start(&thinned, &samples);
+    let mut found = Found { law, outages: usual, rounds: 0, settled: false };
     for pass in 0..WORK {
-        found = climb(&samples, found, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
-        let law = found.law;
-        samples.par_iter_mut().for_each(|sample| {
-            let posterior = sample.evidence.posterior(&law, &sample.grid, &mut Vec::new());
-            sample.evidence.refine(&law, &sample.grid, &posterior, &thinned, receiver);
+        climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
+        found.outages = outages(&samples, &found, &thinned, hearing);
+        let (law, outages) = (found.law, &found.outages);
+        samples.par_iter_mut().for_each(|Sample { evidence, grid }| {
+            let posterior = evidence.posterior(&law, grid, &mut Vec::new());
+            let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
+            evidence.set_outages(&outages.of_node(&pairs));
+            evidence.refine(&law, grid, &posterior, &thinned, hearing);
+            if pass == 0 {
+                let posterior = evidence.posterior(&law, grid, &mut Vec::new());
+                *grid = evidence.mixed_grid(window, grid, &posterior, VERTICES[usize::from(is_spatial)]);
+            }
         });
         watch.advance(1);
     }
     Ok(found)
+}
+
+/// The outages that the samples tell under a law.
+fn outages(samples: &[Sample<'_>], found: &Found, links: &Links, hearing: &Hearing) -> Outages {
+    let pairs: Vec<Vec<Pair>> = samples
+        .par_iter()
+        .map(|Sample { evidence, grid }| {
+            let posterior = evidence.posterior(&found.law, grid, &mut Vec::new());
+            evidence.pairs(&found.law, grid, &posterior, links, hearing)
+        })
+        .collect();
+    found.outages.estimated(&pairs.concat())
 }
 
 /// A few of the nodes and, of those, every other link or fewer, if there are many.
@@ -86,23 +109,14 @@ fn thinned(links: &Links) -> Links {
     Links { places: links.places.clone(), nodes, reach_m: links.reach_m }
 }
 
-/// A law that fits the centroids of the places weighted by the sixth power of what they received.
+/// A law that fits the centroids of the places weighted by the sixth power of what they received, or by strength.
 fn start(links: &Links, samples: &[Sample<'_>]) -> Law {
     let mut points: Vec<(f64, f64, f64)> = Vec::new();
     for sample in samples {
         let node = sample.evidence.node();
-        let weight = |received: u32, sent: u32| (f64::from(received) / f64::from(sent)).powi(6);
-        let place = |place: usize| links.places[place];
-        let total: f64 = node.links.iter().map(|link| weight(link.received, link.sent)).sum();
-        if total <= 0.0 {
-            continue;
-        }
-        let sum = node
-            .links
-            .iter()
-            .fold(Position::ORIGIN, |sum, link| sum + place(link.place) * (weight(link.received, link.sent) / total));
+        let middle = node.middle(&links.places);
         for (link, site) in node.links.iter().zip(&sample.evidence.sites) {
-            let distance_m = place(link.place).distance_m(sum).max(0.05 * links.reach_m);
+            let distance_m = links.places[link.place].distance_m(middle).max(0.05 * links.reach_m);
             points.push((libm::log(distance_m), site.margin, 1.0 / (1.0 + site.variance)));
         }
     }
@@ -114,7 +128,7 @@ fn start(links: &Links, samples: &[Sample<'_>]) -> Law {
     let slope = if xx > 1e-9 { (-xy / xx).clamp(0.8, 6.0) } else { 1.7 };
     let distance_m = if points.is_empty() { 1.0 } else { libm::exp(x) };
     Law {
-        margin: y.clamp(-6.0, 8.0),
+        margin: y.clamp(-6.0, 30.0),
         distance_m,
         slope,
         shadowing: 1.0,
@@ -122,13 +136,19 @@ fn start(links: &Links, samples: &[Sample<'_>]) -> Law {
         correlation_m: distance_m,
         offset: 0.4,
         direction: 0.3,
+        slope_spread: 0.1,
     }
 }
 
 /// Moves one parameter after the other as long as the evidence grows.
-fn climb(samples: &[Sample<'_>], from: Found, scales: &[usize], watch: &dyn Watch) -> Result<Found, Interrupted> {
-    let mut found = from;
-    let mut best = score(samples, &found.law);
+fn climb(
+    samples: &[Sample<'_>],
+    found: &mut Found,
+    fading_db: Option<f64>,
+    scales: &[usize],
+    watch: &dyn Watch,
+) -> Result<(), Interrupted> {
+    let mut best = score(samples, &found.law, fading_db);
     let least = GAIN * samples.len() as f64;
     found.settled = false;
     for &scale in scales {
@@ -141,7 +161,7 @@ fn climb(samples: &[Sample<'_>], from: Found, scales: &[usize], watch: &dyn Watc
                 for sign in [*direction, -*direction] {
                     watch.check()?;
                     let Some(law) = found.law.moved(number, sign * step) else { continue };
-                    let score = score(samples, &law);
+                    let score = score(samples, &law, fading_db);
                     if score > best {
                         (best, found.law, *direction) = (score, law, sign);
                         break;
@@ -155,14 +175,14 @@ fn climb(samples: &[Sample<'_>], from: Found, scales: &[usize], watch: &dyn Watc
             }
         }
     }
-    Ok(found)
+    Ok(())
 }
 
 /// Logarithm of the evidence of all samples and of the prior density of the law.
-fn score(samples: &[Sample<'_>], law: &Law) -> f64 {
+fn score(samples: &[Sample<'_>], law: &Law, fading_db: Option<f64>) -> f64 {
     let evidences: Vec<f64> = samples
         .par_iter()
         .map_init(Vec::new, |scratch, sample| sample.evidence.posterior(law, &sample.grid, scratch).evidence)
         .collect();
-    evidences.iter().sum::<f64>() + samples.len() as f64 * 0.5 * law.log_prior()
+    evidences.iter().sum::<f64>() + samples.len() as f64 * 0.5 * law.log_prior(fading_db)
 }

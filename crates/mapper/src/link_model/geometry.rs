@@ -101,10 +101,10 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// The columns at `vertices`. Distances are at least `least_m`.
-    pub(super) fn new(vertices: &[Position], places: &[Position], least_m: f64) -> Self {
+    /// The columns at `vertices`. Distances from each are at least what `least_m` says of its number.
+    pub(super) fn new(vertices: &[Position], places: &[Position], least_m: impl Fn(usize) -> f64) -> Self {
         let mut lanes = Vec::with_capacity(vertices.len().div_ceil(BLOCK) * places.len());
-        for block in vertices.chunks(BLOCK) {
+        for (number, block) in vertices.chunks(BLOCK).enumerate() {
             for &place in places {
                 let mut columns = [[0.0; BLOCK]; COLUMNS];
                 for (lane, &vertex) in block.iter().enumerate() {
@@ -112,7 +112,7 @@ impl Columns {
                     let flat_m = way.x_m.hypot(way.y_m);
                     let (cosine, sine) =
                         if flat_m > 1e-9 { (way.x_m / flat_m, way.y_m / flat_m) } else { (0.0, 0.0) };
-                    let distance_m = flat_m.hypot(way.z_m).max(least_m);
+                    let distance_m = flat_m.hypot(way.z_m).max(least_m(number * BLOCK + lane));
                     let twice = (cosine * cosine - sine * sine, 2.0 * cosine * sine);
                     let values = [libm::log(distance_m), cosine, sine, twice.0, twice.1];
                     for (column, value) in columns.iter_mut().zip(values) {

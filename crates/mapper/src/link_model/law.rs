@@ -1,7 +1,7 @@
 //! The law of links, and how it is found.
 
 /// Number of parameters.
-pub(super) const PARAMETERS: usize = 7;
+pub(super) const PARAMETERS: usize = 8;
 
 /// The law of the margins of links, in standard deviations of the fading.
 ///
@@ -27,6 +27,8 @@ pub struct Law {
     pub offset: f64,
     /// Standard deviation of each amplitude of the dependence on direction.
     pub direction: f64,
+    /// Standard deviation of the slopes of nodes, as a share of the slope: streets and roofs lose power at different rates.
+    pub slope_spread: f64,
 }
 
 impl Law {
@@ -35,10 +37,15 @@ impl Law {
         self.margin + self.slope * libm::log(self.distance_m)
     }
 
-    /// Standard deviation of a margin about its mean at the distance.
+    /// Standard deviation of a margin about its mean at the distance `distance_m` of the law.
     pub(super) fn spread(&self) -> f64 {
         let (s, g, c) = (self.shadowing, self.offset, self.direction);
         (s * s + g * g + 2.0 * c * c).sqrt()
+    }
+
+    /// Standard deviation of the slopes of nodes.
+    pub(super) fn slope_deviation(&self) -> f64 {
+        self.slope * self.slope_spread
     }
 
     /// The law with parameter `number` moved by `step`, or `None` if it is at its bound.
@@ -46,7 +53,7 @@ impl Law {
         let scaled = |value: f64, rate: f64, [low, high]: [f64; 2]| (value * libm::exp(rate * step)).clamp(low, high);
         let mut law = *self;
         match number {
-            0 => law.margin = (law.margin + 0.4 * step).clamp(-8.0, 12.0),
+            0 => law.margin = (law.margin + 0.4 * step).clamp(-8.0, 40.0),
             1 => law.slope = scaled(law.slope, 0.3, SLOPES),
             2 => law.shadowing = scaled(law.shadowing, 0.3, [0.1, 8.0]),
             3 => law.offset = scaled(law.offset, 0.3, [0.05, 4.0]),
@@ -55,7 +62,8 @@ impl Law {
                 law.shared = (1.0 / (1.0 + libm::exp(-odds))).clamp(LEAST_SHARED, 0.99);
             }
             5 => law.correlation_m = scaled(law.correlation_m, 0.3, [0.02 * self.distance_m, 10.0 * self.distance_m]),
-            _ => law.direction = scaled(law.direction, 0.3, [0.05, 2.0]),
+            6 => law.direction = scaled(law.direction, 0.3, [0.05, 2.0]),
+            _ => law.slope_spread = scaled(law.slope_spread, 0.5, [0.02, 0.6]),
         }
         (law != *self).then_some(law)
     }
@@ -65,7 +73,9 @@ impl Law {
     /// Without true places, a log can explain itself by shadowing alone, with a flat curve. What is known of radio forbids
     /// it: over a factor of e in distance, links lose 6 to 17 dB (path-loss exponents of 1.5 to 4), shadowing is 4 to 8 dB
     /// (ITU-R P.1411), offsets of nodes and antennas are smaller.
-    pub(super) fn log_prior(&self) -> f64 {
+    ///
+    /// With strengths, a margin has `fading_db` decibels, and the path-loss exponent itself is known to be a few.
+    pub(super) fn log_prior(&self, fading_db: Option<f64>) -> f64 {
         let far = |value: f64, usual: f64, factor: f64| {
             let units = libm::log(value / usual) / libm::log(factor);
             -0.5 * units * units
@@ -74,12 +84,19 @@ impl Law {
             + far(self.direction / self.shadowing, USUAL_DIRECTION, 1.5)
             + 0.3 * far(self.offset / self.shadowing, USUAL_OFFSET, 3.0)
             + 0.3 * far(self.correlation_m, USUAL_CORRELATION * self.distance_m, 2.0)
+            + 0.3 * far(self.slope_spread, USUAL_SLOPE_SPREAD, 2.0)
+            + fading_db.map_or(0.0, |fading_db| far(exponent(self.slope, fading_db), USUAL_EXPONENT, 1.6))
     }
 
     /// Whether a parameter is at its bound.
     pub(super) fn is_at_bound(&self) -> bool {
         (0..3).any(|number| [-0.25, 0.25].iter().any(|&step| self.moved(number, step).is_none()))
     }
+}
+
+/// The path-loss exponent of a slope if the fading is `fading_db`.
+pub(super) fn exponent(slope: f64, fading_db: f64) -> f64 {
+    slope * fading_db * std::f64::consts::LN_10 / 10.0
 }
 
 /// Bounds of the slope.
@@ -90,6 +107,9 @@ const USUAL_SLOPE: f64 = 1.7;
 const USUAL_DIRECTION: f64 = 0.3;
 const USUAL_OFFSET: f64 = 0.3;
 const USUAL_CORRELATION: f64 = 1.0;
+/// Usual spread of the slopes of nodes, and usual path-loss exponent.
+const USUAL_SLOPE_SPREAD: f64 = 0.1;
+const USUAL_EXPONENT: f64 = 2.6;
 /// Least share of the shadowing that neighbouring places share: without any, many places would be as many independent
 /// witnesses, which they never are.
 const LEAST_SHARED: f64 = 0.3;

@@ -4,8 +4,8 @@ use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, si
 use super::law::Law;
 use super::margin::Site;
 
-/// Amplitudes of the dependence on direction.
-const AMPLITUDES: usize = COLUMNS - 1;
+/// Amplitudes of a node: the deviation of its slope, and four of its dependence on direction.
+const AMPLITUDES: usize = COLUMNS;
 /// Products of two amplitudes.
 const PRODUCTS: usize = AMPLITUDES * (AMPLITUDES + 1) / 2;
 
@@ -18,6 +18,8 @@ struct Prediction {
     precision: f32,
     /// The margin minus its prediction, without the slope, in standard deviations.
     margin: f32,
+    /// The logarithm of the distance of the law minus its prediction, in standard deviations.
+    level: f32,
 }
 
 /// The logarithm of the likelihood at each vertex, up to a constant that is the same for all laws.
@@ -35,7 +37,8 @@ pub(super) fn log_likelihoods(
     out.clear();
     let (predictions, logs) = predictions(law, arrangement, sites);
     let slope = single(law.slope);
-    let strength = law.direction * law.direction;
+    let mut deviations = [law.direction; AMPLITUDES];
+    deviations[0] = law.slope_deviation();
     for block in columns.blocks() {
         let mut squares = [0.0f32; BLOCK];
         let mut along = [[0.0f32; BLOCK]; AMPLITUDES];
@@ -53,24 +56,26 @@ pub(super) fn log_likelihoods(
                 error[lane] = prediction.margin + slope * precision * left[0][lane];
                 squares[lane] += error[lane] * error[lane];
             }
-            let [_, directions @ ..] = &mut left;
-            for column in directions.iter_mut() {
+            for column in left.iter_mut() {
                 for value in column.iter_mut() {
                     *value *= precision;
                 }
             }
+            for value in &mut left[0] {
+                *value -= prediction.level;
+            }
             let mut product = 0;
             for first in 0..AMPLITUDES {
-                add_product(&mut along[first], &directions[first], &error);
+                add_product(&mut along[first], &left[first], &error);
                 for second in 0..=first {
-                    add_product(&mut products[product], &directions[first], &directions[second]);
+                    add_product(&mut products[product], &left[first], &left[second]);
                     product += 1;
                 }
             }
         }
         for lane in 0..BLOCK {
             let gained =
-                gained(strength, along.map(|sum| f64::from(sum[lane])), products.map(|sum| f64::from(sum[lane])));
+                gained(&deviations, along.map(|sum| f64::from(sum[lane])), products.map(|sum| f64::from(sum[lane])));
             out.push(-0.5 * f64::from(squares[lane]) + gained - logs);
         }
     }
@@ -90,22 +95,22 @@ fn add_product(to: &mut Lane, first: &Lane, second: &Lane) {
     }
 }
 
-/// What the amplitudes add to the logarithm of the likelihood: `½ gᵀ(I/σ² + M)⁻¹g − ½ ln det(I + σ²M)`.
-fn gained(variance: f64, along: [f64; AMPLITUDES], products: [f64; PRODUCTS]) -> f64 {
-    // Cholesky factor of I + σ²M, row by row, and the solution with σg.
-    let deviation = variance.sqrt();
+/// What the amplitudes, whose standard deviations are `s`, add to the logarithm of the likelihood:
+/// `½ gᵀ(S⁻² + M)⁻¹g − ½ ln det(I + SMS)`, where S is diagonal.
+fn gained(s: &[f64; AMPLITUDES], along: [f64; AMPLITUDES], products: [f64; PRODUCTS]) -> f64 {
+    // Cholesky factor of I + SMS, row by row, and the solution with Sg.
     let mut factor = [[0.0f64; AMPLITUDES]; AMPLITUDES];
     let mut solved = [0.0f64; AMPLITUDES];
     let (mut quadratic, mut determinant) = (0.0, 1.0);
     let mut product = 0;
     for row in 0..AMPLITUDES {
         for column in 0..=row {
-            let own = variance * products[product] + if row == column { 1.0 } else { 0.0 };
+            let own = s[row] * s[column] * products[product] + if row == column { 1.0 } else { 0.0 };
             product += 1;
             let sum = own - dot(&factor[row], &factor[column], column);
             factor[row][column] = if row == column { sum.max(1e-12).sqrt() } else { sum / factor[column][column] };
         }
-        solved[row] = (deviation * along[row] - dot(&factor[row], &solved, row)) / factor[row][row];
+        solved[row] = (s[row] * along[row] - dot(&factor[row], &solved, row)) / factor[row][row];
         quadratic += solved[row] * solved[row];
         determinant *= factor[row][row];
     }
@@ -166,13 +171,17 @@ fn predictions(law: &Law, arrangement: &Arrangement, sites: &[Site]) -> (Vec<Pre
             weights: exact.map(single),
             precision: single(1.0 / deviation),
             margin: 0.0,
+            level: 0.0,
         };
         let mut margin = site.margin - level;
+        let mut share = 1.0;
         for (slot, &neighbour) in neighbours.at.iter().enumerate() {
             prediction.at[slot] = neighbour;
             margin -= exact[slot] * (at(neighbour).margin - level);
+            share -= exact[slot];
         }
         prediction.margin = single(margin / deviation);
+        prediction.level = single(share * libm::log(law.distance_m) / deviation);
         prediction
     });
     let predictions = each.collect();
@@ -196,7 +205,9 @@ mod tests {
             let shared = law.shared * variance * (-places[i].distance_m(places[j]) / law.correlation_m).exp();
             let alone = if i == j { (1.0 - law.shared) * variance + sites[i].variance } else { 0.0 };
             let direction = law.direction * law.direction * (angle.cos() + (2.0 * angle).cos());
-            law.offset * law.offset + shared + alone + direction
+            let along = |place: Position| (vertex.distance_m(place) / law.distance_m).ln();
+            let slopes = law.slope_deviation().powi(2) * along(places[i]) * along(places[j]);
+            law.offset * law.offset + shared + alone + direction + slopes
         });
         let errors = DVector::from_fn(places.len(), |i, _| {
             let mean = law.margin - law.slope * (vertex.distance_m(places[i]) / law.distance_m).ln();
@@ -218,18 +229,19 @@ mod tests {
             correlation_m: 3.0,
             offset: 0.4,
             direction: 0.35,
+            slope_spread: 0.2,
         };
         let at = [[0.0, 0.0], [3.0, 1.0], [-2.0, 4.0], [5.0, -1.0], [6.0, 6.0], [-4.0, -3.0], [1.0, 8.0]];
         let places: Vec<Position> = at.iter().map(|&[x, y]| Position::new(x, y, 0.5)).collect();
         let links: Vec<Link> =
-            (0..at.len()).map(|place| Link { place, received: 1, sent: 2, rssi_dbm: None }).collect();
+            (0..at.len()).map(|place| Link { place, received: 1, sent: 2, rssi_dbm: None, outage: 0.0 }).collect();
         let site = |i: usize| Site { margin: 1.5 - 0.4 * i as f64, variance: 0.1 + 0.2 * i as f64 };
         let sites: Vec<Site> = (0..at.len()).map(site).collect();
         let arrangement = Arrangement::of(&links, &places);
         let vertices: Vec<Position> =
             (0..40).map(|i| Position::new(0.37 * f64::from(i) - 5.0, 0.21 * f64::from(i % 17), 1.0)).collect();
         let ordered: Vec<Position> = arrangement.order.iter().map(|&link| places[link]).collect();
-        let columns = Columns::new(&vertices, &ordered, 1e-6);
+        let columns = Columns::new(&vertices, &ordered, |_| 1e-6);
         let mut found = Vec::new();
         log_likelihoods(&law, &arrangement, &sites, &columns, &mut found);
         for (vertex, found) in vertices.iter().zip(&found) {

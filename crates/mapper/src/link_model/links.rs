@@ -9,6 +9,10 @@ use crate::reach::{HeardNode, heard_nodes, reach_m};
 
 /// A node is tied to at most about this many places.
 const PLACES_PER_NODE: f64 = 220.0;
+/// Stops near the strongest receptions of a node are places of their own: those in the cells of this many of them.
+const STRONGEST: usize = 24;
+/// At most so many.
+const FINE_PLACES: usize = 90;
 /// Places are taken into account up to this multiple of the reach from the middle of those that heard the node.
 const HORIZON: f64 = 2.0;
 
@@ -32,6 +36,8 @@ pub(super) struct Link {
     pub(super) sent: u32,
     /// Mean strength of the packets received (dBm), if it was measured.
     pub(super) rssi_dbm: Option<f64>,
+    /// The probability that the link is dead whatever its power.
+    pub(super) outage: f64,
 }
 
 /// A node that was heard, and its links.
@@ -51,18 +57,77 @@ pub(super) struct Links {
     pub(super) reach_m: f64,
 }
 
+/// The stops in cells of a grid, and each by itself.
+struct Cells {
+    /// Each stop by itself: its place. Stops at the same place are one.
+    fine: Vec<Place>,
+    fine_of: Vec<usize>,
+    /// The cells, and that of each stop and of each fine place.
+    coarse: Vec<Place>,
+    coarse_of: Vec<usize>,
+    cell_of_fine: Vec<usize>,
+    uses_rssi: bool,
+}
+
 impl Links {
     /// The links of `log`; `None` if nothing was heard. Where stops are many within reach of a node, those in a cell of a
-    /// grid are one place, at their middle: over so short a distance a link hardly changes.
-    pub(super) fn of(log: &ReceptionLog) -> Option<Self> {
+    /// grid are one place, at their middle: over so short a distance a link hardly changes. Near the strongest receptions of
+    /// a node it does, and there each stop is a place.
+    ///
+    /// Strengths are left out unless `uses_rssi`.
+    pub(super) fn of(log: &ReceptionLog, uses_rssi: bool) -> Option<Self> {
         let heard = heard_nodes(log);
         if heard.is_empty() {
             return None;
         }
         let reach_m = reach_m(log, &heard);
-        let (places, place_of) = places(log, reach_m);
-        let nodes = heard.into_iter().map(|heard| node_links(log, heard, &places, &place_of, reach_m)).collect();
-        Some(Self { places: places.iter().map(|place| place.position).collect(), nodes, reach_m })
+        let cells = Cells::of(log, reach_m, uses_rssi);
+        let nodes = heard.into_iter().map(|heard| node_links(log, heard, &cells, reach_m)).collect();
+        let places = cells.fine.iter().chain(&cells.coarse).map(|place| place.position).collect();
+        Some(Self { places, nodes, reach_m })
+    }
+}
+
+impl Cells {
+    fn of(log: &ReceptionLog, reach_m: f64, uses_rssi: bool) -> Self {
+        let (fine, fine_of) = merged(log, 0.0);
+        let (coarse, coarse_of) = places(log, reach_m);
+        let mut cell_of_fine = vec![0; fine.len()];
+        for (&place, &cell) in fine_of.iter().zip(&coarse_of) {
+            cell_of_fine[place] = cell;
+        }
+        Self { fine, fine_of, coarse, coarse_of, cell_of_fine, uses_rssi }
+    }
+
+    /// The cells whose stops are places of their own for `node`: those of its strongest receptions.
+    fn opened(&self, log: &ReceptionLog, node: NodeId) -> Vec<bool> {
+        let mut opened = vec![false; self.coarse.len()];
+        if self.fine.len() == self.coarse.len() {
+            return opened;
+        }
+        let heard = log.of(node).iter().filter(|reception| reception.received > 0);
+        let strength = |reception: &Reception| {
+            let share = f64::from(reception.received) / f64::from(reception.sent);
+            (reception.rssi_dbm.filter(|_| self.uses_rssi).unwrap_or(f64::NEG_INFINITY), share)
+        };
+        let mut strongest: Vec<Reception> = heard.collect();
+        strongest.sort_by(|a, b| {
+            let (a, b) = (strength(a), strength(b));
+            b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
+        });
+        let mut inside = vec![0; self.coarse.len()];
+        for &cell in &self.cell_of_fine {
+            inside[cell] += 1;
+        }
+        let mut count = 0;
+        for reception in strongest.iter().take(STRONGEST) {
+            let cell = self.coarse_of[reception.stop as usize];
+            if !opened[cell] && count + inside[cell] <= FINE_PLACES {
+                opened[cell] = true;
+                count += inside[cell];
+            }
+        }
+        opened
     }
 }
 
@@ -120,35 +185,60 @@ struct Sums {
     measured: f64,
 }
 
-fn node_links(log: &ReceptionLog, heard: HeardNode, places: &[Place], place_of: &[usize], reach_m: f64) -> NodeLinks {
+fn node_links(log: &ReceptionLog, heard: HeardNode, cells: &Cells, reach_m: f64) -> NodeLinks {
+    let opened = cells.opened(log, heard.node);
+    let fine = cells.fine.len();
     let mut sums: BTreeMap<usize, Sums> = BTreeMap::new();
     for Reception { stop, received, sent, rssi_dbm, .. } in log.of(heard.node).iter() {
-        let sum = sums.entry(place_of[stop as usize]).or_default();
+        let (place, cell) = (cells.fine_of[stop as usize], cells.coarse_of[stop as usize]);
+        let sum = sums.entry(if opened[cell] { place } else { fine + cell }).or_default();
         sum.listed += 1;
         sum.received += u64::from(received);
         sum.sent += u64::from(sent);
-        if let Some(rssi_dbm) = rssi_dbm.filter(|_| received > 0) {
+        if let Some(rssi_dbm) = rssi_dbm.filter(|_| received > 0 && cells.uses_rssi) {
             sum.rssi += rssi_dbm * f64::from(received);
             sum.measured += f64::from(received);
         }
     }
     let horizon_m = HORIZON * reach_m.max(heard.farthest_m);
-    let within = places
-        .iter()
-        .enumerate()
-        .filter(|(number, place)| sums.contains_key(number) || place.position.distance_m(heard.middle) <= horizon_m);
+    let is_used = |number: usize| match number.checked_sub(fine) {
+        Some(cell) => !opened[cell],
+        None => opened[cells.cell_of_fine[number]],
+    };
+    let within = cells.fine.iter().chain(&cells.coarse).enumerate().filter(|&(number, place)| {
+        is_used(number) && (sums.contains_key(&number) || place.position.distance_m(heard.middle) <= horizon_m)
+    });
     let count = |packets: u64| u32::try_from(packets).unwrap_or(u32::MAX);
     let links = within.filter_map(|(number, place)| {
         let sum = sums.get(&number).copied().unwrap_or_default();
         // A pair that is not listed is one packet that was lost.
         let sent = sum.sent + u64::from(place.stops.saturating_sub(sum.listed));
         let rssi_dbm = (sum.measured > 0.0).then(|| sum.rssi / sum.measured);
-        (sent > 0).then(|| Link { place: number, received: count(sum.received), sent: count(sent), rssi_dbm })
+        let (received, sent) = (count(sum.received), count(sent));
+        (sent > 0).then_some(Link { place: number, received, sent, rssi_dbm, outage: 0.0 })
     });
     NodeLinks { links: links.collect(), heard }
 }
 
+/// A strength of so much more counts e times as much for the middle of the places that heard a node (dB).
+const WEIGHT_DB: f64 = 4.0;
+
 impl NodeLinks {
+    /// The middle of the places that heard the node: weighted by the sixth power of the share of packets that arrived, or
+    /// by strength (m).
+    pub(super) fn middle(&self, places: &[Position]) -> Position {
+        let strongest = self.links.iter().filter_map(|link| link.rssi_dbm).fold(f64::NEG_INFINITY, f64::max);
+        let weight = |link: &Link| {
+            let share = f64::from(link.received) / f64::from(link.sent);
+            link.rssi_dbm.map_or(share.powi(6), |rssi_dbm| libm::exp((rssi_dbm - strongest) / WEIGHT_DB))
+        };
+        let total: f64 = self.links.iter().map(weight).sum();
+        if total <= 0.0 {
+            return self.heard.middle;
+        }
+        self.links.iter().fold(Position::ORIGIN, |sum, link| sum + places[link.place] * (weight(link) / total))
+    }
+
     pub(super) fn node(&self) -> NodeId {
         self.heard.node
     }

@@ -1,11 +1,15 @@
 //! Maps by a model of real radio links.
 
+mod cavity;
 mod fit;
 mod geometry;
+mod hearing;
 mod law;
 mod likelihood;
 mod links;
+mod losses;
 mod margin;
+mod outages;
 mod posterior;
 mod predict;
 mod window;
@@ -20,9 +24,12 @@ use crate::heights::check_z_range;
 use crate::normal::below;
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
 use fit::Found;
+use hearing::Hearing;
 pub use law::Law;
 use links::{Links, NodeLinks};
+pub use losses::Losses;
 pub use margin::Receiver;
+use outages::Outages;
 use posterior::{Evidence, Grid, Posterior};
 pub(crate) use predict::{Placed, Predictor};
 use window::Window;
@@ -74,6 +81,10 @@ pub struct LinkFit {
     pub law: Law,
     /// How the receivers turn margins into strengths, if the log has usable strengths.
     pub receiver: Option<Receiver>,
+    /// Losses that power does not cause.
+    pub losses: Losses,
+    /// Probability that a link is dead whatever its power: nothing is heard, and that says nothing of the place.
+    pub outage: f64,
     /// Which measurements were used.
     pub evidence: LinkEvidence,
     /// Number of rounds of the search for the law.
@@ -88,13 +99,15 @@ impl LinkFit {
     pub fn probability(&self, distance_m: f64) -> f64 {
         let spread = self.law.spread();
         let margin = self.law.at_one_metre() - self.law.slope * libm::log(distance_m.max(1e-9));
-        below(margin / (1.0 + spread * spread).sqrt())
+        let slopes = self.law.slope_deviation() * libm::log(distance_m.max(1e-9) / self.law.distance_m);
+        let reached = below(margin / (1.0 + spread * spread + slopes * slopes).sqrt());
+        (1.0 - self.outage) * self.losses.kept() * reached
     }
 
     /// The path-loss exponent, if the log has strengths.
     #[must_use]
     pub fn path_loss_exponent(&self) -> Option<f64> {
-        self.receiver.map(|receiver| self.law.slope * receiver.fading_db * std::f64::consts::LN_10 / 10.0)
+        self.receiver.map(|receiver| law::exponent(self.law.slope, receiver.fading_db))
     }
 }
 
@@ -142,7 +155,7 @@ impl LinkModel {
             heights: None,
             frame: CoordinateFrame::World,
         };
-        let Some(links) = Links::of(log) else { return Ok((map, None)) };
+        let Some(links) = Links::of(log, self.config.rssi) else { return Ok((map, None)) };
         let z_range_m = self.config.z_range_m;
         let Some(heights) = SoughtHeights::of_log(log.stops(), z_range_m, links.reach_m, LEVEL * links.reach_m)
         else {
@@ -153,12 +166,13 @@ impl LinkModel {
         let [low_m, high_m] = window.heights();
         map.heights = Some(SoughtHeights { low_m, high_m, ..heights });
         watch.begin(Self::work(&links, is_spatial));
-        let receiver = if self.config.rssi { Receiver::of(&links) } else { None };
-        let Found { law, rounds, settled } = fit::find(&links, &window, is_spatial, receiver.as_ref(), watch)?;
+        let hearing = Hearing::of(&links, self.config.rssi);
+        let Found { law, outages, rounds, settled } = fit::find(&links, &window, is_spatial, &hearing, watch)?;
         let settled = settled && !law.is_at_bound();
         let model = Fitted {
             law,
-            receiver: receiver.as_ref(),
+            hearing: &hearing,
+            outages: &outages,
             links: &links,
             window: &window,
             is_spatial,
@@ -179,8 +193,10 @@ impl LinkModel {
             map.estimates[node.node().index()] = Some(Estimate { concern, ..estimate });
             map.vertices_evaluated += vertices;
         }
+        let Hearing { receiver, counts } = hearing;
         let evidence = evidence(&links, receiver.is_some());
-        Ok((map, Some(LinkFit { law, receiver, evidence, rounds, settled })))
+        let (losses, outage) = (counts.losses(), outages.of_log);
+        Ok((map, Some(LinkFit { law, receiver, losses, outage, evidence, rounds, settled })))
     }
 
     fn work(links: &Links, is_spatial: bool) -> Work {
@@ -217,7 +233,8 @@ fn inflation(nodes: usize) -> f64 {
 /// The model with its law.
 struct Fitted<'a> {
     law: Law,
-    receiver: Option<&'a Receiver>,
+    hearing: &'a Hearing,
+    outages: &'a Outages,
     links: &'a Links,
     window: &'a Window<'a>,
     is_spatial: bool,
@@ -228,14 +245,14 @@ struct Fitted<'a> {
 impl Fitted<'_> {
     /// Where `node` is, and the number of vertices looked at.
     fn locate(&self, node: &NodeLinks) -> (Estimate, u64) {
-        let mut evidence = Evidence::new(node, self.links, self.window, self.receiver);
+        let mut evidence = Evidence::new(node, self.links, self.window, self.hearing, self.outages);
         let [coarse, fine] = VERTICES[usize::from(self.is_spatial)];
         let mut scratch = Vec::new();
         let coarse = evidence.grid(self.window, coarse);
         let first = evidence.posterior(&self.law, &coarse, &mut scratch);
-        evidence.refine(&self.law, &coarse, &first, self.links, self.receiver);
+        self.weigh(&mut evidence, &coarse, &first);
         let second = evidence.posterior(&self.law, &coarse, &mut scratch);
-        evidence.refine(&self.law, &coarse, &second, self.links, self.receiver);
+        self.weigh(&mut evidence, &coarse, &second);
         let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
         let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
         let concern = self.concern(node, &coarse, &second);
@@ -250,6 +267,13 @@ impl Fitted<'_> {
             concern,
         };
         (estimate, vertices)
+    }
+
+    /// Weighs silence and margins where a posterior places the node.
+    fn weigh(&self, evidence: &mut Evidence<'_>, grid: &Grid, posterior: &Posterior) {
+        let pairs = evidence.pairs(&self.law, grid, posterior, self.links, self.hearing);
+        evidence.set_outages(&self.outages.of_node(&pairs));
+        evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
     }
 
     fn concern(&self, node: &NodeLinks, grid: &Grid, posterior: &Posterior) -> Option<Concern> {

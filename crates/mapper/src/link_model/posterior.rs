@@ -2,11 +2,14 @@
 
 use sextant_channel::Position;
 
+use super::cavity::{Expected, Known, conditioned};
 use super::geometry::{Arrangement, Columns};
+use super::hearing::Hearing;
 use super::law::Law;
 use super::likelihood::log_likelihoods;
-use super::links::{Links, NodeLinks};
-use super::margin::{Receiver, Site};
+use super::links::{Link, Links, NodeLinks};
+use super::margin::{Site, silence_of_living};
+use super::outages::{Outages, Pair};
 use super::window::{Bounds, Window};
 
 /// Distances are at least this share of the step of the grid, because a vertex stands for its cell.
@@ -15,6 +18,8 @@ const NEAREST: f64 = 0.35;
 const SPREADS: f64 = 3.2;
 /// Sites before anything is known of the place: prediction and spread of a margin.
 pub(super) const UNKNOWN: [f64; 2] = [0.0, 3.0];
+/// A site with less than this variance tells something of its margin.
+const TELLING: f64 = 10.0;
 /// Least spread of a prediction.
 pub(super) const LEAST_SPREAD: f64 = 0.3;
 
@@ -22,6 +27,7 @@ pub(super) const LEAST_SPREAD: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub(super) struct Evidence<'a> {
     node: &'a NodeLinks,
+    links: Vec<Link>,
     arrangement: Arrangement,
     /// In the order of the arrangement.
     places: Vec<Position>,
@@ -55,11 +61,19 @@ pub(super) struct Posterior {
 }
 
 impl<'a> Evidence<'a> {
-    pub(super) fn new(node: &'a NodeLinks, links: &Links, window: &Window<'_>, receiver: Option<&Receiver>) -> Self {
+    pub(super) fn new(
+        node: &'a NodeLinks,
+        links: &Links,
+        window: &Window<'_>,
+        hearing: &Hearing,
+        outages: &Outages,
+    ) -> Self {
         let arrangement = Arrangement::of(&node.links, &links.places);
         let places = arrangement.order.iter().map(|&link| links.places[node.links[link].place]).collect();
-        let sites = node.links.iter().map(|link| Site::of(link, receiver, UNKNOWN[0], UNKNOWN[1])).collect();
-        Self { node, arrangement, places, bounds: window.of(node), sites }
+        let own = node.links.iter().map(|link| Link { outage: outages.of_log, ..*link });
+        let links: Vec<Link> = own.collect();
+        let sites = links.iter().map(|link| Site::of(link, hearing, UNKNOWN[0], UNKNOWN[1])).collect();
+        Self { node, links, arrangement, places, bounds: window.of(node), sites }
     }
 
     pub(super) fn node(&self) -> &'a NodeLinks {
@@ -78,10 +92,34 @@ impl<'a> Evidence<'a> {
         self.grid_in(&self.bounds.round(posterior.mean, half), window, count)
     }
 
+    /// The grid of about `count` vertices over all places, with about as many more round a posterior on it.
+    pub(super) fn mixed_grid(&self, window: &Window<'_>, coarse: &Grid, posterior: &Posterior, count: f64) -> Grid {
+        let half = [0, 1, 2].map(|axis| SPREADS * posterior.covariance[axis][axis].sqrt());
+        let part = self.bounds.cells_round(count, posterior.mean, half);
+        let (fine, step_m) = part.vertices(count);
+        if step_m > 0.7 * coarse.step_m {
+            return coarse.clone();
+        }
+        let outside = coarse.vertices.iter().copied().filter(|&vertex| !part.contains(vertex));
+        let mut vertices: Vec<Position> = fine.clone();
+        vertices.extend(outside);
+        // A vertex has the weight of its cell.
+        let dimensions = if window.heights()[1] > window.heights()[0] { 3.0 } else { 2.0 };
+        let larger = dimensions * libm::log(coarse.step_m / step_m);
+        let is_fine = |number: usize| number < fine.len();
+        let log_density = |(number, &vertex): (usize, &Position)| {
+            window.log_density(vertex) + if is_fine(number) { 0.0 } else { larger }
+        };
+        let log_densities = vertices.iter().enumerate().map(log_density).collect();
+        let least_m = |number: usize| NEAREST * if is_fine(number) { step_m } else { coarse.step_m };
+        let columns = Columns::new(&vertices, &self.places, least_m);
+        Grid { vertices, step_m, log_densities, columns }
+    }
+
     fn grid_in(&self, bounds: &Bounds, window: &Window<'_>, count: f64) -> Grid {
         let (vertices, step_m) = bounds.vertices(count);
         let log_densities = vertices.iter().map(|&vertex| window.log_density(vertex)).collect();
-        let columns = Columns::new(&vertices, &self.places, NEAREST * step_m);
+        let columns = Columns::new(&vertices, &self.places, |_| NEAREST * step_m);
         Grid { vertices, step_m, log_densities, columns }
     }
 
@@ -108,14 +146,42 @@ impl<'a> Evidence<'a> {
     }
 
     /// Expects each margin where the posterior places the node, and approximates the links there.
-    pub(super) fn refine(
-        &mut self,
+    pub(super) fn refine(&mut self, law: &Law, grid: &Grid, posterior: &Posterior, links: &Links, hearing: &Hearing) {
+        let spread = law.spread().max(LEAST_SPREAD);
+        let expected = self.expected(law, grid, posterior, links);
+        for ((site, link), expected) in self.sites.iter_mut().zip(&self.links).zip(expected) {
+            let Expected { margin, spread } =
+                if link.received == 0 { expected } else { Expected { spread, ..expected } };
+            *site = Site::of(link, hearing, margin, spread.max(LEAST_SPREAD));
+        }
+    }
+
+    /// What silence says of outages where the posterior places the node.
+    pub(super) fn pairs(
+        &self,
         law: &Law,
         grid: &Grid,
         posterior: &Posterior,
         links: &Links,
-        receiver: Option<&Receiver>,
-    ) {
+        hearing: &Hearing,
+    ) -> Vec<Pair> {
+        let expected = self.expected(law, grid, posterior, links);
+        let pair = |(link, Expected { margin, spread }): (&Link, Expected)| {
+            let silence = silence_of_living(link, hearing, margin, spread);
+            Pair { place: link.place, silence, is_silent: link.received == 0 }
+        };
+        self.links.iter().zip(expected).map(pair).collect()
+    }
+
+    /// Sets how probable it is that each link is dead, in the order of the links.
+    pub(super) fn set_outages(&mut self, outages: &[f64]) {
+        for (link, &outage) in self.links.iter_mut().zip(outages) {
+            link.outage = outage;
+        }
+    }
+
+    /// The margin of each link where the posterior places the node; of a silent one, what the others tell of it.
+    fn expected(&self, law: &Law, grid: &Grid, posterior: &Posterior, links: &Links) -> Vec<Expected> {
         let level = law.at_one_metre();
         let spread = law.spread().max(LEAST_SPREAD);
         let likely: Vec<(Position, f64)> = grid
@@ -127,12 +193,34 @@ impl<'a> Evidence<'a> {
             .collect();
         let total: f64 = likely.iter().map(|&(_, share)| share).sum();
         let least_m = NEAREST * grid.step_m;
-        for (site, link) in self.sites.iter_mut().zip(&self.node.links) {
+        let told = self.links.iter().map(|link| {
             let place = links.places[link.place];
-            let logs = likely.iter().map(|&(vertex, share)| share * libm::log(vertex.distance_m(place).max(least_m)));
-            let predicted = level - law.slope * logs.sum::<f64>() / total;
-            *site = Site::of(link, receiver, predicted, spread);
+            let (mut first, mut second) = (0.0, 0.0);
+            for &(vertex, share) in &likely {
+                let log = libm::log(vertex.distance_m(place).max(least_m));
+                first += share * log;
+                second += share * log * log;
+            }
+            let mean = first / total;
+            let variance = (second / total - mean * mean).max(0.0) * law.slope * law.slope;
+            Expected { margin: level - law.slope * mean, spread: (spread * spread + variance).sqrt() }
+        });
+        let mut told: Vec<Expected> = told.collect();
+        let known: Vec<Known> = (self.links.iter().zip(&self.sites).zip(&told).enumerate())
+            .filter(|(_, ((_, site), _))| site.variance < TELLING)
+            .map(|(number, ((link, site), told))| Known {
+                number,
+                place: links.places[link.place],
+                excess: site.margin - told.margin,
+                variance: site.variance,
+            })
+            .collect();
+        for (number, (link, told)) in self.links.iter().zip(&mut told).enumerate() {
+            if link.received == 0 {
+                *told = conditioned(law, *told, number, links.places[link.place], &known);
+            }
         }
+        told
     }
 }
 

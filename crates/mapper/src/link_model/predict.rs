@@ -3,9 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 use sextant_channel::{Position, ReceptionLog};
 
+use super::hearing::Hearing;
 use super::law::Law;
 use super::links::{Link, Links, NodeLinks};
-use super::margin::{Receiver, Site};
+use super::losses::CountTables;
+use super::margin::Site;
 use super::{LinkFit, posterior};
 
 /// A node for which links are predicted.
@@ -31,13 +33,16 @@ const NEAREST: f64 = 0.02;
 pub(crate) struct Predictor {
     links: Links,
     law: Law,
-    receiver: Option<Receiver>,
+    hearing: Hearing,
+    outage: f64,
 }
 
 impl Predictor {
     /// A predictor from `log` under what was `fitted` to it; `None` if nothing was heard.
     pub(crate) fn new(log: &ReceptionLog, fitted: &LinkFit) -> Option<Self> {
-        Links::of(log).map(|links| Self { links, law: fitted.law, receiver: fitted.receiver })
+        let links = Links::of(log, fitted.receiver.is_some())?;
+        let hearing = Hearing { receiver: fitted.receiver, counts: CountTables::of(&links, fitted.losses) };
+        Some(Self { links, law: fitted.law, hearing, outage: fitted.outage })
     }
 
     /// The margins of links from node number `node` of the log to `others`, if it is where `placed` says. `None` if it was not
@@ -53,10 +58,10 @@ impl Predictor {
         let errors = DVector::from_fn(known.len(), |i, _| sites[i].margin - self.mean(placed.place, known[i]));
         let factor = covariance.cholesky()?;
         let weights = factor.solve(&errors);
-        let own = self.covariance(placed.place, known[0], known[0]) + self.alone();
         let predicted = others.iter().map(|&other| {
             let with = DVector::from_fn(known.len(), |i, _| self.covariance(placed.place, known[i], other));
             let mean = self.mean(placed.place, other) + with.dot(&weights);
+            let own = self.covariance(placed.place, other, other) + self.alone();
             let variance = own - with.dot(&factor.solve(&with)) + self.of_place(placed, other);
             PredictedMargin { mean, variance: variance.max(1e-6) }
         });
@@ -67,7 +72,8 @@ impl Predictor {
     fn sites(&self, links: &NodeLinks, place: Position, known: &[Position]) -> Vec<Site> {
         let spread = self.law.spread().max(posterior::LEAST_SPREAD);
         let each = links.links.iter().zip(known);
-        each.map(|(link, &other)| Site::of(link, self.receiver.as_ref(), self.mean(place, other), spread)).collect()
+        let link = |link: &Link| Link { outage: self.outage, ..*link };
+        each.map(|(own, &other)| Site::of(&link(own), &self.hearing, self.mean(place, other), spread)).collect()
     }
 
     fn mean(&self, place: Position, other: Position) -> f64 {
@@ -85,11 +91,12 @@ impl Predictor {
 
     /// Covariance of the margins of links from `place` to two others, without what each has alone.
     fn covariance(&self, place: Position, first: Position, second: Position) -> f64 {
-        let Law { shadowing, shared, correlation_m, offset, direction, .. } = self.law;
+        let Law { shadowing, shared, correlation_m, offset, direction, distance_m, .. } = self.law;
         let [a, b] = [first, second].map(|other| libm::atan2(other.y_m - place.y_m, other.x_m - place.x_m));
         let along = libm::cos(a - b) + libm::cos(2.0 * (a - b));
         let together = shared * shadowing * shadowing * libm::exp(-first.distance_m(second) / correlation_m);
-        offset * offset + direction * direction * along + together
+        let farther = |other| self.law.slope_deviation() * libm::log(self.distance_m(place, other) / distance_m);
+        offset * offset + direction * direction * along + together + farther(first) * farther(second)
     }
 
     /// Variance of a margin that comes from the error of the place.
@@ -107,10 +114,10 @@ impl Predictor {
     }
 }
 
-impl PredictedMargin {
-    /// The probability that `received` of `sent` packets arrive.
-    pub(crate) fn probability(&self, received: u32, sent: u32) -> f64 {
-        let link = Link { place: 0, received, sent, rssi_dbm: None };
-        super::margin::probability(&link, self.mean, self.variance.sqrt())
+impl Predictor {
+    /// The probability that `received` of `sent` packets arrive over a link with this margin.
+    pub(crate) fn probability(&self, margin: &PredictedMargin, received: u32, sent: u32) -> f64 {
+        let link = Link { place: 0, received, sent, rssi_dbm: None, outage: self.outage };
+        super::margin::probability(self.hearing.counts.losses(), &link, margin.mean, margin.variance.sqrt())
     }
 }

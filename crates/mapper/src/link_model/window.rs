@@ -124,11 +124,22 @@ impl<'a> Window<'a> {
 }
 
 impl Bounds {
+    /// Widths (m).
+    fn widths(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| (self.high[axis] - self.low[axis]).max(0.0))
+    }
+
+    /// Number of cells along each axis of a grid of about `count` cells, and its step (m).
+    fn cells(&self, count: f64) -> ([usize; 3], f64) {
+        let widths = self.widths();
+        let step_m = step_m(widths, count);
+        (widths.map(|width| crate::lattice::whole((width / step_m).round()).max(1)), step_m)
+    }
+
     /// The vertices of a grid in the box, about `count` in number, each in the middle of its cell, and the step (m).
     pub(super) fn vertices(&self, count: f64) -> (Vec<Position>, f64) {
-        let widths = [0, 1, 2].map(|axis| (self.high[axis] - self.low[axis]).max(0.0));
-        let step_m = step_m(widths, count);
-        let cells = widths.map(|width| crate::lattice::whole((width / step_m).round()).max(1));
+        let (cells, step_m) = self.cells(count);
+        let widths = self.widths();
         let along =
             |axis: usize, cell: usize| self.low[axis] + widths[axis] * (cell as f64 + 0.5) / cells[axis] as f64;
         let mut vertices = Vec::with_capacity(cells.iter().product());
@@ -140,6 +151,26 @@ impl Bounds {
             }
         }
         (vertices, step_m)
+    }
+
+    /// Whole cells of a grid of about `count` cells in the box that hold the part round `middle`, `half` wide on each side
+    /// along each axis (m).
+    pub(super) fn cells_round(&self, count: f64, middle: Position, half: [f64; 3]) -> Self {
+        let (cells, widths) = (self.cells(count).0, self.widths());
+        let part = self.round(middle, half);
+        let edge = |axis: usize, at_m: f64, round: fn(f64) -> f64| {
+            let width_m = widths[axis] / cells[axis] as f64;
+            if width_m > 0.0 { self.low[axis] + width_m * round((at_m - self.low[axis]) / width_m) } else { at_m }
+        };
+        let low = [0, 1, 2].map(|axis| edge(axis, part.low[axis], f64::floor).max(self.low[axis]));
+        let high = [0, 1, 2].map(|axis| edge(axis, part.high[axis], f64::ceil).min(self.high[axis]));
+        Self { low, high }
+    }
+
+    /// Whether `place` is in the box.
+    pub(super) fn contains(&self, place: Position) -> bool {
+        let at: [f64; 3] = place.into();
+        (0..3).all(|axis| at[axis] >= self.low[axis] && at[axis] <= self.high[axis])
     }
 
     /// The part of the box round `middle`, `half` wide on each side along each axis (m).
