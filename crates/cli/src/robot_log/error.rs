@@ -68,7 +68,7 @@ pub enum RobotLogError {
     /// A folder has two logs, of which one is a list of stops.
     #[error(
         "`{}` has both {} and {stops}: a log is a path and packets, or stops.csv and receptions.csv; move away those that are \
-         not meant",
+         not meant, or give `--packets FILE`",
         .path.display(), .others.join(", ")
     )]
     TwoLogs {

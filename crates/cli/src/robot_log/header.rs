@@ -47,7 +47,7 @@ impl Header {
         let has = |name: &str| columns.iter().any(|column| column == name);
         let has_time = instant::COLUMNS.into_iter().any(has);
         // A file has one of the columns of times.
-        let is_absent = |name: &&str| !has(name) && !(has_time && instant::COLUMNS.contains(name));
+        let is_absent = |name: &&str| !(has(name) || has_time && instant::COLUMNS.contains(name));
         let absent: Vec<&str> = known.iter().copied().filter(is_absent).collect();
         // Of the columns of times, `t_s` is the one that is meant by a name that is nearly right.
         let is_likely = |name: &&str| *name == "t_s" || !instant::COLUMNS.contains(name);

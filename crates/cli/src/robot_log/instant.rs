@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn dates_are_times_since_1970() {
-        let at = |text| parse_date(text, false).map(|time| format(time));
+        let at = |text| parse_date(text, false).map(format);
         for (text, expected) in [
             ("1970-01-01T00:00:00Z", "0"),
             ("2023-11-14T22:13:20Z", "1700000000"),

@@ -17,7 +17,7 @@ use super::standard_types;
 /// If the file cannot be read or has other tables; or the error of `visit`.
 pub(super) fn scan<E: From<BagError>>(
     path: &Path,
-    visit: &mut dyn FnMut(&Channel<'static>, u64, &[u8]) -> Result<(), E>,
+    visit: &mut impl FnMut(&Channel<'static>, u64, &[u8]) -> Result<(), E>,
 ) -> Result<(), E> {
     let failed = |why: rusqlite::Error| {
         let problem = format!("SQLite cannot read it: {why}");

@@ -184,7 +184,7 @@ impl Topic {
 /// ended the reading, if any.
 fn scan_messages<E: From<BagError> + From<crate::mcap_file::McapFileError>>(
     file: &Path,
-    visit: &mut dyn FnMut(&Channel<'static>, u64, &[u8]) -> Result<(), E>,
+    visit: &mut impl FnMut(&Channel<'static>, u64, &[u8]) -> Result<(), E>,
 ) -> Result<Option<Damage>, E> {
     #[cfg(feature = "sqlite-bags")]
     if super::files::is_sqlite(file) {
