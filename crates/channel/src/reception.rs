@@ -200,6 +200,16 @@ impl ReceptionLog {
         }
     }
 
+    /// The same log with other names of its nodes, in the same order.
+    ///
+    /// # Panics
+    /// If there are more or fewer names than nodes.
+    #[must_use]
+    pub fn with_names(self, names: Vec<String>) -> Self {
+        assert_eq!(names.len(), self.names.len(), "each node has a name");
+        Self { names, ..self }
+    }
+
     /// The same log with each slot counted as one packet, which is received if at least one packet of the slot was.
     #[must_use]
     pub fn at_least_one(&self) -> Cow<'_, Self> {

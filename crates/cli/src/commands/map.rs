@@ -12,7 +12,7 @@ use crate::interrupt::Interrupt;
 use crate::mapping::{self, Input};
 use crate::output::{open_folder, write_file};
 use crate::recording::SCENARIO_ATTACHMENT;
-use crate::robot_log::{self, BagOptions, ReadOptions, SnifferOptions, StopRule};
+use crate::robot_log::{self, BagOptions, FormOptions, Names, ReadOptions, SnifferOptions, StopRule};
 use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::Stopwatch;
 use crate::terminal::Watcher;
@@ -21,7 +21,8 @@ use crate::terminal::Watcher;
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
     /// A recording of `run`; or the log of a robot: a folder with stops.csv and receptions.csv or with path.csv and
-    /// packets.csv, a ROS 2 bag (an MCAP file, or a folder of `ros2 bag record`), or the capture of a sniffer (pcap, pcapng; needs --path)
+    /// packets.csv, a table with a row a stop and a column a node, a ROS 2 bag (an MCAP file, or a folder of `ros2 bag record`),
+    /// the capture of a sniffer (pcap, pcapng; needs --path), a list of packets (CSV; needs --path) or a path (needs --packets)
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// The probability of a reception as a function of distance: `fitted` (estimated from the log),
@@ -41,6 +42,10 @@ pub struct Arguments {
     /// the log has lat,lon. The default for a recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
     pub truth: Option<PathBuf>,
+    /// Nodes have other names in the log or among the true positions: a CSV file with columns name,alias (a row 0x1005,4101 says
+    /// that 4101 is 0x1005). The maps have the names
+    #[arg(long, value_name = "names.csv")]
+    pub names: Option<PathBuf>,
     /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order: one a
     /// row with columns x_m,y_m, or a GeoJSON polygon in metres. If the log has lat,lon, so has the file. Only for
     /// algorithms that use it
@@ -80,7 +85,10 @@ pub struct Arguments {
     /// How the work is done.
     #[command(flatten)]
     pub work: Work,
-    /// What is read from a ROS bag. This and what follows have headings of their own, which would hold for flags below.
+    /// Where the parts of the log are, and how they are written. This and what follows have headings of their own, which would hold for flags below.
+    #[command(flatten)]
+    pub form: FormOptions,
+    /// What is read from a ROS bag.
     #[command(flatten)]
     pub bag: BagOptions,
     /// What belongs to the capture of a sniffer.
@@ -101,6 +109,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let options = ReadOptions {
         stop_every: arguments.stop_every,
         packet_interval_s: arguments.packet_interval,
+        form: arguments.form.clone(),
         bag: arguments.bag.clone(),
         sniffer: arguments.sniffer.clone(),
     };
@@ -116,8 +125,18 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         let problem = format!("`--network` is `{name}`, but the log is of one network without a name");
         return Err(Failure::bad_input_with_help(problem, "leave out `--network`"));
     }
-    if let Some(path) = &arguments.truth {
-        let truth = robot_log::read_truth(path, input.plane.as_ref(), &mut input.notes)?;
+    let truth = match &arguments.truth {
+        Some(path) => Some(robot_log::read_truth(path, input.plane.as_ref(), &mut input.notes)?),
+        None => None,
+    };
+    let truth = match &arguments.names {
+        Some(path) => {
+            let names = Names::read(path, &mut input.notes)?;
+            input.rename(&names, truth)?
+        }
+        None => truth,
+    };
+    if let Some(truth) = truth {
         input.take_truth(truth);
     }
     input.prior =

@@ -10,7 +10,7 @@ use sextant_mapper::PlacePrior;
 use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
-use crate::robot_log::{self, LocalPlane, ReadOptions, RobotLog, Source};
+use crate::robot_log::{self, LocalPlane, Names, ReadOptions, RobotLog, Source};
 use crate::text::{counted, listed};
 
 /// A reception log and what is known with it.
@@ -67,7 +67,7 @@ impl Input {
                 plane,
             });
         }
-        robot_log::refuse_flags(path, None, options)?;
+        robot_log::refuse_flags(path, options)?;
         let mut run = recording::read_log(path)?;
         if let Some(name) = network
             && let Err(known) = run.put_first(name)
@@ -109,6 +109,25 @@ impl Input {
     pub(super) fn logs(&self) -> NetworkLogs<'_> {
         let others = self.other_logs.iter().map(|(name, log)| (name.as_str(), log));
         NetworkLogs::new((self.network.as_deref(), &self.log), others)
+    }
+
+    /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.
+    ///
+    /// # Errors
+    /// If an alias is unknown, or two nodes get one name.
+    pub fn rename(
+        &mut self,
+        names: &Names,
+        truth: Option<BTreeMap<String, Position>>,
+    ) -> Result<Option<BTreeMap<String, Position>>, Failure> {
+        if let Some(recording) = &self.recording {
+            let problem =
+                format!("`--names` is for logs of robots, but `{}` is a recording of `run`", recording.display());
+            return Err(Failure::bad_input(problem));
+        }
+        let (log, truth) = names.apply(std::mem::take(&mut self.log), truth)?;
+        self.log = log;
+        Ok(truth)
     }
 
     /// Takes the true positions of nodes from a file of the user, instead of those of the recording.

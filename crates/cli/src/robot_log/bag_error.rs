@@ -30,9 +30,10 @@ pub enum BagError {
         /// The file.
         path: PathBuf,
     },
-    /// The bag is in SQLite.
+    /// The bag is in SQLite, and this build does not read that.
     #[error(
-        "`{0}` is a ROS 2 bag in SQLite; convert it to MCAP first: `ros2 bag convert -i {0} -o mcap.yaml`, where \
+        "`{0}` is a ROS 2 bag in SQLite, which this build does not read: build it with `--features sqlite-bags`, or convert the \
+         bag to MCAP: `ros2 bag convert -i {0} -o mcap.yaml`, where \
          mcap.yaml is `output_bags: [{{uri: NEW_FOLDER, storage_id: mcap, all: true}}]`, or \
          `rosbags-convert --src {0} --dst NEW_FOLDER --dst-storage mcap`", .path.display()
     )]

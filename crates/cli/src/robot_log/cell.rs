@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use sextant_kernel::{RobotId, SimTime};
 
 use super::error::RobotLogError;
-use super::instant;
 use super::table::{Column, Row};
+use super::times::Times;
 use crate::robot_names::RobotNames;
 
 impl Row<'_> {
@@ -17,9 +17,13 @@ impl Row<'_> {
 
     /// The same as a number is written in a program: with a decimal point.
     fn number(&self, column: Column) -> Option<Cow<'_, str>> {
-        let text = self.filled(column)?;
+        Some(self.decimal(self.filled(column)?))
+    }
+
+    /// A number as it is written in a program: with a decimal point.
+    pub(super) fn decimal<'t>(&self, text: &'t str) -> Cow<'t, str> {
         let is_decimal = self.head.decimal_comma && !text.contains('.') && text.matches(',').count() == 1;
-        Some(if is_decimal { text.replace(',', ".").into() } else { text.into() })
+        if is_decimal { text.replace(',', ".").into() } else { text.into() }
     }
 
     /// A whole number of at most `max`; `None` if the cell is empty.
@@ -47,9 +51,9 @@ impl Row<'_> {
     }
 
     /// A time.
-    pub(super) fn instant(&self, column: Column) -> Result<SimTime, RobotLogError> {
-        let time = self.number(column).and_then(|text| instant::parse(&text));
-        time.ok_or_else(|| self.wrong(column, instant::ALLOWED))
+    pub(super) fn instant(&self, times: Times) -> Result<SimTime, RobotLogError> {
+        let time = self.number(times.column).and_then(|text| times.parse(&text));
+        time.ok_or_else(|| self.wrong(times.column, times.allowed()))
     }
 
     /// The name of a node.
@@ -71,11 +75,20 @@ impl Row<'_> {
 
     /// The error that the cell is not what is `allowed`.
     pub(super) fn wrong(&self, column: Column, allowed: impl Into<String>) -> RobotLogError {
+        self.wrong_cell(self.head.written(column.name), self.text(column), allowed)
+    }
+
+    /// The error that the cell in the column with this index is not what is `allowed`.
+    pub(super) fn wrong_at(&self, at: usize, allowed: impl Into<String>) -> RobotLogError {
+        self.wrong_cell(self.head.written_at(at), self.text_at(at), allowed)
+    }
+
+    fn wrong_cell(&self, column: &str, found: &str, allowed: impl Into<String>) -> RobotLogError {
         RobotLogError::Cell {
             path: self.head.path.clone(),
             line: self.head.line(self.offset),
-            column: column.name,
-            found: self.text(column).to_owned(),
+            column: column.to_owned(),
+            found: found.to_owned(),
             allowed: allowed.into(),
         }
     }

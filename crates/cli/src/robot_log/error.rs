@@ -51,7 +51,7 @@ pub enum RobotLogError {
         /// Line of the file, from 1.
         line: usize,
         /// Name of the column.
-        column: &'static str,
+        column: String,
         /// The text of the cell.
         found: String,
         /// What is allowed.
@@ -65,27 +65,75 @@ pub enum RobotLogError {
         /// The error.
         why: LogError,
     },
-    /// A folder has packets and receptions.
+    /// A folder has two logs, of which one is a list of stops.
     #[error(
-        "`{}` has both packets.csv and {rival}: a log is packets.csv and path.csv, or stops.csv and receptions.csv; move \
-         away those that are not meant",
-        .path.display()
+        "`{}` has both {} and {stops}: a log is a path and packets, or stops.csv and receptions.csv; move away those that are \
+         not meant, or give `--packets FILE`",
+        .path.display(), .others.join(", ")
     )]
     TwoLogs {
         /// The folder.
         path: PathBuf,
-        /// The file beside the packets.
-        rival: &'static str,
+        /// The paths and packets.
+        others: Vec<String>,
+        /// The file of a log with stops.
+        stops: &'static str,
     },
-    /// A folder has a path and nothing that was heard.
-    #[error("`{}` has path.csv, but no packets.csv with what was heard on it", .path.display())]
-    NoPacketFile {
+    /// A folder has what is wanted more than once.
+    #[error("`{}` has the {what} more than once: {}; choose with `{flag} FILE`", .path.display(), .found.join(", "))]
+    Several {
         /// The folder.
         path: PathBuf,
+        /// What is wanted.
+        what: &'static str,
+        /// The files.
+        found: Vec<String>,
+        /// The flag that chooses.
+        flag: &'static str,
+    },
+    /// A folder has several tables, of which none has a known name.
+    #[error("`{}` has several tables: {}; give the one that is the log", .path.display(), .found.join(", "))]
+    SeveralTables {
+        /// The folder.
+        path: PathBuf,
+        /// The tables.
+        found: Vec<String>,
+    },
+    /// There is a path and nothing that was heard.
+    #[error(
+        "`{}` has {found}, but no packets.csv with what was heard on it; `--packets FILE` takes the packets from another file",
+        .path.display()
+    )]
+    NoPacketFile {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it has.
+        found: String,
+    },
+    /// There are packets and no path.
+    #[error(
+        "`{}` tells who was heard and when, but not where the robot was: give its path with `--path FILE`: CSV with columns \
+         t_s,x_m,y_m[,z_m] or t_s,lat,lon, TUM, GPX, NMEA 0183 or a ROS 2 bag",
+        .path.display()
+    )]
+    NoPath {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// Flags name everything that would be read from the log.
+    #[error("`{}` gives {what}, but so does `{flag}`: leave out one of them", .path.display())]
+    Unused {
+        /// The file.
+        path: PathBuf,
+        /// What it gives.
+        what: &'static str,
+        /// The flag that replaces it.
+        flag: &'static str,
     },
     /// A folder has no log.
     #[error(
-        "`{}` has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv", .path.display()
+        "`{}` has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv, nor a table with a column a node, a \
+         ROS 2 bag or a capture", .path.display()
     )]
     NoLog {
         /// The folder.
@@ -166,6 +214,12 @@ pub enum RobotLogError {
         /// The file.
         path: PathBuf,
     },
+    /// The log is not of the form that flags say.
+    #[error("{problem}")]
+    Form {
+        /// The error.
+        problem: String,
+    },
     /// Flags are for another kind of log.
     #[error("`{flag}` is for {meant}, but `{}` is {found}", .path.display())]
     Flag {
@@ -176,7 +230,7 @@ pub enum RobotLogError {
         /// What it is for.
         meant: &'static str,
         /// What the log is.
-        found: &'static str,
+        found: String,
     },
 }
 

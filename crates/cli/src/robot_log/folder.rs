@@ -1,14 +1,14 @@
-//! The folder of a log: stops and receptions, or packets and a path.
+//! The folder of a log: its files by their names, and logs that have their stops.
 
 use std::path::Path;
 
 use sextant_channel::ReceptionLog;
 
 use super::error::RobotLogError;
-use super::gatherer::Gatherer;
+use super::field_names::FieldNames;
+use super::form_options::FormOptions;
 use super::log::RobotLog;
-use super::options::{ReadOptions, StopRule};
-use super::{packets, path_file, receptions, sectors, stops};
+use super::{receptions, sectors, stops, wide};
 use crate::robot_names::RobotNames;
 
 pub(super) const STOPS: &str = "stops.csv";
@@ -18,63 +18,25 @@ pub(super) const SECTORS: &str = "sectors.csv";
 pub(super) const PACKETS: &str = "packets.csv";
 pub(super) const PATH: &str = "path.csv";
 
-/// Reads the log in `folder`: `stops.csv` and `receptions.csv`, or `path.csv` and `packets.csv`, and with either
-/// `contacts.csv` and `sectors.csv` if they exist. Stops are numbered in the order of `stops.csv` or of time, nodes in the
-/// order of their first rows.
+/// The true places of nodes, and other names of them: for scores only.
+pub(super) const NODES: &str = "nodes.csv";
+pub(super) const NAMES: &str = "names.csv";
+
+/// Reads the log in `folder`: `stops.csv` and `receptions.csv`, and `contacts.csv` and `sectors.csv` if they exist. Stops are
+/// numbered in the order of `stops.csv`, nodes in the order of their first rows.
 ///
 /// # Errors
 /// If a file is missing, cannot be read, or has an invalid row; the error names file, line and column.
-pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    let has = |name: &str| folder.join(name).exists();
-    let rival = [STOPS, RECEPTIONS].into_iter().find(|name| has(name));
-    match (has(PACKETS), rival) {
-        (true, Some(rival)) => Err(RobotLogError::TwoLogs { path: folder.to_owned(), rival }),
-        (true, None) => read_packets(folder, options),
-        (false, None) if has(PATH) => Err(RobotLogError::NoPacketFile { path: folder.to_owned() }),
-        (false, None) => Err(RobotLogError::NoLog { path: folder.to_owned() }),
-        (false, Some(_)) => {
-            refuse_cutting(folder, "a folder with stops", options)?;
-            read_receptions(folder)
-        }
-    }
-}
-
-/// Refuses the flags that cut a path into stops, for a log that has its stops.
-pub(super) fn refuse_cutting(path: &Path, found: &'static str, options: &ReadOptions) -> Result<(), RobotLogError> {
-    let flag = match (options.stop_every, options.packet_interval_s) {
-        (StopRule::Automatic, None) => return Ok(()),
-        (StopRule::Automatic, Some(_)) => "--packet-interval",
-        _ => "--stop-every",
-    };
-    Err(RobotLogError::Flag { path: path.to_owned(), flag, meant: "logs of packets and a path", found })
-}
-
-/// Reads packets and paths.
-fn read_packets(folder: &Path, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    let mut notes = Vec::new();
-    let path_file::Paths { paths, mut robots, is_named, plane } = path_file::read(&folder.join(PATH), &mut notes)?;
-    let with_path = paths.len();
-    let contacts = stops::read_contacts(&folder.join(CONTACTS), plane, &mut robots, &mut notes)?;
-    let names = robots.into_vec();
-    let known = if is_named { &names[..with_path] } else { &[] };
-    let mut gatherer = Gatherer::of_robots(paths, names.clone(), options)?.with_contacts(contacts);
-    packets::read(&folder.join(PACKETS), known, &mut gatherer, &mut notes)?;
-    let gathered = gatherer.finish()?;
-    let log = with_sectors(folder, gathered.log, &mut notes)?;
-    notes.extend(gathered.notes);
-    Ok(RobotLog { log, plane, notes })
-}
-
-/// Reads stops and receptions.
-fn read_receptions(folder: &Path) -> Result<RobotLog, RobotLogError> {
+pub(super) fn read(folder: &Path, form: &FormOptions) -> Result<RobotLog, RobotLogError> {
     let mut notes = Vec::new();
     let mut robots = RobotNames::default();
-    let stops = stops::read(&folder.join(STOPS), &mut robots, &mut notes)?;
+    let names = FieldNames::of_places(form.path_fields.as_ref());
+    let stops = stops::read(&folder.join(STOPS), &names, &mut robots, &mut notes)?;
     if stops.stops.is_empty() {
         return Err(RobotLogError::NoStops { path: folder.to_owned() });
     }
     let receptions::Receptions { names, receptions } =
-        receptions::read(&folder.join(RECEPTIONS), &stops, &mut notes)?;
+        receptions::read(&folder.join(RECEPTIONS), &stops, form, &mut notes)?;
     let plane = stops.plane;
     let contacts = stops::read_contacts(&folder.join(CONTACTS), plane, &mut robots, &mut notes)?;
     let log = receptions.build(names, stops.stops, contacts).and_then(|log| log.with_robots(robots.into_vec()));
@@ -83,8 +45,32 @@ fn read_receptions(folder: &Path) -> Result<RobotLog, RobotLogError> {
     Ok(RobotLog { log, plane, notes })
 }
 
+/// Reads a wide table, and `contacts.csv` and `sectors.csv` of its folder if they exist.
+///
+/// # Errors
+/// If a file cannot be read or has an invalid row.
+pub(super) fn read_wide(table: &Path, folder: Option<&Path>, form: &FormOptions) -> Result<RobotLog, RobotLogError> {
+    let mut notes = Vec::new();
+    let mut wide = wide::read(table, form, &mut notes)?;
+    let plane = wide.plane;
+    let contacts = match folder {
+        Some(folder) => stops::read_contacts(&folder.join(CONTACTS), plane, &mut wide.robots, &mut notes)?,
+        None => Vec::new(),
+    };
+    let log = wide.build(contacts).map_err(|why| RobotLogError::Log { path: table.to_owned(), why })?;
+    let log = match folder {
+        Some(folder) => with_sectors(folder, log, &mut notes)?,
+        None => log,
+    };
+    Ok(RobotLog { log, plane, notes })
+}
+
 /// The log with the sectors in the folder, if it has any.
-fn with_sectors(folder: &Path, log: ReceptionLog, notes: &mut Vec<String>) -> Result<ReceptionLog, RobotLogError> {
+pub(super) fn with_sectors(
+    folder: &Path,
+    log: ReceptionLog,
+    notes: &mut Vec<String>,
+) -> Result<ReceptionLog, RobotLogError> {
     let path = folder.join(SECTORS);
     if !path.exists() {
         return Ok(log);

@@ -19,6 +19,7 @@ use super::path::Path;
 use super::sending;
 use super::signal::Signal;
 use super::slot::{self, Slot};
+use super::strengths::{Report, Strengths};
 
 /// Most pairs of a node and a stop that are listed although nothing was heard. Above it, an absent pair counts as one missed
 /// packet.
@@ -62,6 +63,7 @@ pub struct Gatherer {
     nodes: BTreeMap<String, u32>,
     heard: Gathered<Heard>,
     cover: Cover,
+    strengths: Strengths,
     notes: Vec<String>,
 }
 
@@ -100,6 +102,7 @@ impl Gatherer {
             nodes: BTreeMap::new(),
             heard: Gathered::new(),
             cover: Cover::default(),
+            strengths: Strengths::of(&options.form),
             notes: Vec::new(),
         };
         for path in paths {
@@ -148,7 +151,8 @@ impl Gatherer {
         }
     }
 
-    /// Takes a packet; packets may come in any order. A packet outside of the path of its robot, or in a gap of it, is
+    /// Takes a packet; packets may come in any order. All packets of all sources pass here, so that their times and strengths
+    /// are corrected in one place. A packet outside of the path of its robot, or in a gap of it, is
     /// counted and not placed.
     ///
     /// # Errors
@@ -173,14 +177,21 @@ impl Gatherer {
         let (start, end) = track.path.span();
         let slot = track.slots.partition_point(|slot| slot.end <= packet.time);
         match track.slots.get(slot).filter(|slot| slot.start <= packet.time) {
-            Some(_) => self.heard.push(Heard {
-                node,
-                stop: track.stops[slot],
-                received: 1,
-                signal: Signal::new(1, packet.sector, packet.rssi_dbm, packet.snr_db),
-                first: packet.time,
-                last: packet.time,
-            }),
+            Some(_) => {
+                let (received, signal) = match self.strengths.take(packet.rssi_dbm, packet.snr_db) {
+                    Report::Heard(rssi_dbm) => (1, Signal::new(1, packet.sector, rssi_dbm, packet.snr_db)),
+                    Report::Noise => (0, Signal::NONE),
+                };
+                self.heard.push(Heard {
+                    node,
+                    stop: track.stops[slot],
+                    received,
+                    missed: 1 - received,
+                    signal,
+                    first: packet.time,
+                    last: packet.time,
+                });
+            }
             None if packet.time < start => self.cover.before += 1,
             None if packet.time > end => self.cover.after += 1,
             None => self.cover.in_gaps += 1,
@@ -204,6 +215,7 @@ impl Gatherer {
     /// If there were no packets, or none on the path.
     pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
         self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
+        self.strengths.finish(&mut self.notes)?;
         let intervals = self.intervals();
         let pairs = self.names.len().saturating_mul(self.stops.len());
         let lists_silent = pairs <= MOST_SILENT_PAIRS;

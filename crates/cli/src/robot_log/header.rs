@@ -1,45 +1,111 @@
 //! The header of a CSV file: which columns are known, which are ignored.
 
+use super::field_names::FieldNames;
+use super::instant;
+
 /// The columns of a file.
 #[derive(Default)]
 pub(super) struct Header {
+    /// What each column is: its name, or the known name that the user gives it.
     columns: Vec<String>,
+    /// The names as written.
+    written: Vec<String>,
+    /// The names of the user.
+    given: FieldNames,
     ignored: Vec<String>,
+}
+
+/// The columns that a file may have.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    pub(super) required: &'a [&'static str],
+    pub(super) optional: &'a [&'static str],
+    /// The names of the user for them.
+    pub(super) names: &'a FieldNames,
+    /// Whether the columns that are not known are ignored, or are read too.
+    pub(super) others: Others,
+}
+
+/// What columns with names that are not known are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Others {
+    Ignored,
+    /// They are read too.
+    Read,
+    /// The user names those that are read, so none is misspelt.
+    Named,
 }
 
 impl Header {
     /// Checks the names of columns. A name that is not known is ignored, unless it looks like a known column that is
     /// absent: a misspelt `sent` would silently count as absent.
-    pub(super) fn new(
-        names: &csv::StringRecord,
-        required: &[&'static str],
-        optional: &[&'static str],
-    ) -> Result<Self, String> {
-        let columns: Vec<String> = names.iter().map(|name| name.trim().to_owned()).collect();
+    pub(super) fn new(names: &csv::StringRecord, known: Known<'_>) -> Result<Self, String> {
+        let written: Vec<String> = names.iter().map(|name| name.trim().to_owned()).collect();
+        let Known { required, optional, names: given, others } = known;
         let known = [required, optional].concat();
-        let absent: Vec<&str> =
-            known.iter().copied().filter(|name| !columns.iter().any(|column| column == name)).collect();
+        let columns = given.rename(&written, &known)?;
+        let has = |name: &str| columns.iter().any(|column| column == name);
+        let has_time = instant::COLUMNS.into_iter().any(has);
+        // A file has one of the columns of times.
+        let is_absent = |name: &&str| !(has(name) || has_time && instant::COLUMNS.contains(name));
+        let absent: Vec<&str> = known.iter().copied().filter(is_absent).collect();
+        // Of the columns of times, `t_s` is the one that is meant by a name that is nearly right.
+        let is_likely = |name: &&str| *name == "t_s" || !instant::COLUMNS.contains(name);
+        let likely: Vec<&str> = absent.iter().copied().filter(is_likely).collect();
         let mut ignored = Vec::new();
         for (at, name) in columns.iter().enumerate() {
-            if !known.contains(&name.as_str()) {
-                if let Some(near) = nearest(name, &absent) {
+            let is_known = known.contains(&name.as_str());
+            if !is_known {
+                let asked = written[at].as_str();
+                let (near, more) = match others {
+                    Others::Ignored => (nearest(name, &likely), ""),
+                    Others::Read => {
+                        (look_alike(name, &likely), ", or name the columns of nodes with `--node-columns`")
+                    }
+                    Others::Named => (None, ""),
+                };
+                if let Some(near) = near {
+                    let hint = given.hint(near, asked) + more;
                     let known = known.join(", ");
                     return Err(format!(
-                        "unknown column `{name}`; did you mean `{near}`? Otherwise rename or remove it; known columns: {known}"
+                        "unknown column `{asked}`; did you mean `{near}`? Otherwise rename or remove it{hint}; known \
+                         columns: {known}"
                     ));
                 }
-                ignored.push(name.clone());
-            } else if columns[..at].contains(name) {
+                ignored.push(asked.to_owned());
+            }
+            if (is_known || others != Others::Ignored && !name.is_empty()) && columns[..at].contains(name) {
                 return Err(format!("column `{name}` appears twice"));
             }
         }
         if let Some(missing) = required.iter().find(|name| absent.contains(name)) {
             return Err(format!(
-                "column `{missing}` is missing; the first line must name the columns: {}",
-                required.join(",")
+                "column `{missing}` is missing; the first line must name the columns: {}{}",
+                required.join(","),
+                given.hint(missing, "NAME")
             ));
         }
-        Ok(Self { columns, ignored })
+        Ok(Self { columns, written, given: given.clone(), ignored })
+    }
+
+    /// The name of the column `known` as the file has it.
+    pub(super) fn written<'a>(&'a self, known: &'a str) -> &'a str {
+        self.find(known).map_or(known, |at| &self.written[at])
+    }
+
+    /// How the user can say that a column with another name is the known one `key`.
+    pub(super) fn hint(&self, key: &str) -> String {
+        self.given.hint(key, "NAME")
+    }
+
+    /// The names as written.
+    pub(super) fn all_written(&self) -> &[String] {
+        &self.written
+    }
+
+    /// The indices of the columns that are not known.
+    pub(super) fn unknown(&self) -> impl Iterator<Item = usize> {
+        (0..self.written.len()).filter(|&at| self.ignored.contains(&self.written[at]))
     }
 
     /// The index of the column `name`.
@@ -65,4 +131,31 @@ fn nearest<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
         !name.is_empty() && (distance(candidate) <= allowed || candidate.starts_with(name.as_str()))
     };
     absent.iter().copied().filter(is_near).min_by_key(distance)
+}
+
+/// Names that programs give to places and times, and the columns that they are here.
+const LOOK_ALIKES: [(&str, &str); 12] = [
+    ("x", "x_m"),
+    ("y", "y_m"),
+    ("z", "z_m"),
+    ("latitude", "lat"),
+    ("longitude", "lon"),
+    ("lng", "lon"),
+    ("altitude", "alt_m"),
+    ("alt", "alt_m"),
+    ("ele", "alt_m"),
+    ("t", "t_s"),
+    ("time", "t_s"),
+    ("timestamp", "t_s"),
+];
+
+/// The name among `absent` that the column of a node, which may have any name, was probably meant to be: it is one that
+/// programs give to it, or differs in one letter of at least three.
+fn look_alike<'a>(name: &str, absent: &[&'a str]) -> Option<&'a str> {
+    let name = name.to_lowercase();
+    let meant = LOOK_ALIKES.iter().find(|(other, _)| *other == name).map(|(_, meant)| *meant);
+    let is_near = |candidate: &&str| {
+        meant == Some(*candidate) || name.len() >= 3 && strsim::damerau_levenshtein(&name, candidate) <= 1
+    };
+    absent.iter().copied().find(is_near)
 }

@@ -12,6 +12,8 @@ pub(super) struct Heard {
     pub(super) node: u32,
     pub(super) stop: u32,
     pub(super) received: u32,
+    /// Packets of which nothing but noise was received.
+    pub(super) missed: u32,
     pub(super) signal: Signal,
     /// When the first and the last of them were heard.
     pub(super) first: SimTime,
@@ -27,6 +29,7 @@ impl Keyed for Heard {
 
     fn add(&mut self, later: &Self) {
         self.received = self.received.saturating_add(later.received);
+        self.missed = self.missed.saturating_add(later.missed);
         self.signal.add(&later.signal);
         self.first = self.first.min(later.first);
         self.last = self.last.max(later.last);
@@ -36,13 +39,14 @@ impl Keyed for Heard {
 /// What was heard of a node at a stop, in each sector. `sent` is `None` if it is unknown.
 pub(super) fn reception(pair: &[Heard], sent: Option<u32>) -> Reception {
     let received = pair.iter().fold(0, |sum: u32, row| sum.saturating_add(row.received));
+    let reported = pair.iter().fold(received, |sum, row| sum.saturating_add(row.missed));
     let sectors = pair.iter().map(|row| OfSector { received: row.received, signal: row.signal });
     let signal = merged(sectors);
     Reception {
         node: NodeId(pair[0].node),
         stop: pair[0].stop,
-        received: if sent.is_some() { received } else { 1 },
-        sent: sent.map_or(1, |sent| sent.max(received)),
+        received: if sent.is_some() { received } else { received.min(1) },
+        sent: sent.map_or(1, |sent| sent.max(reported)),
         sector: signal.and_then(|signal| signal.sector),
         rssi_dbm: signal.and_then(|signal| signal.rssi_dbm()),
         snr_db: signal.and_then(|signal| signal.snr_db()),

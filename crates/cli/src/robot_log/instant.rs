@@ -1,11 +1,15 @@
-//! Times as decimal seconds, exact to the nanosecond when read and written.
+//! Times as decimal seconds or as date and time of day, exact to the nanosecond when read and written.
 
 use std::time::Duration;
 
 use sextant_kernel::SimTime;
 
 /// The allowed values of a cell with seconds.
-pub(super) const ALLOWED: &str = "seconds as a decimal number, at least 0 and below 18446744073";
+pub(super) const ALLOWED: &str =
+    "seconds as a decimal number, at least 0 and below 18446744073, or a time as 2026-11-22T15:04:05Z";
+
+/// The columns that a file may have for times: seconds, or parts of a second.
+pub(super) const COLUMNS: [&str; 4] = ["t_s", "t_ms", "t_us", "t_ns"];
 
 const SECOND_NS: u64 = 1_000_000_000;
 
@@ -23,6 +27,84 @@ pub(super) fn parse(text: &str) -> Option<SimTime> {
     let mut nanos = (0..9).fold(0, |sum, place| sum * 10 + digit(place));
     nanos += u64::from(digit(9) >= 5);
     seconds.checked_mul(SECOND_NS)?.checked_add(nanos).map(SimTime::from_nanos)
+}
+
+/// The time of a date and time of day as RFC 3339 writes it, in time since 1970: `2026-11-22T15:04:05.5+01:00`. Without an
+/// offset it is in UTC if `is_utc` says so, and none otherwise.
+pub(super) fn parse_date(text: &str, is_utc: bool) -> Option<SimTime> {
+    let (date, clock) = text.split_once(['T', 't', ' '])?;
+    let (clock, offset_s) = match clock.strip_suffix(['Z', 'z']) {
+        Some(clock) => (clock, 0),
+        None => match clock.rfind(['+', '-']) {
+            Some(at) => {
+                let (hours, minutes) = clock[at + 1..].split_once(':')?;
+                let span_s = 3600 * two_digits(hours, 23)? + 60 * two_digits(minutes, 59)?;
+                (&clock[..at], if clock.as_bytes()[at] == b'-' { -span_s } else { span_s })
+            }
+            None if is_utc => (clock, 0),
+            None => return None,
+        },
+    };
+    let [year, month, day] = <[&str; 3]>::try_from(date.split('-').collect::<Vec<_>>()).ok()?;
+    let (year, month) = (four_digits(year)?, two_digits(month, 12)?);
+    let day = two_digits(day, days_of(year, month)?)?;
+    if day == 0 {
+        return None;
+    }
+    let [hour, minute, second] = <[&str; 3]>::try_from(clock.splitn(3, ':').collect::<Vec<_>>()).ok()?;
+    let (second, fraction) = second.split_once('.').map_or((second, "0"), |(second, fraction)| (second, fraction));
+    // A leap second is taken as the first one of the next minute.
+    let of_day_s = 3600 * two_digits(hour, 23)? + 60 * two_digits(minute, 59)? + two_digits(second, 60)?;
+    let whole_s = u64::try_from(days_since_1970(year, month, day) * 86_400 + of_day_s - offset_s).ok()?;
+    let fraction = parse(&format!("0.{fraction}"))?;
+    whole_s.checked_mul(SECOND_NS)?.checked_add(fraction.as_nanos()).map(SimTime::from_nanos)
+}
+
+/// A number of exactly two digits, at most `max`.
+pub(super) fn two_digits(text: &str, max: i64) -> Option<i64> {
+    let is_plain = text.len() == 2 && text.bytes().all(|byte| byte.is_ascii_digit());
+    text.parse().ok().filter(|&number| is_plain && number <= max)
+}
+
+fn four_digits(text: &str) -> Option<i64> {
+    let is_plain = text.len() == 4 && text.bytes().all(|byte| byte.is_ascii_digit());
+    text.parse().ok().filter(|_| is_plain)
+}
+
+/// The number of days of a month; `None` if there is no such month.
+fn days_of(year: i64, month: i64) -> Option<i64> {
+    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    match month {
+        1 | 3 | 5 | 7 | 8 | 10 | 12 => Some(31),
+        4 | 6 | 9 | 11 => Some(30),
+        2 => Some(if is_leap { 29 } else { 28 }),
+        _ => None,
+    }
+}
+
+/// Days from 1 January 1970 to a day of the Gregorian calendar: `days_from_civil` of H. Hinnant, "chrono-Compatible
+/// Low-Level Date Algorithms" (2021). Years begin in March there, so that a leap day is the last one.
+pub(super) fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
+    let year = if month <= 2 { year - 1 } else { year };
+    let (era, of_era) = (year.div_euclid(400), year.rem_euclid(400));
+    let of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
+}
+
+/// The time `text` in a unit of which `10^places` are a second: milliseconds have three places.
+pub(super) fn parse_scaled(text: &str, places: usize) -> Option<SimTime> {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    if places == 0 || !whole.bytes().chain(fraction.bytes()).all(|byte| byte.is_ascii_digit()) || whole.is_empty() {
+        let exponent = i32::try_from(places).ok()?;
+        return if places == 0 {
+            parse(text)
+        } else {
+            parse(&(text.parse::<f64>().ok()? / 10_f64.powi(exponent)).to_string())
+        };
+    }
+    let padded = format!("{whole:0>width$}", width = places + 1);
+    let (seconds, rest) = padded.split_at(padded.len() - places);
+    parse(&format!("{seconds}.{rest}{fraction}"))
 }
 
 /// The shortest decimal that [`parse`] reads as `time`.
@@ -65,6 +147,51 @@ mod tests {
             ("18446744073.709551615", u64::MAX),
         ] {
             assert_eq!(parse(text), Some(SimTime::from_nanos(nanos)), "{text}");
+        }
+    }
+
+    #[test]
+    fn dates_are_times_since_1970() {
+        let at = |text| parse_date(text, false).map(format);
+        for (text, expected) in [
+            ("1970-01-01T00:00:00Z", "0"),
+            ("2023-11-14T22:13:20Z", "1700000000"),
+            ("2024-02-29 23:59:59.25z", "1709251199.25"),
+            ("2024-03-01T00:30:00+01:00", "1709249400"),
+            ("2000-12-31T23:00:00-02:30", "978312600"),
+        ] {
+            assert_eq!(at(text).as_deref(), Some(expected), "{text}");
+        }
+        for text in [
+            "2023-11-14T22:13:20",
+            "2023-02-29T00:00:00Z",
+            "2023-13-01T00:00:00Z",
+            "2023-04-31T00:00:00Z",
+            "2023-04-00T00:00:00Z",
+            "2023-04-01T24:00:00Z",
+            "2023-04-01",
+            "12:30",
+            "1969-12-31T23:59:59Z",
+        ] {
+            assert_eq!(at(text), None, "{text}");
+        }
+        assert_eq!(parse_date("2023-11-14T22:13:20", true), parse("1700000000"));
+    }
+
+    #[test]
+    fn times_in_other_units_are_exact() {
+        for (text, places, expected) in [
+            ("1700000000123", 3, "1700000000.123"),
+            ("1700000000123.5", 3, "1700000000.1235"),
+            ("1700000000123456789", 9, "1700000000.123456789"),
+            ("7", 6, "0.000007"),
+            ("1.5", 0, "1.5"),
+            ("2e3", 3, "2"),
+        ] {
+            assert_eq!(parse_scaled(text, places).map(format).as_deref(), Some(expected), "{text}");
+        }
+        for text in ["", ".5x", "-1", "nan"] {
+            assert_eq!(parse_scaled(text, 3), None, "{text}");
         }
     }
 

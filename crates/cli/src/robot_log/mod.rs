@@ -1,7 +1,7 @@
 //! Logs of real robots, and maps of them as files.
 //!
-//! Input: a folder with `stops.csv` and `receptions.csv`, or with `path.csv` and `packets.csv`; a ROS 2 bag; captures of a
-//! sniffer and a path. Output: the reception log for a mapper, the plane of its places if they are given by latitude and
+//! Input: a folder with `stops.csv` and `receptions.csv`, or with `path.csv` and `packets.csv`; a table with a column a node; a
+//! ROS 2 bag; captures of a sniffer and a path; or a path and packets of any two of these. Output: the reception log for a mapper, the plane of its places if they are given by latitude and
 //! longitude, and notes; or an error with file, line and column. The formats are described in `docs/robot-logs.md`.
 //!
 //! ```
@@ -24,19 +24,30 @@ mod bag_error;
 mod bag_options;
 mod cell;
 mod cover;
+mod drive;
 mod error;
+mod field_names;
 mod field_path;
+mod fix;
 mod folder;
+mod form;
+mod form_options;
 mod gathered;
 mod gatherer;
 mod geojson;
+mod gpx;
 mod header;
 mod heard;
 mod instant;
 mod interval;
+mod layout;
 mod local_plane;
 mod log;
 mod map;
+mod missing;
+mod names;
+mod nmea;
+mod noise_floor;
 mod options;
 mod output;
 mod packet;
@@ -45,8 +56,10 @@ mod pair_notes;
 mod pairs;
 mod path;
 mod path_file;
+mod paths;
 mod place;
 mod receptions;
+mod reciprocal;
 mod sectors;
 mod sending;
 mod signal;
@@ -56,18 +69,27 @@ mod sniffer_error;
 mod sniffer_options;
 mod source;
 mod stops;
+mod strengths;
 mod table;
+mod times;
 mod truth;
+mod tum;
+mod wide;
 mod writing;
 
 pub use area::read_area;
 pub use bag_error::BagError;
-pub use bag_options::{BagClock, BagOptions, PacketFields};
+pub use bag_options::{BagClock, BagOptions};
 pub use error::RobotLogError;
+pub use field_names::FieldNames;
+pub use form_options::FormOptions;
 pub use gatherer::Gatherer;
 pub use local_plane::{Geodetic, LocalPlane};
 pub use log::RobotLog;
 pub use map::{read_map, write_map};
+pub use missing::{ColumnPattern, Missing};
+pub use names::Names;
+pub use noise_floor::NoiseFloor;
 pub use options::{ReadOptions, StopRule};
 pub use packet::Packet;
 pub use path::{Path, PathError, Pose};

@@ -5,41 +5,51 @@ use std::path::Path;
 use sextant_kernel::RobotId;
 
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
 use super::gatherer::Gatherer;
+use super::header::{Known, Others};
+use super::instant;
 use super::packet::Packet;
-use super::table::Table;
+use super::reciprocal::{Roles, Transmitter};
+use super::table::{Column, Row, Table};
+use super::times::Times;
 
-/// Reads the packets in the file `path` row by row into `gatherer`. `robots` are the names of the robots with a path; none if
-/// there is one robot without a name.
+/// The robots of a log.
+#[derive(Clone, Copy)]
+pub(super) struct Robots<'a> {
+    /// The names of those with a path; none if there is one robot without a name.
+    pub(super) names: &'a [String],
+    /// What gives their paths, for errors.
+    pub(super) path: &'a str,
+}
+
+/// Reads the packets in the file `path` row by row into `gatherer`, with the `names` of the user for columns.
 pub(super) fn read(
     path: &Path,
-    robots: &[String],
+    names: &FieldNames,
+    robots: Robots<'_>,
+    roles: &mut Roles,
     gatherer: &mut Gatherer,
     notes: &mut Vec<String>,
 ) -> Result<(), RobotLogError> {
-    let table = Table::open(path, &["t_s", "node"], &["rssi_dbm", "snr_db", "sector", "robot"])?;
+    let (required, ends) = match roles {
+        Roles::Usual => ("node", ["robot"].as_slice()),
+        Roles::Turned(_) => ("receiver", ["node"].as_slice()),
+    };
+    let optional = [&instant::COLUMNS[..], &["rssi_dbm", "snr_db", "sector"], ends].concat();
+    let known = Known { required: &[required], optional: &optional, names, others: Others::Ignored };
+    let table = Table::open_known(path, known)?;
     notes.extend(table.ignored());
-    let [time, node, rssi, snr] = ["t_s", "node", "rssi_dbm", "snr_db"].map(|name| table.column(name));
-    let [sector, robot] = ["sector", "robot"].map(|name| table.column(name));
-    if robot.exists() && robots.is_empty() {
-        let problem =
-            "column `robot` names the robots, but path.csv has no such column: give it one, or remove this one";
-        return Err(table.wrong_header(problem));
-    }
-    if !robot.exists() && robots.len() > 1 {
-        let problem = format!("column `robot` is missing: path.csv has the paths of {} robots", robots.len());
-        return Err(table.wrong_header(problem));
-    }
+    let time = Times::of(&table, notes)?;
+    let [node, mover] = [required, ends[0]].map(|name| table.column(name));
+    let [rssi, snr, sector] = ["rssi_dbm", "snr_db", "sector"].map(|name| table.column(name));
+    robots.check(&table, mover, roles)?;
     table.rows(|row| {
-        let robot = match row.filled(robot) {
-            Some(name) => {
-                let known = || format!("one of the robots in path.csv: {}", robots.join(", "));
-                let index = robots.iter().position(|known| known == name);
-                RobotId::from_index(index.ok_or_else(|| row.wrong(robot, known()))?)
-            }
-            None if robot.exists() => return Err(row.wrong(robot, "the name of a robot")),
-            None => RobotId(0),
+        let robot = match roles {
+            Roles::Usual => Some(robots.of(row, mover, "the name of a robot")?),
+            Roles::Turned(transmitter) => robots.transmitter(row, mover, transmitter)?,
         };
+        let Some(robot) = robot else { return Ok(()) };
         gatherer.take(Packet {
             time: row.instant(time)?,
             robot,
@@ -50,4 +60,62 @@ pub(super) fn read(
         })
     })?;
     Ok(())
+}
+
+impl Robots<'_> {
+    /// Refuses a table that does not fit the paths or what the user wants. `mover` is the column of who drove.
+    fn check(self, table: &Table, mover: Column, roles: &Roles) -> Result<(), RobotLogError> {
+        let Self { names, path } = self;
+        if matches!(roles, Roles::Usual) && mover.exists() && names.is_empty() {
+            return Err(table.wrong_header(format!(
+                "column `robot` names the robots, but {path} has no such column: give it one, or remove this one"
+            )));
+        }
+        if let Roles::Turned(Transmitter { wanted: Some(_), .. }) = roles
+            && !mover.exists()
+        {
+            let problem = "column `node` is missing: `--transmitter` needs to know who sent each packet";
+            return Err(table.wrong_header(format!("{problem}{}", table.hint("node"))));
+        }
+        if !mover.exists() && names.len() > 1 {
+            let (column, robots) = (mover.name, names.len());
+            return Err(table.wrong_header(format!(
+                "column `{column}` is missing: {path} has the paths of {robots} robots{}",
+                table.hint(column)
+            )));
+        }
+        Ok(())
+    }
+
+    /// The robot that the cell names.
+    fn of(self, row: &Row<'_>, mover: Column, allowed: &str) -> Result<RobotId, RobotLogError> {
+        match row.filled(mover) {
+            Some(name) => {
+                let known = || format!("one of the robots in {}: {}", self.path, self.names.join(", "));
+                let index = self.names.iter().position(|known| known == name);
+                Ok(RobotId::from_index(index.ok_or_else(|| row.wrong(mover, known()))?))
+            }
+            None if mover.exists() => Err(row.wrong(mover, allowed)),
+            None => Ok(RobotId(0)),
+        }
+    }
+
+    /// The path of the transmitter that the cell names; `None` if the user wants another one.
+    fn transmitter(
+        self,
+        row: &Row<'_>,
+        mover: Column,
+        transmitter: &mut Transmitter,
+    ) -> Result<Option<RobotId>, RobotLogError> {
+        if !mover.exists() {
+            return Ok(Some(RobotId(0)));
+        }
+        let name = row.filled(mover).ok_or_else(|| row.wrong(mover, "the name of a transmitter"))?;
+        if self.names.is_empty() {
+            let is_wanted = transmitter.is_the_one(name);
+            let is_wanted = is_wanted.map_err(|problem| row.head.wrong_row(row.offset, problem))?;
+            return Ok(is_wanted.then_some(RobotId(0)));
+        }
+        if transmitter.is_wanted(name) { self.of(row, mover, "").map(Some) } else { Ok(None) }
+    }
 }

@@ -5,6 +5,8 @@ use super::gatherer::MOST_SILENT_PAIRS;
 /// What the rows of the file are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Listing {
+    /// Each row is a packet that was heard or not, or several: the receiver always reports a power.
+    Reports,
     /// Each row is a packet.
     Packets,
     /// Each row has the number of packets received.
@@ -41,10 +43,14 @@ impl PairNotes {
         let Self { unstated, repeated, silent_pairs, absent, zeros, .. } = *self;
         let usual = match self.listing {
             _ if self.is_stated => "`sent` of stops.csv",
+            Listing::Reports => "the most reports of a node at the stop",
             Listing::ReceivedOfSent => "the median of `sent` at the stop",
             Listing::Packets | Listing::Received => "the most that were received of a node at the stop",
         };
         match self.listing {
+            Listing::Reports => notes.push(format!(
+                "receptions.csv has no column `sent`: with `--noise-floor` the packets sent are {usual}"
+            )),
             Listing::Packets => notes.push(format!(
                 "receptions.csv has no column `received`: each row is a packet, and the packets sent are {usual}"
             )),
@@ -53,7 +59,7 @@ impl PairNotes {
             }
             Listing::Received | Listing::ReceivedOfSent => {}
         }
-        if repeated > 0 && self.listing != Listing::Packets {
+        if repeated > 0 && !matches!(self.listing, Listing::Packets | Listing::Reports) {
             notes.push(format!(
                 "receptions.csv: {repeated} rows repeat a pair of node and stop; their packets were added up, and levels \
                  averaged over packets"

@@ -154,7 +154,7 @@ impl<S: Kept> Collector<S> {
                 self.unstated += 1;
                 UNSTATED
             }
-            (None, Listing::Packets | Listing::Received) => received.max(1),
+            (None, Listing::Reports | Listing::Packets | Listing::Received) => received.max(1),
         };
         self.entries.push(Entry { node, stop, received, sent, signal: S::of(signal) });
     }
@@ -170,12 +170,15 @@ impl<S: Kept> Collector<S> {
         let Self { listing, has_counts, unstated, .. } = self;
         let (entries, repeated) = self.entries.finish();
         let pairs = || entries.chunk_by(|a, b| (a.node, a.stop) == (b.node, b.stop)).map(Pair::of);
-        let is_counted = listing == Listing::Packets || listing == Listing::Received && has_counts;
+        let is_counted =
+            matches!(listing, Listing::Reports | Listing::Packets) || listing == Listing::Received && has_counts;
         let seen = Seen::of(pairs(), listing, at_stop.len());
         let usual: Vec<u32> = match listing {
             Listing::ReceivedOfSent => seen.medians(),
             Listing::Received if !has_counts => vec![1; at_stop.len()],
-            Listing::Packets | Listing::Received => seen.most.iter().map(|&most| most.max(1)).collect(),
+            Listing::Reports | Listing::Packets | Listing::Received => {
+                seen.most.iter().map(|&most| most.max(1)).collect()
+            }
         };
         let usual: Vec<u32> = at_stop.iter().zip(usual).map(|(stated, usual)| stated.unwrap_or(usual)).collect();
         let absent_at = |stop: usize| nodes - seen.pairs[stop];
@@ -242,7 +245,7 @@ impl Pair {
 struct Seen {
     /// Pairs with a row at each stop.
     pairs: Vec<usize>,
-    /// Most packets received of a node at each stop.
+    /// Most packets received of a node at each stop; of reports, those of noise count too.
     most: Vec<u32>,
     /// How many pairs state a number of packets sent at a stop: by stop and number, above 0.
     stated: BTreeMap<(u32, u32), usize>,
@@ -263,7 +266,8 @@ impl Seen {
             zeros += usize::from(pair.received == 0 && pair.sent > 0);
             let stop = pair.stop as usize;
             seen.pairs[stop] += 1;
-            seen.most[stop] = seen.most[stop].max(pair.received);
+            let reported = if listing == Listing::Reports { pair.sent } else { pair.received };
+            seen.most[stop] = seen.most[stop].max(reported);
             if listing == Listing::ReceivedOfSent && pair.sent != UNSTATED && pair.sent > 0 {
                 *seen.stated.entry((pair.stop, pair.sent)).or_default() += 1;
             }

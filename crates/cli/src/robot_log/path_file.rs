@@ -3,30 +3,26 @@
 use std::path::Path as FilePath;
 
 use super::error::RobotLogError;
-use super::local_plane::LocalPlane;
+use super::field_names::FieldNames;
+use super::header::{Known, Others};
+use super::instant;
 use super::path::{Path, Pose};
+use super::paths::Paths;
 use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
+use super::times::Times;
 use crate::robot_names::RobotNames;
 
-/// The paths of robots.
-pub(super) struct Paths {
-    /// By number of the robot, at least one.
-    pub(super) paths: Vec<Path>,
-    /// Names of the robots, if the file names them.
-    pub(super) robots: RobotNames,
-    /// Whether the file names the robots.
-    pub(super) is_named: bool,
-    /// The plane of the places, if they are given by latitude and longitude.
-    pub(super) plane: Option<LocalPlane>,
-}
-
-/// Reads the paths in the file `path`: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`.
-pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
-    let table = Table::open(path, &["t_s"], &[&COLUMNS[..], &["robot"]].concat())?;
+/// Reads the paths in the file `path`: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or with the `names` of
+/// the user.
+pub(super) fn read(path: &FilePath, names: &FieldNames, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
+    let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
+    let table =
+        Table::open_known(path, Known { required: &[], optional: &optional, names, others: Others::Ignored })?;
     notes.extend(table.ignored());
+    let time = Times::of(&table, notes)?;
     let places = Places::of(&table, Frame::Any, notes)?;
-    let [time, robot] = ["t_s", "robot"].map(|name| table.column(name));
+    let robot = table.column("robot");
     let mut robots = RobotNames::default();
     let mut plane = None;
     // The poses of each robot, and where their rows begin.

@@ -70,7 +70,8 @@ impl Places {
                     "the places of the log are by latitude and longitude, so these need the columns lat,lon[,alt_m] too"
                 }
             };
-            return Err(table.wrong_header(format!("column `{missing}` is missing; {which}")));
+            let hint = table.hint(missing);
+            return Err(table.wrong_header(format!("column `{missing}` is missing; {which}{hint}")));
         }
         let mut unused: Vec<&str> =
             other.into_iter().filter(|column| column.exists()).map(|column| column.name).collect();
@@ -84,7 +85,11 @@ impl Places {
         }
         if !unused.is_empty() {
             let unused: Vec<String> = unused.into_iter().map(|name| format!("`{name}`")).collect();
-            notes.push(table.ignored_beside(&unused.join(", "), if takes_metres { "x_m, y_m" } else { "lat, lon" }));
+            notes.push(table.ignored_beside(
+                &unused.join(", "),
+                "the places",
+                if takes_metres { "x_m, y_m" } else { "lat, lon" },
+            ));
         }
         Ok(if takes_metres { Self::Metres { x, y, z } } else { Self::Geodetic { lat, lon, height } })
     }

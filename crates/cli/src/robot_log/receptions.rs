@@ -6,10 +6,14 @@ use std::path::Path;
 use sextant_channel::ReceptionLogBuilder;
 
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
+use super::form_options::FormOptions;
+use super::header::{Known, Others};
 use super::pair_notes::Listing;
 use super::pairs::{Collector, Count, Kept};
 use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
+use super::strengths::{Report, Strengths};
 use super::table::{Column, Row, Table};
 
 /// Names of the nodes and their receptions.
@@ -30,12 +34,25 @@ struct Columns {
     snr: Column,
 }
 
-/// Reads the receptions at `stops` in the file `path`. Nodes are numbered in the order of their first rows.
-pub(super) fn read(path: &Path, stops: &Stops, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
-    let optional = ["received", "sent", "sector", "rssi_dbm", "snr_db"];
-    let table = Table::open(path, &["node", "stop"], &optional)?;
+/// Reads the receptions at `stops` in the file `path`, as `form` says. Nodes are numbered in the order of their first rows.
+pub(super) fn read(
+    path: &Path,
+    stops: &Stops,
+    form: &FormOptions,
+    notes: &mut Vec<String>,
+) -> Result<Receptions, RobotLogError> {
+    let names = FieldNames::of_packets(form.packet_fields.as_ref());
+    let measured = ["received", "sent", "sector", "rssi_dbm", "snr_db"];
+    let (required, optional) = if form.reciprocal {
+        (&["stop"][..], [&["node", "receiver"], &measured[..]].concat())
+    } else {
+        (&["node", "stop"][..], measured.to_vec())
+    };
+    let table =
+        Table::open_known(path, Known { required, optional: &optional, names: &names, others: Others::Ignored })?;
     notes.extend(table.ignored());
-    let [node, stop, received, sent] = ["node", "stop", "received", "sent"].map(|name| table.column(name));
+    let [received, sent] = ["received", "sent"].map(|name| table.column(name));
+    let (node, stop) = ends(&table, form.reciprocal)?;
     let [sector, rssi, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
     let columns = Columns { node, stop, received, sent, sector, rssi, snr };
     if !received.exists() && (sent.exists() || !rssi.exists()) {
@@ -45,58 +62,91 @@ pub(super) fn read(path: &Path, stops: &Stops, notes: &mut Vec<String>) -> Resul
         ));
     }
     let listing = match (received.exists(), sent.exists()) {
+        (_, false) if form.noise_floor.is_some() => Listing::Reports,
         (false, _) => Listing::Packets,
         (true, false) => Listing::Received,
         (true, true) => Listing::ReceivedOfSent,
     };
-    if sector.exists() || snr.exists() {
-        read_rows::<Signal>(table, columns, listing, stops, notes)
+    let mut strengths = Strengths::of(form);
+    let rows = Rows { table, columns, listing, stops, strengths: &mut strengths };
+    let read = if sector.exists() || snr.exists() {
+        rows.read::<Signal>(notes)
     } else if rssi.exists() {
-        read_rows::<Strength>(table, columns, listing, stops, notes)
+        rows.read::<Strength>(notes)
     } else {
-        read_rows::<()>(table, columns, listing, stops, notes)
+        rows.read::<()>(notes)
+    }?;
+    strengths.finish(notes)?;
+    Ok(read)
+}
+
+/// The columns of the node and of the stop. If roles are turned, the node is the receiver: without a column of its own, it is
+/// in that of the stop, because there it stood, and the stop of the transmitter is in that of the node.
+fn ends(table: &Table, is_turned: bool) -> Result<(Column, Column), RobotLogError> {
+    let [node, stop, receiver] = ["node", "stop", "receiver"].map(|name| table.column(name));
+    if !is_turned {
+        return Ok((node, stop));
+    }
+    match (receiver.exists(), node.exists()) {
+        (true, _) => Ok((receiver, stop)),
+        (false, true) => Ok((stop, node)),
+        (false, false) => Err(table.wrong_header(
+            "column `receiver` is missing; with `--reciprocal` the first line must name the columns receiver,stop (where the \
+             transmitter was) or node,stop (the place of the transmitter as stops.csv names it, and the receiver)",
+        )),
     }
 }
 
-/// Reads the rows. What is not known of any reception takes no memory.
-fn read_rows<S: Kept>(
+/// The rows of the file, and what is needed to read them.
+struct Rows<'a> {
     table: Table,
     columns: Columns,
     listing: Listing,
-    stops: &Stops,
-    notes: &mut Vec<String>,
-) -> Result<Receptions, RobotLogError> {
-    let mut names: Vec<String> = Vec::new();
-    let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
-    let mut last: Option<u32> = None;
-    let mut pairs = Collector::<S>::new(listing);
-    table.rows(|row| {
-        let name = row.node(columns.node)?;
-        // The rows of a node often follow each other.
-        let node = match last.filter(|&last| names[last as usize] == name).or_else(|| nodes.get(name).copied()) {
-            Some(node) => node,
-            None => {
-                let node = u32::try_from(names.len()).expect("fewer than 2^32 nodes");
-                names.push(name.to_owned());
-                nodes.insert(name.to_owned(), node);
-                node
-            }
-        };
-        last = Some(node);
-        let id = row.filled(columns.stop).unwrap_or("");
-        let stop = *stops.ids.get(id).ok_or_else(|| row.wrong(columns.stop, known_stops(&stops.ids)))?;
-        let count = count(row, columns, stops.sent[stop as usize])?;
-        let signal = Signal::new(
-            count.received,
-            row.sector(columns.sector)?,
-            row.finite(columns.rssi)?,
-            row.finite(columns.snr)?,
-        );
-        pairs.push(node, stop, count, signal);
-        Ok(())
-    })?;
-    let receptions = pairs.finish(names.len(), &stops.sent, notes);
-    Ok(Receptions { names, receptions })
+    stops: &'a Stops,
+    strengths: &'a mut Strengths,
+}
+
+impl Rows<'_> {
+    /// Reads the rows. What is not known of any reception takes no memory.
+    fn read<S: Kept>(self, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
+        let Self { table, columns, listing, stops, strengths } = self;
+        let mut names: Vec<String> = Vec::new();
+        let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
+        let mut last: Option<u32> = None;
+        let mut pairs = Collector::<S>::new(listing);
+        table.rows(|row| {
+            let name = row.node(columns.node)?;
+            // The rows of a node often follow each other.
+            let node = match last.filter(|&last| names[last as usize] == name).or_else(|| nodes.get(name).copied()) {
+                Some(node) => node,
+                None => {
+                    let node = u32::try_from(names.len()).expect("fewer than 2^32 nodes");
+                    names.push(name.to_owned());
+                    nodes.insert(name.to_owned(), node);
+                    node
+                }
+            };
+            last = Some(node);
+            let id = row.filled(columns.stop).unwrap_or("");
+            let stop = *stops.ids.get(id).ok_or_else(|| row.wrong(columns.stop, known_stops(&stops.ids)))?;
+            let count = count(row, columns, stops.sent[stop as usize])?;
+            let snr_db = row.finite(columns.snr)?;
+            let sector = row.sector(columns.sector)?;
+            let report = match row.finite(columns.rssi)? {
+                // Nothing was received, whatever the level is.
+                rssi_dbm @ Some(_) if count.received == 0 => Report::Heard(rssi_dbm),
+                rssi_dbm => strengths.take(rssi_dbm, snr_db),
+            };
+            let (count, signal) = match report {
+                Report::Heard(rssi_dbm) => (count, Signal::new(count.received, sector, rssi_dbm, snr_db)),
+                Report::Noise => (Count { received: 0, sent: count.sent.or(Some(count.received)) }, Signal::NONE),
+            };
+            pairs.push(node, stop, count, signal);
+            Ok(())
+        })?;
+        let receptions = pairs.finish(names.len(), &stops.sent, notes);
+        Ok(Receptions { names, receptions })
+    }
 }
 
 /// The packets of a row. `at_stop` are those that a node sent at its stop, if the file of stops says so.

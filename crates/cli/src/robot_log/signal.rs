@@ -16,6 +16,9 @@ pub(super) struct Signal {
 }
 
 impl Signal {
+    /// That of no packets.
+    pub(super) const NONE: Self = Self { sector: None, measured: 0, rssi_dbm: f64::NAN, snr_db: f64::NAN };
+
     /// The signal of `packets` packets whose mean strength is `rssi_dbm`.
     pub(super) fn new(packets: u32, sector: Option<u8>, rssi_dbm: Option<f64>, snr_db: Option<f64>) -> Self {
         Self {

@@ -48,15 +48,6 @@ pub enum SnifferError {
         /// What was skipped, and why.
         skipped: String,
     },
-    /// There is no path.
-    #[error(
-        "`{}` tells who was heard and when, but not where the robot was: give its path with `--path path.csv`, a file with \
-         columns t_s,x_m,y_m[,z_m]", .path.display()
-    )]
-    NoPath {
-        /// The file.
-        path: PathBuf,
-    },
 }
 
 impl SnifferError {

@@ -1,24 +1,22 @@
-//! The kinds of logs of robots: folders of CSV files, ROS bags, captures of sniffers.
+//! The kinds of logs of robots: CSV files, ROS bags, captures of sniffers.
 
-use std::path::{Path as FilePath, PathBuf};
+use std::path::Path as FilePath;
 
 use super::error::RobotLogError;
-use super::folder;
-use super::local_plane::LocalPlane;
+use super::form::{self, Form};
+use super::layout::{self, Layout};
 use super::log::RobotLog;
 use super::options::ReadOptions;
-use super::path::Path;
-use super::sniffer_error::SnifferError;
-use super::{bag, path_file, sniffer};
+use super::{bag, drive, folder, reciprocal, sniffer};
 
 /// The kinds of logs of robots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A folder of CSV files.
+    /// A folder of files, or a table or a path alone.
     Tables,
     /// A ROS bag: a file or a folder.
     Bag,
-    /// A capture, or a folder of captures and the path of the robot.
+    /// A capture.
     Captures,
 }
 
@@ -26,88 +24,44 @@ impl Source {
     /// What the file or folder `path` is, by its content; `None` if it is not the log of a robot.
     #[must_use]
     pub fn of(path: &FilePath) -> Option<Self> {
-        let tables = [folder::STOPS, folder::RECEPTIONS, folder::PACKETS];
-        if path.is_dir() && tables.iter().any(|name| path.join(name).exists()) {
-            return Some(Self::Tables);
-        }
         if bag::is_bag(path) {
             return Some(Self::Bag);
         }
-        let has_captures = || path.is_dir() && captures(path).is_ok_and(|captures| !captures.is_empty());
-        if sniffer::is_capture(path) || has_captures() {
+        if sniffer::is_capture(path) {
             return Some(Self::Captures);
         }
-        path.is_dir().then_some(Self::Tables)
+        (path.is_dir() || layout::is_part(path)).then_some(Self::Tables)
     }
 }
 
-/// Refuses the flags of `options` that are for another kind of log than `source`; `None` is a recording of `run`.
+/// Refuses the flags of `options` for a recording of `run`: they are for logs of robots.
 ///
 /// # Errors
 /// If there is such a flag.
-pub fn refuse_flags(path: &FilePath, source: Option<Source>, options: &ReadOptions) -> Result<(), RobotLogError> {
-    let found = match source {
-        None => "a recording of `run`",
-        Some(Source::Tables) => "a folder of CSV files",
-        Some(Source::Bag) => "a ROS bag",
-        Some(Source::Captures) => "a capture of a sniffer",
-    };
-    let of_bags = if source == Some(Source::Bag) { Vec::new() } else { options.bag.given() };
-    let of_captures = if source == Some(Source::Captures) { Vec::new() } else { options.sniffer.given() };
-    let refused = |flag: Option<&&'static str>, meant| match flag {
-        Some(flag) => Err(RobotLogError::Flag { path: path.to_owned(), flag, meant, found }),
-        None => Ok(()),
-    };
-    if source.is_none() {
-        folder::refuse_cutting(path, found, options)?;
-    }
-    refused(of_bags.first(), "ROS bags")?;
-    refused(of_captures.first(), "captures of sniffers")
+pub fn refuse_flags(path: &FilePath, options: &ReadOptions) -> Result<(), RobotLogError> {
+    form::refuse(path, Form::Recording, options)
 }
 
-/// Reads the log of a robot: a folder of CSV files, a ROS bag, or captures of a sniffer.
+/// Reads the log of a robot: a folder of CSV files, a ROS bag, captures of a sniffer, or parts of these.
 ///
 /// # Errors
-/// If it cannot be read, or `options` are for another kind of log.
+/// If it cannot be read, a part is missing or there more than once, or `options` are for another form of log.
 pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    let source = Source::of(path).ok_or_else(|| RobotLogError::Unknown { path: path.to_owned() })?;
-    refuse_flags(path, Some(source), options)?;
-    match source {
-        Source::Tables => folder::read(path, options),
-        Source::Bag => bag::read(path, options),
-        Source::Captures => {
-            let captures = captures(path)?;
-            let beside = Some(path.join(folder::PATH)).filter(|beside| beside.exists());
-            let robot = options.sniffer.path.clone().or(beside);
-            let robot = robot.ok_or_else(|| SnifferError::NoPath { path: path.to_owned() })?;
-            let mut notes = Vec::new();
-            let (robot, plane) = read_path(&robot, &mut notes)?;
-            let log = sniffer::read(&captures, robot, options)?;
-            notes.extend(log.notes);
-            Ok(RobotLog { plane, notes, ..log })
-        }
+    if Source::of(path).is_none() {
+        return Err(match std::fs::metadata(path) {
+            Err(why) => RobotLogError::read(path, why),
+            Ok(_) => RobotLogError::Unknown { path: path.to_owned() },
+        });
     }
-}
-
-/// The capture `path`, or the captures in the folder `path` by name.
-fn captures(path: &FilePath) -> Result<Vec<PathBuf>, RobotLogError> {
-    if !path.is_dir() {
-        return Ok(vec![path.to_owned()]);
+    let layout = Layout::of(path, &options.form)?;
+    form::refuse(path, layout.form(), options)?;
+    let mut log = match &layout {
+        Layout::Stops(folder) => folder::read(folder, &options.form),
+        Layout::Wide { table, folder } => folder::read_wide(table, folder.as_deref(), &options.form),
+        Layout::Drive(parts) => drive::read(parts, options),
+    }?;
+    if options.form.reciprocal {
+        log.notes.insert(0, reciprocal::NOTE.to_owned());
     }
-    let entries = std::fs::read_dir(path).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
-    let entries = entries.map_err(|why| RobotLogError::read(path, why))?;
-    let mut found: Vec<_> =
-        entries.iter().map(std::fs::DirEntry::path).filter(|path| sniffer::is_capture(path)).collect();
-    found.sort();
-    Ok(found)
-}
-
-/// Reads the path of the robot that heard a capture.
-fn read_path(path: &FilePath, notes: &mut Vec<String>) -> Result<(Path, Option<LocalPlane>), RobotLogError> {
-    let path_file::Paths { paths, plane, .. } = path_file::read(path, notes)?;
-    let robots = paths.len();
-    let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the capture");
-    let [robot] =
-        <[Path; 1]>::try_from(paths).map_err(|_| RobotLogError::Row { path: path.to_owned(), line: 1, problem })?;
-    Ok((robot, plane))
+    Ok(log)
 }

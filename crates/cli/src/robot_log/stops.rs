@@ -7,9 +7,13 @@ use sextant_channel::{Contact, Stop};
 use sextant_kernel::SimTime;
 
 use super::error::RobotLogError;
+use super::field_names::FieldNames;
+use super::header::{Known, Others};
+use super::instant;
 use super::local_plane::LocalPlane;
 use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
+use super::times::Times;
 use crate::robot_names::RobotNames;
 
 /// The stops of a log.
@@ -23,14 +27,21 @@ pub(super) struct Stops {
     pub(super) plane: Option<LocalPlane>,
 }
 
-/// Reads the stops in the file `path`.
-pub(super) fn read(path: &Path, robots: &mut RobotNames, notes: &mut Vec<String>) -> Result<Stops, RobotLogError> {
-    let optional = [&COLUMNS[..], &["t_s", "robot", "sent"]].concat();
-    let table = Table::open(path, &["stop"], &optional)?;
+/// Reads the stops in the file `path`, with the `names` of the user for columns.
+pub(super) fn read(
+    path: &Path,
+    names: &FieldNames,
+    robots: &mut RobotNames,
+    notes: &mut Vec<String>,
+) -> Result<Stops, RobotLogError> {
+    let optional = [&COLUMNS[..], &instant::COLUMNS, &["robot", "sent"]].concat();
+    let known = Known { required: &["stop"], optional: &optional, names, others: Others::Ignored };
+    let table = Table::open_known(path, known)?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;
-    let [id, time, robot, sent] = ["stop", "t_s", "robot", "sent"].map(|name| table.column(name));
-    if !time.exists() {
+    let time = Times::find(&table, notes);
+    let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
+    if time.is_none() {
         notes.push("stops.csv has no times (t_s): the duration of the survey is unknown".to_owned());
     }
     let mut read = Stops { stops: Vec::new(), ids: BTreeMap::new(), sent: Vec::new(), plane: None };
@@ -43,7 +54,7 @@ pub(super) fn read(path: &Path, robots: &mut RobotNames, notes: &mut Vec<String>
         read.sent.push(row.whole(sent, MOST_SENT)?);
         read.stops.push(Stop {
             robot: row.robot(robot, robots)?,
-            time: if time.exists() { row.instant(time)? } else { SimTime::ZERO },
+            time: time.map_or(Ok(SimTime::ZERO), |time| row.instant(time))?,
             position: places.read(row, &mut read.plane)?,
         });
         Ok(())
@@ -64,10 +75,11 @@ pub(super) fn read_contacts(
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let table = Table::open(path, &["t_s"], &[&COLUMNS[..], &["robot"]].concat())?;
+    let table = Table::open(path, &[], &[&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat())?;
     notes.extend(table.ignored());
+    let time = Times::of(&table, notes)?;
     let places = Places::of(&table, Frame::of(plane.as_ref()), notes)?;
-    let [time, robot] = ["t_s", "robot"].map(|name| table.column(name));
+    let robot = table.column("robot");
     let mut plane = plane;
     let mut contacts = Vec::new();
     table.rows(|row| {

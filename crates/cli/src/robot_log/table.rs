@@ -5,7 +5,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::error::RobotLogError;
-use super::header::Header;
+use super::field_names::FieldNames;
+use super::header::{Header, Known, Others};
 
 /// A CSV file whose header was read.
 pub(super) struct Table {
@@ -55,6 +56,12 @@ impl Table {
         required: &[&'static str],
         optional: &[&'static str],
     ) -> Result<Self, RobotLogError> {
+        let known = Known { required, optional, names: &FieldNames::default(), others: Others::Ignored };
+        Self::open_known(path, known)
+    }
+
+    /// The same with names of the user for columns.
+    pub(super) fn open_known(path: &Path, known: Known<'_>) -> Result<Self, RobotLogError> {
         let file = File::open(path).map_err(|why| RobotLogError::read(path, why))?;
         let mut input = BufReader::with_capacity(1 << 16, file);
         let start = input.fill_buf().map_err(|why| RobotLogError::read(path, why))?;
@@ -73,13 +80,19 @@ impl Table {
             decimal_comma: delimiter != b',',
         };
         let names = reader.headers().cloned().map_err(|why| head.malformed(&why))?;
-        head.header = Header::new(&names, required, optional).map_err(wrong)?;
+        head.header = Header::new(&names, known).map_err(wrong)?;
         Ok(Self { head, reader })
     }
 
     /// The column `name`.
     pub(super) fn column(&self, name: &'static str) -> Column {
         Column { name, at: self.head.header.find(name) }
+    }
+
+    /// The indices and names of the columns that are not known.
+    pub(super) fn unknown(&self) -> impl Iterator<Item = (usize, &str)> {
+        let header = &self.head.header;
+        header.unknown().map(|at| (at, header.all_written()[at].as_str()))
     }
 
     /// A note on the columns that are ignored, if there are any.
@@ -89,8 +102,18 @@ impl Table {
     }
 
     /// A note that the columns `unused` are ignored beside those that are `used`.
-    pub(super) fn ignored_beside(&self, unused: &str, used: &str) -> String {
-        format!("{}: {unused} ignored, because the places are read from {used}", self.head.file_name())
+    pub(super) fn ignored_beside(&self, unused: &str, what: &str, used: &str) -> String {
+        format!("{}: {unused} ignored, because {what} are read from {used}", self.head.file_name())
+    }
+
+    /// How the user can say that a column with another name is the known one `key`, for an error.
+    pub(super) fn hint(&self, key: &str) -> String {
+        self.head.header.hint(key)
+    }
+
+    /// Name of the file without its folder.
+    pub(super) fn file_name(&self) -> String {
+        self.head.file_name()
     }
 
     /// The error that the header lacks something.
@@ -113,6 +136,16 @@ impl Table {
 }
 
 impl Head {
+    /// The name of the column `known` as the file has it.
+    pub(super) fn written<'a>(&'a self, known: &'a str) -> &'a str {
+        self.header.written(known)
+    }
+
+    /// The name of the column with this index.
+    pub(super) fn written_at(&self, at: usize) -> &str {
+        &self.header.all_written()[at]
+    }
+
     /// Name of the file without its folder.
     pub(super) fn file_name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
@@ -173,7 +206,12 @@ impl Head {
 impl Row<'_> {
     /// The text of the cell, with the spaces around it; empty if there is no such column.
     pub(super) fn text(&self, column: Column) -> &str {
-        column.at.and_then(|at| self.record.get(at)).unwrap_or("")
+        column.at.map_or("", |at| self.text_at(at))
+    }
+
+    /// The text of the cell in the column with this index, with the spaces around it.
+    pub(super) fn text_at(&self, at: usize) -> &str {
+        self.record.get(at).unwrap_or("")
     }
 }
 

@@ -28,7 +28,7 @@ fn read(octets: &[u8], change: impl Fn(&mut ReadOptions)) -> Result<RobotLog, St
     let capture = folder.path().join("sniff.pcap");
     std::fs::write(&capture, octets).unwrap();
     let mut options = options();
-    options.sniffer.path = Some(folder.path().join("path.csv"));
+    options.form.path = Some(folder.path().join("path.csv"));
     change(&mut options);
     robot_log::read(&capture, &options).map_err(|error| error.to_string())
 }
@@ -144,7 +144,7 @@ fn a_bad_capture_is_an_error() {
 fn a_capture_with_any_wrong_octet_has_an_answer() {
     let folder = folder();
     let mut options = options();
-    options.sniffer.path = Some(folder.path().join("path.csv"));
+    options.form.path = Some(folder.path().join("path.csv"));
     for name in ["tap.pcap", "mixed.pcapng"] {
         let whole = octets(name);
         let capture = folder.path().join(name);
@@ -163,13 +163,15 @@ fn a_path_is_required_and_flags_must_fit() {
     let capture = kept("captures/tap.pcap");
     let (code, _, stderr) = map(&capture, &[]);
     assert_eq!(code, 2, "{stderr}");
-    assert!(unwrapped(&stderr).contains("give its path with `--path path.csv`"), "{stderr}");
-    let (code, _, stderr) = map(&capture, &["--packet-topic", "/radio"]);
+    assert!(unwrapped(&stderr).contains("give its path with `--path FILE`"), "{stderr}");
+    let folder = folder();
+    let path = folder.path().join("path.csv").display().to_string();
+    let (code, _, stderr) = map(&capture, &["--path", &path, "--packet-topic", "/radio"]);
     assert_eq!(code, 2, "{stderr}");
     assert!(unwrapped(&stderr).contains("`--packet-topic` is for ROS bags, but"), "{stderr}");
     // A path of another day.
     let problem = read(&octets("tap.pcap"), |options| {
-        let path = options.sniffer.path.as_ref().unwrap();
+        let path = options.form.path.as_ref().unwrap();
         std::fs::write(path, path_csv(START_NS).replace("\n17", "\n16")).unwrap();
     });
     assert!(problem.unwrap_err().contains("both need times of the same clock"));

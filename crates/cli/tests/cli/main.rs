@@ -11,12 +11,14 @@ mod drive;
 mod failing_disk;
 mod faults;
 mod figure;
+mod forms;
 #[cfg(unix)]
 mod interrupt;
 mod map;
 mod map_figure;
 mod odometry;
 mod partial_truth;
+mod parts;
 mod pcap;
 mod place_prior;
 mod program;

@@ -29,7 +29,7 @@ impl Moment {
 
 /// The least delay from stamp to recording. It is short if the clock of the stamps is that of the recorder.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LeastDelay(Option<i128>);
+pub(in crate::robot_log) struct LeastDelay(Option<i128>);
 
 impl LeastDelay {
     pub(super) fn take(&mut self, moment: Moment) {
@@ -40,7 +40,7 @@ impl LeastDelay {
     }
 
     /// What to tell the user if the stamps of poses and packets are of clocks that differ.
-    pub(super) fn differs(self, packets: Self) -> Option<String> {
+    pub(in crate::robot_log) fn differs(self, packets: Self) -> Option<String> {
         let (poses, packets) = (self.0?, packets.0?);
         let off_ns = packets - poses;
         (off_ns.abs() > NOTABLE_NS).then(|| {

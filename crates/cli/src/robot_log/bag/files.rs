@@ -23,14 +23,34 @@ pub(super) fn is_foreign_bag(path: &Path) -> bool {
     [ROS1_MAGIC, SQLITE_MAGIC, ZSTD_MAGIC].iter().any(|magic| head.starts_with(magic))
 }
 
-/// The MCAP files of the bag `path`, in the order of recording.
+/// The MCAP files in a folder; none if it cannot be read.
+pub(super) fn mcap_files(folder: &Path) -> Vec<PathBuf> {
+    let is_mcap = |name: &String| Path::new(name).extension().is_some_and(|extension| extension == "mcap");
+    names(folder).unwrap_or_default().iter().filter(|name| is_mcap(name)).map(|name| folder.join(name)).collect()
+}
+
+/// Whether a folder holds a bag that is not in MCAP, or the metadata of a bag.
+pub(super) fn holds_other_bag(folder: &Path) -> bool {
+    folder.join(METADATA).is_file() || ["db3", "bag"].iter().any(|&kind| has_file(folder, kind))
+}
+
+/// Whether the file `path` is a database of SQLite.
+#[cfg(feature = "sqlite-bags")]
+pub(super) fn is_sqlite(path: &Path) -> bool {
+    head(path).is_ok_and(|head| head.starts_with(SQLITE_MAGIC))
+}
+
+/// Whether bags in SQLite can be read.
+const READS_SQLITE: bool = cfg!(feature = "sqlite-bags");
+
+/// The files of the bag `path`, in the order of recording: all in MCAP, or all in SQLite.
 pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     let owned = || path.to_owned();
     if !path.is_dir() {
         let head = head(path).map_err(|why| BagError::read(path, &why))?;
         return match head.as_slice() {
             head if head.starts_with(ROS1_MAGIC) => Err(BagError::Ros1 { path: owned() }),
-            head if head.starts_with(SQLITE_MAGIC) => Err(BagError::Sqlite { path: owned() }),
+            head if head.starts_with(SQLITE_MAGIC) && !READS_SQLITE => Err(BagError::Sqlite { path: owned() }),
             head if head.starts_with(ZSTD_MAGIC) => Err(BagError::Compressed { path: owned(), what: "files" }),
             _ => Ok(vec![owned()]),
         };
@@ -40,8 +60,17 @@ pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, BagError> {
         names.iter().filter(|name| Path::new(name).extension().is_some_and(|extension| extension == kind)).collect()
     };
     let mut found: Vec<_> = of_kind("mcap").into_iter().cloned().collect();
+    let databases = of_kind("db3");
+    if let ([mcap, ..], [database, ..]) = (found.as_slice(), databases.as_slice()) {
+        let problem =
+            format!("the folder has bags in MCAP and in SQLite, `{mcap}` and `{database}`: give one of them");
+        return Err(BagError::Content { path: owned(), problem });
+    }
+    if READS_SQLITE && found.is_empty() {
+        found = databases.iter().map(|name| (*name).clone()).collect();
+    }
     if found.is_empty() {
-        return Err(if !of_kind("db3").is_empty() {
+        return Err(if !databases.is_empty() {
             BagError::Sqlite { path: owned() }
         } else if !of_kind("zstd").is_empty() {
             BagError::Compressed { path: owned(), what: "files" }
@@ -133,7 +162,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for (name, content, expected) in [
             ("a.bag", b"#ROSBAG V2.0\n".as_slice(), "rosbags-convert --src"),
-            ("a.db3", b"SQLite format 3\0 etc", "ros2 bag convert -i"),
             ("a.mcap.zstd", &[0x28, 0xB5, 0x2F, 0xFD, 0], "compressed files"),
         ] {
             let path = folder.path().join(name);
@@ -142,6 +170,26 @@ mod tests {
             let problem = files(&path).unwrap_err().to_string();
             assert!(problem.contains(expected), "{problem}");
         }
+    }
+
+    #[test]
+    fn a_bag_in_sqlite_is_read_or_names_the_feature() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.db3");
+        std::fs::write(&path, b"SQLite format 3\0 etc").unwrap();
+        for at in [&path, folder.path()] {
+            assert!(is_foreign_bag(at));
+            match files(at) {
+                Ok(files) => assert!(READS_SQLITE && files == [path.clone()], "{files:?}"),
+                Err(error) => {
+                    let problem = error.to_string();
+                    assert!(!READS_SQLITE && problem.contains("--features sqlite-bags"), "{problem}");
+                }
+            }
+        }
+        std::fs::write(folder.path().join("b.mcap"), "").unwrap();
+        let problem = files(folder.path()).unwrap_err().to_string();
+        assert!(problem.contains("`b.mcap` and `a.db3`: give one of them"), "{problem}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! ROS bags as logs of real robots: MCAP files, and folders of `ros2 bag record`.
+//! ROS bags as logs of real robots: files in MCAP or SQLite, and folders of `ros2 bag record`.
 //!
 //! Input: a bag with the path of the robot (poses, or transforms between frames) and with the packets that it received, in
 //! messages of any type. The type is read from the bag. Output: a reception log. Bags are read several times from start to
@@ -11,9 +11,14 @@ mod files;
 mod fixes;
 mod leaves;
 mod obvious;
+mod packet_fields;
 mod packets;
 mod poses;
 mod selection;
+#[cfg(feature = "sqlite-bags")]
+mod sqlite;
+#[cfg(feature = "sqlite-bags")]
+mod standard_types;
 mod topics;
 mod transforms;
 
@@ -22,21 +27,24 @@ use std::path::Path as FilePath;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
-use self::clock::{LeastDelay, Moment};
+use self::clock::Moment;
 use self::fixes::Fixes;
-use self::packets::PacketSource;
+use self::packet_fields::PacketFields;
+use self::packets::{BagPacket, PacketSource};
 use self::poses::{PoseSource, TimedPosition};
-use self::topics::Bag;
 use self::transforms::Chain;
 use super::bag_error::BagError;
 use super::bag_options::{BagClock, BagOptions};
 use super::error::RobotLogError;
 use super::gatherer::Gatherer;
 use super::local_plane::LocalPlane;
-use super::log::RobotLog;
 use super::options::ReadOptions;
 use super::packet::Packet;
 use super::path::{Path, Pose};
+use super::reciprocal::Roles;
+
+pub(super) use self::clock::LeastDelay;
+pub(super) use self::topics::Bag;
 
 /// Whether the file or folder `path` is a ROS bag, in a format that can be read or not.
 #[must_use]
@@ -44,78 +52,154 @@ pub(super) fn is_bag(path: &FilePath) -> bool {
     files::is_foreign_bag(path) || (path.is_file() && topics::is_bag_file(path))
 }
 
-/// Reads the bag `path`.
-///
-/// # Errors
-/// If it cannot be read, has no path of a robot or no packets, or `options` do not fit it.
-pub(super) fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
-    let bag = Bag::open(path)?;
-    let poses = PoseSource::choose(&bag, &options.bag)?;
-    let packets = PacketSource::choose(&bag, &options.bag)?;
-    let track = Track::read(&bag, poses, &options.bag)?;
-    let clock = match options.bag.bag_clock {
-        Some(clock) => clock,
-        None if track.has_stamps() && packets.has_stamps() => BagClock::Stamp,
-        None => BagClock::Log,
-    };
-    let path_of_robot = track.path(&bag, poses, clock)?;
-    let mut gatherer = Gatherer::new(path_of_robot, options)?;
-    let mut delay = LeastDelay::default();
-    let mut nameless = 0_u64;
-    bag.messages::<RobotLogError>(|message| {
-        if message.topic != packets.topic.name {
-            return Ok(());
-        }
-        let visited = packets.packets(message.log_ns, message.data, |packet| {
-            delay.take(packet.moment);
-            if packet.node.is_empty() {
-                nameless += 1;
-                return Ok(());
-            }
-            let time = time(&bag, &packets.topic.name, packet.moment, clock)?;
-            let (rssi_dbm, sector) = (packet.rssi_dbm, packet.sector);
-            gatherer.take(Packet { rssi_dbm, sector, ..Packet::new(time, packet.node) })
-        });
-        visited.map_err(|problem| bag.topic_problem(&packets.topic.name, problem))?
-    })?;
-    let mut log = gatherer.finish()?;
-    let mut notes = bag.notes.clone();
-    notes.push(described(&track, poses, &packets, clock));
-    if let Track::Fixes(Fixes { missing: missing @ 1.., .. }) = &track {
-        notes.push(format!("{missing} messages of `{}` without a fix are skipped", poses.topic().name));
-    }
-    if let (PoseSource::Poses(..), Some(transforms)) = (poses, bag.topics().find(|topic| topic.name == "/tf")) {
-        notes.push(format!(
-            "odometry drifts: if the transforms of `{0}` are corrected by a map, give `--pose-topic {0}`",
-            transforms.name
-        ));
-    }
-    if nameless > 0 {
-        notes.push(format!("{nameless} packets without the name of a node are skipped"));
-    }
-    if clock == BagClock::Stamp {
-        notes.extend(track.least_delay().differs(delay));
-    }
-    notes.append(&mut log.notes);
-    Ok(RobotLog { notes, plane: track.plane(), ..log })
+/// Whether the folder `path` holds a bag for certain: MCAP files may be recordings of other programs.
+#[must_use]
+pub(super) fn holds_bag(path: &FilePath) -> bool {
+    files::mcap_files(path).iter().any(|file| topics::is_bag_file(file)) || files::holds_other_bag(path)
 }
 
-/// What is read, for people.
-fn described(track: &Track, poses: PoseSource<'_>, packets: &PacketSource<'_>, clock: BagClock) -> String {
-    let pose_topic = poses.topic();
-    let frames = match track {
-        Track::Positions(_) | Track::Fixes(_) => pose_topic.message_type.clone(),
-        Track::Transforms(chain) => chain.frames(),
-    };
-    let times = match clock {
-        BagClock::Stamp => "the stamps of the messages",
-        BagClock::Log => "when the messages were recorded",
-    };
-    let (topic, fields) = (packets.topic, &packets.fields);
-    format!(
-        "the path is that of `{}` ({frames}), the packets are those of `{}` ({}; {fields}), the times are {times}",
-        pose_topic.name, topic.name, topic.message_type
-    )
+/// The path of the robot in a bag.
+pub(super) struct BagPath<'a> {
+    bag: &'a Bag,
+    source: PoseSource<'a>,
+    track: Track,
+}
+
+impl<'a> BagPath<'a> {
+    /// Reads the poses that `options` name, or the only ones.
+    ///
+    /// # Errors
+    /// If the bag cannot be read, has no such poses, or `options` do not fit them.
+    pub(super) fn read(bag: &'a Bag, options: &BagOptions) -> Result<Self, BagError> {
+        let source = PoseSource::choose(bag, options)?;
+        let track = Track::read(bag, source, options)?;
+        Ok(Self { bag, source, track })
+    }
+
+    /// Whether all poses have stamps.
+    pub(super) fn has_stamps(&self) -> bool {
+        self.track.has_stamps()
+    }
+
+    /// The path by `clock`.
+    ///
+    /// # Errors
+    /// If the poses are no path, or have no stamps.
+    pub(super) fn path(&self, clock: BagClock) -> Result<Path, RobotLogError> {
+        self.track.path(self.bag, self.source, clock)
+    }
+
+    /// The plane of its places, if they are given by latitude and longitude.
+    pub(super) fn plane(&self) -> Option<LocalPlane> {
+        self.track.plane()
+    }
+
+    /// The least delay of its stamps.
+    pub(super) fn least_delay(&self) -> LeastDelay {
+        self.track.least_delay()
+    }
+
+    /// What gives it, for people.
+    pub(super) fn described(&self) -> String {
+        let topic = self.source.topic();
+        let frames = match &self.track {
+            Track::Positions(_) | Track::Fixes(_) => topic.message_type.clone(),
+            Track::Transforms(chain) => chain.frames(),
+        };
+        format!("`{}` ({frames})", topic.name)
+    }
+
+    /// What the user should know of it.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Track::Fixes(Fixes { missing: missing @ 1.., .. }) = &self.track {
+            notes.push(format!("{missing} messages of `{}` without a fix are skipped", self.source.topic().name));
+        }
+        let transforms = || self.bag.topics().find(|topic| topic.name == "/tf");
+        if let (PoseSource::Poses(..), Some(transforms)) = (self.source, transforms()) {
+            notes.push(format!(
+                "odometry drifts: if the transforms of `{0}` are corrected by a map, give `--pose-topic {0}`",
+                transforms.name
+            ));
+        }
+        notes
+    }
+}
+
+/// The packets in a bag.
+pub(super) struct BagPackets<'a> {
+    bag: &'a Bag,
+    source: PacketSource<'a>,
+}
+
+impl<'a> BagPackets<'a> {
+    /// The packets that `options` name, or the only ones.
+    ///
+    /// # Errors
+    /// If the bag has no such packets, or lacks a field.
+    pub(super) fn choose(bag: &'a Bag, options: &ReadOptions) -> Result<Self, RobotLogError> {
+        let fields = PacketFields::of(&options.form)?;
+        let source = PacketSource::choose(bag, &options.bag, fields.as_ref())?;
+        if options.form.lora && source.fields.snr_db.is_none() {
+            let problem = "`--lora` needs the field of the signal-to-noise ratio: give `--packet-fields node=PATH,rssi_dbm=PATH,\
+                           snr_db=PATH`";
+            return Err(bag.topic_problem(&source.topic.name, problem).into());
+        }
+        Ok(Self { bag, source })
+    }
+
+    /// Whether the packets have stamps.
+    pub(super) fn has_stamps(&self) -> bool {
+        self.source.has_stamps()
+    }
+
+    /// What gives them, for people.
+    pub(super) fn described(&self) -> String {
+        let PacketSource { topic, fields, .. } = &self.source;
+        format!("`{}` ({}; {fields})", topic.name, topic.message_type)
+    }
+
+    /// Gives the packets to `gatherer`, with times by `clock`. Returns the least delay of their stamps.
+    ///
+    /// # Errors
+    /// If a message does not fit its definition or has no stamp, or the files cannot be read.
+    pub(super) fn gather(
+        &self,
+        clock: BagClock,
+        roles: &mut Roles,
+        gatherer: &mut Gatherer,
+        notes: &mut Vec<String>,
+    ) -> Result<LeastDelay, RobotLogError> {
+        let Self { bag, source } = self;
+        let mut delay = LeastDelay::default();
+        let mut nameless = 0_u64;
+        bag.messages::<RobotLogError>(|message| {
+            if message.topic != source.topic.name {
+                return Ok(());
+            }
+            let visited = source.packets(message.log_ns, message.data, |packet| {
+                delay.take(packet.moment);
+                if packet.node.is_empty() {
+                    nameless += 1;
+                    return Ok(());
+                }
+                if let (Roles::Turned(transmitter), Some(sender)) = (&mut *roles, packet.sender) {
+                    let is_wanted = transmitter.is_the_one(sender);
+                    if !is_wanted.map_err(|problem| bag.topic_problem(&source.topic.name, problem))? {
+                        return Ok(());
+                    }
+                }
+                let time = time(bag, &source.topic.name, packet.moment, clock)?;
+                let BagPacket { rssi_dbm, snr_db, sector, .. } = packet;
+                gatherer.take(Packet { rssi_dbm, snr_db, sector, ..Packet::new(time, packet.node) })
+            });
+            visited.map_err(|problem| bag.topic_problem(&source.topic.name, problem))?
+        })?;
+        if nameless > 0 {
+            notes.push(format!("{nameless} packets without the name of a node are skipped"));
+        }
+        Ok(delay)
+    }
 }
 
 /// Where the robot was.

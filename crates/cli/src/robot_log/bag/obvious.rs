@@ -1,9 +1,9 @@
 //! The fields of a packet that are obvious from their names.
 
-use super::super::bag_options::PacketFields;
 use super::super::field_path::{Element, FieldPath, Step};
 use super::definition::Definitions;
 use super::leaves::{Content, Leaf, leaves};
+use super::packet_fields::PacketFields;
 
 /// Names of fields that are obviously the node that sent a packet; of several in one message, the first of these is taken.
 const NODE_NAMES: [&str; 17] = [
@@ -29,6 +29,9 @@ const NODE_NAMES: [&str; 17] = [
 /// Names of fields that are obviously the received signal strength.
 const RSSI_NAMES: [&str; 4] = ["rssi_dbm", "rssi", "rss_dbm", "rss"];
 
+/// Names of fields that are obviously the signal-to-noise ratio.
+const SNR_NAMES: [&str; 2] = ["snr_db", "snr"];
+
 /// Names of fields that are obviously the sector of an antenna.
 const SECTOR_NAMES: [&str; 2] = ["sector", "sector_id"];
 
@@ -50,7 +53,9 @@ pub(super) fn obvious_fields(definitions: &Definitions) -> Option<PacketFields> 
     };
     let fields = |leaf: &Leaf| PacketFields {
         node: leaf.path.clone(),
+        sender: None,
         rssi_dbm: beside(&leaf.path, &RSSI_NAMES, &[Content::Integer, Content::Real]),
+        snr_db: beside(&leaf.path, &SNR_NAMES, &[Content::Integer, Content::Real]),
         sector: beside(&leaf.path, &SECTOR_NAMES, &[Content::Integer]),
         time: None,
     };
@@ -101,13 +106,14 @@ pub(super) fn stamp_beside(definitions: &Definitions, node: &FieldPath) -> Optio
 #[cfg(test)]
 mod tests {
     use super::super::definition::Dialect;
+    use super::super::packet_fields::TimeUnit;
     use super::*;
 
     /// The obvious fields of a message, and its stamp.
     fn obvious(text: &str) -> Option<String> {
         let definitions = Definitions::parse(Dialect::Ros2, "radio/msg/Heard", text).unwrap();
         let fields = obvious_fields(&definitions)?;
-        let time = stamp_beside(&definitions, &fields.node);
+        let time = stamp_beside(&definitions, &fields.node).map(|path| (TimeUnit::Seconds, path));
         Some(PacketFields { time, ..fields }.to_string())
     }
 

@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 
 use super::super::bag_error::BagError;
-use super::super::bag_options::{BagClock, BagOptions, PacketFields};
+use super::super::bag_options::{BagClock, BagOptions};
 use super::super::field_path::FieldPath;
 use super::clock::Moment;
 use super::leaves::{Content, listing};
 use super::obvious::{obvious_fields, stamp_beside};
+use super::packet_fields::{PacketFields, TimeUnit};
 use super::selection::{Selection, Value};
 use super::topics::{Bag, Topic};
 
@@ -18,7 +19,9 @@ pub(super) struct PacketSource<'a> {
     pub(super) fields: PacketFields,
     selection: Selection,
     /// Where in a row the optional values are.
+    sender: Option<usize>,
     rssi: Option<usize>,
+    snr: Option<usize>,
     sector: Option<usize>,
     stamp: Option<usize>,
 }
@@ -29,7 +32,10 @@ pub(super) struct BagPacket<'a> {
     pub(super) moment: Moment,
     /// Empty if the message has none.
     pub(super) node: &'a str,
+    /// Who sent it, if that is another one.
+    pub(super) sender: Option<&'a str>,
     pub(super) rssi_dbm: Option<f64>,
+    pub(super) snr_db: Option<f64>,
     pub(super) sector: Option<u8>,
 }
 
@@ -38,7 +44,7 @@ impl<'a> PacketSource<'a> {
     ///
     /// # Errors
     /// If there is no such topic, several, or it lacks a field.
-    pub(super) fn choose(bag: &'a Bag, options: &BagOptions) -> Result<Self, BagError> {
+    pub(super) fn choose(bag: &'a Bag, options: &BagOptions, given: Option<&PacketFields>) -> Result<Self, BagError> {
         let named = |name: &String| {
             bag.topic(name).ok_or_else(|| {
                 bag.problem(format!(
@@ -47,7 +53,7 @@ impl<'a> PacketSource<'a> {
                 ))
             })
         };
-        let (topic, fields) = match (&options.packet_topic, &options.packet_fields) {
+        let (topic, fields) = match (&options.packet_topic, given) {
             (Some(name), Some(fields)) => (named(name)?, fields.clone()),
             (Some(name), None) => {
                 let topic = named(name)?;
@@ -83,9 +89,14 @@ impl<'a> PacketSource<'a> {
                             None => "an obvious node and RSSI".to_owned(),
                         };
                         let topics = Bag::list(bag.topics());
+                        let unreadable = bag.topics().find_map(|topic| {
+                            let why = topic.definitions().err()?;
+                            Some(format!("; `{}` cannot be read: {why}", topic.name))
+                        });
                         let problem = format!(
                             "no topic has messages with {missing}; name that of the packets with `--packet-topic`; its \
-                             topics: {topics}"
+                             topics: {topics}{}",
+                            unreadable.unwrap_or_default()
                         );
                         return Err(bag.problem(problem));
                     }
@@ -105,7 +116,7 @@ impl<'a> PacketSource<'a> {
     fn new(topic: &'a Topic, mut fields: PacketFields) -> Result<Self, String> {
         let definitions = topic.definitions()?;
         if fields.time.is_none() {
-            fields.time = stamp_beside(&definitions, &fields.node);
+            fields.time = stamp_beside(&definitions, &fields.node).map(|path| (TimeUnit::Seconds, path));
         }
         let mut paths = vec![fields.node.clone()];
         let mut slot = |path: &Option<FieldPath>| {
@@ -114,19 +125,25 @@ impl<'a> PacketSource<'a> {
                 paths.len() - 1
             })
         };
-        let [rssi, sector, stamp] = [slot(&fields.rssi_dbm), slot(&fields.sector), slot(&fields.time)];
+        let [sender, rssi, snr, sector] =
+            [&fields.sender, &fields.rssi_dbm, &fields.snr_db, &fields.sector].map(&mut slot);
+        let stamp = slot(&fields.time.as_ref().map(|(_, path)| path.clone()));
+        let unit = fields.time.as_ref().map_or(TimeUnit::Seconds, |(unit, _)| *unit);
         let selection = Selection::new(definitions, &paths)?;
         let number: &[Content] = &[Content::Integer, Content::Real];
+        let name: &[Content] = &[Content::Integer, Content::Text, Content::Octets];
+        let name_words = "an integer, a string or octets";
+        let (moment, moment_words): (&[Content], _) = match unit {
+            TimeUnit::Seconds => (&[Content::Instant, Content::Real], "a time or a real number of seconds"),
+            _ => (number, "a number"),
+        };
         for (key, slot, allowed, words) in [
-            (
-                "node",
-                Some(0),
-                &[Content::Integer, Content::Text, Content::Octets][..],
-                "an integer, a string or octets",
-            ),
+            (if sender.is_some() { "receiver" } else { "node" }, Some(0), name, name_words),
+            ("node", sender, name, name_words),
             ("rssi_dbm", rssi, number, "a number"),
+            ("snr_db", snr, number, "a number"),
             ("sector", sector, &[Content::Integer], "an integer"),
-            ("t_s", stamp, &[Content::Instant, Content::Real], "a time or a real number of seconds"),
+            (unit.key(), stamp, moment, moment_words),
         ] {
             if let Some(slot) = slot
                 && !allowed.contains(&selection.contents()[slot])
@@ -135,7 +152,7 @@ impl<'a> PacketSource<'a> {
                 return Err(format!("`{key}` is the field `{}`, which is {found}; allowed: {words}", paths[slot]));
             }
         }
-        Ok(Self { topic, fields, selection, rssi, sector, stamp })
+        Ok(Self { topic, fields, selection, sender, rssi, snr, sector, stamp })
     }
 
     /// Whether the packets have stamps: the first message has none that was never set.
@@ -158,10 +175,10 @@ impl<'a> PacketSource<'a> {
         data: &[u8],
         mut visit: impl FnMut(BagPacket<'_>) -> Result<(), E>,
     ) -> Result<Result<(), E>, String> {
-        let mut name = String::new();
+        let mut names = [String::new(), String::new()];
         let mut invalid = None;
         let visited = self.selection.rows(data, |row| {
-            let packet = match self.packet(log_ns, row, &mut name) {
+            let packet = match self.packet(log_ns, row, &mut names) {
                 Ok(packet) => packet,
                 Err(problem) => {
                     invalid = Some(problem);
@@ -177,36 +194,57 @@ impl<'a> PacketSource<'a> {
         }
     }
 
-    fn packet<'n>(&self, log_ns: u64, row: &[Value<'_>], name: &'n mut String) -> Result<BagPacket<'n>, String> {
-        name.clear();
-        match row[0] {
-            Value::Integer(number) => write!(name, "{number}").expect("a string grows"),
-            Value::Text(text) => name.push_str(text.trim()),
-            Value::Octets(octets) => {
-                for (index, octet) in octets.iter().enumerate() {
-                    let colon = if index == 0 { "" } else { ":" };
-                    write!(name, "{colon}{octet:02x}").expect("a string grows");
-                }
-            }
-            Value::Absent | Value::Real(_) | Value::Instant(_) => {}
+    fn packet<'n>(
+        &self,
+        log_ns: u64,
+        row: &[Value<'_>],
+        [node, sender]: &'n mut [String; 2],
+    ) -> Result<BagPacket<'n>, String> {
+        write_name(row[0], node);
+        if let Some(slot) = self.sender {
+            write_name(row[slot], sender);
         }
-        let rssi_dbm = self.rssi.and_then(|slot| match row[slot] {
-            Value::Real(level) => Some(level).filter(|level| level.is_finite()),
-            Value::Integer(level) => Some(level as f64),
-            _ => None,
-        });
+        let level = |slot: Option<usize>| {
+            slot.and_then(|slot| match row[slot] {
+                Value::Real(level) => Some(level).filter(|level| level.is_finite()),
+                Value::Integer(level) => Some(level as f64),
+                _ => None,
+            })
+        };
+        let [rssi_dbm, snr_db] = [self.rssi, self.snr].map(level);
         let sector = match self.sector.map(|slot| row[slot]) {
             Some(Value::Integer(sector)) => {
                 Some(u8::try_from(sector).map_err(|_| format!("its sector is {sector}; allowed: 0 to 255"))?)
             }
             _ => None,
         };
+        let unit_ns = self.fields.time.as_ref().map_or(TimeUnit::Seconds, |(unit, _)| *unit).nanoseconds();
         let stamp_ns = self.stamp.and_then(|slot| match row[slot] {
             Value::Instant(ns) => Some(ns),
+            Value::Integer(units) => i64::try_from(units).ok()?.checked_mul(unit_ns),
             #[expect(clippy::cast_possible_truncation, reason = "checked to be in range")]
-            Value::Real(seconds) => Some(seconds * 1e9).filter(|ns| ns.abs() < 9e18).map(|ns| ns.round() as i64),
+            Value::Real(units) => {
+                Some(units * unit_ns as f64).filter(|ns| ns.abs() < 9e18).map(|ns| ns.round() as i64)
+            }
             _ => None,
         });
-        Ok(BagPacket { moment: Moment { stamp_ns, log_ns }, node: name, rssi_dbm, sector })
+        let sender = self.sender.map(|_| sender.as_str());
+        Ok(BagPacket { moment: Moment { stamp_ns, log_ns }, node, sender, rssi_dbm, snr_db, sector })
+    }
+}
+
+/// Writes the name of a node into `name`; nothing if the message has none.
+fn write_name(value: Value<'_>, name: &mut String) {
+    name.clear();
+    match value {
+        Value::Integer(number) => write!(name, "{number}").expect("a string grows"),
+        Value::Text(text) => name.push_str(text.trim()),
+        Value::Octets(octets) => {
+            for (index, octet) in octets.iter().enumerate() {
+                let colon = if index == 0 { "" } else { ":" };
+                write!(name, "{colon}{octet:02x}").expect("a string grows");
+            }
+        }
+        Value::Absent | Value::Real(_) | Value::Instant(_) => {}
     }
 }

@@ -9,7 +9,7 @@ use mcap::{Channel, Schema};
 use super::super::bag_error::BagError;
 use super::definition::{Definitions, Dialect, short_name};
 use super::files::files;
-use crate::mcap_file::{DamageKind, Piece, scan};
+use crate::mcap_file::{Damage, DamageKind, Piece, scan};
 
 /// A topic of a bag.
 #[derive(Clone, Debug)]
@@ -46,6 +46,11 @@ impl Topic {
                 ));
             }
         };
+        if schema.data.is_empty() {
+            return Err("the bag has no definition of its messages, as bags in SQLite of ROS 2 Humble and before: convert it \
+                        to MCAP with `ros2 bag convert`, where the package of the messages is installed"
+                .to_owned());
+        }
         let text = std::str::from_utf8(&schema.data).map_err(|_| "its definition is not UTF-8 text")?;
         Definitions::parse(dialect, &schema.name, text)
     }
@@ -53,13 +58,13 @@ impl Topic {
 
 /// A bag: its files and what they hold.
 #[derive(Clone, Debug)]
-pub(super) struct Bag {
+pub(in crate::robot_log) struct Bag {
     pub(super) path: PathBuf,
     files: Vec<PathBuf>,
     /// By name.
     topics: BTreeMap<String, Topic>,
     /// What the user should know.
-    pub(super) notes: Vec<String>,
+    pub(in crate::robot_log) notes: Vec<String>,
 }
 
 /// A message of a bag.
@@ -76,17 +81,15 @@ impl Bag {
     ///
     /// # Errors
     /// If it cannot be read, is of another format or is damaged.
-    pub(super) fn open(path: &Path) -> Result<Self, BagError> {
+    pub(in crate::robot_log) fn open(path: &Path) -> Result<Self, BagError> {
         let mut bag = Self { path: path.to_owned(), files: files(path)?, topics: BTreeMap::new(), notes: Vec::new() };
         let Self { files, topics, notes, .. } = &mut bag;
         for file in files {
-            let damage = scan::<BagError>(file, &mut |piece| {
-                if let Piece::Message { channel, data, .. } = piece {
-                    match topics.get_mut(&channel.topic) {
-                        Some(topic) => topic.count(channel),
-                        None => {
-                            topics.insert(channel.topic.clone(), Topic::new(channel, data));
-                        }
+            let damage = scan_messages::<BagError>(file, &mut |channel, _, data| {
+                match topics.get_mut(&channel.topic) {
+                    Some(topic) => topic.count(channel),
+                    None => {
+                        topics.insert(channel.topic.clone(), Topic::new(channel, data));
                     }
                 }
                 Ok(())
@@ -113,11 +116,8 @@ impl Bag {
         mut visit: impl FnMut(Message<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         for file in &self.files {
-            let damage = scan::<E>(file, &mut |piece| match piece {
-                Piece::Message { channel, header, data } => {
-                    visit(Message { topic: &channel.topic, log_ns: header.log_time, data })
-                }
-                _ => Ok(()),
+            let damage = scan_messages::<E>(file, &mut |channel, log_ns, data| {
+                visit(Message { topic: &channel.topic, log_ns, data })
             })?;
             match damage {
                 Some(damage) if damage.kind == DamageKind::Corrupt => {
@@ -178,6 +178,22 @@ impl Topic {
         };
         self.is_mixed |= !is_same || self.encoding != channel.message_encoding;
     }
+}
+
+/// Calls `visit` with each message of a file: its channel, when it was recorded (ns), and its octets. Returns the damage that
+/// ended the reading, if any.
+fn scan_messages<E: From<BagError> + From<crate::mcap_file::McapFileError>>(
+    file: &Path,
+    visit: &mut impl FnMut(&Channel<'static>, u64, &[u8]) -> Result<(), E>,
+) -> Result<Option<Damage>, E> {
+    #[cfg(feature = "sqlite-bags")]
+    if super::files::is_sqlite(file) {
+        return super::sqlite::scan(file, visit).map(|()| None);
+    }
+    scan::<E>(file, &mut |piece| match piece {
+        Piece::Message { channel, header, data } => visit(channel, header.log_time, data),
+        _ => Ok(()),
+    })
 }
 
 /// Whether the MCAP file `path` is a bag and not a recording of ours or of another program.

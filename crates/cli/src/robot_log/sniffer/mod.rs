@@ -24,11 +24,10 @@ use self::sender::{Heard, PanNames, Sender, SenderAddress};
 use self::skipped::{Count, Skipped};
 use super::error::RobotLogError;
 use super::gatherer::Gatherer;
-use super::log::RobotLog;
-use super::options::ReadOptions;
 use super::packet::Packet;
-use super::path::Path;
+use super::reciprocal::Roles;
 use super::sniffer_error::SnifferError;
+use super::sniffer_options::SnifferOptions;
 
 /// Whether the file `path` is a capture.
 #[must_use]
@@ -36,14 +35,21 @@ pub(super) fn is_capture(path: &FilePath) -> bool {
     path.is_file() && container::is_capture(path)
 }
 
-/// Reads the packets of `captures`, which a sniffer on a robot with the given path made.
+/// Gives the packets of `captures` to `gatherer`. If roles are turned, each capture is that of a receiver with the name of the
+/// file.
 ///
 /// # Errors
-/// If a capture cannot be read or is of another technology, or no packet was heard on the path.
-pub(super) fn read(captures: &[PathBuf], path: Path, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+/// If a capture cannot be read or is of another technology, or two would be of one receiver.
+pub(super) fn read(
+    captures: &[PathBuf],
+    options: &SnifferOptions,
+    roles: &mut Roles,
+    gatherer: &mut Gatherer,
+    notes: &mut Vec<String>,
+) -> Result<(), RobotLogError> {
     let mut pans = BTreeSet::new();
     for capture in captures {
-        frames::<SnifferError>(capture, options.sniffer.pan, &mut |_, frame| {
+        frames::<SnifferError>(capture, options.pan, &mut |_, frame| {
             if let Ok(Heard { sender: Sender { pan, address: SenderAddress::Short(_) }, .. }) = frame {
                 pans.insert(pan);
             }
@@ -51,7 +57,6 @@ pub(super) fn read(captures: &[PathBuf], path: Path, options: &ReadOptions) -> R
         })?;
     }
     let pan_names = if pans.len() > 1 { PanNames::Several } else { PanNames::One };
-    let mut notes = Vec::new();
     if pan_names == PanNames::Several {
         let names: Vec<_> =
             pans.iter().map(|pan| pan.map_or("none".to_owned(), |pan| format!("{pan:#06x}"))).collect();
@@ -60,30 +65,49 @@ pub(super) fn read(captures: &[PathBuf], path: Path, options: &ReadOptions) -> R
             names.join(", ")
         ));
     }
-    let mut gatherer = Gatherer::new(path, options)?;
+    let mut receivers = BTreeSet::new();
     for capture in captures {
-        notes.extend(gather(capture, pan_names, options, &mut gatherer)?);
+        let receiver = capture.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if matches!(roles, Roles::Turned(_)) && !receivers.insert(receiver.clone()) {
+            let problem = format!(
+                "two captures are of the receiver `{receiver}`: with `--reciprocal`, the name of a file is that \
+                of its receiver"
+            );
+            return Err(RobotLogError::Form { problem });
+        }
+        notes.extend(gather(capture, pan_names, options, (roles, &receiver), gatherer)?);
     }
-    let mut log = gatherer.finish()?;
-    notes.append(&mut log.notes);
-    Ok(RobotLog { notes, ..log })
+    Ok(())
 }
 
 /// Gives the packets of a capture to `gatherer`. Returns what the user should know.
 fn gather(
     capture: &FilePath,
     pans: PanNames,
-    options: &ReadOptions,
+    options: &SnifferOptions,
+    (roles, receiver): (&mut Roles, &str),
     gatherer: &mut Gatherer,
 ) -> Result<Vec<String>, RobotLogError> {
     let mut count = Count::default();
     let mut name = String::new();
-    let end = frames::<RobotLogError>(capture, options.sniffer.pan, &mut |time, frame| {
+    let end = frames::<RobotLogError>(capture, options.pan, &mut |time, frame| {
         count.take(&frame);
         let Ok(Heard { sender, rssi_dbm }) = frame else { return Ok(()) };
         name.clear();
         sender.write(pans, &mut name).expect("a string grows");
-        gatherer.take(Packet { rssi_dbm, ..Packet::new(time, &name) })
+        let node = match roles {
+            Roles::Usual => &name,
+            Roles::Turned(transmitter) => {
+                let is_wanted = transmitter.is_the_one(&name);
+                let problem =
+                    |problem| RobotLogError::Form { problem: format!("`{}`: {problem}", capture.display()) };
+                if !is_wanted.map_err(problem)? {
+                    return Ok(());
+                }
+                receiver
+            }
+        };
+        gatherer.take(Packet { rssi_dbm, ..Packet::new(time, node) })
     })?;
     let reasons = count.reasons();
     let mut skipped = if reasons.is_empty() { String::new() } else { format!("; skipped: {reasons}") };

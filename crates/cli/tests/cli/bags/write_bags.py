@@ -7,6 +7,7 @@ seconds 1 to 4, node 2 in second 2. Messages are recorded 20 ms after their stam
 
 import math
 import shutil
+import sqlite3
 from pathlib import Path
 
 import numpy as np
@@ -328,6 +329,23 @@ def with_rosbags(folder, rows, compress=False):
             writer.write(connections[topic], ns + DELAY_NS, TYPES.serialize_cdr(message, kind))
 
 
+def with_sqlite(folder, rows, is_humble=False):
+    """A folder as `ros2 bag record -s sqlite3` writes it; before Iron the file had no definitions of messages."""
+    shutil.rmtree(folder, ignore_errors=True)
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connections = {}
+        for topic, kind, ns, message in rows:
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, kind, typestore=TYPES)
+            writer.write(connections[topic], ns + DELAY_NS, TYPES.serialize_cdr(message, kind))
+    with sqlite3.connect(folder / f"{folder.name}.db3", isolation_level=None) as file:
+        if is_humble:
+            file.execute("DROP TABLE message_definitions")
+            file.execute("ALTER TABLE topics DROP COLUMN type_description_hash")
+        file.execute("PRAGMA page_size = 512")
+        file.execute("VACUUM")
+
+
 def with_mcap(path, rows, types, serialize, profile, compression):
     """A file as other programs write it."""
     ros = 1 if profile == "ros1" else 2
@@ -370,6 +388,9 @@ def main():
     with_rosbags(HERE / "odometry", drive_odometry(TYPES))
     split(HERE / "split", drive_odometry(TYPES))
     with_rosbags(HERE / "transforms", drive_transforms(TYPES), compress=True)
+
+    with_sqlite(HERE / "sqlite", drive_odometry(TYPES))
+    with_sqlite(HERE / "sqlite_humble", drive_odometry(TYPES), is_humble=True)
 
     def big(message, kind):
         return TYPES.serialize_cdr(message, kind, little_endian=False)

@@ -143,11 +143,11 @@ fn errors_name_the_file_and_the_line() {
 fn a_folder_has_one_log() {
     let error = |files: &[(&str, &str)]| try_read(files).unwrap_err().to_string();
     let both = error(&[("path.csv", PATH), ("packets.csv", PACKETS), ("stops.csv", "stop,x_m,y_m\n")]);
-    assert!(both.contains("has both packets.csv and stops.csv"), "{both}");
+    assert!(both.contains("has both packets.csv, path.csv and stops.csv"), "{both}");
     let alone = error(&[("path.csv", PATH)]);
     assert!(alone.contains("has path.csv, but no packets.csv"), "{alone}");
     let pathless = error(&[("packets.csv", PACKETS)]);
-    assert!(pathless.contains("cannot read") && pathless.contains("path.csv"), "{pathless}");
+    assert!(pathless.contains("not where the robot was: give its path with `--path FILE`"), "{pathless}");
     let empty = error(&[]);
     assert!(
         empty.contains("has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv"),

@@ -169,7 +169,7 @@ fn errors_in_cells_name_file_line_column_and_allowed_values() {
         (STOPS, "node,stop,received\nlamp,C,1\n", "receptions.csv, line 2, column `stop`: found `C`; allowed: one of the 2 stops in stops.csv, from `A` to `B`".to_owned()),
         ("stop,t_s,x_m,y_m\n0,0,NaN,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found `NaN`; allowed: a finite number".to_owned()),
         ("stop,t_s,x_m,y_m\n0,0,,0\n", RECEPTIONS, "stops.csv, line 2, column `x_m`: found ``; allowed: a number of metres from -1e9 to 1e9".to_owned()),
-        ("stop,t_s,x_m,y_m\n0,-1,0,0\n", RECEPTIONS, "stops.csv, line 2, column `t_s`: found `-1`; allowed: seconds as a decimal number, at least 0 and below 18446744073".to_owned()),
+        ("stop,t_s,x_m,y_m\n0,-1,0,0\n", RECEPTIONS, "stops.csv, line 2, column `t_s`: found `-1`; allowed: seconds as a decimal number, at least 0 and below 18446744073, or a time as 2026-11-22T15:04:05Z".to_owned()),
         ("stop,t_s,x_m,y_m\n0,0,0,0\n0,1,1,1\n", RECEPTIONS, "stops.csv, line 3, column `stop`: found `0`; allowed: each stop once; this stop is already given above".to_owned()),
     ] {
         assert_eq!(refusal(stops, receptions), expected);
@@ -181,13 +181,16 @@ fn errors_in_rows_and_headers_name_the_line() {
     for (receptions, expected) in [
         (
             "node,stop,recieved\nlamp,A,1\n",
-            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? Otherwise rename or remove it; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
+            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? Otherwise rename or remove it, or give `--packet-fields received=recieved`; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
         ),
         (
             "node,stop\nlamp,A\n",
             "receptions.csv, line 1: column `received` is missing; the first line must name the columns: node,stop,received (or node,stop,rssi_dbm, if each row is a packet)",
         ),
-        ("", "receptions.csv, line 1: column `node` is missing; the first line must name the columns: node,stop"),
+        (
+            "",
+            "receptions.csv, line 1: column `node` is missing; the first line must name the columns: node,stop, or give `--packet-fields node=NAME`",
+        ),
         ("node,stop,received,stop\n", "receptions.csv, line 1: column `stop` appears twice"),
         ("node,stop,received\nlamp,A,1\nlamp,B\n", "receptions.csv, line 3: 2 cells, but the header has 3 columns"),
     ] {

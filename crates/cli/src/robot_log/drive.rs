@@ -1,0 +1,117 @@
+//! A path and packets, from any files: `path.csv` and `packets.csv`, a bag, captures, GPX and others.
+
+use super::bag::{Bag, BagPackets, BagPath};
+use super::bag_options::BagClock;
+use super::error::RobotLogError;
+use super::field_names::FieldNames;
+use super::form::{PacketKind, PathKind};
+use super::gatherer::Gatherer;
+use super::layout::{Drive, PacketPart};
+use super::log::RobotLog;
+use super::options::ReadOptions;
+use super::packets::Robots;
+use super::paths::Paths;
+use super::reciprocal::Roles;
+use super::{folder, gpx, nmea, packets, path_file, sniffer, stops, tum};
+
+/// Reads the log. Times of all files are in one clock: seconds since 1970, or any other start that is the same in both files.
+pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    let Drive { path, packets, folder } = drive;
+    let mut notes = Vec::new();
+    let path_bag = (path.kind == PathKind::Bag).then(|| Bag::open(&path.file)).transpose()?;
+    let packet_bag = match (packets.kind, packets.files.as_slice()) {
+        (PacketKind::Bag, [file, ..]) if path_bag.is_none() || *file != path.file => Some(Bag::open(file)?),
+        _ => None,
+    };
+    for bag in path_bag.iter().chain(&packet_bag) {
+        notes.extend(bag.notes.iter().cloned());
+    }
+    let bag_path = path_bag.as_ref().map(|bag| BagPath::read(bag, &options.bag)).transpose()?;
+    let heard_in = if packets.kind == PacketKind::Bag { packet_bag.as_ref().or(path_bag.as_ref()) } else { None };
+    let bag_packets = heard_in.map(|bag| BagPackets::choose(bag, options)).transpose()?;
+    let has_stamps =
+        bag_path.as_ref().is_none_or(BagPath::has_stamps) && bag_packets.as_ref().is_none_or(BagPackets::has_stamps);
+    let clock = options.bag.bag_clock.unwrap_or(if has_stamps { BagClock::Stamp } else { BagClock::Log });
+    tell_bags(drive, (bag_path.as_ref(), bag_packets.as_ref()), clock, &mut notes);
+
+    let Paths { paths, mut robots, is_named, plane } = match &bag_path {
+        Some(bag) => Paths::of_one(bag.path(clock)?, bag.plane()),
+        None => match path.kind {
+            PathKind::Tum => tum::read(&path.file)?,
+            PathKind::Gpx => gpx::read(&path.file, &mut notes)?,
+            PathKind::Nmea => nmea::read(&path.file, &mut notes)?,
+            PathKind::Csv | PathKind::Bag => {
+                let names = FieldNames::of_places(options.form.path_fields.as_ref());
+                path_file::read(&path.file, &names, &mut notes)?
+            }
+        },
+    };
+    if paths.len() > 1 && packets.kind != PacketKind::Csv {
+        let robots = paths.len();
+        let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the packets");
+        return Err(RobotLogError::Row { path: path.file.clone(), line: 1, problem });
+    }
+    let with_path = paths.len();
+    let contacts = match folder {
+        Some(folder) => stops::read_contacts(&folder.join(folder::CONTACTS), plane, &mut robots, &mut notes)?,
+        None => Vec::new(),
+    };
+    let names = robots.into_vec();
+    let known = if is_named { &names[..with_path] } else { &[] };
+    let mut gatherer = Gatherer::of_robots(paths, names.clone(), options)?.with_contacts(contacts);
+    let mut roles = Roles::of(&options.form);
+    match (&bag_packets, packets) {
+        (Some(bag), _) => {
+            let delay = bag.gather(clock, &mut roles, &mut gatherer, &mut notes)?;
+            if let (Some(path), BagClock::Stamp) = (&bag_path, clock) {
+                notes.extend(path.least_delay().differs(delay));
+            }
+        }
+        (None, PacketPart { kind: PacketKind::Captures, files }) => {
+            sniffer::read(files, &options.sniffer, &mut roles, &mut gatherer, &mut notes)?;
+        }
+        (None, PacketPart { files, .. }) => {
+            let fields = FieldNames::of_packets(options.form.packet_fields.as_ref());
+            let robots = Robots { names: known, path: &path.name() };
+            for file in files {
+                packets::read(file, &fields, robots, &mut roles, &mut gatherer, &mut notes)?;
+            }
+        }
+    }
+    roles.tell(&mut notes)?;
+    let gathered = gatherer.finish()?;
+    let log = match folder {
+        Some(folder) => folder::with_sectors(folder, gathered.log, &mut notes)?,
+        None => gathered.log,
+    };
+    notes.extend(gathered.notes);
+    Ok(RobotLog { log, plane, notes })
+}
+
+/// Notes what is read from bags.
+fn tell_bags(
+    Drive { path: path_part, packets: packet_part, .. }: &Drive,
+    (path, packets): (Option<&BagPath<'_>>, Option<&BagPackets<'_>>),
+    clock: BagClock,
+    notes: &mut Vec<String>,
+) {
+    let times = match clock {
+        BagClock::Stamp => "the stamps of the messages",
+        BagClock::Log => "when the messages were recorded",
+    };
+    let read = match (path, packets) {
+        (None, None) => return,
+        (Some(path), Some(packets)) => {
+            format!("the path is that of {}, the packets are those of {}", path.described(), packets.described())
+        }
+        (Some(path), None) => {
+            format!("the path is that of {}, the packets are those of {}", path.described(), packet_part.name())
+        }
+        (None, Some(packets)) => {
+            format!("the path is that of {}, the packets are those of {}", path_part.name(), packets.described())
+        }
+    };
+    let whose = if path.is_some() && packets.is_some() { "the times" } else { "the times of the bag" };
+    notes.push(format!("{read}, {whose} are {times}"));
+    notes.extend(path.iter().flat_map(|path| path.notes()));
+}

@@ -1,0 +1,155 @@
+//! How a user's files name columns and fields: `node=src,rssi_dbm=rssi`.
+
+use std::fmt;
+
+/// The names of columns or fields in a file, by what they mean.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FieldNames {
+    /// The flag that gave them, or would.
+    flag: Option<&'static str>,
+    pairs: Vec<(&'static str, String)>,
+}
+
+/// What a list of packets, or of receptions, can hold.
+const OF_PACKETS: [&str; 13] = [
+    "node", "receiver", "stop", "t_s", "t_ms", "t_us", "t_ns", "rssi_dbm", "snr_db", "sector", "robot", "received",
+    "sent",
+];
+
+/// What a list of places can hold.
+const OF_PLACES: [&str; 13] =
+    ["stop", "t_s", "t_ms", "t_us", "t_ns", "x_m", "y_m", "z_m", "lat", "lon", "alt_m", "robot", "sent"];
+
+impl FieldNames {
+    /// The names of the user for what packets have, or none.
+    pub(super) fn of_packets(given: Option<&Self>) -> Self {
+        given.cloned().unwrap_or(Self { flag: Some(PACKET_FIELDS), pairs: Vec::new() })
+    }
+
+    /// The names of the user for what places have, or none.
+    pub(super) fn of_places(given: Option<&Self>) -> Self {
+        given.cloned().unwrap_or(Self { flag: Some(PATH_FIELDS), pairs: Vec::new() })
+    }
+
+    /// Reads the value of `--packet-fields`.
+    ///
+    /// # Errors
+    /// If a key is unknown or given twice, or a name is missing.
+    pub fn parse_packets(text: &str) -> Result<Self, String> {
+        Self::parse(text, PACKET_FIELDS, &OF_PACKETS)
+    }
+
+    /// Reads the value of `--path-fields`.
+    ///
+    /// # Errors
+    /// If a key is unknown or given twice, or a name is missing.
+    pub fn parse_places(text: &str) -> Result<Self, String> {
+        Self::parse(text, PATH_FIELDS, &OF_PLACES)
+    }
+
+    fn parse(text: &str, flag: &'static str, keys: &[&'static str]) -> Result<Self, String> {
+        let mut pairs: Vec<(&'static str, String)> = Vec::new();
+        for part in text.split(',') {
+            let (key, name) = part.split_once('=').unwrap_or((part, ""));
+            let (key, name) = (key.trim(), name.trim());
+            if name.is_empty() {
+                return Err(format!("found `{part}`; allowed: KEY=NAME, joined by commas"));
+            }
+            let known = keys.iter().find(|known| **known == key);
+            let key = known.ok_or_else(|| format!("unknown key `{key}`; allowed: {}", keys.join(", ")))?;
+            if pairs.iter().any(|(other, _)| other == key) {
+                return Err(format!("`{key}` is given twice"));
+            }
+            if let Some((other, _)) = pairs.iter().find(|(_, other)| other == name) {
+                return Err(format!("`{name}` is both `{other}` and `{key}`"));
+            }
+            pairs.push((key, name.to_owned()));
+        }
+        Ok(Self { flag: Some(flag), pairs })
+    }
+
+    /// The name of `key`, if the user gave one.
+    pub(super) fn name(&self, key: &str) -> Option<&str> {
+        self.pairs.iter().find(|(known, _)| *known == key).map(|(_, name)| name.as_str())
+    }
+
+    /// The keys for which the user gave names.
+    pub(super) fn keys(&self) -> impl Iterator<Item = &'static str> {
+        self.pairs.iter().map(|(key, _)| *key)
+    }
+
+    /// What the columns `written` are: the known names that the user gives them, or their own. A column with the known name
+    /// that the user gives to another one is none: it has no name.
+    pub(super) fn rename(&self, written: &[String], known: &[&'static str]) -> Result<Vec<String>, String> {
+        let flag = self.flag.unwrap_or_default();
+        let own = |name: &String| if self.name(name).is_some() { String::new() } else { name.clone() };
+        let mut columns: Vec<String> = written.iter().map(own).collect();
+        for (key, name) in &self.pairs {
+            if !known.contains(key) {
+                return Err(format!(
+                    "`{flag}` has `{key}={name}`, but this file has no `{key}`; allowed: {}",
+                    known.join(", ")
+                ));
+            }
+            let at = written.iter().position(|column| column == name).ok_or_else(|| {
+                format!(
+                    "`{flag}` has `{key}={name}`, but there is no column `{name}`; the columns are: {}",
+                    written.join(", ")
+                )
+            })?;
+            columns[at] = (*key).to_owned();
+        }
+        Ok(columns)
+    }
+
+    /// How to say that the column `written` is the known one `key`, for an error.
+    pub(super) fn hint(&self, key: &str, written: &str) -> String {
+        self.flag.map_or_else(String::new, |flag| format!(", or give `{flag} {key}={written}`"))
+    }
+}
+
+impl fmt::Display for FieldNames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (key, name)) in self.pairs.iter().enumerate() {
+            write!(f, "{}{key}={name}", if index == 0 { "" } else { "," })?;
+        }
+        Ok(())
+    }
+}
+
+/// The flag that names what packets have.
+const PACKET_FIELDS: &str = "--packet-fields";
+/// The flag that names what places have.
+const PATH_FIELDS: &str = "--path-fields";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_written_as_they_are_read() {
+        let text = "node=beacons[].id,rssi_dbm=beacons[].rssi,t_ms=#time [ms]";
+        assert_eq!(FieldNames::parse_packets(text).unwrap().to_string(), text);
+        for (text, problem) in [
+            ("node=a,node=b", "`node` is given twice"),
+            ("node=a,rssi=b", "unknown key `rssi`; allowed: node, receiver"),
+            ("node=a,t_s=a", "`a` is both `node` and `t_s`"),
+            ("src", "found `src`; allowed: KEY=NAME"),
+            ("node=", "found `node=`; allowed: KEY=NAME"),
+        ] {
+            let found = FieldNames::parse_packets(text).unwrap_err();
+            assert!(found.starts_with(problem), "{found}");
+        }
+    }
+
+    #[test]
+    fn a_column_gives_way_to_the_one_that_the_user_names() {
+        let names = FieldNames::parse_places("t_s=time").unwrap();
+        let written = ["t_s", "time", "x_m"].map(str::to_owned);
+        assert_eq!(names.rename(&written, &["t_s", "x_m"]).unwrap(), ["", "t_s", "x_m"]);
+        let problem = names.rename(&written[..1], &["t_s", "x_m"]).unwrap_err();
+        assert_eq!(problem, "`--path-fields` has `t_s=time`, but there is no column `time`; the columns are: t_s");
+        let problem = names.rename(&written, &["x_m"]).unwrap_err();
+        assert_eq!(problem, "`--path-fields` has `t_s=time`, but this file has no `t_s`; allowed: x_m");
+    }
+}

@@ -1,0 +1,140 @@
+//! The forms of logs, and the flags that each has.
+
+use std::fmt;
+use std::path::Path;
+
+use super::error::RobotLogError;
+use super::options::{ReadOptions, StopRule};
+
+/// What gives the path of a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PathKind {
+    Csv,
+    Tum,
+    Gpx,
+    Nmea,
+    Bag,
+}
+
+/// What gives the packets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PacketKind {
+    Csv,
+    Captures,
+    Bag,
+}
+
+/// The form of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// A recording of `run`.
+    Recording,
+    /// Stops and receptions.
+    Stops,
+    /// A row a stop, a column a node.
+    Wide,
+    /// A path and packets.
+    Drive(PathKind, PacketKind),
+}
+
+impl fmt::Display for Form {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (path, packets) = match self {
+            Self::Recording => return f.write_str("a recording of `run`"),
+            Self::Stops => return f.write_str("a folder with stops"),
+            Self::Wide => return f.write_str("a table with a column a node"),
+            Self::Drive(PathKind::Bag, PacketKind::Bag) => return f.write_str("a ROS bag"),
+            Self::Drive(path, packets) => (path, packets),
+        };
+        let path = match path {
+            PathKind::Csv => "a CSV file",
+            PathKind::Tum => "a TUM file",
+            PathKind::Gpx => "a GPX file",
+            PathKind::Nmea => "an NMEA file",
+            PathKind::Bag => "a ROS bag",
+        };
+        let packets = match packets {
+            PacketKind::Csv => "a CSV file",
+            PacketKind::Captures => "the capture of a sniffer",
+            PacketKind::Bag => "a ROS bag",
+        };
+        write!(f, "a log with its path from {path} and its packets from {packets}")
+    }
+}
+
+/// What flags are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Use {
+    RobotLog,
+    Drive,
+    Wide,
+    BagPath,
+    BagPackets,
+    Bag,
+    Captures,
+    CsvPlaces,
+    PacketFields,
+    Lora,
+}
+
+impl Use {
+    fn is_for(self, form: Form) -> bool {
+        match (self, form) {
+            (Self::RobotLog, form) => form != Form::Recording,
+            (Self::Drive, Form::Drive(..)) | (Self::Wide, Form::Wide) => true,
+            (Self::BagPath, Form::Drive(path, _)) => path == PathKind::Bag,
+            (Self::BagPackets, Form::Drive(_, packets)) => packets == PacketKind::Bag,
+            (Self::Bag, Form::Drive(path, packets)) => path == PathKind::Bag || packets == PacketKind::Bag,
+            (Self::Captures, Form::Drive(_, packets)) => packets == PacketKind::Captures,
+            (Self::CsvPlaces, Form::Stops | Form::Wide) => true,
+            (Self::CsvPlaces, Form::Drive(path, _)) => path == PathKind::Csv,
+            (Self::PacketFields | Self::Lora, Form::Stops) => true,
+            (Self::PacketFields | Self::Lora, Form::Drive(_, packets)) => packets != PacketKind::Captures,
+            _ => false,
+        }
+    }
+
+    const fn meant(self) -> &'static str {
+        match self {
+            Self::RobotLog => "logs of robots",
+            Self::Drive => "logs of packets and a path",
+            Self::Wide => "tables with a row a stop and a column a node",
+            Self::BagPath | Self::BagPackets | Self::Bag => "ROS bags",
+            Self::Captures => "captures of sniffers",
+            Self::CsvPlaces => "paths and stops in CSV files",
+            Self::PacketFields => "packets in CSV files and ROS bags",
+            Self::Lora => "packets with RSSI and SNR, in CSV files and ROS bags",
+        }
+    }
+}
+
+/// Refuses the flags of `options` that are for another form of log.
+pub(super) fn refuse(path: &Path, form: Form, options: &ReadOptions) -> Result<(), RobotLogError> {
+    let ReadOptions { stop_every, packet_interval_s, form: of_form, bag, sniffer } = options;
+    let flags = [
+        ("--stop-every", *stop_every != StopRule::Automatic, Use::Drive),
+        ("--packet-interval", packet_interval_s.is_some(), Use::Drive),
+        ("--path", of_form.path.is_some(), Use::Drive),
+        ("--packets", of_form.packets.is_some(), Use::Drive),
+        ("--pose-topic", bag.pose_topic.is_some(), Use::BagPath),
+        ("--child-frame", bag.child_frame.is_some(), Use::BagPath),
+        ("--fixed-frame", bag.fixed_frame.is_some(), Use::BagPath),
+        ("--packet-topic", bag.packet_topic.is_some(), Use::BagPackets),
+        ("--bag-clock", bag.bag_clock.is_some(), Use::Bag),
+        ("--pan", sniffer.pan.is_some(), Use::Captures),
+        ("--packet-fields", of_form.packet_fields.is_some(), Use::PacketFields),
+        ("--path-fields", of_form.path_fields.is_some(), Use::CsvPlaces),
+        ("--missing", !of_form.missing.is_empty(), Use::Wide),
+        ("--node-columns", !of_form.node_columns.is_empty(), Use::Wide),
+        ("--reciprocal", of_form.reciprocal, Use::RobotLog),
+        ("--transmitter", of_form.transmitter.is_some(), Use::Drive),
+        ("--noise-floor", of_form.noise_floor.is_some(), Use::RobotLog),
+        ("--lora", of_form.lora, Use::Lora),
+    ];
+    match flags.into_iter().find(|(_, is_given, meant)| *is_given && !meant.is_for(form)) {
+        Some((flag, _, meant)) => {
+            Err(RobotLogError::Flag { path: path.to_owned(), flag, meant: meant.meant(), found: form.to_string() })
+        }
+        None => Ok(()),
+    }
+}

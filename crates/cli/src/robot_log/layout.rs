@@ -1,0 +1,315 @@
+//! Where the parts of a log are: which files of a folder, or which files that flags name.
+
+use std::path::{Path, PathBuf};
+
+use super::error::RobotLogError;
+use super::form::{Form, PacketKind, PathKind};
+use super::form_options::FormOptions;
+use super::header::{Known, Others};
+use super::table::Table;
+use super::{bag, field_names::FieldNames, folder, nmea, sniffer, tum};
+
+/// The parts of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Layout {
+    /// `stops.csv` and `receptions.csv` in a folder.
+    Stops(PathBuf),
+    /// A table with a row a stop and a column a node, and the folder with what belongs to it.
+    Wide { table: PathBuf, folder: Option<PathBuf> },
+    /// A path and packets.
+    Drive(Drive),
+}
+
+/// A path and packets.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Drive {
+    pub(super) path: PathPart,
+    pub(super) packets: PacketPart,
+    /// The folder with what belongs to them.
+    pub(super) folder: Option<PathBuf>,
+}
+
+/// What gives the path of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PathPart {
+    pub(super) kind: PathKind,
+    pub(super) file: PathBuf,
+}
+
+/// What gives the packets.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PacketPart {
+    pub(super) kind: PacketKind,
+    /// At least one; several are captures.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// What a file or folder holds.
+#[derive(Default)]
+struct Holding {
+    folder: Option<PathBuf>,
+    stops: Option<&'static str>,
+    tables: Vec<PathBuf>,
+    paths: Vec<PathPart>,
+    packets: Vec<PacketPart>,
+}
+
+impl Layout {
+    /// The parts of the log `path`, or those that flags name.
+    ///
+    /// # Errors
+    /// If a part is missing, or there are several and no flag chooses.
+    pub(super) fn of(path: &Path, form: &FormOptions) -> Result<Self, RobotLogError> {
+        let owned = || path.to_owned();
+        let holding = if path.is_dir() { Holding::of_folder(path)? } else { Holding::of_file(path, form) };
+        let Holding { folder, stops, tables, paths, packets } = holding;
+        if let (Some(stops), None) = (stops, &form.packets) {
+            let mut others: Vec<String> = packets.iter().map(PacketPart::name).collect();
+            let alone = paths.iter().filter(|path| path.kind != PathKind::Bag).map(PathPart::name);
+            others.extend(alone);
+            if !others.is_empty() {
+                return Err(RobotLogError::TwoLogs { path: owned(), others, stops });
+            }
+            return Ok(Self::Stops(owned()));
+        }
+        let packets = match (&form.packets, packets.as_slice()) {
+            (Some(_), [_]) if folder.is_none() && (paths.is_empty() || form.path.is_some()) => {
+                return Err(RobotLogError::Unused { path: owned(), what: "packets", flag: "--packets" });
+            }
+            (Some(file), _) => PacketPart::of(file)?,
+            (None, [only]) => only.clone(),
+            (None, []) => {
+                let is_table = form.path.is_none() && paths.is_empty();
+                if let ([table], false) = (tables.as_slice(), is_table) {
+                    // Beside a path, the only table has the packets.
+                    let packets = PacketPart { kind: PacketKind::Csv, files: vec![table.clone()] };
+                    return Self::drive(path, form, &paths, packets, folder);
+                }
+                return match tables.as_slice() {
+                    [table] if is_table => Ok(Self::Wide { table: table.clone(), folder }),
+                    [] if is_table => Err(RobotLogError::NoLog { path: owned() }),
+                    several if is_table => {
+                        let found = several.iter().map(|table| file_name(table)).collect();
+                        Err(RobotLogError::SeveralTables { path: owned(), found })
+                    }
+                    _ => {
+                        let found = paths.first().map_or_else(|| "a path".to_owned(), PathPart::name);
+                        Err(RobotLogError::NoPacketFile { path: owned(), found })
+                    }
+                };
+            }
+            (None, several) => {
+                let found = several.iter().map(PacketPart::name).collect();
+                return Err(RobotLogError::Several { path: owned(), what: "packets", found, flag: "--packets" });
+            }
+        };
+        Self::drive(path, form, &paths, packets, folder)
+    }
+
+    /// The packets with the path that a flag names, or the only one of `paths` in the log.
+    fn drive(
+        log: &Path,
+        form: &FormOptions,
+        paths: &[PathPart],
+        packets: PacketPart,
+        folder: Option<PathBuf>,
+    ) -> Result<Self, RobotLogError> {
+        let owned = || log.to_owned();
+        let path = match (&form.path, paths) {
+            (Some(_), [_]) if folder.is_none() && form.packets.is_some() => {
+                return Err(RobotLogError::Unused { path: owned(), what: "the path", flag: "--path" });
+            }
+            (Some(file), _) => PathPart::of(file)?,
+            (None, [only]) => only.clone(),
+            (None, []) => return Err(RobotLogError::NoPath { path: owned() }),
+            (None, several) => {
+                let found = several.iter().map(PathPart::name).collect();
+                return Err(RobotLogError::Several { path: owned(), what: "path", found, flag: "--path" });
+            }
+        };
+        Ok(Self::Drive(Drive { path, packets, folder }))
+    }
+
+    /// The form of the log.
+    pub(super) const fn form(&self) -> Form {
+        match self {
+            Self::Stops(_) => Form::Stops,
+            Self::Wide { .. } => Form::Wide,
+            Self::Drive(Drive { path, packets, .. }) => Form::Drive(path.kind, packets.kind),
+        }
+    }
+}
+
+impl Holding {
+    /// What the files of a folder are.
+    fn of_folder(folder: &Path) -> Result<Self, RobotLogError> {
+        let entries = std::fs::read_dir(folder).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
+        let entries = entries.map_err(|why| RobotLogError::read(folder, why))?;
+        let mut files: Vec<PathBuf> =
+            entries.iter().map(std::fs::DirEntry::path).filter(|path| path.is_file()).collect();
+        files.sort();
+        let mut holding = Self { folder: Some(folder.to_owned()), ..Self::default() };
+        let mut captures = Vec::new();
+        for file in files {
+            let name = file_name(&file);
+            let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+            match (name.as_str(), extension.as_deref()) {
+                (folder::STOPS, _) => holding.stops = Some(folder::STOPS),
+                (folder::RECEPTIONS, _) => holding.stops = holding.stops.or(Some(folder::RECEPTIONS)),
+                (folder::PACKETS, _) => holding.packets.push(PacketPart { kind: PacketKind::Csv, files: vec![file] }),
+                (folder::PATH, _) => holding.paths.push(PathPart { kind: PathKind::Csv, file }),
+                (folder::CONTACTS | folder::SECTORS | folder::NODES | folder::NAMES, _) => {}
+                (_, Some("gpx")) => holding.paths.push(PathPart { kind: PathKind::Gpx, file }),
+                (_, Some("nmea")) => holding.paths.push(PathPart { kind: PathKind::Nmea, file }),
+                (_, Some("tum")) => holding.paths.push(PathPart { kind: PathKind::Tum, file }),
+                (_, Some("csv" | "tsv")) => holding.tables.push(file),
+                _ if sniffer::is_capture(&file) => captures.push(file),
+                _ => {}
+            }
+        }
+        if !captures.is_empty() {
+            holding.packets.push(PacketPart { kind: PacketKind::Captures, files: captures });
+        }
+        let is_alone = holding.stops.is_none() && holding.packets.is_empty() && holding.paths.is_empty();
+        // A folder with nothing else is opened as a bag, so that the error tells what is wrong with it.
+        if bag::holds_bag(folder) || is_alone && holding.tables.is_empty() && bag::is_bag(folder) {
+            holding.add_bag(folder);
+        }
+        Ok(holding)
+    }
+
+    /// What a file is. A CSV file has packets if it names nodes or a flag names the path, a path if a flag names the packets,
+    /// else it is a wide table.
+    fn of_file(file: &Path, form: &FormOptions) -> Self {
+        let mut holding = Self::default();
+        if bag::is_bag(file) {
+            holding.add_bag(file);
+        } else if sniffer::is_capture(file) {
+            holding.packets.push(PacketPart { kind: PacketKind::Captures, files: vec![file.to_owned()] });
+        } else {
+            let kind = path_kind(file);
+            if kind != PathKind::Csv || form.packets.is_some() && !names_nodes(file, form) {
+                holding.paths.push(PathPart { kind, file: file.to_owned() });
+            } else if form.path.is_some() || names_nodes(file, form) {
+                holding.packets.push(PacketPart { kind: PacketKind::Csv, files: vec![file.to_owned()] });
+            } else {
+                holding.tables.push(file.to_owned());
+            }
+        }
+        holding
+    }
+
+    /// A bag has both, as far as can be told without reading it.
+    fn add_bag(&mut self, bag: &Path) {
+        self.paths.push(PathPart { kind: PathKind::Bag, file: bag.to_owned() });
+        self.packets.push(PacketPart { kind: PacketKind::Bag, files: vec![bag.to_owned()] });
+    }
+}
+
+impl PathPart {
+    /// What the file that a flag names is.
+    fn of(file: &Path) -> Result<Self, RobotLogError> {
+        readable(file)?;
+        let kind = if bag::is_bag(file) { PathKind::Bag } else { path_kind(file) };
+        Ok(Self { kind, file: file.to_owned() })
+    }
+
+    /// For errors.
+    pub(super) fn name(&self) -> String {
+        if self.kind == PathKind::Bag {
+            format!("the bag `{}`", file_name(&self.file))
+        } else {
+            file_name(&self.file)
+        }
+    }
+}
+
+impl PacketPart {
+    /// What the file that a flag names is.
+    fn of(file: &Path) -> Result<Self, RobotLogError> {
+        readable(file)?;
+        let (kind, files) = if file.is_dir() && !bag::holds_bag(file) {
+            let holding = Holding::of_folder(file)?;
+            let captures = holding.packets.into_iter().find(|part| part.kind == PacketKind::Captures);
+            let captures = captures.ok_or_else(|| RobotLogError::Form {
+                problem: format!(
+                    "`--packets` is the folder `{}`, which has neither captures nor a bag",
+                    file.display()
+                ),
+            })?;
+            (captures.kind, captures.files)
+        } else if bag::is_bag(file) {
+            (PacketKind::Bag, vec![file.to_owned()])
+        } else if sniffer::is_capture(file) {
+            (PacketKind::Captures, vec![file.to_owned()])
+        } else {
+            (PacketKind::Csv, vec![file.to_owned()])
+        };
+        Ok(Self { kind, files })
+    }
+
+    /// For errors.
+    pub(super) fn name(&self) -> String {
+        match (self.kind, self.files.as_slice()) {
+            (PacketKind::Bag, [bag, ..]) => format!("the bag `{}`", file_name(bag)),
+            (_, [first, _, ..]) => format!("{} and {} more captures", file_name(first), self.files.len() - 1),
+            (_, files) => files.first().map(|file| file_name(file)).unwrap_or_default(),
+        }
+    }
+}
+
+/// Whether the file `path` can be part of a log: a table, or a path.
+pub(super) fn is_part(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let is_table = || ["csv", "tsv", "txt"].iter().any(|&known| extension.as_deref() == Some(known));
+    path.is_file() && (is_table() || path_kind(path) != PathKind::Csv)
+}
+
+fn readable(file: &Path) -> Result<(), RobotLogError> {
+    std::fs::metadata(file).map(drop).map_err(|why| RobotLogError::read(file, why))
+}
+
+/// The name of a file without its folder.
+fn file_name(file: &Path) -> String {
+    file.file_name().map_or_else(|| file.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What the file is by its first lines, if it is no bag.
+fn path_kind(file: &Path) -> PathKind {
+    let start = start(file);
+    let text = start.trim_start_matches('\u{feff}').trim_start();
+    if text.starts_with('<') && text.contains("<gpx") {
+        return PathKind::Gpx;
+    }
+    if text.lines().any(nmea::is_sentence) {
+        return PathKind::Nmea;
+    }
+    match text.lines().find(|line| !tum::is_blank(line)) {
+        Some(line) if tum::is_pose(line) => PathKind::Tum,
+        _ => PathKind::Csv,
+    }
+}
+
+/// The first octets of a file as text, up to the last whole line of these; empty if it cannot be read.
+fn start(file: &Path) -> String {
+    use std::io::Read;
+    const LONGEST: u64 = 1 << 14;
+    let mut octets = Vec::new();
+    let read = std::fs::File::open(file).and_then(|file| file.take(LONGEST).read_to_end(&mut octets));
+    if read.is_err() {
+        return String::new();
+    }
+    if octets.len() as u64 == LONGEST {
+        octets.truncate(octets.iter().rposition(|&octet| octet == b'\n').unwrap_or(octets.len()));
+    }
+    String::from_utf8_lossy(&octets).into_owned()
+}
+
+/// Whether a CSV file has a column with the names of nodes.
+fn names_nodes(file: &Path, form: &FormOptions) -> bool {
+    let none = FieldNames::default();
+    let known = Known { required: &[], optional: &[], names: &none, others: Others::Ignored };
+    let given = |key: &str| form.packet_fields.as_ref().and_then(|names| names.name(key));
+    let is_node = |name: &str| ["node", "receiver"].iter().any(|&key| name == given(key).unwrap_or(key));
+    Table::open_known(file, known).is_ok_and(|table| table.unknown().any(|(_, name)| is_node(name)))
+}

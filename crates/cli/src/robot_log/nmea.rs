@@ -1,0 +1,222 @@
+//! Paths in NMEA 0183: the sentences of a satellite receiver.
+//!
+//! GGA has the place with its height and the time of the day, RMC the place and the date, ZDA the date. So the places are those
+//! of GGA, if the file has any, and the day is that of the nearest RMC or ZDA before.
+
+use std::path::Path as FilePath;
+
+use sextant_kernel::SimTime;
+
+use super::error::RobotLogError;
+use super::fix::{Fix, Track};
+use super::instant;
+use super::path::Path;
+use super::paths::Paths;
+
+const SECOND_NS: i64 = 1_000_000_000;
+const DAY_NS: i64 = 86_400 * SECOND_NS;
+
+/// Where the receiver was at a time of the day.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    lat_deg: f64,
+    lon_deg: f64,
+    height_m: Option<f64>,
+}
+
+/// A sentence that is of use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sentence {
+    line: usize,
+    kind: Kind,
+    /// Time of the day (ns).
+    of_day_ns: i64,
+    /// Days since 1970, if it has the date.
+    day: Option<i64>,
+    /// `None` if there is no fix.
+    place: Option<Place>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Gga,
+    Rmc,
+    Zda,
+}
+
+/// Reads the path in the file `path`. Sentences with a wrong checksum, and those without a fix, are skipped.
+pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
+    let octets = std::fs::read(path).map_err(|why| RobotLogError::read(path, why))?;
+    let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
+    let mut sentences = Vec::new();
+    let mut damaged = 0_u64;
+    for (line, text) in (1..).zip(octets.split(|&octet| octet == b'\n')) {
+        match sentence(line, &String::from_utf8_lossy(text)) {
+            Ok(found) => sentences.extend(found),
+            Err(Damaged) => damaged += 1,
+        }
+    }
+    let kind = if sentences.iter().any(|at| at.kind == Kind::Gga) { Kind::Gga } else { Kind::Rmc };
+    let (mut track, mut lines, mut lost) = (Track::default(), Vec::new(), 0_u64);
+    let first = sentences.iter().find_map(Sentence::date);
+    let Some(mut date_ns) = first else {
+        let problem = format!(
+            "no sentence has a date (RMC or ZDA), so the times of the packets cannot be told; {damaged} sentences have a wrong \
+             checksum"
+        );
+        return Err(wrong(1, problem));
+    };
+    for at in &sentences {
+        date_ns = at.date().unwrap_or(date_ns);
+        if at.kind != kind {
+            continue;
+        }
+        let Some(Place { lat_deg, lon_deg, height_m }) = at.place else {
+            lost += 1;
+            continue;
+        };
+        // The day that is nearest to the last date: midnight may be between them.
+        let days = (date_ns - at.of_day_ns + DAY_NS / 2).div_euclid(DAY_NS);
+        let Ok(time_ns) = u64::try_from(days * DAY_NS + at.of_day_ns) else {
+            return Err(wrong(at.line, "its date is before 1970".to_owned()));
+        };
+        let fix = Fix { time: SimTime::from_nanos(time_ns), lat_deg, lon_deg, height_m };
+        track.add(fix).map_err(|problem| wrong(at.line, problem))?;
+        lines.push(at.line);
+    }
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    if damaged > 0 {
+        notes.push(format!("{file}: {damaged} sentences with a wrong checksum are skipped"));
+    }
+    if lost > 0 {
+        notes.push(format!("{file}: {lost} sentences without a fix are skipped"));
+    }
+    let plane = track.plane;
+    let path = Path::new(track.poses).map_err(|why| match why.index() {
+        Some(index) => wrong(lines[index], why.to_string()),
+        None => RobotLogError::Path { path: path.to_owned(), why },
+    })?;
+    Ok(Paths::of_one(path, plane))
+}
+
+impl Sentence {
+    /// Its date and time of the day (ns since 1970).
+    fn date(&self) -> Option<i64> {
+        Some(self.day? * DAY_NS + self.of_day_ns)
+    }
+}
+
+/// The sentence is not as it was sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Damaged;
+
+/// Whether `line` holds a sentence that gives a place.
+pub(super) fn is_sentence(line: &str) -> bool {
+    body(line).is_ok_and(|body| body.is_some_and(|body| kind(body).is_some()))
+}
+
+/// What stands between `$` and the checksum; `None` if there is no sentence in the line.
+fn body(line: &str) -> Result<Option<&str>, Damaged> {
+    // Some loggers write the time of the computer before each sentence.
+    let Some(at) = line.find('$') else { return Ok(None) };
+    let text = line[at + 1..].trim_end();
+    let Some((body, checksum)) = text.rsplit_once('*') else { return Ok(Some(text)) };
+    let stated = u8::from_str_radix(checksum.get(..2).unwrap_or(checksum), 16).map_err(|_| Damaged)?;
+    let found = body.bytes().fold(0, |sum, octet| sum ^ octet);
+    if found == stated { Ok(Some(body)) } else { Err(Damaged) }
+}
+
+/// The kind of a sentence, whatever system of satellites it is from: `GPGGA`, `GNGGA`.
+fn kind(body: &str) -> Option<Kind> {
+    match body.split(',').next()?.get(2..)? {
+        "GGA" => Some(Kind::Gga),
+        "RMC" => Some(Kind::Rmc),
+        "ZDA" => Some(Kind::Zda),
+        _ => None,
+    }
+}
+
+/// The sentence in a line, if it is one of use.
+fn sentence(line: usize, text: &str) -> Result<Option<Sentence>, Damaged> {
+    let Some(body) = body(text)? else { return Ok(None) };
+    let Some(kind) = kind(body) else { return Ok(None) };
+    let fields: Vec<&str> = body.split(',').collect();
+    let field = |at: usize| fields.get(at).copied().unwrap_or("");
+    // A receiver that has no time yet leaves it out.
+    let Some(of_day_ns) = time_of_day(field(1)) else { return Ok(None) };
+    let place = |at: usize, height_m: Option<f64>| {
+        let lat_deg = angle(field(at), field(at + 1), ["N", "S"])?;
+        let lon_deg = angle(field(at + 2), field(at + 3), ["E", "W"])?;
+        Some(Place { lat_deg, lon_deg, height_m })
+    };
+    let (day, place) = match kind {
+        Kind::Gga => (None, place(2, field(9).parse().ok()).filter(|_| !["", "0"].contains(&field(6)))),
+        Kind::Rmc => (date(field(9)), place(3, None).filter(|_| field(2) == "A")),
+        Kind::Zda => (date_of(field(2), field(3), field(4).parse().ok()), None),
+    };
+    Ok(Some(Sentence { line, kind, of_day_ns, day, place }))
+}
+
+/// `hhmmss.sss` in nanoseconds.
+fn time_of_day(text: &str) -> Option<i64> {
+    let [hours, minutes] = [text.get(..2)?, text.get(2..4)?];
+    let seconds = i64::try_from(instant::parse(text.get(4..)?)?.as_nanos()).ok().filter(|&ns| ns < 61 * SECOND_NS)?;
+    Some((3600 * instant::two_digits(hours, 23)? + 60 * instant::two_digits(minutes, 59)?) * SECOND_NS + seconds)
+}
+
+/// `ddmmyy` in days since 1970. Years are from 1980 to 2079.
+fn date(text: &str) -> Option<i64> {
+    let year = instant::two_digits(text.get(4..)?, 99)?;
+    date_of(text.get(..2)?, text.get(2..4)?, Some(if year < 80 { 2000 + year } else { 1900 + year }))
+}
+
+fn date_of(day: &str, month: &str, year: Option<i64>) -> Option<i64> {
+    let (day, month) = (instant::two_digits(day, 31)?, instant::two_digits(month, 12)?);
+    let year = year.filter(|year| (1970..=2200).contains(year))?;
+    (day > 0 && month > 0).then(|| instant::days_since_1970(year, month, day))
+}
+
+/// `ddmm.mmm` or `dddmm.mmm` in degrees, negative on the second of the two sides.
+fn angle(text: &str, side: &str, sides: [&str; 2]) -> Option<f64> {
+    let whole = text.find('.').unwrap_or(text.len());
+    let (degrees, minutes) = text.split_at_checked(whole.checked_sub(2)?)?;
+    let degrees: f64 = degrees.parse::<u32>().ok()?.into();
+    let minutes: f64 = minutes.parse().ok().filter(|minutes| (0.0..60.0).contains(minutes))?;
+    let angle_deg = degrees + minutes / 60.0;
+    match side {
+        _ if side == sides[0] => Some(angle_deg),
+        _ if side == sides[1] => Some(-angle_deg),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GGA: &str = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47";
+
+    #[test]
+    fn the_example_of_the_standard_is_read() {
+        let found = sentence(1, GGA).unwrap().unwrap();
+        assert_eq!((found.of_day_ns, found.day), (((12 * 60 + 35) * 60 + 19) * SECOND_NS, None));
+        let place = found.place.unwrap();
+        assert!((place.lat_deg - 48.1173).abs() < 1e-9 && (place.lon_deg - (11.0 + 31.0 / 60.0)).abs() < 1e-9);
+        assert_eq!(place.height_m, Some(545.4));
+        let rmc = "$GPRMC,123519,A,4807.038,N,01131.000,W,022.4,084.4,230394,003.1,W*78";
+        let found = sentence(1, rmc).unwrap().unwrap();
+        assert_eq!(found.day, Some(instant::days_since_1970(1994, 3, 23)));
+        assert!((found.place.unwrap().lon_deg + 11.516_666).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_wrong_checksum_is_noticed() {
+        assert_eq!(sentence(1, &GGA.replace("545", "546")), Err(Damaged));
+        assert_eq!(sentence(1, &GGA.replace("*47", "*zz")), Err(Damaged));
+        assert!(sentence(1, GGA.trim_end_matches("*47")).unwrap().is_some());
+        assert_eq!(sentence(1, "hello"), Ok(None));
+        // Without a fix there is no place.
+        let lost = "$GPGGA,123519,,,,,0,00,,,M,,M,,";
+        assert_eq!(sentence(1, lost).unwrap().unwrap().place, None);
+    }
+}
