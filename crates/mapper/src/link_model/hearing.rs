@@ -27,8 +27,8 @@ const LEAST_LINKS: usize = 12;
 /// Only every third margin counts: the search needs no more.
 const EVERY: usize = 3;
 /// Bounds of the fading and of the error of a strength (dB).
-const FADINGS_DB: [f64; 2] = [1.0, 8.0];
-const ERRORS_DB: [f64; 2] = [0.3, 3.0];
+const FADINGS_DB: [f64; 2] = [1.0, 10.0];
+const ERRORS_DB: [f64; 2] = [0.3, 8.0];
 /// Usual values of both, and a factor by which they often differ.
 const USUAL_FADING_DB: f64 = 3.5;
 const USUAL_ERROR_DB: f64 = 1.2;

@@ -6,7 +6,7 @@ use super::links::Links;
 const USUAL: f64 = 0.02;
 const USUAL_PAIRS: f64 = 20.0;
 /// The same where silence is doubted.
-const DOUBTED: f64 = 0.3;
+const DOUBTED: f64 = 0.04;
 /// Weight of what the log says for one of its places, and for one of its nodes, as a number of pairs.
 const OF_PLACE: f64 = 4.0;
 const OF_NODE: f64 = 8.0;
