@@ -34,6 +34,8 @@ pub(super) struct Pair {
     pub(super) position: Position,
     pub(super) received: u32,
     pub(super) sent: u32,
+    /// Mean strength of the packets received (dBm), if it was measured.
+    pub(super) rssi_dbm: Option<f64>,
 }
 
 impl Folds {
@@ -86,13 +88,24 @@ impl Folds {
 impl Fold<'_> {
     /// The pairs of `node` and the stops of the fold, without those that were not tried.
     pub(super) fn pairs(&self, node: usize) -> impl Iterator<Item = Pair> {
+        self.pairs_at(node, true)
+    }
+
+    /// The pairs of `node` and the other stops, without those that were not tried.
+    pub(super) fn others(&self, node: usize) -> impl Iterator<Item = Pair> {
+        self.pairs_at(node, false)
+    }
+
+    fn pairs_at(&self, node: usize, is_left_out: bool) -> impl Iterator<Item = Pair> {
         let mut heard = self.all.of(NodeId::from_index(node)).iter().peekable();
         let stops = self.all.stops().iter().zip(self.fold_of).enumerate();
         let pairs: Vec<Pair> = stops
             .filter_map(|(number, (stop, &of))| {
                 let listed = heard.next_if(|reception| reception.stop as usize == number);
                 let (received, sent) = listed.map_or((0, 1), |reception| (reception.received, reception.sent));
-                (of == self.number && sent > 0).then_some(Pair { position: stop.position, received, sent })
+                let rssi_dbm = listed.and_then(|reception| reception.rssi_dbm).filter(|_| received > 0);
+                let pair = Pair { position: stop.position, received, sent, rssi_dbm };
+                ((of == self.number) == is_left_out && sent > 0).then_some(pair)
             })
             .collect();
         pairs.into_iter()

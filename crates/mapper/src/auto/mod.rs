@@ -1,5 +1,6 @@
 //! The estimator that suits a log, chosen by the log.
 
+mod fall_of_strength;
 mod folds;
 mod predict;
 mod score;

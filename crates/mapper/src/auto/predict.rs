@@ -3,11 +3,12 @@
 use sextant_channel::{Position, ReceptionLog};
 
 use super::EstimatorFit;
+use super::fall_of_strength::FallOfStrength;
 use super::folds::{Fold, Pair};
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
 use crate::normal::{below, quantile};
-use crate::{Estimate, TopologyMap};
+use crate::{Calibration, Estimate, TopologyMap};
 
 /// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.
 const POINTS: [(f64, f64); 3] =
@@ -17,6 +18,13 @@ const POINTS: [(f64, f64); 3] =
 /// Without a curve it predicts the usual share.
 pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&EstimatorFit>, predicted: &mut Predicted) {
     let usual = fold.usual_share();
+    let absorbed = |place, stop| match fit {
+        Some(EstimatorFit::Calibration(Calibration { obstacles: Some(obstacles), .. })) => {
+            obstacles.absorbed(place, stop)
+        }
+        _ => 0.0,
+    };
+    let strengths = FallOfStrength::of(fold, map, &absorbed);
     for (node, estimate) in map.estimates.iter().enumerate() {
         let points = estimate.as_ref().map(points);
         for pair in fold.pairs(node) {
@@ -27,7 +35,15 @@ pub(super) fn independent(fold: &Fold<'_>, map: &TopologyMap, fit: Option<&Estim
                     .sum(),
                 _ => binomial(usual, &pair),
             };
-            predicted.take(node, share, pair.sent);
+            let density = pair.rssi_dbm.zip(strengths.as_ref()).map(|(rssi_dbm, strengths)| {
+                let Some(points) = &points else { return strengths.density(None, rssi_dbm) };
+                let each = points.iter().map(|&(place, weight)| {
+                    let absorbed = absorbed(place, pair.position);
+                    weight * strengths.density(Some((node, place.distance_m(pair.position), absorbed)), rssi_dbm)
+                });
+                each.sum()
+            });
+            predicted.take(node, share, pair.sent, density);
         }
     }
 }
@@ -82,6 +98,7 @@ pub(super) fn by_links(
     predicted: &mut Predicted,
 ) {
     let predictor = fit.and_then(|fit| Predictor::new(log, fit));
+    let strengths = FallOfStrength::of(fold, map, &|_, _| 0.0);
     let usual = fold.usual_share();
     for (node, estimate) in map.estimates.iter().enumerate() {
         let pairs: Vec<Pair> = fold.pairs(node).collect();
@@ -95,7 +112,12 @@ pub(super) fn by_links(
                 Some((margins, predictor)) => predictor.probability(&margins[number], pair.received, pair.sent),
                 None => binomial(usual, pair),
             };
-            predicted.take(node, probability, pair.sent);
+            let density = pair.rssi_dbm.and_then(|rssi_dbm| {
+                let (margins, predictor) = margins.as_ref().zip(predictor.as_ref())?;
+                predictor.strength_density(&margins[number], [pair.received, pair.sent], rssi_dbm)
+            });
+            let usual = || pair.rssi_dbm.zip(strengths.as_ref()).map(|(dbm, strengths)| strengths.density(None, dbm));
+            predicted.take(node, probability, pair.sent, density.or_else(usual));
         }
     }
 }

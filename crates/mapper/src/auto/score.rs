@@ -5,7 +5,8 @@
 pub struct Score {
     /// Name of the estimator.
     pub estimator: &'static str,
-    /// Mean logarithm of the probability that it gave to what was heard of a node at a stop that was left out (nats).
+    /// Mean logarithm of the probability that it gave to what was heard of a node at a stop that was left out (nats): of the
+    /// number of packets, times the density of their strength (1/dB) if they have one.
     pub log_probability: f64,
     /// Standard error of its difference to the highest score; 0 for the highest.
     pub error: f64,
@@ -23,15 +24,20 @@ pub(super) struct Predicted {
 /// happen is wrong, but not infinitely so.
 const SURPRISE: f64 = 1e-3;
 
+/// Strengths that nobody expects are anywhere in this range (dB).
+const WIDTH_DB: f64 = 80.0;
+
 impl Predicted {
     pub(super) fn new(nodes: usize) -> Self {
         Self { by_node: vec![(0.0, 0); nodes] }
     }
 
-    /// Takes the `probability` of what was heard of `node` when `sent` packets were sent.
-    pub(super) fn take(&mut self, node: usize, probability: f64, sent: u32) {
+    /// Takes the `probability` of what was heard of `node` when `sent` packets were sent, and the `density` of its strength
+    /// (1/dB), if it has one.
+    pub(super) fn take(&mut self, node: usize, probability: f64, sent: u32, density: Option<f64>) {
         let probability = (1.0 - SURPRISE) * probability + SURPRISE / (f64::from(sent) + 1.0);
-        self.by_node[node].0 += libm::log(probability);
+        let density = density.map_or(1.0, |density| (1.0 - SURPRISE) * density + SURPRISE / WIDTH_DB);
+        self.by_node[node].0 += libm::log(probability) + libm::log(density);
         self.by_node[node].1 += 1;
     }
 
@@ -100,7 +106,7 @@ mod tests {
     fn predicted(probabilities: &[f64]) -> Predicted {
         let mut predicted = Predicted::new(probabilities.len());
         for (node, &probability) in probabilities.iter().enumerate() {
-            predicted.take(node, probability, 1);
+            predicted.take(node, probability, 1, None);
         }
         predicted
     }

@@ -69,7 +69,7 @@ pub(super) fn find(
         samples.par_iter_mut().for_each(|Sample { evidence, grid }| {
             let posterior = evidence.posterior(&law, grid, &mut Vec::new());
             let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
-            evidence.set_outages(&outages.of_node(&pairs));
+            evidence.set_outages(outages, &pairs);
             evidence.refine(&law, grid, &posterior, &thinned, hearing);
             if pass == 0 {
                 let posterior = evidence.posterior(&law, grid, &mut Vec::new());

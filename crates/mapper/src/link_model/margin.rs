@@ -77,7 +77,7 @@ impl Receiver {
     }
 }
 
-/// The probability of the packets of a link if its margin is normally distributed. With `outage` the link is dead.
+/// The probability of the packets of a link if its margin is normally distributed, unless it is dead.
 pub(super) fn probability(losses: Losses, link: &Link, mean: f64, deviation: f64) -> f64 {
     const POINTS: u32 = 48;
     let (received, sent) = (f64::from(link.received), f64::from(link.sent));
@@ -92,6 +92,31 @@ pub(super) fn probability(losses: Losses, link: &Link, mean: f64, deviation: f64
     }
     let alive = (sum / total).min(1.0);
     if link.received == 0 { link.outage + (1.0 - link.outage) * alive } else { (1.0 - link.outage) * alive }
+}
+
+/// Density of the mean strength of the packets of a link that was received (1/dB), given their number, if its margin is
+/// normally distributed.
+pub(super) fn strength_density(losses: Losses, receiver: &Receiver, link: &Link, mean: f64, deviation: f64) -> f64 {
+    const POINTS: u32 = 96;
+    let Some(rssi_dbm) = link.rssi_dbm else { return 1.0 };
+    let logs = (0..=POINTS).map(|point| {
+        let at = 10.0 * f64::from(point) / f64::from(POINTS) - 5.0;
+        let margin = mean + deviation * at;
+        let count = losses.log_probability(link.received, link.sent, below(margin)) - 0.5 * at * at;
+        let mills = density(margin) / below(margin).max(1e-300);
+        let excess = if margin < LOWEST { 0.0 } else { margin + mills };
+        let share = if margin < LOWEST { 0.02 } else { (1.0 - mills * (margin + mills)).max(0.02) };
+        let variance = receiver.variance_db2(link, share);
+        let error = rssi_dbm - receiver.threshold_dbm - receiver.fading_db * excess;
+        let strength = -0.5 * (error * error / variance + libm::log(std::f64::consts::TAU * variance));
+        (count, count + strength)
+    });
+    let logs: Vec<(f64, f64)> = logs.collect();
+    let highest = logs.iter().map(|&(count, _)| count).fold(f64::NEG_INFINITY, f64::max);
+    let sums = logs.iter().fold((0.0, 0.0), |(counts, both), &(count, joint)| {
+        (counts + libm::exp(count - highest), both + libm::exp(joint - highest))
+    });
+    sums.1 / sums.0.max(1e-300)
 }
 
 /// A normal approximation of what a link says of its margin.

@@ -272,7 +272,7 @@ impl Fitted<'_> {
     /// Weighs silence and margins where a posterior places the node.
     fn weigh(&self, evidence: &mut Evidence<'_>, grid: &Grid, posterior: &Posterior) {
         let pairs = evidence.pairs(&self.law, grid, posterior, self.links, self.hearing);
-        evidence.set_outages(&self.outages.of_node(&pairs));
+        evidence.set_outages(self.outages, &pairs);
         evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
     }
 

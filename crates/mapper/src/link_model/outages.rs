@@ -7,10 +7,15 @@ const USUAL: f64 = 0.02;
 const USUAL_PAIRS: f64 = 20.0;
 /// The same where silence is doubted.
 const DOUBTED: f64 = 0.04;
+/// Outages that are rarer are silence that the law explains badly, and half of them count at most.
+const RARE: f64 = 0.03;
+/// Outages are frequent from here on.
+const FREQUENT: f64 = 0.05;
 /// Weight of what the log says for one of its places, and for one of its nodes, as a number of pairs.
 const OF_PLACE: f64 = 4.0;
 const OF_NODE: f64 = 8.0;
-/// Most probable outage.
+/// Least and most probable outage.
+const LEAST: f64 = 0.002;
 const MOST: f64 = 0.9;
 /// A pair counts by this power of the probability with which it would have been heard: silence that power may have caused
 /// tells nothing of outages.
@@ -56,12 +61,18 @@ impl Outages {
                 all = (all.0 + dead, all.1 + weight);
                 each[pair.place] = (each[pair.place].0 + dead, each[pair.place].1 + weight);
             }
-            found.of_log = (all.0 / all.1).min(MOST);
+            let share = all.0 / all.1;
+            found.of_log = (share * share / (share + RARE)).clamp(LEAST, MOST);
             for (place, (dead, weight)) in found.of_place.iter_mut().zip(each) {
                 *place = ((OF_PLACE * found.of_log + dead) / (OF_PLACE + weight)).min(MOST);
             }
         }
         found
+    }
+
+    /// Whether outages are more than single cases that a law misses.
+    pub(super) fn are_frequent(&self) -> bool {
+        self.of_log > FREQUENT
     }
 
     /// The probability of an outage of one node at each of its `pairs`: its own part comes from these pairs.

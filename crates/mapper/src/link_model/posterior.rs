@@ -28,6 +28,8 @@ pub(super) const LEAST_SPREAD: f64 = 0.3;
 pub(super) struct Evidence<'a> {
     node: &'a NodeLinks,
     links: Vec<Link>,
+    /// Whether silence is expected by the other links of the node, and not by its place alone.
+    doubts_silence: bool,
     arrangement: Arrangement,
     /// In the order of the arrangement.
     places: Vec<Position>,
@@ -73,7 +75,7 @@ impl<'a> Evidence<'a> {
         let own = node.links.iter().map(|link| Link { outage: outages.of_log, ..*link });
         let links: Vec<Link> = own.collect();
         let sites = links.iter().map(|link| Site::of(link, hearing, UNKNOWN[0], UNKNOWN[1])).collect();
-        Self { node, links, arrangement, places, bounds: window.of(node), sites }
+        Self { node, links, doubts_silence: outages.are_frequent(), arrangement, places, bounds: window.of(node), sites }
     }
 
     pub(super) fn node(&self) -> &'a NodeLinks {
@@ -173,9 +175,10 @@ impl<'a> Evidence<'a> {
         self.links.iter().zip(expected).map(pair).collect()
     }
 
-    /// Sets how probable it is that each link is dead, in the order of the links.
-    pub(super) fn set_outages(&mut self, outages: &[f64]) {
-        for (link, &outage) in self.links.iter_mut().zip(outages) {
+    /// Sets how probable it is that each link is dead, where these are the `pairs` of the node.
+    pub(super) fn set_outages(&mut self, outages: &Outages, pairs: &[Pair]) {
+        self.doubts_silence = outages.are_frequent();
+        for (link, outage) in self.links.iter_mut().zip(outages.of_node(pairs)) {
             link.outage = outage;
         }
     }
@@ -216,7 +219,7 @@ impl<'a> Evidence<'a> {
             })
             .collect();
         for (number, (link, told)) in self.links.iter().zip(&mut told).enumerate() {
-            if link.received == 0 {
+            if self.doubts_silence && link.received == 0 {
                 *told = conditioned(law, *told, number, links.places[link.place], &known);
             }
         }

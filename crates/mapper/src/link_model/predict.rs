@@ -120,4 +120,18 @@ impl Predictor {
         let link = Link { place: 0, received, sent, rssi_dbm: None, outage: self.outage };
         super::margin::probability(self.hearing.counts.losses(), &link, margin.mean, margin.variance.sqrt())
     }
+
+    /// Density of the mean strength of the packets of a link with this margin that was received (1/dB); `None` if strengths are
+    /// not used.
+    pub(crate) fn strength_density(
+        &self,
+        margin: &PredictedMargin,
+        [received, sent]: [u32; 2],
+        rssi_dbm: f64,
+    ) -> Option<f64> {
+        let receiver = self.hearing.receiver.as_ref()?;
+        let link = Link { place: 0, received, sent, rssi_dbm: Some(rssi_dbm), outage: 0.0 };
+        let (losses, deviation) = (self.hearing.counts.losses(), margin.variance.sqrt());
+        Some(super::margin::strength_density(losses, receiver, &link, margin.mean, deviation))
+    }
 }
