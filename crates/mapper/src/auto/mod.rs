@@ -1,5 +1,6 @@
 //! The estimator that suits a log, chosen by the log.
 
+mod agreement;
 mod fall_of_strength;
 mod folds;
 mod predict;
@@ -40,10 +41,11 @@ impl Default for AutoConfig {
 /// Several estimators, of which the log chooses one.
 ///
 /// The stops are cut into a few folds of neighbours. Each estimator maps some of the nodes without the stops of one fold,
-/// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out. The
-/// self-calibrated map and the fitted grid take packets as independent: the first of them maps the log, the second if it is
-/// better by two standard errors, and neither if the link model is better than it by as much. A packet centroid, whose predictions are those of the link model at its places, must be
-/// clearly better than the link model. A log with too few stops or nodes for folds is mapped by the link model.
+/// then without those of the next. Its score is how probable it finds what was heard at the stops that were left out: packets,
+/// and their strengths where the log has them. The self-calibrated map and the fitted grid take packets as independent: one of
+/// them maps the log if it predicts as well as the link model does, the first of them unless the second is better by two
+/// standard errors. Their regions are enlarged until they explain how far their maps from parts of the stops differ. A packet
+/// centroid, whose predictions are those of the link model at its places, must be clearly better than the link model. A log with too few stops or nodes for folds is mapped by the link model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Auto {
     rssi: bool,
@@ -64,6 +66,9 @@ pub struct Choice {
     pub chosen: &'static str,
     /// What it estimated with the map.
     pub fit: Option<EstimatorFit>,
+    /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
+    /// its own regions tell.
+    pub enlargement: f64,
 }
 
 /// What an estimator estimated with its map.
@@ -125,22 +130,26 @@ impl Auto {
             candidates.extend(self.centroids.iter().map(Candidate::Centroid));
         }
         let mut predicted = Vec::new();
+        let mut parts = vec![Vec::new(); candidates.len()];
         if candidates.len() > 1
             && let Some(folds) = Folds::of(log, self.is_spatial(log, reach_m))
         {
             predicted = vec![Predicted::new(folds.nodes()); candidates.len()];
             for fold in folds.iter() {
-                self.predict(&fold, &candidates, &mut predicted, watch)?;
+                self.predict(&fold, &candidates, &mut predicted, &mut parts, watch)?;
             }
         }
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
-        let candidate = chosen(&candidates, &predicted);
+        let number = chosen(&candidates, &predicted);
+        let candidate = candidates[number];
         let (mut map, fit) = candidate.map(log, prior, watch)?;
+        let enlargement = agreement::enlargement(&parts[number]);
+        enlarge(&mut map, enlargement);
         if let Candidate::Centroid(_) = candidate {
             self.lend_regions(&mut map, log, watch)?;
         }
         map.algorithm = Self::NAME;
-        let choice = Choice { scores, chosen: candidate.name(), fit };
+        let choice = Choice { scores, chosen: candidate.name(), fit, enlargement };
         Ok(if map.mapped() == 0 { (map, None) } else { (map, Some(choice)) })
     }
 
@@ -150,16 +159,17 @@ impl Auto {
         heights.is_some_and(|heights| heights.high_m > heights.low_m)
     }
 
-    /// Takes what each candidate predicts of `fold`.
+    /// Takes what each candidate predicts of `fold`, and the maps of those that have regions of their own that nobody checked.
     fn predict(
         &self,
         fold: &Fold<'_>,
         candidates: &[Candidate<'_>],
         predicted: &mut [Predicted],
+        parts: &mut [Vec<TopologyMap>],
         watch: &dyn Watch,
     ) -> Result<(), MapError> {
         let (of_links, law) = self.link_model.map(&fold.rest, None, watch)?;
-        for (candidate, predicted) in candidates.iter().zip(predicted) {
+        for ((candidate, predicted), parts) in candidates.iter().zip(predicted).zip(parts) {
             match candidate {
                 Candidate::LinkModel(_) => predict::by_links(fold, &fold.rest, law.as_ref(), &of_links, predicted),
                 // A place without a radio model: the law of links tells what it predicts.
@@ -169,6 +179,7 @@ impl Auto {
                 Candidate::Fitted(_) | Candidate::SelfCalibrated(_) => {
                     let (map, fit) = candidate.map(&fold.rest, None, watch)?;
                     predict::independent(fold, &map, fit.as_ref(), predicted);
+                    parts.push(map);
                 }
             }
         }
@@ -195,17 +206,24 @@ impl Auto {
     }
 }
 
-/// The candidate that the predictions choose; without any, the first one.
-fn chosen<'a>(candidates: &[Candidate<'a>], predicted: &[Predicted]) -> Candidate<'a> {
+/// Enlarges the variances of a map by a factor.
+fn enlarge(map: &mut TopologyMap, factor: f64) {
+    for covariance in map.estimates.iter_mut().flatten().filter_map(|estimate| estimate.covariance.as_mut()) {
+        *covariance = covariance.map(|row| row.map(|entry| factor * entry));
+    }
+}
+
+/// The number of the candidate that the predictions choose; without any, the first one.
+fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> usize {
     if predicted.is_empty() {
-        return candidates[0];
+        return 0;
     }
     let numbers = |is: fn(&Candidate<'_>) -> bool| -> Vec<usize> {
         (0..candidates.len()).filter(|&number| is(&candidates[number])).collect()
     };
     let independent = numbers(|one| matches!(one, Candidate::Fitted(_) | Candidate::SelfCalibrated(_)));
     let places = numbers(|one| matches!(one, Candidate::Centroid(_)));
-    candidates[score::best(predicted, 0, &independent, &places)]
+    score::best(predicted, 0, &independent, &places)
 }
 
 impl Candidate<'_> {

@@ -75,10 +75,9 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
 /// trust: a later one must be better than those before it by two standard errors), of that of links
 /// (`links`), or of one that has places only (`places`), whose predictions are those of the law of links at its places.
 ///
-/// Estimators of independent packets are taken if the log does not refute them: the link model must be better by two standard
-/// errors. Where packets are independent, the others place nodes better than it; where they are not, they are refuted by
-/// far. Predictions by one law depend little on the places, so that one with places only must be better than the link model
-/// by [`CLEARLY`].
+/// Estimators of independent packets are taken if they predict as well as the link model does: where packets are
+/// independent, they place nodes better than it; where they are not, they are refuted. Predictions by one law depend little on
+/// the places, so that one with places only must be better than the link model by [`CLEARLY`].
 pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize], places: &[usize]) -> usize {
     let highest = |numbers: &[usize]| {
         let by_mean = |a: &&usize, b: &&usize| predicted[**a].mean().total_cmp(&predicted[**b].mean()).then(b.cmp(a));
@@ -90,7 +89,7 @@ pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize],
     let trusted =
         independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
     match trusted {
-        Some(number) if !is_surely_better(links, number) => number,
+        Some(number) if gain(number, links) >= 0.0 => number,
         _ => highest(places).filter(|&number| gain(number, links) > CLEARLY).unwrap_or(links),
     }
 }
@@ -112,12 +111,13 @@ mod tests {
     }
 
     #[test]
-    fn independent_packets_are_believed_until_the_log_refutes_them() {
+    fn independent_packets_are_believed_where_they_predict_as_well_as_the_link_model() {
         let grid = predicted(&[0.5, 0.5, 0.5, 0.5]);
         let surely = predicted(&[0.6, 0.61, 0.6, 0.61]);
         let hardly = predicted(&[0.9, 0.2, 0.9, 0.5]);
         assert_eq!(best(&[surely.clone(), grid.clone()], 0, &[1], &[]), 0);
-        assert_eq!(best(&[hardly, grid.clone()], 0, &[1], &[]), 1);
+        assert_eq!(best(&[grid.clone(), grid.clone()], 0, &[1], &[]), 1);
+        assert_eq!(best(&[grid.clone(), surely.clone(), hardly], 0, &[1, 2], &[]), 1, "the order of trust");
         assert_eq!(best(&[grid.clone(), grid.clone(), surely.clone()], 0, &[1, 2], &[]), 2);
         let scores = scores(["a", "b"].into_iter(), &[grid, surely]);
         assert!(scores[1].log_probability > scores[0].log_probability && scores[1].error == 0.0);

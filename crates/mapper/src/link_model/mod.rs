@@ -115,8 +115,6 @@ impl LinkFit {
 const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
 /// Heights of stops that differ by less than this share of the reach are level, as far as a step of a grid goes.
 const LEVEL: f64 = 0.025;
-/// Largest factor on a variance.
-const MOST_INFLATION: f64 = 3.0;
 /// A posterior whose variance is more than this share of that before anything was heard says nothing.
 const NO_EVIDENCE: f64 = 0.8;
 /// A node with at least this probability within a step of the end of the window is at its edge.
@@ -219,15 +217,11 @@ fn evidence(links: &Links, uses_rssi: bool) -> LinkEvidence {
     }
 }
 
-/// The factor on a variance that a model predicts if its parameters were estimated from `nodes` nodes: that of the final
-/// prediction error (Akaike 1969).
+/// The factor on variances of places whose law was estimated from `nodes` nodes. The form is that of the final prediction error
+/// (Akaike 1969), which grows by the number of parameters for each observation. The constants are those with which regions hold
+/// what they say on logs of one, a few and many nodes.
 fn inflation(nodes: usize) -> f64 {
-    let (nodes, parameters) = (nodes as f64, law::PARAMETERS as f64);
-    if nodes > parameters {
-        ((nodes + parameters) / (nodes - parameters)).min(MOST_INFLATION)
-    } else {
-        MOST_INFLATION
-    }
+    1.0 + 10.0 / (nodes as f64 + 4.0)
 }
 
 /// The model with its law.

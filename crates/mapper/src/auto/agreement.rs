@@ -1,0 +1,83 @@
+//! How well the regions of an estimator tell how far its maps of different parts of a log are from each other.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::{Estimate, TopologyMap};
+
+/// A node counts at most by this many times what its regions tell: single nodes far off are no reason to enlarge all.
+const MOST_OF_A_NODE: f64 = 25.0;
+/// Largest factor on the variances.
+const MOST: f64 = 25.0;
+/// Variance that a place has at least, as a share of the usual variance of the nodes.
+const LEAST_SHARE: f64 = 0.05;
+
+/// The factor on the variances of an estimator with which its regions agree with the distances between its maps from
+/// different stops, at least 1. Maps from different stops err independently of each other, so that the distance between two
+/// places of a node has the sum of both covariances.
+pub(super) fn enlargement(maps: &[TopologyMap]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (number, first) in maps.iter().enumerate() {
+        for second in &maps[number + 1..] {
+            let least_m2 = LEAST_SHARE * usual_variance_m2([first, second]);
+            for (a, b) in first.estimates.iter().zip(&second.estimates) {
+                if let Some(squared) = a.as_ref().zip(b.as_ref()).and_then(|(a, b)| apart(a, b, least_m2)) {
+                    sum += squared.min(MOST_OF_A_NODE);
+                    count += 1.0;
+                }
+            }
+        }
+    }
+    if count > 0.0 { (sum / count).clamp(1.0, MOST) } else { 1.0 }
+}
+
+/// The mean variance along an axis of the plane (m²).
+fn usual_variance_m2(maps: [&TopologyMap; 2]) -> f64 {
+    let variances = || {
+        let estimates = maps.into_iter().flat_map(|map| map.estimates.iter().flatten());
+        estimates.filter_map(|estimate| Some(0.5 * (estimate.covariance?[0][0] + estimate.covariance?[1][1])))
+    };
+    variances().sum::<f64>() / (variances().count().max(1)) as f64
+}
+
+/// The squared distance between two places of a node in units of its variance along each axis.
+fn apart(first: &Estimate, second: &Estimate, least_m2: f64) -> Option<f64> {
+    let (a, b) = (first.covariance?, second.covariance?);
+    let dimensions = if a[2][2] + b[2][2] > 1e-12 { 3 } else { 2 };
+    let own = |row: usize, column: usize| if row == column { 2.0 * least_m2 } else { 0.0 };
+    let sum =
+        DMatrix::from_fn(dimensions, dimensions, |row, column| a[row][column] + b[row][column] + own(row, column));
+    let way: [f64; 3] = (second.position - first.position).into();
+    let way = DVector::from_column_slice(&way[..dimensions]);
+    Some(way.dot(&sum.cholesky()?.solve(&way)) / dimensions as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::Position;
+
+    use super::*;
+    use crate::CoordinateFrame;
+
+    /// A map of nodes with these places and one variance along each axis (m, m²).
+    fn map(places: &[[f64; 2]], variance_m2: f64) -> TopologyMap {
+        let places = places.iter().map(|&[x_m, y_m]| Some(Position::new(x_m, y_m, 0.0))).collect();
+        let mut map = TopologyMap::of_places("a", places, CoordinateFrame::World);
+        for estimate in map.estimates.iter_mut().flatten() {
+            estimate.covariance = Some([[variance_m2, 0.0, 0.0], [0.0, variance_m2, 0.0], [0.0; 3]]);
+        }
+        map
+    }
+
+    #[test]
+    fn maps_that_are_farther_apart_than_their_regions_tell_have_larger_ones() {
+        // 2 m apart along each axis: a squared distance of 4 m² an axis, where the sum of the variances is 0.5 + 5 % m².
+        let maps = [map(&[[0.0, 0.0], [5.0, 5.0]], 0.25), map(&[[2.0, 2.0], [3.0, 3.0]], 0.25)];
+        assert!((enlargement(&maps) - 4.0 / (0.5 * 1.05)).abs() < 1e-9, "{}", enlargement(&maps));
+        // Nearer than the regions tell: they stay.
+        let maps = [map(&[[0.0, 0.0]], 4.0), map(&[[0.5, 0.0]], 4.0)];
+        assert!((enlargement(&maps) - 1.0).abs() < 1e-12);
+        // One node that is far off does not enlarge the regions of all by far.
+        let maps = [map(&[[0.0, 0.0]; 10], 1.0), map(&[[1e3, 0.0], [0.0; 2], [0.0; 2], [0.0; 2]], 1.0)];
+        assert!(enlargement(&maps) <= MOST_OF_A_NODE / 4.0 + 1e-9);
+    }
+}
