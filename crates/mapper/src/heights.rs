@@ -32,7 +32,8 @@ pub enum HeightReason {
     /// All stops have this height.
     LevelStops,
     /// The heights of the stops differ so little that they do not determine the heights of nodes. The map is in the
-    /// plane half way between the lowest and the highest stop. Holds the difference (m).
+    /// plane of the median of the stops; the link model places a node that was heard on another floor there. Holds the
+    /// difference between the lowest and the highest stop (m).
     UnevenStops(f64),
     /// From one radio range below the lowest stop to one radio range above the highest; for a log whose radio range is
     /// not known, one reach as seen in the log.
@@ -59,7 +60,9 @@ impl SoughtHeights {
         if let Some([low_m, high_m]) = z_range_m {
             return Some(Self { low_m, high_m, reason: HeightReason::Settings });
         }
-        let middle = 0.5 * (lowest + highest);
+        // A few stops on another floor do not lift the plane of all others.
+        let mut heights: Vec<f64> = stops.iter().map(|stop| stop.position.z_m).collect();
+        let middle = crate::reach::median(&mut heights);
         let span_m = highest - lowest;
         Some(if span_m <= 0.0 {
             Self { low_m: lowest, high_m: lowest, reason: HeightReason::LevelStops }

@@ -162,6 +162,10 @@ impl LinkModel {
         let is_spatial = heights.high_m > heights.low_m;
         let window = Window::new(&links, heights, z_range_m.is_some(), prior);
         let [low_m, high_m] = window.heights();
+        let planes = links.nodes.iter().map(|node| window.of(node));
+        let (low_m, high_m) = planes.fold((low_m, high_m), |(low_m, high_m), bounds| {
+            (low_m.min(bounds.low[2]), high_m.max(bounds.high[2]))
+        });
         map.heights = Some(SoughtHeights { low_m, high_m, ..heights });
         watch.begin(Self::work(&links, is_spatial));
         let hearing = Hearing::of(&links, self.config.rssi);

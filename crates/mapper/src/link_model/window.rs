@@ -3,7 +3,8 @@
 use sextant_channel::Position;
 
 use super::links::{Links, NodeLinks};
-use crate::{PlacePrior, SoughtHeights};
+use crate::reach::median;
+use crate::{HeightReason, PlacePrior, SoughtHeights};
 
 /// Length over which the density of nodes falls outside the box of the places, as a share of its diagonal.
 const BEYOND: f64 = 0.05;
@@ -12,6 +13,8 @@ const BEYOND: f64 = 0.05;
 const BEYOND_REACH: f64 = 0.35;
 /// The same in height, as a share of the heights of the places.
 const BEYOND_HEIGHT: f64 = 0.25;
+/// A node whose stops are higher or lower than all by more than this is on another floor (m).
+const ANOTHER_FLOOR_M: f64 = 1.5;
 /// The window ends after so many of these lengths.
 const LENGTHS: f64 = 4.0;
 
@@ -28,6 +31,8 @@ pub(super) struct Window<'a> {
     /// Bounds of the heights (m).
     heights: [f64; 2],
     is_bounded_in_height: bool,
+    /// Whether nodes are in the plane of the stops, which are not quite level.
+    is_plane_of_stops: bool,
     reach_m: f64,
     places: Vec<Position>,
     prior: Option<&'a PlacePrior>,
@@ -43,7 +48,7 @@ pub(super) struct Bounds {
 impl<'a> Window<'a> {
     pub(super) fn new(
         links: &Links,
-        heights: SoughtHeights,
+        sought: SoughtHeights,
         z_is_given: bool,
         prior: Option<&'a PlacePrior>,
     ) -> Self {
@@ -64,13 +69,37 @@ impl<'a> Window<'a> {
             (BEYOND * diagonal_m).max(beyond_m).max(0.01 * reach_m)
         });
         let margin_m = length_m.map(|length_m| (LENGTHS * length_m).min(reach_m));
-        let is_bounded_in_height = z_is_given || heights.high_m <= heights.low_m;
+        let is_bounded_in_height = z_is_given || sought.high_m <= sought.low_m;
         let heights = if is_bounded_in_height {
-            [heights.low_m, heights.high_m]
+            [sought.low_m, sought.high_m]
         } else {
-            [(low[2] - margin_m[2]).max(heights.low_m), (high[2] + margin_m[2]).min(heights.high_m)]
+            [(low[2] - margin_m[2]).max(sought.low_m), (high[2] + margin_m[2]).min(sought.high_m)]
         };
-        Self { low, high, length_m, margin_m, heights, is_bounded_in_height, reach_m, places, prior }
+        let is_plane_of_stops = matches!(sought.reason, HeightReason::UnevenStops(_));
+        Self {
+            low,
+            high,
+            length_m,
+            margin_m,
+            heights,
+            is_bounded_in_height,
+            is_plane_of_stops,
+            reach_m,
+            places,
+            prior,
+        }
+    }
+
+    /// The plane of `node`: that of all stops, or the median of the places that heard it if that is another floor (m).
+    fn plane_of(&self, node: &NodeLinks) -> f64 {
+        let heard = node.links.iter().filter(|link| link.received > 0);
+        let mut own_m: Vec<f64> = heard.map(|link| self.places[link.place].z_m).collect();
+        let all_m = self.heights[0];
+        if own_m.is_empty() {
+            return all_m;
+        }
+        let own_m = median(&mut own_m);
+        if (own_m - all_m).abs() > ANOTHER_FLOOR_M { own_m } else { all_m }
     }
 
     /// Bounds of the heights (m).
@@ -83,7 +112,7 @@ impl<'a> Window<'a> {
         let [corner_low, corner_high] = node.heard.corners;
         let axis_bounds = |axis: usize| {
             if axis == 2 {
-                return self.heights;
+                return if self.is_plane_of_stops { [self.plane_of(node); 2] } else { self.heights };
             }
             let mut low = (self.low[axis] - self.margin_m[axis]).max(corner_low[axis] - self.reach_m);
             let mut high = (self.high[axis] + self.margin_m[axis]).min(corner_high[axis] + self.reach_m);
