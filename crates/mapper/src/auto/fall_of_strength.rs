@@ -28,7 +28,11 @@ pub(super) struct FallOfStrength {
 
 impl FallOfStrength {
     /// The fall of the strengths that were received at the stops outside `fold`; `None` if there are none.
-    pub(super) fn of(fold: &Fold<'_>, map: &TopologyMap, absorbed: &dyn Fn(Position, Position) -> f64) -> Option<Self> {
+    pub(super) fn of(
+        fold: &Fold<'_>,
+        map: &TopologyMap,
+        absorbed: &dyn Fn(Position, Position) -> f64,
+    ) -> Option<Self> {
         let mut rows: Vec<(usize, Vector3<f64>, f64)> = Vec::new();
         let mut strengths = Vec::new();
         for (node, estimate) in map.estimates.iter().enumerate() {

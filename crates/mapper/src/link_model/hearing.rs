@@ -7,7 +7,8 @@ use sextant_channel::Position;
 
 use super::links::{Link, Links, NodeLinks};
 use super::losses::{CountTables, Losses, counts, table};
-use super::margin::{Receiver, STEP, TABLES};
+use super::receiver::Receiver;
+use super::tables::{STEP, TABLES};
 use crate::normal::density;
 use crate::reach::median;
 

@@ -2,7 +2,7 @@
 
 use super::geometry::{Arrangement, BLOCK, COLUMNS, Columns, Lane, NEIGHBOURS, single};
 use super::law::Law;
-use super::margin::Site;
+use super::receiver::Site;
 
 /// Amplitudes of a node: the deviation of its slope, and four of its dependence on direction.
 const AMPLITUDES: usize = COLUMNS;

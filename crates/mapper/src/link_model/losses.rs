@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::links::{Link, Links};
-use super::margin::TABLES;
+use super::tables::TABLES;
 use crate::normal::{below, density};
 
 /// More packets than this say no more of a margin than so many of the same share.
@@ -55,6 +55,23 @@ impl Losses {
     /// The share of all packets that do not lapse.
     pub(super) fn kept(&self) -> f64 {
         self.shares().iter().map(|(share, weight)| weight * share).sum()
+    }
+
+    /// The probability of the packets of a link if its margin is normally distributed, unless it is dead.
+    pub(super) fn probability(&self, link: &Link, mean: f64, deviation: f64) -> f64 {
+        const POINTS: u32 = 48;
+        let (received, sent) = (f64::from(link.received), f64::from(link.sent));
+        let ways = libm::lgamma(sent + 1.0) - libm::lgamma(received + 1.0) - libm::lgamma(sent - received + 1.0);
+        let (mut sum, mut total) = (0.0, 0.0);
+        for point in 0..=POINTS {
+            let at = 8.0 * f64::from(point) / f64::from(POINTS) - 4.0;
+            let log = self.log_probability(link.received, link.sent, below(mean + deviation * at));
+            let weight = density(at);
+            total += weight;
+            sum += weight * libm::exp(ways + log);
+        }
+        let alive = (sum / total).min(1.0);
+        if link.received == 0 { link.outage + (1.0 - link.outage) * alive } else { (1.0 - link.outage) * alive }
     }
 }
 

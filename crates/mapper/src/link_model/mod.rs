@@ -8,10 +8,12 @@ mod law;
 mod likelihood;
 mod links;
 mod losses;
-mod margin;
 mod outages;
 mod posterior;
 mod predict;
+mod receiver;
+mod site;
+mod tables;
 mod window;
 
 use rayon::prelude::*;
@@ -28,10 +30,10 @@ use hearing::Hearing;
 pub use law::Law;
 use links::{Links, NodeLinks};
 pub use losses::Losses;
-pub use margin::Receiver;
 use outages::Outages;
 use posterior::{Evidence, Grid, Posterior};
 pub(crate) use predict::{Placed, Predictor};
+pub use receiver::Receiver;
 use window::Window;
 
 /// The link model as written in a scenario.
@@ -163,9 +165,8 @@ impl LinkModel {
         let window = Window::new(&links, heights, z_range_m.is_some(), prior);
         let [low_m, high_m] = window.heights();
         let planes = links.nodes.iter().map(|node| window.of(node));
-        let (low_m, high_m) = planes.fold((low_m, high_m), |(low_m, high_m), bounds| {
-            (low_m.min(bounds.low[2]), high_m.max(bounds.high[2]))
-        });
+        let (low_m, high_m) = planes
+            .fold((low_m, high_m), |(low_m, high_m), bounds| (low_m.min(bounds.low[2]), high_m.max(bounds.high[2])));
         map.heights = Some(SoughtHeights { low_m, high_m, ..heights });
         watch.begin(Self::work(&links, is_spatial));
         let hearing = Hearing::of(&links, self.config.rssi);

@@ -8,8 +8,8 @@ use super::hearing::Hearing;
 use super::law::Law;
 use super::likelihood::log_likelihoods;
 use super::links::{Link, Links, NodeLinks};
-use super::margin::{Site, silence_of_living};
 use super::outages::{Outages, Pair};
+use super::site::{Site, silence_of_living};
 use super::window::{Bounds, Window};
 
 /// Distances are at least this share of the step of the grid, because a vertex stands for its cell.
@@ -75,7 +75,15 @@ impl<'a> Evidence<'a> {
         let own = node.links.iter().map(|link| Link { outage: outages.of_log, ..*link });
         let links: Vec<Link> = own.collect();
         let sites = links.iter().map(|link| Site::of(link, hearing, UNKNOWN[0], UNKNOWN[1])).collect();
-        Self { node, links, doubts_silence: outages.are_frequent(), arrangement, places, bounds: window.of(node), sites }
+        Self {
+            node,
+            links,
+            doubts_silence: outages.are_frequent(),
+            arrangement,
+            places,
+            bounds: window.of(node),
+            sites,
+        }
     }
 
     pub(super) fn node(&self) -> &'a NodeLinks {

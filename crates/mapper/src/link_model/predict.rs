@@ -7,7 +7,7 @@ use super::hearing::Hearing;
 use super::law::Law;
 use super::links::{Link, Links, NodeLinks};
 use super::losses::CountTables;
-use super::margin::Site;
+use super::site::Site;
 use super::{LinkFit, posterior};
 
 /// A node for which links are predicted.
@@ -118,7 +118,7 @@ impl Predictor {
     /// The probability that `received` of `sent` packets arrive over a link with this margin.
     pub(crate) fn probability(&self, margin: &PredictedMargin, received: u32, sent: u32) -> f64 {
         let link = Link { place: 0, received, sent, rssi_dbm: None, outage: self.outage };
-        super::margin::probability(self.hearing.counts.losses(), &link, margin.mean, margin.variance.sqrt())
+        self.hearing.counts.losses().probability(&link, margin.mean, margin.variance.sqrt())
     }
 
     /// Density of the mean strength of the packets of a link with this margin that was received (1/dB); `None` if strengths are
@@ -132,6 +132,6 @@ impl Predictor {
         let receiver = self.hearing.receiver.as_ref()?;
         let link = Link { place: 0, received, sent, rssi_dbm: Some(rssi_dbm), outage: 0.0 };
         let (losses, deviation) = (self.hearing.counts.losses(), margin.variance.sqrt());
-        Some(super::margin::strength_density(losses, receiver, &link, margin.mean, deviation))
+        Some(receiver.density(losses, &link, margin.mean, deviation))
     }
 }

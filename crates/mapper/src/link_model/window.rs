@@ -46,12 +46,7 @@ pub(super) struct Bounds {
 }
 
 impl<'a> Window<'a> {
-    pub(super) fn new(
-        links: &Links,
-        sought: SoughtHeights,
-        z_is_given: bool,
-        prior: Option<&'a PlacePrior>,
-    ) -> Self {
+    pub(super) fn new(links: &Links, sought: SoughtHeights, z_is_given: bool, prior: Option<&'a PlacePrior>) -> Self {
         let places = links.places.clone();
         let corner = |from: f64, pick: fn(f64, f64) -> f64| {
             let along = |axis: usize| places.iter().map(|&place| <[f64; 3]>::from(place)[axis]).fold(from, pick);
