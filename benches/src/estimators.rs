@@ -46,6 +46,7 @@ pub fn all() -> Result<Vec<Estimator>, SettingError> {
         estimate: EstimateKind::PosteriorMean,
         z_range_m: None,
     };
+    let usual = LogDistanceConfig { exponents: [2.5; 2], z_range_m: None };
     let packets = |power| AlgorithmConfig::PacketCentroid(PacketCentroidConfig { power });
     let strengths = |g| AlgorithmConfig::RssiCentroid(RssiCentroidConfig { g });
     let (chooser, model, simple) = (Role::Chooser, Role::Model, Role::Simple);
@@ -64,6 +65,7 @@ pub fn all() -> Result<Vec<Estimator>, SettingError> {
         ("rssi-centroid-1", simple, strengths(1.0)),
         ("rssi-centroid-2", simple, strengths(2.0)),
         ("least-squares", simple, AlgorithmConfig::LeastSquares(LogDistanceConfig::default())),
+        ("least-squares-2.5", simple, AlgorithmConfig::LeastSquares(usual)),
         ("gaussian-process", simple, AlgorithmConfig::GaussianProcess(GaussianProcessConfig {})),
     ];
     named.into_iter().map(|(name, role, config)| Ok(Estimator { name, role, mapper: config.try_into()? })).collect()

@@ -78,6 +78,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
     row("packets received", count(gathering.packets_received), "");
+    let by_robots = count(gathering.packets_received_by_robots);
+    row("packets received", by_robots, "by all robots together; one that two of them received counts twice");
     row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
     row("lost to collisions", count(gathering.lost_collision), "");
     row("lost to a busy channel", count(gathering.lost_channel_access), "");

@@ -99,6 +99,28 @@ fn a_log_is_mapped_by_the_estimator_that_it_chooses() {
 }
 
 #[test]
+fn packets_of_two_robots_are_counted_and_the_table_says_how() {
+    let folder = survey();
+    let stops = std::fs::read_to_string(folder.path().join("log/stops.csv")).unwrap();
+    let of_two = |(number, line): (usize, &str)| match number {
+        0 => format!("{line},robot\n"),
+        1..=13 => format!("{line},west\n"),
+        _ => format!("{line},east\n"),
+    };
+    let summary = json(folder.path(), &[]);
+    let packets = &summary["gathering"]["packets_received"];
+    assert!(packets.as_u64().unwrap() > 10 && summary["gathering"]["packets_received_by_robots"].is_null());
+    let of_two: String = stops.lines().enumerate().map(of_two).collect();
+    std::fs::write(folder.path().join("log/stops.csv"), of_two).unwrap();
+    let of_two = json(folder.path(), &[]);
+    assert!(of_two["gathering"]["packets_received"].is_null());
+    assert_eq!(of_two["gathering"]["packets_received_by_robots"], *packets);
+    let (_, text, _) = map(folder.path(), &["--profile", PROFILE]);
+    let line = text.lines().find(|line| line.starts_with("packets received")).expect("a line");
+    assert!(line.contains(&packets.to_string()) && line.contains("counts twice"), "{line}");
+}
+
+#[test]
 fn baselines_map_a_log_with_strengths_by_name_and_refuse_one_without() {
     let folder = survey();
     let path = folder.path().join("log/receptions.csv");

@@ -30,7 +30,7 @@ pub struct LogDistanceConfig {
 
 impl Default for LogDistanceConfig {
     fn default() -> Self {
-        Self { exponents: [1.5, 6.0], z_range_m: None }
+        Self { exponents: [1.0, 10.0], z_range_m: None }
     }
 }
 

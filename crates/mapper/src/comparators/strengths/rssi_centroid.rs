@@ -24,8 +24,8 @@ impl Default for RssiCentroidConfig {
     }
 }
 
-/// Distances to the power −3, the best of Blumenthal et al. (2007), where power falls with the third power of distance.
-pub(super) const DEFAULT_G: f64 = 1.0;
+/// The best of 0.25, 0.5, 1 and 2 on logs of real links: distances to the power −5 where power falls with their power 2.5.
+pub(super) const DEFAULT_G: f64 = 2.0;
 
 /// The centroid of the stops that received a node, each weighted by a power of the received power: the weighted centroid
 /// localisation of Blumenthal, Grossmann, Golatowski and Timmermann (2007), whose weights `1/d^g` become powers of the
