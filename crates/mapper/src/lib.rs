@@ -111,7 +111,8 @@ pub use profile::{
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig};
 pub use self_calibrated::{
-    AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
+    AbsorptionMap, CalibratedCurve, Calibration, ObstacleClaim, ObstacleKnowledge, SelfCalibrated,
+    SelfCalibratedConfig,
 };
 pub use surface::Surface;
 pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};

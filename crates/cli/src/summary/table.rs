@@ -271,8 +271,12 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             }
         };
         match calibration.absorbing_m2 {
-            Some(area_m2) => writeln!(out, "; {area_m2:.0} m² of obstacles found from {knowledge}")?,
-            None => writeln!(out, "; no obstacles found from {knowledge}")?,
+            Some(area_m2) if area_m2 > 0.0 => write!(out, "; {area_m2:.1} m² of obstacles found from {knowledge}")?,
+            Some(_) | None => write!(out, "; no obstacles found from {knowledge}")?,
+        }
+        match calibration.unsure_m2 {
+            Some(area_m2) => writeln!(out, ", {area_m2:.1} m² unsure: the evidence is weak")?,
+            None => writeln!(out)?,
         }
     }
     Ok(())
