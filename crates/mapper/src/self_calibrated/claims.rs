@@ -80,7 +80,7 @@ impl ObstacleClaim {
         let evidence = if squares > 0.0 { sum / squares.sqrt() } else { 0.0 };
         let is_sure = evidence > SURE && cells.len() >= FEWEST;
         let area_m2 = cells.len() as f64 * cell_m * cell_m;
-        (evidence > WEAK).then(|| Self { area_m2, cells, evidence, is_sure })
+        (evidence > WEAK).then_some(Self { area_m2, cells, evidence, is_sure })
     }
 }
 

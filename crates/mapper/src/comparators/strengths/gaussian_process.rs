@@ -126,7 +126,7 @@ impl<'a> Process<'a> {
         let centred = values.map(|value| value - mean);
         let weights = factor.solve(&centred);
         let variance = centred.dot(&weights) / count as f64;
-        if !(variance > 1e-12) {
+        if variance.is_nan() || variance <= 1e-12 {
             return None;
         }
         let ln_root: f64 = factor.l_dirty().diagonal().iter().map(|&entry| libm::log(entry)).sum();
