@@ -2,7 +2,9 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, RobotId};
-use sextant_mapper::{CalibratedCurve, Calibration, EstimatorFit, Fit, Learned, LinkFit, Mapper, ReceptionProfile};
+use sextant_mapper::{
+    AbsorptionMap, CalibratedCurve, Calibration, EstimatorFit, Fit, Learned, LinkFit, Mapper, ReceptionProfile,
+};
 
 use super::input::Input;
 use super::pipeline::ComputedMap;
@@ -68,7 +70,20 @@ fn estimated<'a>(computed: &'a ComputedMap<'_>, input: &'a Input) -> EstimatedMa
             vec![ReceptionCurve { network: None, log: logs.of(named), model }]
         }
     };
-    EstimatedMap { name: &named.name, map, curves }
+    EstimatedMap { name: &named.name, map, curves, obstacles: learned.as_ref().and_then(obstacles) }
+}
+
+/// What absorbs, if it was estimated with a map.
+fn obstacles(learned: &Learned) -> Option<&AbsorptionMap> {
+    let calibration = match learned {
+        Learned::Calibration(calibration) => calibration,
+        Learned::Choice(choice) => match choice.fit.as_ref()? {
+            EstimatorFit::Calibration(calibration) => calibration,
+            EstimatorFit::Links(_) | EstimatorFit::Profile(_) => return None,
+        },
+        _ => return None,
+    };
+    calibration.obstacles.as_ref()
 }
 
 /// The curve that was estimated from the log of a map.

@@ -125,7 +125,8 @@ impl From<&Calibration> for CalibrationSummary {
                 ObstacleKnowledge::FromReceptions => "from_receptions",
                 ObstacleKnowledge::FromLog => "from_log",
             },
-            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
+            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::sure_m2),
+            unsure_m2: calibration.obstacles.as_ref().map(AbsorptionMap::unsure_m2).filter(|&area_m2| area_m2 > 0.0),
         }
     }
 }

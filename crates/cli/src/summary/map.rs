@@ -231,9 +231,14 @@ pub struct CalibrationSummary {
     /// Knowledge used to estimate obstacles: `none`, `from_receptions`, or `from_log` (receptions, the paths of the
     /// robots, and their contacts with obstacles).
     pub obstacle_knowledge: &'static str,
-    /// Area that absorbs (m²). Absent if obstacles were not estimated, or none were found.
+    /// Area of the obstacles that the log is sure of (m²): cells whose absorption is clearly above zero, that are crossed in
+    /// several directions, and that explain the receptions of nodes which did not show them. Absent if obstacles were not
+    /// estimated, or nothing absorbs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorbing_m2: Option<f64>,
+    /// Area of the obstacles for which the evidence is weak (m²). Absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unsure_m2: Option<f64>,
 }
 
 /// What the link model estimated from the log. Margins are in standard deviations of the fading over packets.

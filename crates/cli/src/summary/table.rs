@@ -78,6 +78,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
     row("packets received", count(gathering.packets_received), "");
+    let by_robots = count(gathering.packets_received_by_robots);
+    row("packets received", by_robots, "by all robots together; one that two of them received counts twice");
     row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
     row("lost to collisions", count(gathering.lost_collision), "");
     row("lost to a busy channel", count(gathering.lost_channel_access), "");
@@ -269,8 +271,12 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             }
         };
         match calibration.absorbing_m2 {
-            Some(area_m2) => writeln!(out, "; {area_m2:.0} m² of obstacles found from {knowledge}")?,
-            None => writeln!(out, "; no obstacles found from {knowledge}")?,
+            Some(area_m2) if area_m2 > 0.0 => write!(out, "; {area_m2:.1} m² of obstacles found from {knowledge}")?,
+            Some(_) | None => write!(out, "; no obstacles found from {knowledge}")?,
+        }
+        match calibration.unsure_m2 {
+            Some(area_m2) => writeln!(out, ", {area_m2:.1} m² unsure: the evidence is weak")?,
+            None => writeln!(out)?,
         }
     }
     Ok(())
