@@ -4,6 +4,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use super::bag_options::BagOptions;
+use super::repair_options::RepairOptions;
 use super::sniffer_options::SnifferOptions;
 
 /// How the log of a robot is read; the default asks for nothing.
@@ -13,6 +14,8 @@ pub struct ReadOptions {
     pub stop_every: StopRule,
     /// Time between two packets of a node (s); `None` if it is to be estimated.
     pub packet_interval_s: Option<f64>,
+    /// What is wrong in it, and corrected.
+    pub repair: RepairOptions,
     /// What is read from a ROS bag.
     pub bag: BagOptions,
     /// What belongs to the capture of a sniffer.

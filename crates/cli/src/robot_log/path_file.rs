@@ -2,6 +2,7 @@
 
 use std::path::Path as FilePath;
 
+use super::doctor::origin;
 use super::error::RobotLogError;
 use super::local_plane::LocalPlane;
 use super::path::{Path, Pose};
@@ -21,8 +22,9 @@ pub(super) struct Paths {
     pub(super) plane: Option<LocalPlane>,
 }
 
-/// Reads the paths in the file `path`: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`.
-pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
+/// Reads the paths in the file `path`: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`. If `skips_no_fix`, rows
+/// without a fix are left out.
+pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let table = Table::open(path, &["t_s"], &[&COLUMNS[..], &["robot"]].concat())?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::Any, notes)?;
@@ -31,7 +33,12 @@ pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, Ro
     let mut plane = None;
     // The poses of each robot, and where their rows begin.
     let mut poses: Vec<(Vec<Pose>, Vec<u64>)> = vec![(Vec::new(), Vec::new())];
+    let mut left_out = 0;
     let head = table.rows(|row| {
+        if skips_no_fix && places.is_without_fix(row) {
+            left_out += 1;
+            return Ok(());
+        }
         let robot = row.robot(robot, &mut robots)?.index();
         if poses.len() <= robot {
             poses.resize_with(robot + 1, Default::default);
@@ -41,6 +48,20 @@ pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, Ro
         poses[robot].1.push(row.offset);
         Ok(())
     })?;
+    let all = poses.iter().flat_map(|(poses, _)| poses).map(|pose| pose.position);
+    if skips_no_fix && origin::far_m(all).is_some() {
+        for (poses, offsets) in &mut poses {
+            let keeps: Vec<bool> = poses.iter().map(|pose| !origin::is_origin(pose.position)).collect();
+            left_out += keeps.iter().filter(|keeps| !**keeps).count();
+            let mut kept = keeps.iter();
+            poses.retain(|_| kept.next().is_none_or(|keeps| *keeps));
+            let mut kept = keeps.iter();
+            offsets.retain(|_| kept.next().is_none_or(|keeps| *keeps));
+        }
+    }
+    if left_out > 0 {
+        notes.push(format!("{}: {left_out} rows without a fix are left out (`--skip-no-fix`)", head.file_name()));
+    }
     let path_of = |(poses, offsets): (Vec<Pose>, Vec<u64>)| {
         Path::new(poses).map_err(|why| match why.index() {
             Some(index) => head.wrong_row(offsets[index], why.to_string()),

@@ -8,14 +8,18 @@ use sextant_channel::ReceptionLogBuilder;
 use super::error::RobotLogError;
 use super::pair_notes::Listing;
 use super::pairs::{Collector, Count, Kept};
+use super::rssi_check::RssiCheck;
 use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
+
 use super::table::{Column, Row, Table};
 
 /// Names of the nodes and their receptions.
 pub(super) struct Receptions {
     pub(super) names: Vec<String>,
     pub(super) receptions: ReceptionLogBuilder,
+    /// Rows of stops that were left out.
+    pub(super) left_out: usize,
 }
 
 /// The columns of the file.
@@ -31,7 +35,13 @@ struct Columns {
 }
 
 /// Reads the receptions at `stops` in the file `path`. Nodes are numbered in the order of their first rows.
-pub(super) fn read(path: &Path, stops: &Stops, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
+/// Their strengths go through `levels`.
+pub(super) fn read(
+    path: &Path,
+    stops: &Stops,
+    levels: &mut RssiCheck,
+    notes: &mut Vec<String>,
+) -> Result<Receptions, RobotLogError> {
     let optional = ["received", "sent", "sector", "rssi_dbm", "snr_db"];
     let table = Table::open(path, &["node", "stop"], &optional)?;
     notes.extend(table.ignored());
@@ -50,11 +60,11 @@ pub(super) fn read(path: &Path, stops: &Stops, notes: &mut Vec<String>) -> Resul
         (true, true) => Listing::ReceivedOfSent,
     };
     if sector.exists() || snr.exists() {
-        read_rows::<Signal>(table, columns, listing, stops, notes)
+        read_rows::<Signal>(table, columns, listing, (stops, levels), notes)
     } else if rssi.exists() {
-        read_rows::<Strength>(table, columns, listing, stops, notes)
+        read_rows::<Strength>(table, columns, listing, (stops, levels), notes)
     } else {
-        read_rows::<()>(table, columns, listing, stops, notes)
+        read_rows::<()>(table, columns, listing, (stops, levels), notes)
     }
 }
 
@@ -63,13 +73,14 @@ fn read_rows<S: Kept>(
     table: Table,
     columns: Columns,
     listing: Listing,
-    stops: &Stops,
+    (stops, levels): (&Stops, &mut RssiCheck),
     notes: &mut Vec<String>,
 ) -> Result<Receptions, RobotLogError> {
     let mut names: Vec<String> = Vec::new();
     let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
     let mut last: Option<u32> = None;
     let mut pairs = Collector::<S>::new(listing);
+    let mut left_out = 0;
     table.rows(|row| {
         let name = row.node(columns.node)?;
         // The rows of a node often follow each other.
@@ -84,19 +95,23 @@ fn read_rows<S: Kept>(
         };
         last = Some(node);
         let id = row.filled(columns.stop).unwrap_or("");
+        if stops.left_out.contains(id) {
+            left_out += 1;
+            return Ok(());
+        }
         let stop = *stops.ids.get(id).ok_or_else(|| row.wrong(columns.stop, known_stops(&stops.ids)))?;
         let count = count(row, columns, stops.sent[stop as usize])?;
         let signal = Signal::new(
             count.received,
             row.sector(columns.sector)?,
-            row.finite(columns.rssi)?,
+            levels.take(row.finite(columns.rssi)?),
             row.finite(columns.snr)?,
         );
         pairs.push(node, stop, count, signal);
         Ok(())
     })?;
     let receptions = pairs.finish(names.len(), &stops.sent, notes);
-    Ok(Receptions { names, receptions })
+    Ok(Receptions { names, receptions, left_out })
 }
 
 /// The packets of a row. `at_stop` are those that a node sent at its stop, if the file of stops says so.

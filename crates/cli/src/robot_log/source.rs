@@ -2,12 +2,15 @@
 
 use std::path::{Path as FilePath, PathBuf};
 
+use super::doctor;
 use super::error::RobotLogError;
 use super::folder;
 use super::local_plane::LocalPlane;
 use super::log::RobotLog;
 use super::options::ReadOptions;
+use super::packet_delay::PacketDelay;
 use super::path::Path;
+use super::repair_options::RepairOptions;
 use super::sniffer_error::SnifferError;
 use super::{bag, path_file, sniffer};
 
@@ -60,16 +63,54 @@ pub fn refuse_flags(path: &FilePath, source: Option<Source>, options: &ReadOptio
     };
     if source.is_none() {
         folder::refuse_cutting(path, found, options)?;
+        let of_robots = [
+            ("--skip-no-fix", options.repair.skip_no_fix),
+            ("--rssi-missing", !options.repair.rssi_missing.is_empty()),
+        ];
+        let given = of_robots.iter().find(|(_, is_given)| *is_given);
+        refused(given.map(|(flag, _)| flag), "logs of robots")?;
     }
     refused(of_bags.first(), "ROS bags")?;
     refused(of_captures.first(), "captures of sniffers")
 }
 
-/// Reads the log of a robot: a folder of CSV files, a ROS bag, or captures of a sniffer.
+/// Reads the log of a robot: a folder of CSV files, a ROS bag, or captures of a sniffer; and looks for what is odd in it. To
+/// estimate the delay of the packets, it is read twice.
 ///
 /// # Errors
 /// If it cannot be read, or `options` are for another kind of log.
 pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    let mut read = read_once(path, options)?;
+    if options.repair.packet_delay == PacketDelay::Estimated {
+        if let Some(clock) = read.clock.filter(|clock| clock.told_s().is_some()) {
+            let known = PacketDelay::Seconds(clock.delay_s);
+            read = read_once(
+                path,
+                &ReadOptions {
+                    repair: RepairOptions { packet_delay: known, ..options.repair.clone() },
+                    ..options.clone()
+                },
+            )?;
+            read.notes.push(format!(
+                "the times of the packets are estimated to be {:.2} ± {:.2} s late by the clock of the path, and are \
+                 corrected by that (`--packet-delay auto`)",
+                clock.delay_s,
+                2.0 * clock.error_s
+            ));
+        } else {
+            read.notes.push(
+                "no delay of the packets is clear, so their times are used as they are (`--packet-delay auto`)"
+                    .to_owned(),
+            );
+        }
+    }
+    let found = doctor::of_log(&read.log, &read.findings);
+    read.findings.extend(found);
+    Ok(read)
+}
+
+/// Reads the log of a robot.
+fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
     let source = Source::of(path).ok_or_else(|| RobotLogError::Unknown { path: path.to_owned() })?;
     refuse_flags(path, Some(source), options)?;
     match source {
@@ -81,7 +122,7 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
             let robot = options.sniffer.path.clone().or(beside);
             let robot = robot.ok_or_else(|| SnifferError::NoPath { path: path.to_owned() })?;
             let mut notes = Vec::new();
-            let (robot, plane) = read_path(&robot, &mut notes)?;
+            let (robot, plane) = read_path(&robot, options.repair.skip_no_fix, &mut notes)?;
             let log = sniffer::read(&captures, robot, options)?;
             notes.extend(log.notes);
             Ok(RobotLog { plane, notes, ..log })
@@ -103,8 +144,12 @@ fn captures(path: &FilePath) -> Result<Vec<PathBuf>, RobotLogError> {
 }
 
 /// Reads the path of the robot that heard a capture.
-fn read_path(path: &FilePath, notes: &mut Vec<String>) -> Result<(Path, Option<LocalPlane>), RobotLogError> {
-    let path_file::Paths { paths, plane, .. } = path_file::read(path, notes)?;
+fn read_path(
+    path: &FilePath,
+    skips_no_fix: bool,
+    notes: &mut Vec<String>,
+) -> Result<(Path, Option<LocalPlane>), RobotLogError> {
+    let path_file::Paths { paths, plane, .. } = path_file::read(path, skips_no_fix, notes)?;
     let robots = paths.len();
     let problem = format!("found the paths of {robots} robots; allowed: that of the one that heard the capture");
     let [robot] =

@@ -29,7 +29,7 @@ use self::poses::{PoseSource, TimedPosition};
 use self::topics::Bag;
 use self::transforms::Chain;
 use super::bag_error::BagError;
-use super::bag_options::{BagClock, BagOptions};
+use super::bag_options::BagClock;
 use super::error::RobotLogError;
 use super::gatherer::Gatherer;
 use super::local_plane::LocalPlane;
@@ -52,7 +52,7 @@ pub(super) fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, R
     let bag = Bag::open(path)?;
     let poses = PoseSource::choose(&bag, &options.bag)?;
     let packets = PacketSource::choose(&bag, &options.bag)?;
-    let track = Track::read(&bag, poses, &options.bag)?;
+    let track = Track::read(&bag, poses, options)?;
     let clock = match options.bag.bag_clock {
         Some(clock) => clock,
         None if track.has_stamps() && packets.has_stamps() => BagClock::Stamp,
@@ -126,11 +126,11 @@ enum Track {
 }
 
 impl Track {
-    fn read(bag: &Bag, source: PoseSource<'_>, options: &BagOptions) -> Result<Self, BagError> {
+    fn read(bag: &Bag, source: PoseSource<'_>, options: &ReadOptions) -> Result<Self, BagError> {
         match source {
             PoseSource::Poses(topic, position) => poses::read(bag, topic, position).map(Self::Positions),
-            PoseSource::Transforms(topic) => Chain::read(bag, topic, options).map(Self::Transforms),
-            PoseSource::Fixes(topic) => fixes::read(bag, topic).map(Self::Fixes),
+            PoseSource::Transforms(topic) => Chain::read(bag, topic, &options.bag).map(Self::Transforms),
+            PoseSource::Fixes(topic) => fixes::read(bag, topic, options.repair.skip_no_fix).map(Self::Fixes),
         }
     }
 
