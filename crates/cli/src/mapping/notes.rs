@@ -4,7 +4,6 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 use sextant_mapper::{EstimatorFit, Learned};
 
-use super::pipeline::ComputedMap;
 use crate::measure::axes;
 use crate::robot_log::doctor::exponent;
 use crate::text::{counted, listed};
@@ -55,11 +54,17 @@ fn has_strengths(log: &ReceptionLog) -> bool {
 }
 
 /// The notes on a map of `log`: what is odd in its law, and in how it differs from the true places of the nodes.
-pub(super) fn of_map(log: &ReceptionLog, map: &ComputedMap<'_>, truth: Option<&[Option<Position>]>) -> Vec<String> {
-    let places = map.map.positions();
-    let exponent = map.learned.as_ref().and_then(path_loss_exponent);
-    let law = exponent.and_then(|found| exponent::finding(log, &places, found));
-    let axes = truth.and_then(|truth| axes(truth, &places));
+///
+/// The map has its nodes at `places`, and what was estimated with it is `learned`.
+pub(super) fn of_map(
+    log: &ReceptionLog,
+    places: &[Option<Position>],
+    learned: Option<&Learned>,
+    truth: Option<&[Option<Position>]>,
+) -> Vec<String> {
+    let exponent = learned.and_then(path_loss_exponent);
+    let law = exponent.and_then(|found| exponent::finding(log, places, found));
+    let axes = truth.and_then(|truth| axes(truth, places));
     [law, axes].into_iter().flatten().map(|finding| finding.to_string()).collect()
 }
 

@@ -79,7 +79,9 @@ pub fn map<'a>(
             robot_log::write_map(&path, input.log.names(), &computed.map, input.plane.as_ref())?;
         }
         if input.recording.is_none() {
-            for note in notes::of_map(&input.log, &computed, truth.as_deref()) {
+            for note in
+                notes::of_map(&input.log, &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
+            {
                 if !found.contains(&note) {
                     found.push(note);
                 }

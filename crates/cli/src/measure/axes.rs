@@ -92,20 +92,14 @@ fn described(similarity: &Similarity) -> Option<(String, String)> {
         let log = UNITS.iter().find(|(in_a_metre, _)| is_near(1.0 / scale, *in_a_metre));
         let truth = UNITS.iter().find(|(in_a_metre, _)| is_near(scale, *in_a_metre));
         match (log, truth) {
-            (Some((in_a_metre, name)), _) => {
-                let factor = 1.0 / in_a_metre;
-                Some((
-                    format!("the log seems to be in {name}"),
-                    format!("multiply the places of the log by {factor:.4}"),
-                ))
-            }
-            (_, Some((in_a_metre, name))) => {
-                let factor = 1.0 / in_a_metre;
-                Some((
-                    format!("the true positions seem to be in {name}"),
-                    format!("multiply the true positions by {factor:.4}"),
-                ))
-            }
+            (Some((in_a_metre, name)), _) => Some((
+                format!("the log seems to be in {name}"),
+                format!("multiply the places of the log by {}", rounded(1.0 / in_a_metre)),
+            )),
+            (_, Some((in_a_metre, name))) => Some((
+                format!("the true positions seem to be in {name}"),
+                format!("multiply the true positions by {}", rounded(1.0 / in_a_metre)),
+            )),
             _ if (0.5..=2.0).contains(&scale) => None,
             _ => {
                 Some((format!("the true positions are {scale:.3} times as large"), "give both in metres".to_owned()))
@@ -116,13 +110,20 @@ fn described(similarity: &Similarity) -> Option<(String, String)> {
     match (axes, units) {
         (Some((what, remedy)), None) => Some((what.to_owned(), remedy_of(remedy))),
         (Some((what, remedy)), Some((unit, factor))) => {
-            Some((format!("{what}, and {unit}"), remedy_of(&format!("{remedy}, and {factor}"))))
+            Some((format!("{what}, and {unit}"), format!("{}, and {factor}", remedy_of(remedy))))
         }
-        (None, Some((unit, factor))) => Some((unit, remedy_of(&factor))),
+        (None, Some((unit, factor))) => Some((unit, factor)),
+        // A map that is shrunk towards its middle is a poor one.
+        (None, None) if !is_near(scale, 1.0) => None,
         (None, None) => {
             Some((format!("their origins are {shift_m:.1} m apart"), remedy_of("give both from one origin")))
         }
     }
+}
+
+/// To four decimals.
+fn rounded(factor: f64) -> f64 {
+    (factor * 1e4).round() / 1e4
 }
 
 fn remedy_of(what: &str) -> String {
@@ -153,13 +154,14 @@ mod tests {
     #[test]
     fn each_mistake_of_axes_and_units_is_told_with_what_undoes_it() {
         assert_eq!(told(|at| at), None);
-        let cases: [(&str, &str, fn(Position) -> Position); 7] = [
+        type Change = fn(Position) -> Position;
+        let cases: [(&str, &str, Change); 7] = [
             ("x and y are swapped", "swap the columns `x_m` and `y_m`", |at| Position::new(at.y_m, at.x_m, 0.0)),
             ("x is mirrored", "change the sign of `x_m`", |at| Position::new(-at.x_m, at.y_m, 0.0)),
             ("y is mirrored", "change the sign of `y_m`", |at| Position::new(at.x_m, -at.y_m, 0.0)),
-            ("the log seems to be in centimetres", "by 0.0100", |at| at * 100.0),
-            ("the log seems to be in millimetres", "by 0.0010", |at| at * 1000.0),
-            ("the log seems to be in feet", "by 0.3048", |at| at * (1.0 / 0.3048)),
+            ("the log seems to be in centimetres", "the places of the log by 0.01", |at| at * 100.0),
+            ("the log seems to be in millimetres", "the places of the log by 0.001", |at| at * 1000.0),
+            ("the log seems to be in feet", "the places of the log by 0.3048", |at| at * (1.0 / 0.3048)),
             ("the true positions seem to be in feet", "the true positions by 0.3048", |at| at * 0.3048),
         ];
         for (what, remedy, change) in cases {

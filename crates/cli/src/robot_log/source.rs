@@ -106,6 +106,7 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
     }
     let found = doctor::of_log(&read.log, &read.findings);
     read.findings.extend(found);
+    read.findings = doctor::told_apart(read.findings);
     Ok(read)
 }
 

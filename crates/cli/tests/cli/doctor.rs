@@ -140,9 +140,14 @@ fn late_packets_are_found_and_corrected() {
     let clock = broken.clock.unwrap();
     assert!((clock.delay_s - 4.0).abs() < 0.5, "{clock:?}");
     let note = told.notes.iter().find(|note| note.contains("`--packet-delay auto`")).unwrap();
-    assert!(note.starts_with(&format!("the times of the packets are estimated to be {:.2} ±", clock.delay_s)), "{note}");
+    assert!(
+        note.starts_with(&format!("the times of the packets are estimated to be {:.2} ±", clock.delay_s)),
+        "{note}"
+    );
     let none = read(&drive(0.0), |options| options.repair.packet_delay = PacketDelay::Estimated);
-    assert!(none.log == good.log && none.notes.iter().any(|note| note.starts_with("no delay of the packets is clear")));
+    assert!(
+        none.log == good.log && none.notes.iter().any(|note| note.starts_with("no delay of the packets is clear"))
+    );
     let (code, stdout, stderr) = sextant(late.path(), &["inspect", "."]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stdout.contains("odd: the times of the packets seem to be ") && stdout.contains("s late by the clock"));
@@ -214,7 +219,9 @@ fn rows_without_a_fix_are_left_out_by_a_flag() {
     let path = std::fs::read_to_string(folder.path().join("path.csv")).unwrap();
     write(folder.path(), "path.csv", &path.replacen("\n60,", "\n60,,\n60.1,", 1).replacen("60,,", "60,nan,", 1));
     let repaired = read(&folder, |options| options.repair.skip_no_fix = true);
-    assert!(repaired.notes.iter().any(|note| note == "path.csv: 1 rows without a fix are left out (`--skip-no-fix`)"));
+    assert!(
+        repaired.notes.iter().any(|note| note == "path.csv: 1 rows without a fix are left out (`--skip-no-fix`)")
+    );
 }
 
 #[test]
@@ -247,7 +254,11 @@ fn swapped_axes_are_told_by_the_true_positions() {
     let told = |truth: &str| {
         let (summary, _) = mapped(folder.path(), truth);
         let notes = summary["notes"].as_array().unwrap().clone();
-        notes.iter().filter_map(Value::as_str).filter(|note| note.contains("differ by their axes")).collect::<String>()
+        notes
+            .iter()
+            .filter_map(Value::as_str)
+            .filter(|note| note.contains("differ by their axes"))
+            .collect::<String>()
     };
     assert_eq!(told(&truth("x_m,y_m", metres)), "");
     let swapped = told(&truth("x_m,y_m", |x_m, y_m| metres(y_m, x_m)));
@@ -275,7 +286,8 @@ fn true_positions_without_heights_are_measured_in_the_plane() {
 #[test]
 fn nobody_with_strengths_is_told_to_measure_strengths() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut with, mut without) = ("node,stop,received,sent,rssi_dbm\n".to_owned(), "node,stop,received,sent\n".to_owned());
+    let (mut with, mut without) =
+        ("node,stop,received,sent,rssi_dbm\n".to_owned(), "node,stop,received,sent\n".to_owned());
     for (node, stop) in (0..4).flat_map(|node| (0..9).map(move |stop| (node, stop))) {
         writeln!(with, "n{node},{stop},10,10,{}", -50 - 3 * ((node + stop) % 7)).unwrap();
         writeln!(without, "n{node},{stop},10,10").unwrap();

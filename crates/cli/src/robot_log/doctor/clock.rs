@@ -156,6 +156,9 @@ pub(in crate::robot_log) fn offset(samples: &Samples, paths: &[&Path]) -> Option
     Some(ClockOffset { delay_s, error_s, is_clear, rival_s, speed_m_per_s })
 }
 
+/// What was observed, and the part of the packets that each observation belongs to.
+type Observed = (Vec<Observation>, Vec<usize>);
+
 /// The packets of a node, and how what they say depends on the place.
 struct Track<'a> {
     packets: &'a [Sample],
@@ -189,7 +192,7 @@ impl<'a> Track<'a> {
 
     /// What was observed if the packets are late by `delay_s`, and the part of the packets that each observation belongs to.
     /// `None` if too few were heard on the path.
-    fn observations(&self, delay_s: f64) -> Option<(Vec<Observation>, Vec<usize>)> {
+    fn observations(&self, delay_s: f64) -> Option<Observed> {
         let (mut observations, mut parts) = (Vec::new(), Vec::new());
         for (number, packet) in self.packets.iter().enumerate() {
             let value = match self.law {
@@ -238,7 +241,7 @@ impl<'a> Track<'a> {
                 }
             }
         }
-        let losses = |(observed, fit): (&Option<(Vec<Observation>, Vec<usize>)>, &Option<NodeFit>)| {
+        let losses = |(observed, fit): (&Option<Observed>, &Option<NodeFit>)| {
             let ((observations, parts), fit) = (observed.as_ref()?, fit.as_ref()?);
             let mut losses = [0.0; PARTS];
             for (observation, &part) in observations.iter().zip(parts) {

@@ -9,6 +9,8 @@ use super::finding::Finding;
 const USUAL: [f64; 2] = [1.5, 6.0];
 /// Nearer than this a place is not known (m).
 const LEAST_M: f64 = 0.5;
+/// The standard error is at least this, because the places come from the same strengths.
+const LEAST_ERROR: f64 = 0.1;
 /// Fewer nodes do not tell the uncertainty.
 const LEAST_NODES: usize = 3;
 
@@ -17,7 +19,7 @@ pub fn finding(log: &ReceptionLog, places: &[Option<Position>], exponent: f64) -
     if (USUAL[0]..=USUAL[1]).contains(&exponent) {
         return None;
     }
-    let error = standard_error(log, places);
+    let error = standard_error(log, places).map(|error| error.max(LEAST_ERROR));
     let [low, high] = USUAL;
     if error.is_some_and(|error| exponent + 2.0 * error >= low && exponent - 2.0 * error <= high) {
         return None;

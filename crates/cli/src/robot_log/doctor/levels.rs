@@ -74,5 +74,5 @@ impl Levels {
 
 /// Whether a radio may report this strength (dBm): below 0, and above all noise.
 fn is_possible(level_dbm: f64) -> bool {
-    level_dbm < 0.0 && level_dbm >= LEAST_DBM
+    (LEAST_DBM..0.0).contains(&level_dbm)
 }

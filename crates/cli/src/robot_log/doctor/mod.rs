@@ -55,6 +55,14 @@ pub(super) fn of_levels(levels: &Levels) -> Vec<Finding> {
     [impossible::finding, saturated::finding, coarse::finding].iter().filter_map(|check| check(levels)).collect()
 }
 
+/// The findings without those that come from other ones: stops that are cut by a wrong path are too short.
+pub(super) fn told_apart(mut findings: Vec<Finding>) -> Vec<Finding> {
+    if findings.iter().any(|finding| ["no-fix", "speed"].contains(&finding.check)) {
+        findings.retain(|finding| finding.check != "short-listening");
+    }
+    findings
+}
+
 /// What is odd of a log besides the findings `known`, whatever it was read from. Units and moved nodes are not told of a log
 /// whose places or times are known to be wrong, because that would be why.
 pub(super) fn of_log(log: &ReceptionLog, known: &[Finding]) -> Vec<Finding> {

@@ -40,7 +40,7 @@ impl Samples {
             self.nodes.resize_with(node + 1, || OfNode { seen: 0, every: 1, kept: Vec::new() });
         }
         let of_node = &mut self.nodes[node];
-        if of_node.seen % of_node.every == 0 {
+        if of_node.seen.is_multiple_of(of_node.every) {
             if of_node.kept.len() == PACKETS {
                 let mut number = 0_u32;
                 of_node.kept.retain(|_| {
@@ -49,7 +49,7 @@ impl Samples {
                 });
                 of_node.every *= 2;
             }
-            if of_node.seen % of_node.every == 0 {
+            if of_node.seen.is_multiple_of(of_node.every) {
                 of_node.kept.push(Sample { robot, time, rssi_dbm });
             }
         }

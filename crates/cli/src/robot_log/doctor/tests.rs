@@ -191,7 +191,7 @@ fn an_exponent_of_no_surroundings_is_told_with_its_uncertainty() {
     let flat = |row: Reception| Reception { rssi_dbm: row.rssi_dbm.map(|level| -60.0 + 0.1 * level), ..row };
     let log = changed(&good(), |stop| stop, flat);
     let found = exponent::finding(&log, &places, 0.25).unwrap();
-    assert!(found.odd.starts_with("the path-loss exponent of the map is 0.25 ± 0.0"), "{found}");
+    assert!(found.odd.starts_with("the path-loss exponent of the map is 0.25 ± 0.20;"), "{found}");
     // Three nodes that hardly tell it.
     let few: Vec<_> = (0..NODES).map(|number| (number < 3).then(|| node(number + 1))).collect();
     assert_eq!(exponent::finding(&good(), &few, 1.4), None, "1.4 ± 0.5 is not odd");
