@@ -41,7 +41,9 @@ pub fn axes(truth: &[Option<Position>], places: &[Option<Position>]) -> Option<F
     if after_m > EXPLAINED * before_m || !is_needed(&best) {
         return None;
     }
-    let (what, remedy) = described(&best)?;
+    let apart = pairs.iter().fold(Position::ORIGIN, |sum, &(place, truth)| sum + (truth - place));
+    let apart_m = apart.length_m() / pairs.len() as f64;
+    let (what, remedy) = described(&best, apart_m)?;
     Some(Finding {
         check: "axes",
         odd: format!(
@@ -59,8 +61,9 @@ fn mirrors(similarity: &Similarity) -> bool {
     a * d - b * c < 0.0
 }
 
-/// What a similarity from the map to the truth does, and what undoes it; `None` if it is none that a mistake makes.
-fn described(similarity: &Similarity) -> Option<(String, String)> {
+/// What a similarity from the map to the truth does, and what undoes it; `None` if it is none that a mistake makes. Their
+/// middles are `apart_m` from each other.
+fn described(similarity: &Similarity, apart_m: f64) -> Option<(String, String)> {
     let [[xx, xy, _], [yx, yy, _], _] = similarity.rotation;
     let is_along = |cosine: f64| cosine.abs() >= ALONG;
     let axes = if is_along(xx) && is_along(yy) {
@@ -106,7 +109,6 @@ fn described(similarity: &Similarity) -> Option<(String, String)> {
             }
         }
     };
-    let shift_m = f64::hypot(similarity.translation.x_m, similarity.translation.y_m);
     match (axes, units) {
         (Some((what, remedy)), None) => Some((what.to_owned(), remedy_of(remedy))),
         (Some((what, remedy)), Some((unit, factor))) => {
@@ -116,7 +118,7 @@ fn described(similarity: &Similarity) -> Option<(String, String)> {
         // A map that is shrunk towards its middle is a poor one.
         (None, None) if !is_near(scale, 1.0) => None,
         (None, None) => {
-            Some((format!("their origins are {shift_m:.1} m apart"), remedy_of("give both from one origin")))
+            Some((format!("their origins are {apart_m:.0} m apart"), remedy_of("give both from one origin")))
         }
     }
 }
@@ -171,7 +173,7 @@ mod tests {
         let both = told(|at| Position::new(at.y_m, at.x_m, 0.0) * 100.0).unwrap();
         assert!(both.odd.contains("x and y are swapped, and the log seems to be in centimetres"), "{both}");
         let shifted = told(|at| at + Position::new(40.0, 30.0, 0.0)).unwrap();
-        assert!(shifted.odd.contains("their origins are 50.0 m apart"), "{shifted}");
+        assert!(shifted.odd.contains("their origins are 50 m apart"), "{shifted}");
     }
 
     #[test]
