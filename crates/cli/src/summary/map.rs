@@ -39,6 +39,9 @@ pub struct MapSummary {
     /// those of the nodes whose true position is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<usize>,
+    /// `plane` if the map is measured in the plane of x and y, because the true positions have no heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_in: Option<MeasuredIn>,
     /// Distance between mapped and true positions (m), over the nodes whose position the map had to estimate: anchors do
     /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,6 +125,14 @@ pub struct MapSummary {
     /// How the nodes computed the map, and what it took, if they did it themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distributed: Option<DistributedSummary>,
+}
+
+/// Where a map is measured, if not in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MeasuredIn {
+    /// In the plane of x and y.
+    Plane,
 }
 
 /// A reception profile that was estimated from the log.

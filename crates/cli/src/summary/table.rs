@@ -8,7 +8,7 @@ use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
-use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
+use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn};
 use super::results::Summary;
 use super::timing::Timing;
 use crate::text::{Align, columns, counted, listed};
@@ -156,9 +156,13 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     columns(&rows, &align, out)
 }
 
-/// How many nodes were measured, where the true positions of some are unknown.
+/// How many nodes were measured, where the true positions of some are unknown, and whether in the plane.
 fn measured(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
+        if map.measured_in == Some(MeasuredIn::Plane) {
+            let name = map.name.as_ref().unwrap_or(&map.algorithm);
+            writeln!(out, "{name}: errors and regions in the plane (x, y): the true positions have no heights")?;
+        }
         if let Some(measured) = map.measured {
             let name = map.name.as_ref().unwrap_or(&map.algorithm);
             writeln!(

@@ -7,6 +7,7 @@ mod captures;
 mod command_line;
 mod comparators;
 mod distributed;
+mod doctor;
 mod drive;
 mod failing_disk;
 mod faults;

@@ -34,7 +34,7 @@ use self::packets::{BagPacket, PacketSource};
 use self::poses::{PoseSource, TimedPosition};
 use self::transforms::Chain;
 use super::bag_error::BagError;
-use super::bag_options::{BagClock, BagOptions};
+use super::bag_options::BagClock;
 use super::error::RobotLogError;
 use super::gatherer::Gatherer;
 use super::local_plane::LocalPlane;
@@ -70,8 +70,8 @@ impl<'a> BagPath<'a> {
     ///
     /// # Errors
     /// If the bag cannot be read, has no such poses, or `options` do not fit them.
-    pub(super) fn read(bag: &'a Bag, options: &BagOptions) -> Result<Self, BagError> {
-        let source = PoseSource::choose(bag, options)?;
+    pub(super) fn read(bag: &'a Bag, options: &ReadOptions) -> Result<Self, BagError> {
+        let source = PoseSource::choose(bag, &options.bag)?;
         let track = Track::read(bag, source, options)?;
         Ok(Self { bag, source, track })
     }
@@ -210,11 +210,11 @@ enum Track {
 }
 
 impl Track {
-    fn read(bag: &Bag, source: PoseSource<'_>, options: &BagOptions) -> Result<Self, BagError> {
+    fn read(bag: &Bag, source: PoseSource<'_>, options: &ReadOptions) -> Result<Self, BagError> {
         match source {
             PoseSource::Poses(topic, position) => poses::read(bag, topic, position).map(Self::Positions),
-            PoseSource::Transforms(topic) => Chain::read(bag, topic, options).map(Self::Transforms),
-            PoseSource::Fixes(topic) => fixes::read(bag, topic).map(Self::Fixes),
+            PoseSource::Transforms(topic) => Chain::read(bag, topic, &options.bag).map(Self::Transforms),
+            PoseSource::Fixes(topic) => fixes::read(bag, topic, options.repair.skip_no_fix).map(Self::Fixes),
         }
     }
 
