@@ -133,7 +133,7 @@ impl From<&Calibration> for CalibrationSummary {
 
 impl From<&LinkFit> for LinkLawSummary {
     fn from(fit: &LinkFit) -> Self {
-        let LinkFit { law, receiver, evidence, rounds, settled } = *fit;
+        let LinkFit { law, receiver, losses, outage, evidence, rounds, settled } = *fit;
         Self {
             evidence,
             rounds,
@@ -141,11 +141,15 @@ impl From<&LinkFit> for LinkLawSummary {
             distance_m: law.distance_m,
             margin: law.margin,
             slope: law.slope,
+            slope_spread: law.slope_spread,
             shadowing: law.shadowing,
             shared: law.shared,
             correlation_m: law.correlation_m,
             offset: law.offset,
             direction: law.direction,
+            lapse: losses.lapse,
+            lapse_scatter: losses.scatter,
+            outage,
             threshold_dbm: receiver.map(|receiver| receiver.threshold_dbm),
             fading_db: receiver.map(|receiver| receiver.fading_db),
             path_loss_exponent: fit.path_loss_exponent(),

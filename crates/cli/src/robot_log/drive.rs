@@ -36,7 +36,7 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
 
     let skips_no_fix = options.repair.skip_no_fix;
     let Paths { paths, mut robots, is_named, plane } = match &bag_path {
-        Some(bag) => Paths::of_one(bag.path(clock)?, bag.plane()),
+        Some(bag) => Paths::of_one(bag.path(clock, &mut notes)?, bag.plane()),
         None => match path.kind {
             PathKind::Tum => tum::read(&path.file, skips_no_fix, &mut notes)?,
             PathKind::Gpx => gpx::read(&path.file, skips_no_fix, &mut notes)?,

@@ -51,7 +51,7 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
 
 /// Whether `line`, which is not blank, is one of such a file.
 pub(super) fn is_pose(line: &str) -> bool {
-    pose(line).is_some_and(|pose| pose.position.is_finite())
+    pose(line).is_some()
 }
 
 /// Whether a line holds nothing: it is empty or a comment.

@@ -267,6 +267,8 @@ pub struct LinkLawSummary {
     pub margin: f64,
     /// How much the margin falls when the distance grows by a factor of e.
     pub slope: f64,
+    /// Standard deviation of the slopes of nodes, as a share of `slope`.
+    pub slope_spread: f64,
     /// Standard deviation of the static shadowing of links.
     pub shadowing: f64,
     /// Share of its variance that neighbouring stops share, 0 to 1.
@@ -277,6 +279,12 @@ pub struct LinkLawSummary {
     pub offset: f64,
     /// Standard deviation of the amplitudes of the dependence on direction.
     pub direction: f64,
+    /// Share of the packets of a usual link that are lost whatever their strength, 0 to 1.
+    pub lapse: f64,
+    /// Standard deviation over the links of the logit of this share.
+    pub lapse_scatter: f64,
+    /// Share of the links that are dead whatever their power, 0 to 1: nothing is heard, and that says nothing of the place.
+    pub outage: f64,
     /// Strength at which half of the packets are received (dBm). Absent without signal strengths, as the next three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold_dbm: Option<f64>,

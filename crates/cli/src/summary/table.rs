@@ -286,6 +286,9 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// Least share of lapses or outages that is told.
+const LEAST_SHARE: f64 = 0.01;
+
 /// The laws of links, and which estimators the log chose.
 fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
@@ -311,6 +314,11 @@ fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()>
                 "path-loss exponent {exponent:.1}, shadowing {shadowing_db:.1} dB, fading {fading_db:.1} dB"
             )?,
             _ => write!(out, "slope {:.1} and shadowing {:.1} in units of the fading", law.slope, law.shadowing)?,
+        }
+        for (share, what) in [(law.lapse, "lapses"), (law.outage, "outages")] {
+            if share >= LEAST_SHARE {
+                write!(out, ", {what} {:.0} %", 100.0 * share)?;
+            }
         }
         let end = if law.settled { "settled" } else { "did not settle" };
         writeln!(

@@ -25,6 +25,7 @@ mod place_prior;
 mod program;
 mod purposes;
 mod recording;
+mod repairs;
 mod reproduce;
 mod run;
 mod scenario_errors;
