@@ -48,7 +48,7 @@ pub enum Command {
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
     /// Print the contents of a recording, or of the log of a robot and what is odd in it
-    Inspect(inspect::Arguments),
+    Inspect(Box<inspect::Arguments>),
     /// Copy the readable part of a broken recording
     Recover(recover::Arguments),
     /// Print the JSON schema of scenario files
