@@ -366,8 +366,9 @@ mod tests {
                 prop_assert_eq!(estimate.ties as usize, best.len());
                 prop_assert!((estimate.log_likelihood.unwrap() - highest).abs() < 1e-9 * (1.0 + highest.abs()));
                 let expected = if kind == EstimateKind::Argmax { best.as_slice() } else { &[mean] };
+                // Weights follow from log-likelihoods, whose rounding errors the lattice of 40 m multiplies.
                 prop_assert!(
-                    expected.iter().any(|place| estimate.position.distance_m(*place) < 1e-9),
+                    expected.iter().any(|place| estimate.position.distance_m(*place) < 1e-7),
                     "{} is not in {expected:?}", estimate.position
                 );
             }
