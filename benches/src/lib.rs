@@ -1,4 +1,10 @@
 //! Benchmarks and tables of times, with the inputs that they share.
 
+pub mod estimators;
+pub mod folders;
+pub mod laws;
+pub mod measured;
 pub mod queue_candidates;
+pub mod regret;
+pub mod simulated;
 pub mod workload;

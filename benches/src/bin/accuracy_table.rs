@@ -8,11 +8,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use sextant::run::{Discoveries, bound_m, evaluate};
+use sextant::diagnostic::Failure;
+use sextant::run::{Discoveries, Simulator, bound_m, evaluate};
 use sextant::scenario::Scenario;
 use sextant::sweep::Mean;
 use sextant_kernel::Unwatched;
-use sextant_sim::{Simulation, Unobserved};
+use sextant_sim::Unobserved;
 
 /// The measurements of one map, one value for each run.
 #[derive(Default)]
@@ -58,16 +59,18 @@ fn rows(out: &mut impl Write, path: &Path, runs: u64) -> std::io::Result<()> {
     let other = |error: &dyn std::fmt::Display| std::io::Error::other(error.to_string());
     for seed in 1..=runs {
         let scenario = Scenario::load(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
-        let simulation = Simulation::new(scenario.setup()).map_err(|error| other(&error))?;
-        let survey = simulation.run(&mut Unobserved);
+        let failed = |failure: Failure| std::io::Error::other(format!("{failure:?}"));
+        let discoveries = Discoveries::of(&scenario, &Unwatched).map_err(failed)?;
+        let simulator = Simulator::new(&scenario).map_err(|error| other(&error))?;
+        let survey = simulator.run(&mut Unobserved).survey;
         let bound = bound_m(&scenario, &survey, &Unwatched).expect("nobody interrupts");
         bounds_m.extend(bound);
         names = scenario.maps().iter().map(|map| map.name.clone()).collect();
         series.resize_with(names.len(), Series::default);
         for (named, series) in scenario.maps().iter().zip(&mut series) {
             let start = now();
-            let evaluation = evaluate(&scenario, named, (&survey, &Discoveries::default()), bound, &Unwatched)
-                .map_err(|failure| std::io::Error::other(format!("{failure:?}")))?;
+            let evaluation =
+                evaluate(&scenario, named, (&survey, &discoveries), bound, &Unwatched).map_err(failed)?;
             series.seconds.push(start.elapsed().as_secs_f64());
             series.error_m.extend(evaluation.summary.position_error_m.map(|error| error.mean));
             series.coverage.extend(evaluation.summary.coverage_95);

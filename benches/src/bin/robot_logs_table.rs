@@ -1,124 +1,113 @@
-//! Prints how well each estimator maps logs of robots whose nodes have known places: the mean, median and 95th percentile of
-//! the position error, the share of the nodes within their 95 % regions, and the time.
+//! Prints how well each estimator maps logs of robots whose nodes have known places: errors in the plane and in space, the
+//! share of the nodes within their 95 % regions, and the time; for each log the best simple method, chosen with the truth, and
+//! the ratio of `auto` and the link model to it; at the end, the geometric means of these ratios and the coverage of each log.
 //!
-//! Usage: `robot_logs_table FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
+//! Usage: `robot_logs_table [--json FILE] FOLDER..`: each a log with `nodes.csv`, or a folder of such logs.
 
+use std::collections::BTreeMap;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::path::PathBuf;
 
-use sextant::robot_log::{self, ReadOptions};
-use sextant_channel::{Position, Reception, ReceptionLog};
-use sextant_kernel::Unwatched;
-use sextant_mapper::{
-    Auto, AutoConfig, EstimateKind, FittedConfig, FittedMlTm, Learned, LinkModel, LinkModelConfig, Mapper,
-    MlTmConfig, PacketCentroid, PacketCentroidConfig, PositionError, ProfileConfig, Region, SelfCalibrated,
-    SelfCalibratedConfig,
-};
-
-#[expect(clippy::disallowed_methods, reason = "a stopwatch")]
-fn now() -> Instant {
-    Instant::now()
-}
+use sextant_benches::estimators::{self, Estimator, Role};
+use sextant_benches::folders;
+use sextant_benches::laws::KnownLog;
+use sextant_benches::measured::{Measured, geometric_mean, measure};
+use sextant_benches::regret::{Row, coverage};
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
+/// The estimators whose ratio to the best simple method is told, also without strengths.
+const JUDGED: [&str; 2] = ["auto", "link-model"];
+
 fn main() -> Outcome<()> {
-    let folders: Vec<PathBuf> = std::env::args().skip(1).map(PathBuf::from).collect();
-    if folders.is_empty() {
+    let mut named: Vec<PathBuf> = Vec::new();
+    let mut json: Option<PathBuf> = None;
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--json" => json = Some(words.next().ok_or("--json needs a file")?.into()),
+            flag if flag.starts_with("--") => return Err(format!("unknown flag {flag}; allowed: --json").into()),
+            folder => named.push(folder.into()),
+        }
+    }
+    if named.is_empty() {
         return Err("name folders: each a log with nodes.csv, or a folder of such logs".into());
     }
-    let mut logs: Vec<PathBuf> = Vec::new();
-    for folder in folders {
-        if folder.join("nodes.csv").is_file() {
-            logs.push(folder);
-        } else {
-            let inside: std::io::Result<Vec<_>> =
-                std::fs::read_dir(&folder)?.map(|entry| Ok(entry?.path())).collect();
-            logs.extend(inside?.into_iter().filter(|path| path.join("nodes.csv").is_file()));
-        }
-    }
-    logs.sort();
-    for log in &logs {
-        table(log)?;
-    }
-    Ok(())
-}
-
-/// Prints the table of the log in `folder`.
-fn table(folder: &Path) -> Outcome<()> {
-    let read = robot_log::read(folder, &ReadOptions::default())?;
-    let truth = robot_log::read_truth(&folder.join("nodes.csv"), read.plane.as_ref(), &mut Vec::new())?;
-    let places: Vec<Option<Position>> = read.log.names().iter().map(|name| truth.get(name).copied()).collect();
+    let estimators = estimators::all()?;
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{} ({} nodes, {} stops)", folder.display(), read.log.node_count(), read.log.stops().len())?;
-    let without_rssi = without_rssi(&read.log)?;
-    let has_rssi = without_rssi != read.log;
-    for (name, mapper) in mappers()? {
-        line(&mut out, name, &mapper, &read.log, &places)?;
-        if has_rssi && matches!(mapper, Mapper::Auto(_) | Mapper::LinkModel(_)) {
-            line(&mut out, &format!("{name}, no RSSI"), &mapper, &without_rssi, &places)?;
+    let (mut rows, mut bare_rows) = (Vec::new(), Vec::new());
+    for folder in folders::logs_in(&named)? {
+        let known = folders::read(&folder)?;
+        let (nodes, stops) = (known.log.node_count(), known.log.stops().len());
+        writeln!(out, "{} ({nodes} nodes, {stops} stops)", folder.display())?;
+        rows.push(table(&mut out, &estimators, &known)?);
+        if let Some(bare) = folders::without_strengths(&known)? {
+            writeln!(out, "{}, without strengths", folder.display())?;
+            let blind: Vec<Estimator> = estimators.iter().filter(|one| JUDGED.contains(&one.name)).cloned().collect();
+            bare_rows.push(table(&mut out, &blind, &bare)?);
         }
     }
+    let simple = simple(&estimators);
+    writeln!(out, "\nof all logs")?;
+    for name in JUDGED {
+        let ratios: Vec<f64> = rows.iter().filter_map(|row| Some(row.regret(name, &simple)? + 1.0)).collect();
+        let worst = ratios.iter().copied().fold(0.0, f64::max);
+        if let Some(mean) = geometric_mean(ratios) {
+            let within = coverage(&rows, name).unwrap_or_default();
+            let shares: Vec<String> = rows
+                .iter()
+                .map(|row| format!("{} {:.0} %", row.log, 100.0 * coverage([row], name).unwrap_or_default()))
+                .collect();
+            writeln!(
+                out,
+                "  {name}: {mean:.3} times the best simple method (geometric mean), {worst:.2} at worst; {:.1} % of the \
+                 nodes in their regions: {}",
+                100.0 * within,
+                shares.join(", ")
+            )?;
+        }
+    }
+    if let Some(path) = json {
+        rows.extend(bare_rows);
+        std::fs::write(path, serde_json::to_string_pretty(&rows)?)?;
+    }
     Ok(())
 }
 
-fn mappers() -> Outcome<Vec<(&'static str, Mapper)>> {
-    let profile = FittedConfig::default();
-    let fitted = MlTmConfig {
-        estimate: EstimateKind::PosteriorMean,
-        ..MlTmConfig::new(0.25, ProfileConfig::Fitted(profile.clone()))
-    };
-    let centroid = |power| PacketCentroid::try_from(PacketCentroidConfig { power }).map(Mapper::PacketCentroid);
-    Ok(vec![
-        ("auto", Mapper::Auto(Auto::try_from(AutoConfig::default())?)),
-        ("link-model", Mapper::LinkModel(LinkModel::try_from(LinkModelConfig::default())?)),
-        ("fitted", Mapper::FittedMlTm(FittedMlTm::new(fitted, profile)?)),
-        ("self-calibrated", Mapper::SelfCalibrated(SelfCalibrated::try_from(SelfCalibratedConfig::default())?)),
-        ("packet centroid, power 1", centroid(1.0)?),
-        ("packet centroid, power 3", centroid(3.0)?),
-        ("packet centroid, power 6", centroid(6.0)?),
-    ])
+/// The simple methods.
+fn simple(estimators: &[Estimator]) -> Vec<&'static str> {
+    estimators.iter().filter(|one| one.role == Role::Simple).map(|one| one.name).collect()
 }
 
-fn line(
-    out: &mut impl Write,
-    name: &str,
-    mapper: &Mapper,
-    log: &ReceptionLog,
-    truth: &[Option<Position>],
-) -> Outcome<()> {
-    let start = now();
-    let (map, learned) = mapper.map_and_learn(log, &Unwatched)?;
-    let seconds = start.elapsed().as_secs_f64();
-    let pairs =
-        || map.estimates.iter().zip(truth).filter_map(|(estimate, place)| Some((estimate.as_ref()?, (*place)?)));
-    let errors: Vec<f64> = pairs().map(|(estimate, place)| estimate.position.distance_m(place)).collect();
-    let held: Vec<bool> = pairs()
-        .filter_map(|(estimate, place)| {
-            Some(Region::of_95(estimate, map.grid_step_m.unwrap_or(0.0))?.contains(place))
-        })
-        .collect();
-    write!(out, "  {name:26}")?;
-    if let Some(PositionError { mean, median, p95, .. }) = PositionError::of(&errors) {
-        write!(out, " mean {mean:6.3} m, median {median:6.3} m, 95 % below {p95:6.3} m")?;
+/// Prints the lines of a log as they are measured.
+fn table(out: &mut impl Write, estimators: &[Estimator], known: &KnownLog) -> Outcome<Row> {
+    let mut maps = BTreeMap::new();
+    for estimator in estimators {
+        if let Some(measured) = measure(&estimator.mapper, known)? {
+            line(out, estimator.name, &measured)?;
+            maps.insert(estimator.name, measured);
+        }
     }
-    if !held.is_empty() {
-        let within = held.iter().filter(|within| **within).count();
-        write!(out, ", {:5.1} % in their regions", 100.0 * within as f64 / held.len() as f64)?;
+    let (nodes, stops) = (known.log.node_count(), known.log.stops().len());
+    let row = Row { family: known.family.clone(), log: known.name.clone(), nodes, stops, maps };
+    if let Some((best, error_m)) = row.best(&simple(estimators)) {
+        let ratios = JUDGED.iter().filter_map(|name| Some(format!("{name} {:.2}", row.error_m(name)? / error_m)));
+        let ratios: Vec<String> = ratios.collect();
+        writeln!(out, "  best simple method: {best}, {error_m:.3} m; times that: {}", ratios.join(", "))?;
     }
-    let chosen = match learned {
-        Some(Learned::Choice(choice)) => format!(", chose {}", choice.chosen),
-        _ => String::new(),
-    };
-    writeln!(out, ", {seconds:.1} s{chosen}, {} concerns", map.concerns().count())?;
-    Ok(())
+    Ok(row)
 }
 
-/// The log without strengths.
-fn without_rssi(log: &ReceptionLog) -> Outcome<ReceptionLog> {
-    let receptions = log.receptions().iter().map(|reception| Reception { rssi_dbm: None, snr_db: None, ..reception });
-    let bare =
-        ReceptionLog::new(log.names().to_vec(), log.stops().to_vec(), receptions.collect(), log.contacts().to_vec())?;
-    Ok(bare.with_robots(log.robots().to_vec())?)
+fn line(out: &mut impl Write, name: &str, measured: &Measured) -> std::io::Result<()> {
+    let Measured { in_plane_m: plane, in_space_m: space, held, regions, concerns, chosen, seconds } = measured;
+    write!(
+        out,
+        "  {name:18} mean {:7.3} m, median {:7.3} m, 95 % below {:7.3} m, in space {:7.3} m",
+        plane.mean, plane.median, plane.p95, space.mean
+    )?;
+    if *regions > 0 {
+        write!(out, ", {:5.1} % in their regions", 100.0 * *held as f64 / *regions as f64)?;
+    }
+    let chosen = chosen.as_ref().map_or_else(String::new, |chosen| format!(", chose {chosen}"));
+    writeln!(out, ", {seconds:.1} s{chosen}, {concerns} concerns")
 }

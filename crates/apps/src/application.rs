@@ -17,8 +17,8 @@ pub struct ApplicationConfig {
     pub name: Option<String>,
     /// The map that nodes and robots are given.
     pub map: MapSourceConfig,
-    /// Names of the robots that take part. If absent, all robots with `role = "agent"`; if there are none, all that
-    /// survey, each from where its survey ended.
+    /// Names of the robots that take part. If absent, all robots with `role = "agent"` and all that survey, these from
+    /// where their survey ended.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub robots: Vec<String>,
     /// Name of the network over which nodes and robots exchange messages; the first one if absent.

@@ -6,10 +6,11 @@ use sextant_kernel::{SettingError, Unwatched, Watch};
 
 use crate::{
     ApitConfig, Auto, AutoConfig, Calibration, Centroid, CentroidConfig, Choice, Comparator, DrMdsConfig,
-    DvHopConfig, Fit, FittedChannel, FittedMlTm, JointConfig, JointMlTm, Knowledge, KnowledgeKind, LinkFit,
-    LinkModel, LinkModelConfig, MapError, MdsMapConfig, MlTm, MlTmConfig, MmTm, NtldvHopConfig, ObstacleMlTm,
-    ObstacleUse, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, RangingConfig, ReceptionProfile,
-    RssGridConfig, RssMlConfig, SelfCalibrated, SelfCalibratedConfig, SmacofConfig, TopologyMap, TpmConfig,
+    DvHopConfig, Fit, FittedChannel, FittedMlTm, GaussianProcess, GaussianProcessConfig, JointConfig, JointMlTm,
+    Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, LogDistanceConfig, MapError, MdsMapConfig, MlTm,
+    MlTmConfig, MmTm, NtldvHopConfig, ObstacleMlTm, ObstacleUse, PacketCentroid, PacketCentroidConfig, PlacePrior,
+    ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig, RssiCentroidConfig, SelfCalibrated,
+    SelfCalibratedConfig, SmacofConfig, StrongestStop, StrongestStopConfig, TopologyMap, TpmConfig,
     TriangleCentroidConfig, WeightedCentroidConfig,
 };
 
@@ -70,6 +71,14 @@ pub enum AlgorithmConfig {
     RssMl(RssMlConfig),
     /// A Bayesian grid on the signal strengths that the robot measured.
     RssGrid(RssGridConfig),
+    /// The stop where the robot received a node with the greatest strength.
+    StrongestStop(StrongestStopConfig),
+    /// The mean of the stops where the robot received a node, weighted by signal strength.
+    RssiCentroid(RssiCentroidConfig),
+    /// Place, power and path-loss exponent of each node that fit its strengths best.
+    LeastSquares(LogDistanceConfig),
+    /// A Gaussian process over the strengths of each node: the node is where it is greatest.
+    GaussianProcess(GaussianProcessConfig),
 }
 
 /// A reception profile in the settings of an algorithm.
@@ -342,6 +351,14 @@ impl TryFrom<AlgorithmConfig> for Mapper {
             AlgorithmConfig::Apit(config) => compare("apit", config, Comparator::Apit),
             AlgorithmConfig::RssMl(config) => compare("rss_ml", config, Comparator::RssMl),
             AlgorithmConfig::RssGrid(config) => compare("rss_grid", config, Comparator::RssGrid),
+            AlgorithmConfig::StrongestStop(StrongestStopConfig {}) => {
+                Ok(Self::Comparator(Comparator::StrongestStop(StrongestStop)))
+            }
+            AlgorithmConfig::RssiCentroid(config) => compare("rssi_centroid", config, Comparator::RssiCentroid),
+            AlgorithmConfig::LeastSquares(config) => compare("least_squares", config, Comparator::LogDistance),
+            AlgorithmConfig::GaussianProcess(GaussianProcessConfig {}) => {
+                Ok(Self::Comparator(Comparator::GaussianProcess(GaussianProcess)))
+            }
         }
     }
 }

@@ -74,10 +74,11 @@ pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use auto::{Auto, AutoConfig, Choice, EstimatorFit, Score};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
-    DvHopConfig, ExtremeConfig, FittedChannel, FrameConfig, HopLength, LandmarksConfig, MdsMap, MdsMapConfig,
-    NtldvHop, NtldvHopConfig, Ranging, RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, Smacof,
-    SmacofConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
-    WeightedCentroidConfig,
+    DvHopConfig, ExtremeConfig, FittedChannel, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength,
+    LandmarksConfig, LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, Ranging,
+    RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof,
+    SmacofConfig, StrongestStop, StrongestStopConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig,
+    TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
 };
 pub use concern::Concern;
 pub use error::MapError;
@@ -110,7 +111,8 @@ pub use profile::{
 pub use region::Region;
 pub use sectors::{SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig};
 pub use self_calibrated::{
-    AbsorptionMap, CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig,
+    AbsorptionMap, CalibratedCurve, Calibration, ObstacleClaim, ObstacleKnowledge, SelfCalibrated,
+    SelfCalibratedConfig,
 };
 pub use surface::Surface;
 pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};

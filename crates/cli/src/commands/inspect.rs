@@ -1,26 +1,73 @@
-//! `sextant inspect`: the contents of a recording.
+//! `sextant inspect`: the contents of a recording, or of the log of a robot.
 
 use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::options::Printing;
+use super::reading::Reading;
 use crate::diagnostic::Failure;
-use crate::recording;
+use crate::mapping::Contents;
+use crate::recording::{self, Inspection};
+use crate::robot_log::{self, Source};
 
 /// Arguments of `sextant inspect`.
 #[derive(Clone, Debug, Args)]
 pub struct Arguments {
-    /// The recording
-    #[arg(value_name = "RUN.mcap")]
-    pub recording: PathBuf,
+    /// A recording of `run`; or the log of a robot, as for `map`. Of a log, what is odd in it is told, what that costs, and
+    /// what corrects it
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
     /// How results are printed.
     #[command(flatten)]
     pub printing: Printing,
+    /// How the log of a robot is read.
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+/// What is inside the log of a robot.
+#[derive(Serialize)]
+struct Inside {
+    /// The file itself, if the log is a single bag.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    file: Option<Inspection>,
+    /// The log; absent if the file is no log that can be mapped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    log: Option<Contents>,
+    /// Why it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_log: Option<String>,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let inspection = recording::inspect(&arguments.recording)?;
-    Ok(arguments.printing.print(&inspection, |stdout| write!(stdout, "{inspection}"))?)
+    let (path, options) = (&arguments.log, arguments.reading.options());
+    let Some(source) = Source::of(path) else {
+        robot_log::refuse_flags(path, &options)?;
+        let inspection = recording::inspect(path)?;
+        return Ok(arguments.printing.print(&inspection, |stdout| write!(stdout, "{inspection}"))?);
+    };
+    let file = if source == Source::Bag && path.is_file() { recording::inspect(path).ok() } else { None };
+    let file = file.map(|file| Inspection { is_simulated: false, ..file });
+    let (log, no_log) = match (robot_log::read(path, &options), &file) {
+        (Ok(read), _) => (Some(Contents::of(&read)), None),
+        // A bag that cannot be mapped has contents all the same.
+        (Err(why), Some(_)) => (None, Some(why.to_string())),
+        (Err(why), None) => return Err(why.into()),
+    };
+    let inside = Inside { file, log, no_log };
+    Ok(arguments.printing.print(&inside, |stdout| {
+        if let Some(file) = &inside.file {
+            write!(stdout, "{file}")?;
+        }
+        if let Some(log) = &inside.log {
+            write!(stdout, "{log}")?;
+        }
+        if let Some(why) = &inside.no_log {
+            writeln!(stdout, "it cannot be mapped as it is: {why}")?;
+        }
+        Ok(())
+    })?)
 }

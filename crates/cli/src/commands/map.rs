@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::options::{Format, Overrides, Results, Work};
+use super::reading::Reading;
 use crate::diagnostic::Failure;
 use crate::figure::{Figure, FileFormat};
 use crate::interrupt::Interrupt;
 use crate::mapping::{self, Input};
 use crate::output::{open_folder, write_file};
 use crate::recording::SCENARIO_ATTACHMENT;
-use crate::robot_log::{self, BagOptions, FormOptions, Names, ReadOptions, SnifferOptions, StopRule};
+use crate::robot_log::{self, Names};
 use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::Stopwatch;
 use crate::terminal::Watcher;
@@ -69,13 +70,6 @@ pub struct Arguments {
     /// The format of the figures
     #[arg(long, value_enum, default_value_t, requires = "figure")]
     pub figure_format: FileFormat,
-    /// Cut the path of a robot into stops by distance (1m) or by time (2s), if the log has packets and a path. The default
-    /// is a distance that gives at most 400 stops
-    #[arg(long, value_name = "1m|2s", default_value = "auto", hide_default_value = true)]
-    pub stop_every: StopRule,
-    /// Seconds between two packets of a node, if the log has packets and a path. The default is estimated from the packets
-    #[arg(long, value_name = "S", value_parser = interval)]
-    pub packet_interval: Option<f64>,
     /// Settings that override those of the maps.
     #[command(flatten)]
     pub overrides: Overrides,
@@ -85,35 +79,16 @@ pub struct Arguments {
     /// How the work is done.
     #[command(flatten)]
     pub work: Work,
-    /// Where the parts of the log are, and how they are written. This and what follows have headings of their own, which would hold for flags below.
+    /// How the log of a robot is read. This has headings of its own, which would hold for flags below.
     #[command(flatten)]
-    pub form: FormOptions,
-    /// What is read from a ROS bag.
-    #[command(flatten)]
-    pub bag: BagOptions,
-    /// What belongs to the capture of a sniffer.
-    #[command(flatten)]
-    pub sniffer: SnifferOptions,
-}
-
-/// Reads the value of `--packet-interval`.
-fn interval(text: &str) -> Result<f64, &'static str> {
-    let allowed = |interval_s: &f64| (1e-6..=1e6).contains(interval_s);
-    text.parse().ok().filter(allowed).ok_or("expected seconds from 1e-6 to 1e6")
+    pub reading: Reading,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let start = Stopwatch::start();
     arguments.work.start_threads()?;
     let network = arguments.network.as_deref();
-    let options = ReadOptions {
-        stop_every: arguments.stop_every,
-        packet_interval_s: arguments.packet_interval,
-        form: arguments.form.clone(),
-        bag: arguments.bag.clone(),
-        sniffer: arguments.sniffer.clone(),
-    };
-    let mut input = Input::read(&arguments.log, network, &options)?;
+    let mut input = Input::read(&arguments.log, network, &arguments.reading.options())?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
     let scenario = input.scenario.as_deref().map(|text| (name.as_str(), text));
     let set = &arguments.overrides.set;

@@ -7,6 +7,7 @@ pub mod inspect;
 pub mod man;
 pub mod map;
 pub mod options;
+pub mod reading;
 pub mod recover;
 pub mod reproduce;
 pub mod run;
@@ -46,8 +47,8 @@ pub enum Command {
     Check(check::Arguments),
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
-    /// Print the contents of a recording
-    Inspect(inspect::Arguments),
+    /// Print the contents of a recording, or of the log of a robot and what is odd in it
+    Inspect(Box<inspect::Arguments>),
     /// Copy the readable part of a broken recording
     Recover(recover::Arguments),
     /// Print the JSON schema of scenario files

@@ -4,9 +4,9 @@ use std::fmt;
 
 use sextant_channel::ReceptionLog;
 use sextant_kernel::NodeId;
-use sextant_mapper::TopologyMap;
+use sextant_mapper::{AbsorptionMap, TopologyMap};
 
-/// A map with its regions and its reception curves.
+/// A map with its regions, its reception curves and the obstacles that it claims.
 #[derive(Debug)]
 pub struct EstimatedMap<'a> {
     /// Its name, that of one of the maps of the [`Source`](super::Source).
@@ -15,6 +15,8 @@ pub struct EstimatedMap<'a> {
     pub map: &'a TopologyMap,
     /// The log of each network that it uses, with the curve that holds there.
     pub curves: Vec<ReceptionCurve<'a>>,
+    /// What absorbs, if that was estimated with it.
+    pub obstacles: Option<&'a AbsorptionMap>,
 }
 
 /// A log, and the probability of a reception that a map assumes in it.

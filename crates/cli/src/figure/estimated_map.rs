@@ -5,6 +5,7 @@ use sextant_channel::{Bounds, Position};
 use sextant_kernel::NodeId;
 use sextant_mapper::{PositionError, Region, TopologyMap};
 
+use super::claims;
 use super::estimated::EstimatedMap;
 use super::labels::{Labels, MARK};
 use super::map::{ERROR, colour_bar, heading};
@@ -60,11 +61,12 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
         } else if left_out > 0 {
             note += &format!("; {} without space", counted(left_out, "name"));
         }
-        let legend = legend(
+        let mut legend = legend(
             source,
             estimated.map,
             &Shown { places, bar: bar.as_ref(), radius, regions: regions.len(), views: &views },
         );
+        legend.extend(estimated.obstacles.map(claims::entries).unwrap_or_default());
         Sheet { title, note, bar: bar.clone(), legend }
     };
     // The space for names is known after the layout, and the layout says how many have no space.
@@ -82,6 +84,9 @@ pub(super) fn draw(source: &Source<'_>, estimated: &EstimatedMap<'_>, places: &P
     // The largest errors are drawn last, on top.
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     for panel in views.panels(&areas) {
+        if let Some(obstacles) = estimated.obstacles {
+            claims::draw(&mut picture, &panel, obstacles);
+        }
         draw_survey(&mut picture, &panel, source);
         for region in &regions {
             draw_region(&mut picture, &panel, region);

@@ -28,7 +28,7 @@ pub fn all(source: &Source<'_>) -> Vec<Figure> {
 pub fn all_of_maps(source: &Source<'_>, maps: &[EstimatedMap<'_>]) -> Vec<Figure> {
     let mut figures = pictures(source);
     for estimated in maps {
-        let EstimatedMap { name, map, ref curves } = *estimated;
+        let EstimatedMap { name, map, ref curves, .. } = *estimated;
         let own = format!("map-{name}");
         if let Some((_, picture)) = figures.iter_mut().find(|(other, _)| *other == own) {
             *picture = estimated_map::draw(source, estimated, &estimated_map::places(map));

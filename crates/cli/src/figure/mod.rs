@@ -22,6 +22,7 @@ mod application_curves;
 mod axes;
 mod bars;
 mod cells;
+mod claims;
 mod contour;
 mod curves;
 mod displacement;

@@ -2,12 +2,15 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, RobotId};
-use sextant_mapper::{CalibratedCurve, Calibration, EstimatorFit, Fit, Learned, LinkFit, Mapper, ReceptionProfile};
+use sextant_mapper::{
+    AbsorptionMap, CalibratedCurve, Calibration, EstimatorFit, Fit, Learned, LinkFit, Mapper, ReceptionProfile,
+};
 
 use super::input::Input;
 use super::pipeline::ComputedMap;
 use crate::diagnostic::Failure;
 use crate::figure::{self, EstimatedMap, Figure, Model, ReceptionCurve, Source};
+use crate::measure::Dimensions;
 use crate::recording::{self, Drawn};
 
 /// What figures show of a log besides its maps: true positions, obstacles and paths.
@@ -45,6 +48,15 @@ pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>
         let place = |(node, place): (usize, Option<Position>)| Some((NodeId::from_index(node), place?));
         (map.named.name.clone(), map.map.positions().into_iter().enumerate().filter_map(place).collect())
     };
+    let mut drawn = drawn;
+    if input.true_dimensions == Dimensions::Plane
+        && let Some(map) = maps.first()
+    {
+        // True places without heights are at the height of the map, so that errors are those in the plane.
+        for (node, place) in &mut drawn.nodes {
+            place.z_m = map.map.positions()[node.index()].map_or(place.z_m, |mapped| mapped.z_m);
+        }
+    }
     let drawn = Drawn { maps: maps.iter().map(places).collect(), ..drawn };
     let source = Source { title, log: &input.log, drawn: &drawn, sector_displacements: &[] };
     let estimated = |map| estimated(map, input);
@@ -68,7 +80,20 @@ fn estimated<'a>(computed: &'a ComputedMap<'_>, input: &'a Input) -> EstimatedMa
             vec![ReceptionCurve { network: None, log: logs.of(named), model }]
         }
     };
-    EstimatedMap { name: &named.name, map, curves }
+    EstimatedMap { name: &named.name, map, curves, obstacles: learned.as_ref().and_then(obstacles) }
+}
+
+/// What absorbs, if it was estimated with a map.
+fn obstacles(learned: &Learned) -> Option<&AbsorptionMap> {
+    let calibration = match learned {
+        Learned::Calibration(calibration) => calibration,
+        Learned::Choice(choice) => match choice.fit.as_ref()? {
+            EstimatorFit::Calibration(calibration) => calibration,
+            EstimatorFit::Links(_) | EstimatorFit::Profile(_) => return None,
+        },
+        _ => return None,
+    };
+    calibration.obstacles.as_ref()
 }
 
 /// The curve that was estimated from the log of a map.

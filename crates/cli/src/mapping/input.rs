@@ -9,8 +9,9 @@ use sextant_mapper::PlacePrior;
 
 use super::logs::NetworkLogs;
 use crate::diagnostic::Failure;
+use crate::measure::Dimensions;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
-use crate::robot_log::{self, LocalPlane, Names, ReadOptions, RobotLog, Source};
+use crate::robot_log::{self, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
 use crate::text::{counted, listed};
 
 /// A reception log and what is known with it.
@@ -30,6 +31,8 @@ pub struct Input {
     pub scenario: Option<String>,
     /// The true positions of nodes, by name.
     pub truth: Option<BTreeMap<String, Position>>,
+    /// In how many dimensions they are known.
+    pub true_dimensions: Dimensions,
     /// What the user knows of the places of nodes.
     pub prior: Option<PlacePrior>,
     /// What the nodes know of each other, for maps that use it.
@@ -50,7 +53,8 @@ impl Input {
     /// If it cannot be read, or robots did not survey `network`.
     pub fn read(path: &Path, network: Option<&str>, options: &ReadOptions) -> Result<Self, Failure> {
         if Source::of(path).is_some() {
-            let RobotLog { log, plane, notes } = robot_log::read(path, options)?;
+            let RobotLog { log, plane, mut notes, findings, .. } = robot_log::read(path, options)?;
+            notes.extend(findings.iter().map(ToString::to_string));
             let known = Known::default();
             return Ok(Self {
                 log,
@@ -60,6 +64,7 @@ impl Input {
                 recording: None,
                 scenario: None,
                 truth: None,
+                true_dimensions: Dimensions::Space,
                 prior: None,
                 known,
                 seed: Seed(1),
@@ -97,6 +102,7 @@ impl Input {
             recording: Some(path.to_owned()),
             scenario,
             truth,
+            true_dimensions: Dimensions::Space,
             prior: None,
             known,
             seed: Seed(seed.unwrap_or(1)),
@@ -115,23 +121,20 @@ impl Input {
     ///
     /// # Errors
     /// If an alias is unknown, or two nodes get one name.
-    pub fn rename(
-        &mut self,
-        names: &Names,
-        truth: Option<BTreeMap<String, Position>>,
-    ) -> Result<Option<BTreeMap<String, Position>>, Failure> {
+    pub fn rename(&mut self, names: &Names, truth: Option<TrueNodes>) -> Result<Option<TrueNodes>, Failure> {
         if let Some(recording) = &self.recording {
             let problem =
                 format!("`--names` is for logs of robots, but `{}` is a recording of `run`", recording.display());
             return Err(Failure::bad_input(problem));
         }
-        let (log, truth) = names.apply(std::mem::take(&mut self.log), truth)?;
+        let (places, has_heights) = truth.map(|truth| (truth.places, truth.has_heights)).unzip();
+        let (log, places) = names.apply(std::mem::take(&mut self.log), places)?;
         self.log = log;
-        Ok(truth)
+        Ok(places.zip(has_heights).map(|(places, has_heights)| TrueNodes { places, has_heights }))
     }
 
     /// Takes the true positions of nodes from a file of the user, instead of those of the recording.
-    pub fn take_truth(&mut self, truth: BTreeMap<String, Position>) {
+    pub fn take_truth(&mut self, TrueNodes { places: truth, has_heights }: TrueNodes) {
         let names: BTreeSet<&String> = self.log.names().iter().collect();
         let strangers: Vec<&String> = truth.keys().filter(|name| !names.contains(name)).collect();
         if !strangers.is_empty() {
@@ -143,6 +146,7 @@ impl Input {
             ));
         }
         self.truth = Some(truth);
+        self.true_dimensions = if has_heights { Dimensions::Space } else { Dimensions::Plane };
     }
 
     /// The true position of each node of the log, where it is known; `None` if none is, because then the maps cannot be

@@ -1,5 +1,6 @@
 //! The pipeline of `map`: computes maps from a recording or from the log of a real robot.
 
+mod contents;
 mod figures;
 mod input;
 mod logs;
@@ -7,6 +8,7 @@ mod notes;
 mod pipeline;
 mod prior;
 
+pub use contents::Contents;
 pub use figures::{drawn, figures};
 pub use input::Input;
 pub use logs::NetworkLogs;

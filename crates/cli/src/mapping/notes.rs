@@ -1,8 +1,11 @@
 //! What the user should know of a log before the maps are trusted.
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
+use sextant_mapper::{EstimatorFit, Learned};
 
+use crate::measure::axes;
+use crate::robot_log::doctor::exponent;
 use crate::text::{counted, listed};
 
 /// Silence tells nothing if less than this share of the packets was missed.
@@ -35,13 +38,47 @@ pub(super) fn of_log(log: &ReceptionLog) -> Vec<String> {
         }
     }
     let missed = sent - received;
-    if received > 0 && (missed as f64) < RARELY_MISSED * sent as f64 {
+    if received > 0 && (missed as f64) < RARELY_MISSED * sent as f64 && !has_strengths(log) {
         notes.push(format!(
             "nearly every node was heard at every stop ({missed} of {sent} packets were missed), so packets tell hardly \
              anything about distances: a map needs stops that are out of reach of some nodes, or signal strengths"
         ));
     }
     notes
+}
+
+/// Whether most of what was heard has a signal strength.
+fn has_strengths(log: &ReceptionLog) -> bool {
+    let heard = || log.receptions().iter().filter(|reception| reception.received > 0);
+    2 * heard().filter(|reception| reception.rssi_dbm.is_some()).count() > heard().count()
+}
+
+/// The notes on a map of `log`: what is odd in its law, and in how it differs from the true places of the nodes.
+///
+/// The map has its nodes at `places`, and what was estimated with it is `learned`.
+pub(super) fn of_map(
+    log: &ReceptionLog,
+    places: &[Option<Position>],
+    learned: Option<&Learned>,
+    truth: Option<&[Option<Position>]>,
+) -> Vec<String> {
+    let exponent = learned.and_then(path_loss_exponent);
+    let law = exponent.and_then(|found| exponent::finding(log, places, found));
+    let axes = truth.and_then(|truth| axes(truth, places));
+    [law, axes].into_iter().flatten().map(|finding| finding.to_string()).collect()
+}
+
+/// The path-loss exponent that was estimated with a map, if one was.
+fn path_loss_exponent(learned: &Learned) -> Option<f64> {
+    match learned {
+        Learned::Links(fit) => fit.path_loss_exponent(),
+        Learned::Channel(channel) => Some(channel.exponent),
+        Learned::Choice(choice) => match choice.fit.as_ref()? {
+            EstimatorFit::Links(fit) => fit.path_loss_exponent(),
+            EstimatorFit::Profile(_) | EstimatorFit::Calibration(_) => None,
+        },
+        _ => None,
+    }
 }
 
 #[cfg(test)]

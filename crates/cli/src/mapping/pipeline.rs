@@ -38,6 +38,7 @@ pub fn map<'a>(
     watch: &dyn Watch,
 ) -> Result<(Summary, Vec<ComputedMap<'a>>), Failure> {
     let truth = input.true_places();
+    let dimensions = input.true_dimensions;
     input.notes.extend(notes::of_log(&input.log));
     let map_start = Stopwatch::start();
     let mut summaries: Vec<MapSummary> = Vec::new();
@@ -53,11 +54,13 @@ pub fn map<'a>(
         ..logs.knowledge(named)
     };
     let mut interrupted = false;
+    let mut found: Vec<String> = Vec::new();
     for named in &settings.maps {
         let made =
             named.mapper.map_and_learn(knowledge(named), watch).map_err(Failure::from).and_then(|(map, learned)| {
                 let (map, alignment) = in_world(map, truth.as_deref());
-                let truth = truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors });
+                let truth =
+                    truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors, dimensions });
                 let subject = named.into();
                 let names = input.log.names();
                 let summary = measure(&subject, &map, learned.as_ref(), names, truth, &settings.metrics, watch)?;
@@ -75,8 +78,18 @@ pub fn map<'a>(
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
             robot_log::write_map(&path, input.log.names(), &computed.map, input.plane.as_ref())?;
         }
+        if input.recording.is_none() {
+            for note in
+                notes::of_map(&input.log, &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
+            {
+                if !found.contains(&note) {
+                    found.push(note);
+                }
+            }
+        }
         maps.push(computed);
     }
+    input.notes.extend(found);
     let summary = Summary {
         gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
         interrupted,

@@ -125,14 +125,15 @@ impl From<&Calibration> for CalibrationSummary {
                 ObstacleKnowledge::FromReceptions => "from_receptions",
                 ObstacleKnowledge::FromLog => "from_log",
             },
-            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::absorbing_m2),
+            absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::sure_m2),
+            unsure_m2: calibration.obstacles.as_ref().map(AbsorptionMap::unsure_m2).filter(|&area_m2| area_m2 > 0.0),
         }
     }
 }
 
 impl From<&LinkFit> for LinkLawSummary {
     fn from(fit: &LinkFit) -> Self {
-        let LinkFit { law, receiver, evidence, rounds, settled } = *fit;
+        let LinkFit { law, receiver, losses, outage, evidence, rounds, settled } = *fit;
         Self {
             evidence,
             rounds,
@@ -140,11 +141,15 @@ impl From<&LinkFit> for LinkLawSummary {
             distance_m: law.distance_m,
             margin: law.margin,
             slope: law.slope,
+            slope_spread: law.slope_spread,
             shadowing: law.shadowing,
             shared: law.shared,
             correlation_m: law.correlation_m,
             offset: law.offset,
             direction: law.direction,
+            lapse: losses.lapse,
+            lapse_scatter: losses.scatter,
+            outage,
             threshold_dbm: receiver.map(|receiver| receiver.threshold_dbm),
             fading_db: receiver.map(|receiver| receiver.fading_db),
             path_loss_exponent: fit.path_loss_exponent(),

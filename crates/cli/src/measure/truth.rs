@@ -12,7 +12,7 @@ use super::outline::outline;
 use super::subject::Subject;
 use crate::scenario::MetricsConfig;
 use crate::summary::{
-    AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, NODE_ERRORS, POSITION_ERRORS_M,
+    AlignmentSummary, ConnectivitySummary, ErrorSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M,
 };
 
 /// The true positions of nodes.
@@ -22,6 +22,18 @@ pub struct Truth<'a> {
     pub places: &'a [Option<Position>],
     /// The nodes that know their position. In a map that uses anchors, these positions are not estimates.
     pub anchors: &'a [Anchor],
+    /// In how many dimensions they are known.
+    pub dimensions: Dimensions,
+}
+
+/// In how many dimensions true positions are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dimensions {
+    /// With their heights.
+    #[default]
+    Space,
+    /// Without heights: a map is measured in the plane of x and y, whatever its heights are.
+    Plane,
 }
 
 /// A map in world coordinates. A map that is known only up to a similarity is aligned to the true positions, each of its
@@ -48,7 +60,8 @@ const LEAST_TO_ALIGN: usize = 4;
 /// Connectivity is measured at each radius of `metrics`. A measure that cannot be computed, for example because all
 /// nodes are in one place, is absent.
 ///
-/// Position errors are those of the nodes whose position the map had to estimate; connectivity is that of all nodes.
+/// Position errors are those of the nodes whose position the map had to estimate; connectivity is that of all nodes. If the
+/// heights of the nodes are not known, everything is measured in the plane: regions are those of x and y.
 ///
 /// # Errors
 /// If `watch` stops the work.
@@ -61,9 +74,21 @@ pub fn measure(
     metrics: &MetricsConfig,
     watch: &dyn Watch,
 ) -> Result<MapSummary, Interrupted> {
-    let Some(Truth { places, anchors }) = truth else {
+    let Some(Truth { places, anchors, dimensions }) = truth else {
         return Ok(outline(subject, map, learned, names));
     };
+    if dimensions == Dimensions::Plane && !is_flat(map) {
+        let places: Vec<Option<Position>> = places.iter().map(|place| Some(on_plane((*place)?))).collect();
+        let truth = Truth { places: &places, anchors, dimensions: Dimensions::Space };
+        let flat = measure(subject, &flattened(map), learned, names, Some(truth), metrics, watch)?;
+        let outline = outline(subject, map, learned, names);
+        return Ok(MapSummary {
+            measured_in: Some(MeasuredIn::Plane),
+            heights: outline.heights,
+            coincident: outline.coincident,
+            ..flat
+        });
+    }
     let known: Vec<usize> = (0..places.len()).filter(|&node| places[node].is_some()).collect();
     let truth: Vec<Position> = places.iter().copied().flatten().collect();
     let truth = truth.as_slice();
@@ -95,6 +120,30 @@ pub fn measure(
         connectivity_errors,
         ..outline(subject, map, learned, names)
     })
+}
+
+/// Whether all places of a map are at height 0, and known to be.
+fn is_flat(map: &TopologyMap) -> bool {
+    let is_flat = |estimate: &Estimate| {
+        estimate.position.z_m.abs() <= 0.0 && estimate.covariance.is_none_or(|covariance| covariance[2][2] <= 0.0)
+    };
+    map.estimates.iter().flatten().all(is_flat)
+}
+
+/// The map as seen from above.
+fn flattened(map: &TopologyMap) -> TopologyMap {
+    let estimate = |estimate: &Estimate| {
+        let covariance =
+            estimate.covariance.map(|[[xx, xy, _], [yx, yy, _], _]| [[xx, xy, 0.0], [yx, yy, 0.0], [0.0; 3]]);
+        Estimate { position: on_plane(estimate.position), covariance, ..estimate.clone() }
+    };
+    let estimates = map.estimates.iter().map(|each| each.as_ref().map(estimate)).collect();
+    TopologyMap { estimates, ..map.clone() }
+}
+
+/// The place at height 0.
+fn on_plane(place: Position) -> Position {
+    Position::new(place.x_m, place.y_m, 0.0)
 }
 
 /// The antennas of nodes, all with as many sectors of equal width.

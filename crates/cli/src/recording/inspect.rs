@@ -12,6 +12,9 @@ use crate::mcap_file::{Damage, Piece, scan};
 /// The contents of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Inspection {
+    /// Whether it is a recording of `run`, whose times are simulated.
+    #[serde(skip)]
+    pub is_simulated: bool,
     /// The program that wrote it.
     pub library: String,
     /// Size of the file (octets).
@@ -66,6 +69,7 @@ pub struct AttachmentInfo {
 pub fn inspect(path: &Path) -> Result<Inspection, RecordingError> {
     let size_bytes = std::fs::metadata(path).map_err(|why| RecordingError::read(path, why))?.len();
     let mut inspection = Inspection {
+        is_simulated: true,
         library: String::new(),
         size_bytes,
         damage: None,
@@ -123,7 +127,8 @@ impl fmt::Display for Inspection {
             )?,
         }
         if let (Some(start_s), Some(end_s)) = (self.start_s, self.end_s) {
-            writeln!(f, "{} messages from {start_s:.3} s to {end_s:.3} s of simulated time", self.messages)?;
+            let kind = if self.is_simulated { "simulated time" } else { "recorded time" };
+            writeln!(f, "{} messages from {start_s:.3} s to {end_s:.3} s of {kind}", self.messages)?;
         }
         let width = self.topics.iter().map(|topic| topic.topic.chars().count()).max().unwrap_or(0).max(5);
         let schema_width = self.topics.iter().map(|topic| topic.schema.chars().count()).max().unwrap_or(0);

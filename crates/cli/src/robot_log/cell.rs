@@ -44,6 +44,16 @@ impl Row<'_> {
         self.number(column).map(parse).transpose()
     }
 
+    /// Whether the cell is empty or NaN.
+    pub(super) fn is_blank(&self, column: Column) -> bool {
+        self.number(column).is_none_or(|text| text.parse().is_ok_and(f64::is_nan))
+    }
+
+    /// Whether the cell is a number that is 0.
+    pub(super) fn is_zero(&self, column: Column) -> bool {
+        self.number(column).is_some_and(|text| text.parse().is_ok_and(|number: f64| number.abs() <= 0.0))
+    }
+
     /// The identity of a sector; `None` if the cell is empty.
     pub(super) fn sector(&self, column: Column) -> Result<Option<u8>, RobotLogError> {
         let sector = self.whole(column, u32::from(u8::MAX))?;

@@ -26,7 +26,7 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     for bag in path_bag.iter().chain(&packet_bag) {
         notes.extend(bag.notes.iter().cloned());
     }
-    let bag_path = path_bag.as_ref().map(|bag| BagPath::read(bag, &options.bag)).transpose()?;
+    let bag_path = path_bag.as_ref().map(|bag| BagPath::read(bag, options)).transpose()?;
     let heard_in = if packets.kind == PacketKind::Bag { packet_bag.as_ref().or(path_bag.as_ref()) } else { None };
     let bag_packets = heard_in.map(|bag| BagPackets::choose(bag, options)).transpose()?;
     let has_stamps =
@@ -34,15 +34,16 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
     let clock = options.bag.bag_clock.unwrap_or(if has_stamps { BagClock::Stamp } else { BagClock::Log });
     tell_bags(drive, (bag_path.as_ref(), bag_packets.as_ref()), clock, &mut notes);
 
+    let skips_no_fix = options.repair.skip_no_fix;
     let Paths { paths, mut robots, is_named, plane } = match &bag_path {
-        Some(bag) => Paths::of_one(bag.path(clock)?, bag.plane()),
+        Some(bag) => Paths::of_one(bag.path(clock, &mut notes)?, bag.plane()),
         None => match path.kind {
-            PathKind::Tum => tum::read(&path.file)?,
-            PathKind::Gpx => gpx::read(&path.file, &mut notes)?,
-            PathKind::Nmea => nmea::read(&path.file, &mut notes)?,
+            PathKind::Tum => tum::read(&path.file, skips_no_fix, &mut notes)?,
+            PathKind::Gpx => gpx::read(&path.file, skips_no_fix, &mut notes)?,
+            PathKind::Nmea => nmea::read(&path.file, skips_no_fix, &mut notes)?,
             PathKind::Csv | PathKind::Bag => {
                 let names = FieldNames::of_places(options.form.path_fields.as_ref());
-                path_file::read(&path.file, &names, &mut notes)?
+                path_file::read(&path.file, &names, skips_no_fix, &mut notes)?
             }
         },
     };
@@ -85,7 +86,7 @@ pub(super) fn read(drive: &Drive, options: &ReadOptions) -> Result<RobotLog, Rob
         None => gathered.log,
     };
     notes.extend(gathered.notes);
-    Ok(RobotLog { log, plane, notes })
+    Ok(RobotLog { log, plane, notes, findings: gathered.findings, clock: gathered.clock })
 }
 
 /// Notes what is read from bags.

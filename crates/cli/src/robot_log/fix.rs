@@ -1,10 +1,14 @@
 //! Fixes of a satellite receiver in a file: latitude and longitude with a time.
 
+use std::path::Path as FilePath;
+
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 
+use super::error::RobotLogError;
 use super::local_plane::LocalPlane;
-use super::path::Pose;
+use super::path::{Path, Pose};
+use super::paths::Paths;
 
 /// Where a receiver was.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,21 +20,42 @@ pub(super) struct Fix {
     pub(super) height_m: Option<f64>,
 }
 
+impl Fix {
+    /// Whether the receiver had none: both coordinates are NaN or 0.
+    fn is_none(&self) -> bool {
+        let both = |is: fn(f64) -> bool| is(self.lat_deg) && is(self.lon_deg);
+        both(f64::is_nan) || both(|angle_deg| angle_deg.abs() <= 0.0)
+    }
+}
+
 /// Puts fixes into the plane around the first of them.
 #[derive(Default)]
 pub(super) struct Track {
-    pub(super) plane: Option<LocalPlane>,
-    pub(super) poses: Vec<Pose>,
+    /// Whether places that are no fix are left out.
+    skips_no_fix: bool,
+    plane: Option<LocalPlane>,
+    poses: Vec<Pose>,
+    /// The line of each pose in the file.
+    lines: Vec<usize>,
+    left_out: u64,
     /// Of the last fix that has one (m).
     height_m: Option<f64>,
 }
 
 impl Track {
-    /// Adds a fix. One without a height is as high as the one before it.
+    pub(super) fn new(skips_no_fix: bool) -> Self {
+        Self { skips_no_fix, ..Self::default() }
+    }
+
+    /// Adds the fix in a line. One without a height is as high as the one before it.
     ///
     /// # Errors
     /// If it is no place on the earth, near a pole or far from the first one.
-    pub(super) fn add(&mut self, fix: Fix) -> Result<(), String> {
+    pub(super) fn add(&mut self, fix: Fix, line: usize) -> Result<(), String> {
+        if self.skips_no_fix && fix.is_none() {
+            self.left_out += 1;
+            return Ok(());
+        }
         let Fix { time, lat_deg, lon_deg, height_m } = fix;
         let largest_deg = LocalPlane::LARGEST_LAT_DEG;
         // A comparison with NaN is false.
@@ -46,7 +71,8 @@ impl Track {
         if plane.distance_m(lat_deg, lon_deg, height_m) > LocalPlane::RADIUS_M {
             let origin = plane.origin();
             return Err(format!(
-                "found latitude {lat_deg} and longitude {lon_deg}; allowed: a place at most {} km from the first one at {}, {}",
+                "found latitude {lat_deg} and longitude {lon_deg}; allowed: a place at most {} km from the first one at {}, {}; a \
+                 receiver without a fix often writes 0, 0: `--skip-no-fix` leaves such places out",
                 LocalPlane::RADIUS_M / 1e3,
                 origin.lat_deg,
                 origin.lon_deg
@@ -54,6 +80,24 @@ impl Track {
         }
         let position: Position = plane.to_local(lat_deg, lon_deg, height_m);
         self.poses.push(Pose { time, position });
+        self.lines.push(line);
         Ok(())
+    }
+
+    /// The path of these fixes, which are those of `file`.
+    ///
+    /// # Errors
+    /// If they are no path.
+    pub(super) fn finish(self, file: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
+        let Self { plane, poses, lines, left_out, .. } = self;
+        if left_out > 0 {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            notes.push(format!("{name}: {left_out} places without a fix are left out (`--skip-no-fix`)"));
+        }
+        let path = Path::new(poses).map_err(|why| match why.index() {
+            Some(index) => RobotLogError::Row { path: file.to_owned(), line: lines[index], problem: why.to_string() },
+            None => RobotLogError::Path { path: file.to_owned(), why },
+        })?;
+        Ok(Paths::of_one(path, plane))
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::error::RobotLogError;
 use super::options::{ReadOptions, StopRule};
+use super::packet_delay::PacketDelay;
 
 /// What gives the path of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,10 +111,13 @@ impl Use {
 
 /// Refuses the flags of `options` that are for another form of log.
 pub(super) fn refuse(path: &Path, form: Form, options: &ReadOptions) -> Result<(), RobotLogError> {
-    let ReadOptions { stop_every, packet_interval_s, form: of_form, bag, sniffer } = options;
+    let ReadOptions { stop_every, packet_interval_s, form: of_form, repair, bag, sniffer } = options;
     let flags = [
         ("--stop-every", *stop_every != StopRule::Automatic, Use::Drive),
         ("--packet-interval", packet_interval_s.is_some(), Use::Drive),
+        ("--packet-delay", repair.packet_delay != PacketDelay::default(), Use::Drive),
+        ("--skip-no-fix", repair.skip_no_fix, Use::RobotLog),
+        ("--rssi-missing", !repair.rssi_missing.is_empty(), Use::RobotLog),
         ("--path", of_form.path.is_some(), Use::Drive),
         ("--packets", of_form.packets.is_some(), Use::Drive),
         ("--pose-topic", bag.pose_topic.is_some(), Use::BagPath),

@@ -7,6 +7,7 @@ use sextant_channel::{Contact, Reception, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
 use super::cover::{self, Cover};
+use super::doctor::{self, ClockOffset, Finding, Samples};
 use super::error::RobotLogError;
 use super::gathered::Gathered;
 use super::heard::{Heard, reception};
@@ -15,7 +16,9 @@ use super::interval::{Gaps, Intervals, intervals};
 use super::log::RobotLog;
 use super::options::{ReadOptions, StopRule};
 use super::packet::Packet;
+use super::packet_delay::PacketDelay;
 use super::path::Path;
+use super::rssi_check::RssiCheck;
 use super::sending;
 use super::signal::Signal;
 use super::slot::{self, Slot};
@@ -64,7 +67,12 @@ pub struct Gatherer {
     heard: Gathered<Heard>,
     cover: Cover,
     strengths: Strengths,
+    /// What is taken off the times of packets (s).
+    delay_s: f64,
+    rssi: RssiCheck,
+    samples: Samples,
     notes: Vec<String>,
+    findings: Vec<Finding>,
 }
 
 /// A robot: its path, cut into slots.
@@ -103,7 +111,14 @@ impl Gatherer {
             heard: Gathered::new(),
             cover: Cover::default(),
             strengths: Strengths::of(&options.form),
+            delay_s: match options.repair.packet_delay {
+                PacketDelay::Seconds(delay_s) => delay_s,
+                PacketDelay::Estimated => 0.0,
+            },
+            rssi: RssiCheck::new(&options.repair.rssi_missing),
+            samples: Samples::default(),
             notes: Vec::new(),
+            findings: doctor::of_paths(&paths),
         };
         for path in paths {
             let (slots, rule) = slot::cut(&path, options.stop_every).ok_or(RobotLogError::TooManyStops)?;
@@ -166,19 +181,28 @@ impl Gatherer {
             return Err(refused("its signal strength or signal-to-noise ratio is not a finite number"));
         }
         let node = self.node(packet.node);
+        let report = self.strengths.take(self.rssi.take(packet.rssi_dbm), packet.snr_db);
+        let Some(time) = instant::shifted(packet.time, -self.delay_s) else {
+            self.cover.take(SimTime::ZERO, Duration::ZERO);
+            self.cover.before += 1;
+            return Ok(());
+        };
         let Some(track) = self.tracks.get_mut(packet.robot.index()) else {
             return Err(refused("the robot that heard it has no path"));
         };
         if track.gaps.len() <= node as usize {
             track.gaps.resize_with(node as usize + 1, Gaps::default);
         }
-        let back = track.gaps[node as usize].heard(packet.time);
-        self.cover.take(packet.time, back);
+        let back = track.gaps[node as usize].heard(time);
+        self.cover.take(time, back);
+        if let Report::Heard(rssi_dbm) = report {
+            self.samples.take(node, packet.robot, time, rssi_dbm);
+        }
         let (start, end) = track.path.span();
-        let slot = track.slots.partition_point(|slot| slot.end <= packet.time);
-        match track.slots.get(slot).filter(|slot| slot.start <= packet.time) {
+        let slot = track.slots.partition_point(|slot| slot.end <= time);
+        match track.slots.get(slot).filter(|slot| slot.start <= time) {
             Some(_) => {
-                let (received, signal) = match self.strengths.take(packet.rssi_dbm, packet.snr_db) {
+                let (received, signal) = match report {
                     Report::Heard(rssi_dbm) => (1, Signal::new(1, packet.sector, rssi_dbm, packet.snr_db)),
                     Report::Noise => (0, Signal::NONE),
                 };
@@ -188,12 +212,12 @@ impl Gatherer {
                     received,
                     missed: 1 - received,
                     signal,
-                    first: packet.time,
-                    last: packet.time,
+                    first: time,
+                    last: time,
                 });
             }
-            None if packet.time < start => self.cover.before += 1,
-            None if packet.time > end => self.cover.after += 1,
+            None if time < start => self.cover.before += 1,
+            None if time > end => self.cover.after += 1,
             None => self.cover.in_gaps += 1,
         }
         Ok(())
@@ -216,6 +240,9 @@ impl Gatherer {
     pub fn finish(mut self) -> Result<RobotLog, RobotLogError> {
         self.cover.check(self.tracks.iter().map(|track| &track.path), &mut self.notes)?;
         self.strengths.finish(&mut self.notes)?;
+        self.notes.extend(self.rssi.note());
+        self.findings.extend(self.rssi.findings());
+        let clock = self.clock();
         let intervals = self.intervals();
         let pairs = self.names.len().saturating_mul(self.stops.len());
         let lists_silent = pairs <= MOST_SILENT_PAIRS;
@@ -250,7 +277,18 @@ impl Gatherer {
             .build(self.names, self.stops, self.contacts)
             .and_then(|log| log.with_robots(self.robots))
             .map_err(RobotLogError::Invalid)?;
-        Ok(RobotLog { log, plane: None, notes: self.notes })
+        let usual_stop = usual_stop(self.tracks.iter().flat_map(|track| &track.slots));
+        let usual = usual_stop.zip(intervals.told.map(|told| told.median).or(self.interval));
+        self.findings.extend(doctor::listening::finding(&log, usual));
+        Ok(RobotLog { log, plane: None, notes: self.notes, findings: self.findings, clock })
+    }
+
+    /// How late the packets are; a finding if they clearly are.
+    fn clock(&mut self) -> Option<ClockOffset> {
+        let paths: Vec<&Path> = self.tracks.iter().map(|track| &track.path).collect();
+        let clock = doctor::offset(&self.samples, &paths)?;
+        self.findings.extend(clock.finding());
+        Some(clock)
     }
 
     /// How many packets the node of the rows `heard` sent at each stop.
@@ -301,6 +339,13 @@ impl Gatherer {
         }
         found
     }
+}
+
+/// The median length of `slots`.
+fn usual_stop<'a>(slots: impl Iterator<Item = &'a Slot>) -> Option<Duration> {
+    let mut spans: Vec<Duration> = slots.map(|slot| slot.end.saturating_since(slot.start)).collect();
+    let middle = spans.len() / 2;
+    (!spans.is_empty()).then(|| *spans.select_nth_unstable(middle).1)
 }
 
 /// Nothing heard of `sent` packets.

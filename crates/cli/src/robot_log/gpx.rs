@@ -7,33 +7,31 @@ use roxmltree::{Document, Node};
 use super::error::RobotLogError;
 use super::fix::{Fix, Track};
 use super::instant;
-use super::path::Path;
 use super::paths::Paths;
 
-/// Reads the path in the file `path`: the track points in their order. Points without a time are skipped.
-pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
+/// Reads the path in the file `path`: the track points in their order. Points without a time are skipped, and
+/// those without a fix if `skips_no_fix`.
+pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let text = std::fs::read_to_string(path).map_err(|why| RobotLogError::read(path, why))?;
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
     let text = text.trim_start_matches('\u{feff}');
     let document = Document::parse(text).map_err(|why| wrong(why.pos().row as usize, why.to_string()))?;
     let line = |node: Node<'_, '_>| document.text_pos_at(node.range().start).row as usize;
     let points = document.descendants().filter(|node| node.tag_name().name() == "trkpt");
-    let mut track = Track::default();
-    let mut lines = Vec::new();
-    let mut timeless = 0_u64;
+    let mut track = Track::new(skips_no_fix);
+    let (mut placed, mut timeless) = (0_u64, 0_u64);
     for point in points {
         match fix(point) {
-            Ok(Some(fix)) => track.add(fix).map_err(|problem| wrong(line(point), problem))?,
-            Ok(None) => {
-                timeless += 1;
-                continue;
+            Ok(Some(fix)) => {
+                track.add(fix, line(point)).map_err(|problem| wrong(line(point), problem))?;
+                placed += 1;
             }
+            Ok(None) => timeless += 1,
             Err(problem) => return Err(wrong(line(point), problem)),
         }
-        lines.push(line(point));
     }
     let file = path.file_name().unwrap_or_default().to_string_lossy();
-    if track.poses.is_empty() {
+    if placed == 0 {
         let problem =
             if timeless > 0 { "no point of its tracks has a time" } else { "it has no track points (`trkpt`)" };
         return Err(wrong(1, problem.to_owned()));
@@ -41,12 +39,7 @@ pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, Ro
     if timeless > 0 {
         notes.push(format!("{file}: {timeless} points without a time are skipped"));
     }
-    let plane = track.plane;
-    let path = Path::new(track.poses).map_err(|why| match why.index() {
-        Some(index) => wrong(lines[index], why.to_string()),
-        None => RobotLogError::Path { path: path.to_owned(), why },
-    })?;
-    Ok(Paths::of_one(path, plane))
+    track.finish(path, notes)
 }
 
 /// What a track point says; `None` if it has no time.
@@ -64,6 +57,11 @@ fn fix(point: Node<'_, '_>) -> Result<Option<Fix>, String> {
     let time = instant::parse_date(time, true)
         .ok_or_else(|| format!("`time` is `{time}`; allowed: a time as 2026-11-22T15:04:05Z"))?;
     let height_m = child("ele").map(|text| number("ele", Some(text))).transpose()?;
-    let [lat_deg, lon_deg] = ["lat", "lon"].map(|name| number(name, point.attribute(name)));
+    // A receiver without a fix may write an empty angle or NaN.
+    let angle = |name: &str| match point.attribute(name).map(str::trim) {
+        Some(text) if text.is_empty() || text.eq_ignore_ascii_case("nan") => Ok(f64::NAN),
+        text => number(name, text),
+    };
+    let [lat_deg, lon_deg] = ["lat", "lon"].map(angle);
     Ok(Some(Fix { time, lat_deg: lat_deg?, lon_deg: lon_deg?, height_m }))
 }

@@ -116,6 +116,15 @@ pub(super) fn format(time: SimTime) -> String {
     format!("{seconds}.{nanos:09}").trim_end_matches('0').to_owned()
 }
 
+/// The time `by_s` seconds later, or earlier if it is negative; `None` if there is no such time.
+pub(super) fn shifted(time: SimTime, by_s: f64) -> Option<SimTime> {
+    let by = Duration::try_from_secs_f64(by_s.abs()).ok()?;
+    let by_ns = u64::try_from(by.as_nanos()).ok()?;
+    let time_ns = time.as_nanos();
+    let shifted = if by_s < 0.0 { time_ns.checked_sub(by_ns) } else { time_ns.checked_add(by_ns) };
+    shifted.map(SimTime::from_nanos)
+}
+
 /// A span in seconds, with at most three decimals.
 pub(super) fn format_span(span: Duration) -> String {
     let text = format!("{:.3}", span.as_secs_f64());
@@ -193,6 +202,14 @@ mod tests {
         for text in ["", ".5x", "-1", "nan"] {
             assert_eq!(parse_scaled(text, 3), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_shifted_time_is_exact_and_never_before_the_first() {
+        let time = SimTime::from_nanos(1_764_000_000_123_456_789);
+        assert_eq!(shifted(time, -0.5), Some(SimTime::from_nanos(1_763_999_999_623_456_789)));
+        assert_eq!(shifted(time, 2.0), Some(SimTime::from_nanos(1_764_000_002_123_456_789)));
+        assert_eq!(shifted(SimTime::from_nanos(5), -1.0), None);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use sextant_channel::ReceptionLog;
 
+use super::doctor::{ClockOffset, Finding};
 use super::local_plane::LocalPlane;
 
 /// What is read from the files of a robot.
@@ -13,4 +14,8 @@ pub struct RobotLog {
     pub plane: Option<LocalPlane>,
     /// What the user should know about how it was read.
     pub notes: Vec<String>,
+    /// What is odd in it.
+    pub findings: Vec<Finding>,
+    /// How late the packets are by the clock of the path, if both were read and tell it.
+    pub clock: Option<ClockOffset>,
 }

@@ -10,7 +10,6 @@ use sextant_kernel::SimTime;
 use super::error::RobotLogError;
 use super::fix::{Fix, Track};
 use super::instant;
-use super::path::Path;
 use super::paths::Paths;
 
 const SECOND_NS: i64 = 1_000_000_000;
@@ -44,8 +43,9 @@ enum Kind {
     Zda,
 }
 
-/// Reads the path in the file `path`. Sentences with a wrong checksum, and those without a fix, are skipped.
-pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
+/// Reads the path in the file `path`. Sentences with a wrong checksum, and those without a fix, are skipped; those at
+/// 0, 0 only if `skips_no_fix`, because their receiver says that it has one.
+pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let octets = std::fs::read(path).map_err(|why| RobotLogError::read(path, why))?;
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
     let mut sentences = Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, Ro
         }
     }
     let kind = if sentences.iter().any(|at| at.kind == Kind::Gga) { Kind::Gga } else { Kind::Rmc };
-    let (mut track, mut lines, mut lost) = (Track::default(), Vec::new(), 0_u64);
+    let (mut track, mut lost) = (Track::new(skips_no_fix), 0_u64);
     let first = sentences.iter().find_map(Sentence::date);
     let Some(mut date_ns) = first else {
         let problem = format!(
@@ -81,8 +81,7 @@ pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, Ro
             return Err(wrong(at.line, "its date is before 1970".to_owned()));
         };
         let fix = Fix { time: SimTime::from_nanos(time_ns), lat_deg, lon_deg, height_m };
-        track.add(fix).map_err(|problem| wrong(at.line, problem))?;
-        lines.push(at.line);
+        track.add(fix, at.line).map_err(|problem| wrong(at.line, problem))?;
     }
     let file = path.file_name().unwrap_or_default().to_string_lossy();
     if damaged > 0 {
@@ -91,12 +90,7 @@ pub(super) fn read(path: &FilePath, notes: &mut Vec<String>) -> Result<Paths, Ro
     if lost > 0 {
         notes.push(format!("{file}: {lost} sentences without a fix are skipped"));
     }
-    let plane = track.plane;
-    let path = Path::new(track.poses).map_err(|why| match why.index() {
-        Some(index) => wrong(lines[index], why.to_string()),
-        None => RobotLogError::Path { path: path.to_owned(), why },
-    })?;
-    Ok(Paths::of_one(path, plane))
+    track.finish(path, notes)
 }
 
 impl Sentence {

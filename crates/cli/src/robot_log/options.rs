@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::bag_options::BagOptions;
 use super::form_options::FormOptions;
+use super::repair_options::RepairOptions;
 use super::sniffer_options::SnifferOptions;
 
 /// How the log of a robot is read; the default asks for nothing.
@@ -16,6 +17,8 @@ pub struct ReadOptions {
     pub packet_interval_s: Option<f64>,
     /// Where the parts of the log are, and how they are written.
     pub form: FormOptions,
+    /// What is wrong in it, and corrected.
+    pub repair: RepairOptions,
     /// What is read from a ROS bag.
     pub bag: BagOptions,
     /// What belongs to the capture of a sniffer.

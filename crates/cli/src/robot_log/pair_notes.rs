@@ -35,6 +35,9 @@ pub(super) struct PairNotes {
     pub(super) zeros: usize,
     /// Whether the file of stops states the packets sent.
     pub(super) is_stated: bool,
+    /// Whether no packet of a pair that was heard counts as lost, because nothing states the packets sent and the pairs have
+    /// strengths.
+    pub(super) is_lossless: bool,
 }
 
 impl PairNotes {
@@ -47,7 +50,15 @@ impl PairNotes {
             Listing::ReceivedOfSent => "the median of `sent` at the stop",
             Listing::Packets | Listing::Received => "the most that were received of a node at the stop",
         };
+        let strengths = "have strengths, so none of their packets counts as lost; a pair that was not heard counts as one lost \
+                         packet";
         match self.listing {
+            Listing::Packets if self.is_lossless => notes.push(format!(
+                "receptions.csv has no column `received`: each row is a packet; the pairs that were heard {strengths}"
+            )),
+            Listing::Received if self.is_lossless && self.has_counts => {
+                notes.push(format!("receptions.csv has no column `sent`: the pairs that were heard {strengths}"))
+            }
             Listing::Reports => notes.push(format!(
                 "receptions.csv has no column `sent`: with `--noise-floor` the packets sent are {usual}"
             )),

@@ -170,10 +170,15 @@ impl<S: Kept> Collector<S> {
         let Self { listing, has_counts, unstated, .. } = self;
         let (entries, repeated) = self.entries.finish();
         let pairs = || entries.chunk_by(|a, b| (a.node, a.stop) == (b.node, b.stop)).map(Pair::of);
-        let is_counted =
-            matches!(listing, Listing::Reports | Listing::Packets) || listing == Listing::Received && has_counts;
+        let is_stated = at_stop.iter().any(Option::is_some);
         let seen = Seen::of(pairs(), listing, at_stop.len());
+        // Where nothing states the packets sent, a strength tells how far a node is, and a loss would be invented.
+        let is_lossless =
+            matches!(listing, Listing::Packets | Listing::Received) && !is_stated && seen.has_strengths();
+        let is_counted = !is_lossless
+            && (matches!(listing, Listing::Reports | Listing::Packets) || listing == Listing::Received && has_counts);
         let usual: Vec<u32> = match listing {
+            _ if is_lossless => vec![1; at_stop.len()],
             Listing::ReceivedOfSent => seen.medians(),
             Listing::Received if !has_counts => vec![1; at_stop.len()],
             Listing::Reports | Listing::Packets | Listing::Received => {
@@ -185,7 +190,6 @@ impl<S: Kept> Collector<S> {
         let silent_pairs: usize = (0..usual.len()).filter(|&stop| usual[stop] != 1).map(&absent_at).sum();
         let fills = silent_pairs <= MOST_SILENT_PAIRS;
         let absent = (0..usual.len()).map(absent_at).sum();
-        let is_stated = at_stop.iter().any(Option::is_some);
         PairNotes {
             listing,
             has_counts,
@@ -196,6 +200,7 @@ impl<S: Kept> Collector<S> {
             absent,
             zeros: seen.zeros,
             is_stated,
+            is_lossless,
         }
         .tell(notes);
 
@@ -215,7 +220,7 @@ impl<S: Kept> Collector<S> {
                 pass_to(pair.stop, &mut receptions);
                 let usual = usual[pair.stop as usize];
                 let is_open = pair.sent == UNSTATED || is_counted || listing != Listing::ReceivedOfSent && is_stated;
-                let sent = if is_open { usual.max(pair.received) } else { pair.sent };
+                let sent = if is_open || is_lossless { usual.max(pair.received) } else { pair.sent };
                 // 0 of 1 packets means the same as an absent pair.
                 if (pair.received, sent, pair.signal.is_some_and(|signal| !signal.is_unknown())) != (0, 1, false) {
                     receptions.push(pair.reception(sent));
@@ -251,11 +256,21 @@ struct Seen {
     stated: BTreeMap<(u32, u32), usize>,
     /// Pairs of which nothing was received, of nodes that were heard at another stop.
     zeros: usize,
+    /// Pairs of which something was received, and those of them that have a strength.
+    heard: usize,
+    with_strength: usize,
 }
 
 impl Seen {
     fn of(pairs: impl Iterator<Item = Pair>, listing: Listing, stops: usize) -> Self {
-        let mut seen = Self { pairs: vec![0; stops], most: vec![0; stops], stated: BTreeMap::new(), zeros: 0 };
+        let mut seen = Self {
+            pairs: vec![0; stops],
+            most: vec![0; stops],
+            stated: BTreeMap::new(),
+            zeros: 0,
+            heard: 0,
+            with_strength: 0,
+        };
         let (mut node, mut is_heard, mut zeros) = (None, false, 0);
         for pair in pairs {
             if node.replace(pair.node) != Some(pair.node) {
@@ -263,6 +278,10 @@ impl Seen {
                 (is_heard, zeros) = (false, 0);
             }
             is_heard |= pair.received > 0;
+            if pair.received > 0 {
+                seen.heard += 1;
+                seen.with_strength += usize::from(pair.signal.is_some_and(|signal| signal.rssi_dbm().is_some()));
+            }
             zeros += usize::from(pair.received == 0 && pair.sent > 0);
             let stop = pair.stop as usize;
             seen.pairs[stop] += 1;
@@ -274,6 +293,11 @@ impl Seen {
         }
         seen.zeros += if is_heard { zeros } else { 0 };
         seen
+    }
+
+    /// Whether most of the pairs that were heard have a strength.
+    fn has_strengths(&self) -> bool {
+        2 * self.with_strength > self.heard
     }
 
     /// The median number of packets sent at each stop, the lower one of two; 1 where none is stated. Where fewer than

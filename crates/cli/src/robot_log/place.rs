@@ -94,6 +94,24 @@ impl Places {
         Ok(if takes_metres { Self::Metres { x, y, z } } else { Self::Geodetic { lat, lon, height } })
     }
 
+    /// Whether the file has heights.
+    pub(super) fn has_heights(self) -> bool {
+        match self {
+            Self::Metres { z, .. } => z.exists(),
+            Self::Geodetic { height, .. } => !matches!(height, Height::Level),
+        }
+    }
+
+    /// Whether the receiver had no fix in a row: both coordinates are empty or NaN or, by latitude and longitude, 0.
+    pub(super) fn is_without_fix(self, row: &Row<'_>) -> bool {
+        match self {
+            Self::Metres { x, y, .. } => row.is_blank(x) && row.is_blank(y),
+            Self::Geodetic { lat, lon, .. } => {
+                row.is_blank(lat) && row.is_blank(lon) || row.is_zero(lat) && row.is_zero(lon)
+            }
+        }
+    }
+
     /// The place in a row. The first place by latitude and longitude becomes the origin of `plane`.
     pub(super) fn read(self, row: &Row<'_>, plane: &mut Option<LocalPlane>) -> Result<Position, RobotLogError> {
         match self {
@@ -132,10 +150,15 @@ fn geodetic(
     let plane = plane.get_or_insert_with(|| LocalPlane::new(lat_deg, lon_deg, level_m));
     if plane.distance_m(lat_deg, lon_deg, height_m) > LocalPlane::RADIUS_M {
         let origin = plane.origin();
-        let allowed = format!(
-            "a place at most 100 km from the first one at {}, {}; a receiver without a fix often writes 0, 0",
-            origin.lat_deg, origin.lon_deg
-        );
+        let swapped = lon_deg.abs() <= LocalPlane::LARGEST_LAT_DEG
+            && plane.distance_m(lon_deg, lat_deg, height_m) <= LocalPlane::RADIUS_M;
+        let hint = if swapped {
+            "with `lat` and `lon` swapped it is that near, so one of the files has them swapped"
+        } else {
+            "a receiver without a fix often writes 0, 0: `--skip-no-fix` leaves such rows out"
+        };
+        let allowed =
+            format!("a place at most 100 km from the first one at {}, {}; {hint}", origin.lat_deg, origin.lon_deg);
         return Err(row.wrong(lat, allowed));
     }
     Ok(plane.to_local(lat_deg, lon_deg, height_m))

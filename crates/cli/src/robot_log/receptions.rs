@@ -11,6 +11,7 @@ use super::form_options::FormOptions;
 use super::header::{Known, Others};
 use super::pair_notes::Listing;
 use super::pairs::{Collector, Count, Kept};
+use super::rssi_check::RssiCheck;
 use super::signal::{Signal, Strength};
 use super::stops::{MOST_SENT, Stops};
 use super::strengths::{Report, Strengths};
@@ -20,6 +21,8 @@ use super::table::{Column, Row, Table};
 pub(super) struct Receptions {
     pub(super) names: Vec<String>,
     pub(super) receptions: ReceptionLogBuilder,
+    /// Rows of stops that were left out.
+    pub(super) left_out: usize,
 }
 
 /// The columns of the file.
@@ -35,10 +38,12 @@ struct Columns {
 }
 
 /// Reads the receptions at `stops` in the file `path`, as `form` says. Nodes are numbered in the order of their first rows.
+/// Their strengths go through `rssi`.
 pub(super) fn read(
     path: &Path,
     stops: &Stops,
     form: &FormOptions,
+    rssi: &mut RssiCheck,
     notes: &mut Vec<String>,
 ) -> Result<Receptions, RobotLogError> {
     let names = FieldNames::of_packets(form.packet_fields.as_ref());
@@ -53,9 +58,9 @@ pub(super) fn read(
     notes.extend(table.ignored());
     let [received, sent] = ["received", "sent"].map(|name| table.column(name));
     let (node, stop) = ends(&table, form.reciprocal)?;
-    let [sector, rssi, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
-    let columns = Columns { node, stop, received, sent, sector, rssi, snr };
-    if !received.exists() && (sent.exists() || !rssi.exists()) {
+    let [sector, level, snr] = ["sector", "rssi_dbm", "snr_db"].map(|name| table.column(name));
+    let columns = Columns { node, stop, received, sent, sector, rssi: level, snr };
+    if !received.exists() && (sent.exists() || !level.exists()) {
         return Err(table.wrong_header(
             "column `received` is missing; the first line must name the columns: node,stop,received \
              (or node,stop,rssi_dbm, if each row is a packet)",
@@ -68,10 +73,10 @@ pub(super) fn read(
         (true, true) => Listing::ReceivedOfSent,
     };
     let mut strengths = Strengths::of(form);
-    let rows = Rows { table, columns, listing, stops, strengths: &mut strengths };
+    let rows = Rows { table, columns, listing, stops, rssi, strengths: &mut strengths };
     let read = if sector.exists() || snr.exists() {
         rows.read::<Signal>(notes)
-    } else if rssi.exists() {
+    } else if level.exists() {
         rows.read::<Strength>(notes)
     } else {
         rows.read::<()>(notes)
@@ -103,17 +108,19 @@ struct Rows<'a> {
     columns: Columns,
     listing: Listing,
     stops: &'a Stops,
+    rssi: &'a mut RssiCheck,
     strengths: &'a mut Strengths,
 }
 
 impl Rows<'_> {
     /// Reads the rows. What is not known of any reception takes no memory.
     fn read<S: Kept>(self, notes: &mut Vec<String>) -> Result<Receptions, RobotLogError> {
-        let Self { table, columns, listing, stops, strengths } = self;
+        let Self { table, columns, listing, stops, rssi, strengths } = self;
         let mut names: Vec<String> = Vec::new();
         let mut nodes: BTreeMap<String, u32> = BTreeMap::new();
         let mut last: Option<u32> = None;
         let mut pairs = Collector::<S>::new(listing);
+        let mut left_out = 0;
         table.rows(|row| {
             let name = row.node(columns.node)?;
             // The rows of a node often follow each other.
@@ -128,11 +135,15 @@ impl Rows<'_> {
             };
             last = Some(node);
             let id = row.filled(columns.stop).unwrap_or("");
+            if stops.left_out.contains(id) {
+                left_out += 1;
+                return Ok(());
+            }
             let stop = *stops.ids.get(id).ok_or_else(|| row.wrong(columns.stop, known_stops(&stops.ids)))?;
             let count = count(row, columns, stops.sent[stop as usize])?;
             let snr_db = row.finite(columns.snr)?;
             let sector = row.sector(columns.sector)?;
-            let report = match row.finite(columns.rssi)? {
+            let report = match rssi.take(row.finite(columns.rssi)?) {
                 // Nothing was received, whatever the level is.
                 rssi_dbm @ Some(_) if count.received == 0 => Report::Heard(rssi_dbm),
                 rssi_dbm => strengths.take(rssi_dbm, snr_db),
@@ -145,7 +156,7 @@ impl Rows<'_> {
             Ok(())
         })?;
         let receptions = pairs.finish(names.len(), &stops.sent, notes);
-        Ok(Receptions { names, receptions })
+        Ok(Receptions { names, receptions, left_out })
     }
 }
 

@@ -2,11 +2,14 @@
 
 use std::path::Path as FilePath;
 
+use super::doctor;
 use super::error::RobotLogError;
 use super::form::{self, Form};
 use super::layout::{self, Layout};
 use super::log::RobotLog;
 use super::options::ReadOptions;
+use super::packet_delay::PacketDelay;
+use super::repair_options::RepairOptions;
 use super::{bag, drive, folder, reciprocal, sniffer};
 
 /// The kinds of logs of robots.
@@ -42,11 +45,44 @@ pub fn refuse_flags(path: &FilePath, options: &ReadOptions) -> Result<(), RobotL
     form::refuse(path, Form::Recording, options)
 }
 
-/// Reads the log of a robot: a folder of CSV files, a ROS bag, captures of a sniffer, or parts of these.
+/// Reads the log of a robot: a folder of CSV files, a ROS bag, captures of a sniffer, or parts of these; and looks for what is
+/// odd in it. To estimate the delay of the packets, it is read twice.
 ///
 /// # Errors
 /// If it cannot be read, a part is missing or there more than once, or `options` are for another form of log.
 pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
+    let mut read = read_once(path, options)?;
+    if options.repair.packet_delay == PacketDelay::Estimated {
+        if let Some(clock) = read.clock.filter(|clock| clock.told_s().is_some()) {
+            let known = PacketDelay::Seconds(clock.delay_s);
+            read = read_once(
+                path,
+                &ReadOptions {
+                    repair: RepairOptions { packet_delay: known, ..options.repair.clone() },
+                    ..options.clone()
+                },
+            )?;
+            read.notes.push(format!(
+                "the times of the packets are estimated to be {:.2} ± {:.2} s late by the clock of the path, and are \
+                 corrected by that (`--packet-delay auto`)",
+                clock.delay_s,
+                2.0 * clock.error_s
+            ));
+        } else {
+            read.notes.push(
+                "no delay of the packets is clear, so their times are used as they are (`--packet-delay auto`)"
+                    .to_owned(),
+            );
+        }
+    }
+    let found = doctor::of_log(&read.log, &read.findings);
+    read.findings.extend(found);
+    read.findings = doctor::told_apart(read.findings);
+    Ok(read)
+}
+
+/// Reads the log of a robot.
+fn read_once(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLogError> {
     if Source::of(path).is_none() {
         return Err(match std::fs::metadata(path) {
             Err(why) => RobotLogError::read(path, why),
@@ -56,8 +92,8 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
     let layout = Layout::of(path, &options.form)?;
     form::refuse(path, layout.form(), options)?;
     let mut log = match &layout {
-        Layout::Stops(folder) => folder::read(folder, &options.form),
-        Layout::Wide { table, folder } => folder::read_wide(table, folder.as_deref(), &options.form),
+        Layout::Stops(folder) => folder::read(folder, options),
+        Layout::Wide { table, folder } => folder::read_wide(table, folder.as_deref(), options),
         Layout::Drive(parts) => drive::read(parts, options),
     }?;
     if options.form.reciprocal {

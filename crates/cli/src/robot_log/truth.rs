@@ -10,6 +10,15 @@ use super::local_plane::LocalPlane;
 use super::place::{COLUMNS, Frame, Places};
 use super::table::Table;
 
+/// The true positions of nodes as a file has them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrueNodes {
+    /// The position of each node by its name (m).
+    pub places: BTreeMap<String, Position>,
+    /// Whether the file has heights. Without, positions are at height 0.
+    pub has_heights: bool,
+}
+
 /// Reads the positions (m) in the file `path`, by name of node: `node,x_m,y_m[,z_m]`, or `node,lat,lon[,alt_m]` if the log
 /// has its places in `plane`. `notes` get what the user should know.
 ///
@@ -19,7 +28,7 @@ pub fn read_truth(
     path: &Path,
     plane: Option<&LocalPlane>,
     notes: &mut Vec<String>,
-) -> Result<BTreeMap<String, Position>, RobotLogError> {
+) -> Result<TrueNodes, RobotLogError> {
     read_places(path, plane, &[], notes)
 }
 
@@ -29,7 +38,7 @@ pub(super) fn read_places(
     plane: Option<&LocalPlane>,
     other: &[&'static str],
     notes: &mut Vec<String>,
-) -> Result<BTreeMap<String, Position>, RobotLogError> {
+) -> Result<TrueNodes, RobotLogError> {
     let table = Table::open(path, &["node"], &[&COLUMNS, other].concat())?;
     notes.extend(table.ignored());
     let places = Places::of(&table, Frame::of(plane), notes)?;
@@ -42,5 +51,5 @@ pub(super) fn read_places(
         }
         Ok(())
     })?;
-    Ok(found)
+    Ok(TrueNodes { places: found, has_heights: places.has_heights() })
 }

@@ -6,28 +6,42 @@ use std::path::Path as FilePath;
 
 use sextant_channel::Position;
 
+use super::doctor::origin;
 use super::error::RobotLogError;
 use super::instant;
 use super::path::{Path, Pose};
 use super::paths::Paths;
 
-/// Reads the path in the file `path`. The rotation is not used; it may be absent.
-pub(super) fn read(path: &FilePath) -> Result<Paths, RobotLogError> {
+/// Reads the path in the file `path`. The rotation is not used; it may be absent. If `skips_no_fix`, lines
+/// without a place are left out.
+pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>) -> Result<Paths, RobotLogError> {
     let unreadable = |why: std::io::Error| RobotLogError::read(path, why);
     let wrong = |line: usize, problem: String| RobotLogError::Row { path: path.to_owned(), line, problem };
     let input = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut poses = Vec::new();
-    let mut lines = Vec::new();
+    let mut left_out = 0;
     for (line, text) in (1..).zip(input.lines()) {
         let text = text.map_err(unreadable)?;
         if is_blank(&text) {
             continue;
         }
-        poses.push(pose(&text).ok_or_else(|| {
-            wrong(line, format!("found `{}`; allowed: time x y z qx qy qz qw, in seconds and metres", text.trim()))
-        })?);
-        lines.push(line);
+        match pose(&text) {
+            Some(pose) if pose.position.is_finite() => poses.push((pose, line)),
+            Some(pose) if skips_no_fix && pose.position.x_m.is_nan() && pose.position.y_m.is_nan() => left_out += 1,
+            _ => {
+                let allowed = "time x y z qx qy qz qw, in seconds and metres";
+                return Err(wrong(line, format!("found `{}`; allowed: {allowed}", text.trim())));
+            }
+        }
     }
+    if skips_no_fix {
+        left_out += origin::leave_out(&mut poses, |(pose, _)| pose.position);
+    }
+    if left_out > 0 {
+        let file = path.file_name().unwrap_or_default().to_string_lossy();
+        notes.push(format!("{file}: {left_out} places without a fix are left out (`--skip-no-fix`)"));
+    }
+    let (poses, lines): (Vec<Pose>, Vec<usize>) = poses.into_iter().unzip();
     let path = Path::new(poses).map_err(|why| match why.index() {
         Some(index) => wrong(lines[index], why.to_string()),
         None => RobotLogError::Path { path: path.to_owned(), why },
@@ -52,9 +66,7 @@ fn pose(line: &str) -> Option<Pose> {
     let numbers: Vec<f64> = numbers.iter().map(|word| word.parse().ok()).collect::<Option<_>>()?;
     let time = instant::parse(time)?;
     match *numbers.as_slice() {
-        [x_m, y_m, z_m] | [x_m, y_m, z_m, _, _, _, _] if numbers.iter().all(|number| number.is_finite()) => {
-            Some(Pose { time, position: Position::new(x_m, y_m, z_m) })
-        }
+        [x_m, y_m, z_m] | [x_m, y_m, z_m, _, _, _, _] => Some(Pose { time, position: Position::new(x_m, y_m, z_m) }),
         _ => None,
     }
 }

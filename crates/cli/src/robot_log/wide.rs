@@ -6,6 +6,7 @@ use std::path::Path;
 use sextant_channel::{Contact, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
 
+use super::doctor::{Finding, origin};
 use super::error::RobotLogError;
 use super::field_names::FieldNames;
 use super::form_options::FormOptions;
@@ -13,7 +14,9 @@ use super::header::{Known, Others};
 use super::instant;
 use super::local_plane::LocalPlane;
 use super::missing::{Missing, is_empty};
+use super::options::ReadOptions;
 use super::place::{COLUMNS, Frame, Places};
+use super::rssi_check::RssiCheck;
 use super::signal::Signal;
 use super::strengths::{Report, Strengths};
 use super::table::{Row, Table};
@@ -35,6 +38,8 @@ pub(super) struct Wide {
     pub(super) robots: RobotNames,
     /// The plane of the places, if they are given by latitude and longitude.
     pub(super) plane: Option<LocalPlane>,
+    /// What is odd of the strengths.
+    pub(super) findings: Vec<Finding>,
 }
 
 impl Wide {
@@ -58,17 +63,21 @@ const NO_SCANS: Scans = Scans { received: 0, sent: 0, signal: Signal::NONE };
 struct Reading<'a> {
     nodes: Vec<usize>,
     missing: &'a [Missing],
+    rssi: RssiCheck,
     strengths: Strengths,
     stops: Vec<Stop>,
     /// Of each stop, its nodes.
     scans: Vec<Vec<Scans>>,
+    /// How many rows are scans at each stop.
+    rows_at: Vec<u64>,
     rows: u64,
     silent: u64,
     unknown: u64,
 }
 
 /// Reads the wide table in the file `path`. Rows at one place are scans of one stop.
-pub(super) fn read(path: &Path, form: &FormOptions, notes: &mut Vec<String>) -> Result<Wide, RobotLogError> {
+pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) -> Result<Wide, RobotLogError> {
+    let ReadOptions { form, repair, .. } = options;
     let names = FieldNames::of_places(form.path_fields.as_ref());
     let optional = [&COLUMNS[..], &instant::COLUMNS, &["robot", "stop"]].concat();
     let others = if form.node_columns.is_empty() { Others::Read } else { Others::Named };
@@ -86,9 +95,11 @@ pub(super) fn read(path: &Path, form: &FormOptions, notes: &mut Vec<String>) -> 
     let mut reading = Reading {
         nodes,
         missing: if form.missing.is_empty() { &empty } else { &form.missing },
+        rssi: RssiCheck::new(&repair.rssi_missing),
         strengths: Strengths::of(form),
         stops: Vec::new(),
         scans: Vec::new(),
+        rows_at: Vec::new(),
         rows: 0,
         silent: 0,
         unknown: 0,
@@ -96,7 +107,12 @@ pub(super) fn read(path: &Path, form: &FormOptions, notes: &mut Vec<String>) -> 
     let mut plane = None;
     let mut robots = RobotNames::default();
     let mut at_place: BTreeMap<(RobotId, [u64; 3]), usize> = BTreeMap::new();
+    let mut left_out = 0;
     table.rows(|row| {
+        if repair.skip_no_fix && places.is_without_fix(row) {
+            left_out += 1;
+            return Ok(());
+        }
         let robot = row.robot(robot, &mut robots)?;
         let position = places.read(row, &mut plane)?;
         let time = time.map_or(Ok(SimTime::ZERO), |time| row.instant(time))?;
@@ -106,19 +122,28 @@ pub(super) fn read(path: &Path, form: &FormOptions, notes: &mut Vec<String>) -> 
         if stop == reading.stops.len() {
             reading.stops.push(Stop { robot, time, position });
             reading.scans.push(vec![NO_SCANS; reading.nodes.len()]);
+            reading.rows_at.push(0);
         }
+        reading.rows_at[stop] += 1;
         reading.scan(row, stop)
     })?;
+    if repair.skip_no_fix {
+        left_out += reading.leave_out_origin();
+    }
+    if left_out > 0 {
+        notes.push(format!("{file}: {left_out} rows without a fix are left out (`--skip-no-fix`)"));
+    }
     if reading.stops.is_empty() {
         return Err(RobotLogError::NoStops { path: path.to_owned() });
     }
     reading.tell(&file, notes);
     reading.strengths.finish(notes)?;
+    notes.extend(reading.rssi.note());
     if time.is_none() {
         notes.push(format!("{file} has no times (t_s): the duration of the survey is unknown"));
     }
     let receptions = reading.receptions();
-    Ok(Wide { names: node_names, stops: reading.stops, receptions, robots, plane })
+    Ok(Wide { names: node_names, stops: reading.stops, receptions, robots, plane, findings: reading.rssi.findings() })
 }
 
 /// The columns that are nodes, and their names.
@@ -170,8 +195,9 @@ impl Reading<'_> {
                 self.unknown += 1;
                 continue;
             } else {
-                let level = number.parse().ok().filter(|level| (LEAST_DBM..=LARGEST_DBM).contains(level));
-                let level = level.ok_or_else(|| {
+                let is_level =
+                    |level: &f64| (LEAST_DBM..=LARGEST_DBM).contains(level) || self.rssi.is_missing(*level);
+                let level = number.parse().ok().filter(is_level).ok_or_else(|| {
                     row.wrong_at(
                         at,
                         format!(
@@ -181,7 +207,7 @@ impl Reading<'_> {
                         ),
                     )
                 })?;
-                self.strengths.take(Some(level), None)
+                self.strengths.take(self.rssi.take(Some(level)), None)
             };
             scans.sent += 1;
             if let Report::Heard(rssi_dbm) = report {
@@ -190,6 +216,20 @@ impl Reading<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Leaves out the stops at x = y = 0, if that is far from all others. Returns how many rows these are.
+    fn leave_out_origin(&mut self) -> u64 {
+        if origin::far_m(self.stops.iter().map(|stop| stop.position)).is_none() {
+            return 0;
+        }
+        let keeps: Vec<bool> = self.stops.iter().map(|stop| !origin::is_origin(stop.position)).collect();
+        let left_out = keeps.iter().zip(&self.rows_at).filter(|(keeps, _)| !**keeps).map(|(_, rows)| rows).sum();
+        let mut keep = keeps.iter();
+        self.stops.retain(|_| keep.next().is_some_and(|keeps| *keeps));
+        let mut keep = keeps.iter();
+        self.scans.retain(|_| keep.next().is_some_and(|keeps| *keeps));
+        left_out
     }
 
     fn tell(&self, file: &str, notes: &mut Vec<String>) {

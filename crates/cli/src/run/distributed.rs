@@ -16,7 +16,7 @@ use super::application::MadeMap;
 use super::evaluation::{Evaluation, sector_displacement, truth};
 use super::mapped_node;
 use super::simulator::Simulated;
-use crate::measure::{Subject, Truth, measure};
+use crate::measure::{Dimensions, Subject, Truth, measure};
 use crate::recording::messages::MappedNodeMessage;
 use crate::scenario::{DistributedMap, Scenario};
 use crate::summary::{
@@ -47,7 +47,7 @@ pub fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -> Optio
     let subject = Subject { name: &map.name, knowledge: KNOWLEDGE, networks: network.collect() };
     let displacement = sector_displacement(scenario, &[map.network], &found, &truth);
     let known: Vec<Option<Position>> = truth.into_iter().map(Some).collect();
-    let known = Truth { places: &known, anchors: scenario.anchors() };
+    let known = Truth { places: &known, anchors: scenario.anchors(), dimensions: Dimensions::Space };
     let measured = measure(&subject, &found, None, &names, Some(known), scenario.metrics(), &Unwatched);
     let summary = MapSummary {
         alignment: Some(AlignmentSummary::None),

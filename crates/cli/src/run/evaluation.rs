@@ -11,7 +11,7 @@ use super::discovery::Discoveries;
 use super::message_energy::message_energy_j;
 use crate::diagnostic::Failure;
 use crate::mapping::NetworkLogs;
-use crate::measure::{NodeSectors, Truth, displacement, in_world, measure};
+use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::MapSummary;
 
@@ -49,7 +49,7 @@ pub fn evaluate(
     let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
     let (map, alignment) = in_world(map, Some(&known));
     let displacement = sector_displacement(scenario, &networks, &map, &truth);
-    let truth = Truth { places: &known, anchors: scenario.anchors() };
+    let truth = Truth { places: &known, anchors: scenario.anchors(), dimensions: Dimensions::Space };
     let summary = MapSummary {
         alignment: Some(alignment),
         sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),

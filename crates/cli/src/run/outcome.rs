@@ -81,6 +81,7 @@ fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
         packets_offered: Some(packets.offered),
         packets_sent: Some(packets.sent),
         packets_received: Some(packets.received),
+        packets_received_by_robots: None,
         lost_collision: Some(packets.lost_collision),
         lost_channel_access: Some(packets.lost_channel_access),
         lost_signal: Some(packets.lost_signal),

@@ -180,11 +180,10 @@ impl Surroundings<'_> {
             }
             robots.push(robot);
         }
-        for role in [RoleConfig::Agent, RoleConfig::Survey] {
-            if robots.is_empty() {
-                let configs = self.config.robots.iter().enumerate();
-                robots.extend(configs.filter(|(_, robot)| robot.role == role).map(|(i, _)| i));
-            }
+        if robots.is_empty() {
+            let takes_part = |role: RoleConfig| matches!(role, RoleConfig::Agent | RoleConfig::Survey);
+            let configs = self.config.robots.iter().enumerate();
+            robots.extend(configs.filter(|(_, robot)| takes_part(robot.role)).map(|(i, _)| i));
         }
         if robots.is_empty() {
             let allowed = "at least one robot: one with `role = \"agent\"` does nothing but applications";

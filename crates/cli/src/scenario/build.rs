@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::{Discovery, RobotBody, Sensors, Setup, Simulation, World};
+use sextant_sim::{Discovery, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
 
 use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
@@ -57,6 +57,11 @@ pub(super) fn check(
     if !config.has_traffic() && config.distributed_mapping.is_none() && config.applications.is_empty() {
         let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
         errors.refuse(&SettingError::new("robots", "none", allowed));
+    }
+    if has_no_receiver(config) {
+        let allowed = "at least one sink in `[[sinks]]`, or a robot that surveys: without either nobody receives the \
+                       packets, and there is nothing to tell";
+        errors.refuse(&SettingError::new("sinks", "none, and no robot surveys", allowed));
     }
     let known = KnownNetworks::new(&tables, &config.robots, Some(folder));
     let maps = check_maps(&config.maps, &known, errors);
@@ -111,6 +116,15 @@ pub(super) fn check(
         errors.take("", simulation);
     }
     (Some(Parts { setup, bodies, anchors, discovery, known_channel, distributed, applications }), maps)
+}
+
+/// Whether nodes send traffic for a time to nobody, and nothing else happens in that time: no map in the nodes, and nothing
+/// that they sense.
+fn has_no_receiver(config: &ScenarioConfig) -> bool {
+    let surveys = config.robots.iter().any(|robot| robot.role != RoleConfig::Agent);
+    let senses = !config.world.targets.is_empty() || !config.world.fields.is_empty();
+    let is_for_nobody = config.sinks.is_empty() && !surveys && config.distributed_mapping.is_none();
+    config.duration_s.is_some() && is_for_nobody && !senses && config.applications.is_empty()
 }
 
 /// The nodes that know their position; checks that there are enough for each of `maps`.

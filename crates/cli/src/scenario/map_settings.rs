@@ -38,6 +38,10 @@ const AUTO: &str = "[[maps]]\nalgorithm.auto = {}\n";
 /// The default maps by other algorithms.
 const LINK_MODEL: &str = "[[maps]]\nalgorithm.link_model = {}\n";
 const PACKET_CENTROID: &str = "[[maps]]\nalgorithm.packet_centroid = {}\n";
+const STRONGEST_STOP: &str = "[[maps]]\nalgorithm.strongest_stop = {}\n";
+const RSSI_CENTROID: &str = "[[maps]]\nalgorithm.rssi_centroid = {}\n";
+const LEAST_SQUARES: &str = "[[maps]]\nalgorithm.least_squares = {}\n";
+const GAUSSIAN_PROCESS: &str = "[[maps]]\nalgorithm.gaussian_process = {}\n";
 
 /// An algorithm whose default settings suit any log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -54,6 +58,14 @@ pub enum AlgorithmName {
     SelfCalibrated,
     /// Maximum likelihood of signal strengths, with a channel that is fitted first.
     RssGrid,
+    /// The stop that received a node with the greatest strength.
+    StrongestStop,
+    /// The mean of the stops that received a node, weighted by signal strength.
+    RssiCentroid,
+    /// Place, power and path-loss exponent of each node that fit its strengths best.
+    LeastSquares,
+    /// Where a Gaussian process over the strengths of a node is greatest.
+    GaussianProcess,
 }
 
 impl AlgorithmName {
@@ -78,6 +90,10 @@ impl AlgorithmName {
             Self::MlTm => DEFAULT,
             Self::SelfCalibrated => SELF_CALIBRATED,
             Self::RssGrid => RSS_GRID,
+            Self::StrongestStop => STRONGEST_STOP,
+            Self::RssiCentroid => RSSI_CENTROID,
+            Self::LeastSquares => LEAST_SQUARES,
+            Self::GaussianProcess => GAUSSIAN_PROCESS,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::applications::{ApplicationSummary, ApplicationTarget, ArrivalSummary};
-use crate::text::{Align, columns};
+use crate::text::{Align, columns, counted};
 
 /// Writes one row for each application, and what it took below.
 pub(super) fn write(applications: &[ApplicationSummary], out: &mut impl Write) -> io::Result<()> {
@@ -55,9 +55,13 @@ fn result(application: &ApplicationSummary) -> String {
     }
 }
 
-/// Captures, arrivals and messages, one line each.
+/// Robots, captures, arrivals and messages, one line each.
 fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result<()> {
     let name = &application.name;
+    if !application.robots.is_empty() {
+        let robots: Vec<&str> = application.robots.iter().map(|robot| robot.name.as_str()).collect();
+        writeln!(out, "{name}: {} took part: {}", counted(robots.len(), "robot"), robots.join(", "))?;
+    }
     for target in &application.targets {
         writeln!(out, "{name}: {} {}", target.name, fate(target))?;
     }

@@ -31,6 +31,10 @@ pub struct GatheringSummary {
     /// the map of a log of several robots, because the log does not tell whether two robots received the same packet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub packets_received: Option<u64>,
+    /// Packets that each robot received, added up: a packet that two robots received counts twice. Present in the map of a log
+    /// of several robots alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub packets_received_by_robots: Option<u64>,
     /// Packets lost by collision while a robot listened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_collision: Option<u64>,
@@ -80,11 +84,13 @@ impl GatheringSummary {
             }
         }
         let received = || log.receptions().iter().map(|reception| reception.received);
+        let packets = || received().map(u64::from).sum();
         Self {
             stops: log.stops().len(),
             receptions: received().filter(|&received| received > 0).count(),
             path_length_m: Some(robots.iter().map(|robot| robot.path_length_m).sum()),
-            packets_received: (robots.len() == 1).then(|| received().map(u64::from).sum()),
+            packets_received: (robots.len() == 1).then(packets),
+            packets_received_by_robots: (robots.len() > 1).then(packets),
             robots: if log.robots().is_empty() { Vec::new() } else { robots },
             ..Self::default()
         }

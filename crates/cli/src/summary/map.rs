@@ -39,6 +39,9 @@ pub struct MapSummary {
     /// those of the nodes whose true position is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<usize>,
+    /// `plane` if the map is measured in the plane of x and y, because the true positions have no heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_in: Option<MeasuredIn>,
     /// Distance between mapped and true positions (m), over the nodes whose position the map had to estimate: anchors do
     /// not count if the map uses them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,6 +125,14 @@ pub struct MapSummary {
     /// How the nodes computed the map, and what it took, if they did it themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distributed: Option<DistributedSummary>,
+}
+
+/// Where a map is measured, if not in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MeasuredIn {
+    /// In the plane of x and y.
+    Plane,
 }
 
 /// A reception profile that was estimated from the log.
@@ -231,9 +242,14 @@ pub struct CalibrationSummary {
     /// Knowledge used to estimate obstacles: `none`, `from_receptions`, or `from_log` (receptions, the paths of the
     /// robots, and their contacts with obstacles).
     pub obstacle_knowledge: &'static str,
-    /// Area that absorbs (m²). Absent if obstacles were not estimated, or none were found.
+    /// Area of the obstacles that the log is sure of (m²): cells whose absorption is clearly above zero, that are crossed in
+    /// several directions, and that explain the receptions of nodes which did not show them. Absent if obstacles were not
+    /// estimated, or nothing absorbs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorbing_m2: Option<f64>,
+    /// Area of the obstacles for which the evidence is weak (m²). Absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unsure_m2: Option<f64>,
 }
 
 /// What the link model estimated from the log. Margins are in standard deviations of the fading over packets.
@@ -251,6 +267,8 @@ pub struct LinkLawSummary {
     pub margin: f64,
     /// How much the margin falls when the distance grows by a factor of e.
     pub slope: f64,
+    /// Standard deviation of the slopes of nodes, as a share of `slope`.
+    pub slope_spread: f64,
     /// Standard deviation of the static shadowing of links.
     pub shadowing: f64,
     /// Share of its variance that neighbouring stops share, 0 to 1.
@@ -261,6 +279,12 @@ pub struct LinkLawSummary {
     pub offset: f64,
     /// Standard deviation of the amplitudes of the dependence on direction.
     pub direction: f64,
+    /// Share of the packets of a usual link that are lost whatever their strength, 0 to 1.
+    pub lapse: f64,
+    /// Standard deviation over the links of the logit of this share.
+    pub lapse_scatter: f64,
+    /// Share of the links that are dead whatever their power, 0 to 1: nothing is heard, and that says nothing of the place.
+    pub outage: f64,
     /// Strength at which half of the packets are received (dBm). Absent without signal strengths, as the next three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold_dbm: Option<f64>,

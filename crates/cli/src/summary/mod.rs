@@ -28,7 +28,7 @@ pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, Tra
 pub use map::{
     AlignmentSummary, CalibrationSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, EstimatorScoreSummary,
     FittedChannelSummary, FittedProfileSummary, HeightsSource, HeightsSummary, LinkLawSummary, MapSummary,
-    NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
+    MeasuredIn, NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
 };
 pub use measures::{Measure, Number, Unit};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};

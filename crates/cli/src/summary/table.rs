@@ -8,7 +8,7 @@ use super::applications_table;
 use super::distributed_table;
 use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
 use super::mac_table;
-use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary};
+use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn};
 use super::results::Summary;
 use super::timing::Timing;
 use crate::text::{Align, columns, counted, listed};
@@ -78,6 +78,8 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("packets offered", count(gathering.packets_offered), "");
     row("packets sent", count(gathering.packets_sent), "");
     row("packets received", count(gathering.packets_received), "");
+    let by_robots = count(gathering.packets_received_by_robots);
+    row("packets received", by_robots, "by all robots together; one that two of them received counts twice");
     row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
     row("lost to collisions", count(gathering.lost_collision), "");
     row("lost to a busy channel", count(gathering.lost_channel_access), "");
@@ -154,9 +156,13 @@ fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     columns(&rows, &align, out)
 }
 
-/// How many nodes were measured, where the true positions of some are unknown.
+/// How many nodes were measured, where the true positions of some are unknown, and whether in the plane.
 fn measured(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
     for map in maps {
+        if map.measured_in == Some(MeasuredIn::Plane) {
+            let name = map.name.as_ref().unwrap_or(&map.algorithm);
+            writeln!(out, "{name}: errors and regions in the plane (x, y): the true positions have no heights")?;
+        }
         if let Some(measured) = map.measured {
             let name = map.name.as_ref().unwrap_or(&map.algorithm);
             writeln!(
@@ -269,12 +275,19 @@ fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
             }
         };
         match calibration.absorbing_m2 {
-            Some(area_m2) => writeln!(out, "; {area_m2:.0} m² of obstacles found from {knowledge}")?,
-            None => writeln!(out, "; no obstacles found from {knowledge}")?,
+            Some(area_m2) if area_m2 > 0.0 => write!(out, "; {area_m2:.1} m² of obstacles found from {knowledge}")?,
+            Some(_) | None => write!(out, "; no obstacles found from {knowledge}")?,
+        }
+        match calibration.unsure_m2 {
+            Some(area_m2) => writeln!(out, ", {area_m2:.1} m² unsure: the evidence is weak")?,
+            None => writeln!(out)?,
         }
     }
     Ok(())
 }
+
+/// Least share of lapses or outages that is told.
+const LEAST_SHARE: f64 = 0.01;
 
 /// The laws of links, and which estimators the log chose.
 fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
@@ -301,6 +314,11 @@ fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()>
                 "path-loss exponent {exponent:.1}, shadowing {shadowing_db:.1} dB, fading {fading_db:.1} dB"
             )?,
             _ => write!(out, "slope {:.1} and shadowing {:.1} in units of the fading", law.slope, law.shadowing)?,
+        }
+        for (share, what) in [(law.lapse, "lapses"), (law.outage, "outages")] {
+            if share >= LEAST_SHARE {
+                write!(out, ", {what} {:.0} %", 100.0 * share)?;
+            }
         }
         let end = if law.settled { "settled" } else { "did not settle" };
         writeln!(

@@ -135,6 +135,25 @@ fn robots_arrive_at_the_level_of_a_field() {
 }
 
 #[test]
+fn robots_that_survey_take_part_beside_agents_unless_others_are_named() {
+    let application = SEEKING.split("[[applications]]").nth(1).unwrap();
+    let scenario = |robots: &str| [NODES, FIELD, AGENT, SURVEY, "[[applications]]\n", robots, application].concat();
+    for (robots, expected) in [
+        ("", &["agent", "surveyor"][..]),
+        ("robots = [\"agent\"]", &["agent"]),
+        ("robots = [\"surveyor\"]", &["surveyor"]),
+    ] {
+        let (folder, summary) = run(&scenario(robots), &[]);
+        let found = summary["applications"][0]["robots"].as_array().unwrap();
+        let names: Vec<&str> = found.iter().map(|robot| robot["name"].as_str().unwrap()).collect();
+        assert_eq!(names, expected, "{robots}");
+        let output = sextant().current_dir(folder.path()).args(["run", "a.toml", "--quiet"]).output().unwrap();
+        let table = String::from_utf8(output.stdout).unwrap();
+        assert!(table.contains(&format!("took part: {}", expected.join(", "))), "{table}");
+    }
+}
+
+#[test]
 fn a_recording_has_a_phase_for_each_application() {
     let (folder, summary) = run(&seeking(), &[]);
     let topics = topics(&folder);

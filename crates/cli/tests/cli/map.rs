@@ -99,6 +99,64 @@ fn a_log_is_mapped_by_the_estimator_that_it_chooses() {
 }
 
 #[test]
+fn packets_of_two_robots_are_counted_and_the_table_says_how() {
+    let folder = survey();
+    let stops = std::fs::read_to_string(folder.path().join("log/stops.csv")).unwrap();
+    let of_two = |(number, line): (usize, &str)| match number {
+        0 => format!("{line},robot\n"),
+        1..=13 => format!("{line},west\n"),
+        _ => format!("{line},east\n"),
+    };
+    let summary = json(folder.path(), &[]);
+    let packets = &summary["gathering"]["packets_received"];
+    assert!(packets.as_u64().unwrap() > 10 && summary["gathering"]["packets_received_by_robots"].is_null());
+    let of_two: String = stops.lines().enumerate().map(of_two).collect();
+    std::fs::write(folder.path().join("log/stops.csv"), of_two).unwrap();
+    let of_two = json(folder.path(), &[]);
+    assert!(of_two["gathering"]["packets_received"].is_null());
+    assert_eq!(of_two["gathering"]["packets_received_by_robots"], *packets);
+    let (_, text, _) = map(folder.path(), &["--profile", PROFILE]);
+    let line = text.lines().find(|line| line.starts_with("packets received")).expect("a line");
+    assert!(line.contains(&packets.to_string()) && line.contains("counts twice"), "{line}");
+}
+
+#[test]
+fn baselines_map_a_log_with_strengths_by_name_and_refuse_one_without() {
+    let folder = survey();
+    let path = folder.path().join("log/receptions.csv");
+    let nodes = [("a", 1.0, 1.0), ("b", 5.0, 1.0), ("c", 2.0, 4.0), ("d", 6.0, 4.0)];
+    let mut receptions = "node,stop,received,rssi_dbm\n".to_owned();
+    for (name, x_m, y_m) in nodes {
+        for stop in 0..27 {
+            let apart_m = f64::hypot(f64::from(stop % 9) - x_m, 2.5 * f64::from(stop / 9) - y_m);
+            writeln!(receptions, "{name},{stop},1,{}", -50.0 - 25.0 * apart_m.log10()).expect("a string grows");
+        }
+    }
+    let names = [("strongest-stop", 1.2), ("rssi-centroid", 1.5), ("least-squares", 0.01), ("gaussian-process", 1.2)];
+    for (algorithm, _) in names {
+        let words = ["--algorithm", algorithm];
+        let (code, _, stderr) = map(folder.path(), &words);
+        assert!(code == 2 && stderr.contains(algorithm) && stderr.contains("`rssi_dbm`"), "{code}: {stderr}");
+    }
+    std::fs::write(path, receptions).unwrap();
+    for (algorithm, most_m) in names {
+        let words = ["--algorithm", algorithm, "--truth", "nodes.csv", "--format", "json"];
+        let (code, stdout, stderr) = map(folder.path(), &words);
+        assert_eq!(code, 0, "{stderr}");
+        let summary: Value = serde_json::from_str(&stdout).unwrap();
+        let mapped = &summary["maps"][0];
+        assert_eq!((&mapped["mapped"], &mapped["algorithm"]), (&4.into(), &algorithm.into()));
+        assert!(mapped["position_error_m"]["mean"].as_f64().unwrap() < most_m, "{mapped:#}");
+        assert_eq!(mapped["knowledge"], serde_json::json!(["robot-rssi"]));
+    }
+    let set = ["--set", "maps.0.algorithm.rssi_centroid.g=0.5"];
+    let (_, text, stderr) = map(folder.path(), &set);
+    assert!(text.contains("rssi-centroid"), "{text}{stderr}");
+    let (code, _, stderr) = map(folder.path(), &["--set", "maps.0.algorithm.rssi_centroid.g=0"]);
+    assert!(code == 2 && stderr.contains("a number above 0, at most 100"), "{stderr}");
+}
+
+#[test]
 fn a_log_of_an_unknown_channel_is_mapped_with_a_fitted_profile() {
     let folder = survey();
     let words = ["--algorithm", "ml-tm", "--truth", "nodes.csv", "--format", "json"];

@@ -122,6 +122,16 @@ fn each_packet_of_each_shipped_study_is_in_one_outcome() {
 }
 
 #[test]
+fn traffic_that_nobody_receives_is_an_error() {
+    let star = Folder::new("[traffic.beacon]\ninterval_s = 1.0\n");
+    assert!(star.run(&[]).status.success());
+    let refused = star.run(&["sinks=[]"]);
+    let message = String::from_utf8(refused.stderr).expect("text");
+    assert_eq!(refused.status.code(), Some(2), "{message}");
+    assert!(message.contains("`sinks` is none") && message.contains("nobody receives"), "{message}");
+}
+
+#[test]
 fn one_saturated_node_has_the_throughput_of_the_closed_form() {
     // Mean backoff 3.5 * 320 us, CCA 128, turnaround 192, frame 4256, then spacing 640, or with acknowledgement
     // 192 + 352 + 640 us: 6336 and 6880 us for 116 octets of payload. The backoff of each of about 3000 frames is uniform

@@ -17,6 +17,7 @@ mod ranging;
 mod rss_grid;
 mod rss_ml;
 mod smacof;
+mod strengths;
 mod tpm;
 mod triangle_centroid;
 
@@ -37,6 +38,10 @@ pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use rss_ml::{RssMl, RssMlConfig};
 pub use smacof::{Smacof, SmacofConfig};
+pub use strengths::{
+    GaussianProcess, GaussianProcessConfig, LogDistance, LogDistanceConfig, RssiCentroid, RssiCentroidConfig,
+    StrongestStop, StrongestStopConfig,
+};
 pub use tpm::{AxesConfig, Tpm, TpmConfig};
 pub use triangle_centroid::{TriangleCentroid, TriangleCentroidConfig, TriangleWeights};
 
@@ -68,6 +73,14 @@ pub enum Comparator {
     RssMl(RssMl),
     /// A Bayesian grid on the robot's signal strengths.
     RssGrid(RssGrid),
+    /// The stop that received a node with the greatest strength.
+    StrongestStop(StrongestStop),
+    /// The mean of the stops that received a node, weighted by power.
+    RssiCentroid(RssiCentroid),
+    /// The log-distance law of each node that fits its strengths best.
+    LogDistance(LogDistance),
+    /// Where a smooth field through the strengths of a node is greatest.
+    GaussianProcess(GaussianProcess),
 }
 
 impl Comparator {
@@ -87,6 +100,10 @@ impl Comparator {
             Self::Apit(_) => Apit::NAME,
             Self::RssMl(_) => RssMl::NAME,
             Self::RssGrid(_) => RssGrid::NAME,
+            Self::StrongestStop(_) => StrongestStop::NAME,
+            Self::RssiCentroid(_) => RssiCentroid::NAME,
+            Self::LogDistance(_) => LogDistance::NAME,
+            Self::GaussianProcess(_) => GaussianProcess::NAME,
         }
     }
 
@@ -106,6 +123,10 @@ impl Comparator {
             Self::Apit(_) => Apit::USES,
             Self::RssMl(_) => RssMl::USES,
             Self::RssGrid(rss_grid) => rss_grid.uses(),
+            Self::StrongestStop(_) => StrongestStop::USES,
+            Self::RssiCentroid(_) => RssiCentroid::USES,
+            Self::LogDistance(_) => LogDistance::USES,
+            Self::GaussianProcess(_) => GaussianProcess::USES,
         }
     }
 
@@ -119,7 +140,11 @@ impl Comparator {
             Self::Smacof(smacof) => smacof.least_anchors(dimensions),
             Self::TriangleCentroid(_) | Self::DvHop(_) | Self::NtldvHop(_) | Self::RssMl(_) => dimensions + 1,
             Self::Apit(_) => 3,
-            Self::RssGrid(_) => 0,
+            Self::RssGrid(_)
+            | Self::StrongestStop(_)
+            | Self::RssiCentroid(_)
+            | Self::LogDistance(_)
+            | Self::GaussianProcess(_) => 0,
             Self::Centroid(_) | Self::WeightedCentroid(_) => 1,
         }
     }
@@ -143,6 +168,10 @@ impl Comparator {
             Self::Apit(apit) => apit.map(knowledge, watch),
             Self::RssMl(rss_ml) => rss_ml.map(knowledge, watch),
             Self::RssGrid(rss_grid) => rss_grid.map(knowledge, watch),
+            Self::StrongestStop(strongest) => strongest.map(knowledge, watch),
+            Self::RssiCentroid(centroid) => centroid.map(knowledge, watch),
+            Self::LogDistance(fit) => fit.map(knowledge, watch),
+            Self::GaussianProcess(process) => process.map(knowledge, watch),
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use sextant_channel::Position;
 
+use super::claims::{NEGLIGIBLE, ObstacleClaim};
+
 /// Absorption estimated from receptions, in upright cells. Its unit is standard deviations of the shadowing per
 /// metre, because signal strengths are not used, only how often packets are lost.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +15,8 @@ pub struct AbsorptionMap {
     pub(super) cells: Vec<f64>,
     /// Number of absorbing cells below and left of a corner.
     absorbing: Vec<u32>,
+    /// The obstacles that the log is evidence of.
+    pub(super) claims: Vec<ObstacleClaim>,
 }
 
 impl AbsorptionMap {
@@ -23,7 +27,7 @@ impl AbsorptionMap {
         let counts = size.map(|size| crate::lattice::whole(size / cell_m) + 1);
         let [columns, rows] = counts;
         let absorbing = vec![0; (columns + 1) * (rows + 1)];
-        Self { low, cell_m, counts, cells: vec![0.0; columns * rows], absorbing }
+        Self { low, cell_m, counts, cells: vec![0.0; columns * rows], absorbing, claims: Vec::new() }
     }
 
     /// Width of a cell (m).
@@ -55,10 +59,23 @@ impl AbsorptionMap {
         self.cells[j * self.counts[0] + i] / self.cell_m
     }
 
-    /// Area of the cells that absorb (m²).
+    /// The obstacles that the log is evidence of: regions of cells whose absorption is clearly above zero and that are crossed
+    /// in several directions. Cells that absorb beside them make the map better, but are no evidence of an obstacle there.
     #[must_use]
-    pub fn absorbing_m2(&self) -> f64 {
-        f64::from(self.absorbing.last().copied().unwrap_or_default()) * self.cell_m * self.cell_m
+    pub fn claims(&self) -> &[ObstacleClaim] {
+        &self.claims
+    }
+
+    /// Area of the obstacles of which the log is sure (m²).
+    #[must_use]
+    pub fn sure_m2(&self) -> f64 {
+        self.claims.iter().filter(|claim| claim.is_sure).map(|claim| claim.area_m2).sum()
+    }
+
+    /// Area of the obstacles of which the log is not sure (m²).
+    #[must_use]
+    pub fn unsure_m2(&self) -> f64 {
+        self.claims.iter().filter(|claim| !claim.is_sure).map(|claim| claim.area_m2).sum()
     }
 
     /// The loss of the straight line between two places (standard deviations of the shadowing).
@@ -172,9 +189,6 @@ impl AbsorptionMap {
         }
     }
 }
-
-/// Absorption of a cell that is too small to matter.
-const NEGLIGIBLE: f64 = 1e-3;
 
 /// Length of a line divided by that of its projection on the plane; 1 for an upright line.
 pub(super) fn slant(way: Position) -> f64 {

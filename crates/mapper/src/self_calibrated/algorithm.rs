@@ -149,7 +149,7 @@ impl SelfCalibrated {
             converged: settled && map.concerns().next().is_none() && !curve_at_bound,
             at_bound,
             curve_at_bound,
-            obstacles: draft.into_obstacles(),
+            obstacles: draft.into_obstacles()?,
         };
         Ok((map, Some(calibration)))
     }

@@ -2,6 +2,7 @@
 
 use sextant_kernel::{Interrupted, Watch};
 
+use super::absorption::AbsorptionMap;
 use super::belief::Belief;
 use super::beliefs::Beliefs;
 use super::counts::Counts;
@@ -10,7 +11,7 @@ use super::posterior::{Obstacles, Surroundings};
 use super::settings::ObstacleKnowledge;
 use super::shadows::Shadows;
 use super::start::Start;
-use super::tomography::Tomography;
+use super::tomography::{Division, Tomography};
 use super::window::Detail;
 use crate::search_box::Limits;
 
@@ -134,9 +135,12 @@ impl<'a> Draft<'a> {
         Ok(())
     }
 
-    /// The obstacles, if they were searched for and found.
-    pub(super) fn into_obstacles(self) -> Option<super::AbsorptionMap> {
-        self.tomography.filter(|_| self.is_obstructed).map(|tomography| tomography.map)
+    /// The obstacles, if they were searched for and found, with the evidence of each.
+    pub(super) fn into_obstacles(self) -> Result<Option<AbsorptionMap>, Interrupted> {
+        let Some(mut tomography) = self.tomography.filter(|_| self.is_obstructed) else { return Ok(None) };
+        tomography.draw(self.counts, &self.beliefs.nodes, &self.model, Division::Nodes, self.watch)?;
+        tomography.map.claims = tomography.claims(&self.model, FIRST_IMPROVEMENT, self.watch)?;
+        Ok(Some(tomography.map))
     }
 
     /// Computes the posteriors of all nodes. Returns the mean distance that they moved (m).
@@ -172,7 +176,7 @@ impl<'a> Draft<'a> {
     /// Uses obstacles if they explain the log.
     fn look_for_obstacles(&mut self) -> Result<(), Interrupted> {
         let Some(tomography) = &mut self.tomography else { return Ok(()) };
-        tomography.draw(self.counts, &self.beliefs.nodes, &self.model, self.watch)?;
+        tomography.draw(self.counts, &self.beliefs.nodes, &self.model, Division::Lines, self.watch)?;
         self.is_obstructed = tomography.is_warranted(&self.model, FIRST_IMPROVEMENT, self.watch)?;
         if self.is_obstructed {
             tomography.improve(&self.model, FIRST_IMPROVEMENT, self.watch)?;
@@ -182,7 +186,7 @@ impl<'a> Draft<'a> {
 
     fn improve_obstacles(&mut self, rounds: usize) -> Result<(), Interrupted> {
         if let Some(tomography) = self.tomography.as_mut().filter(|_| self.is_obstructed) {
-            tomography.draw(self.counts, &self.beliefs.nodes, &self.model, self.watch)?;
+            tomography.draw(self.counts, &self.beliefs.nodes, &self.model, Division::Lines, self.watch)?;
             tomography.improve(&self.model, rounds, self.watch)?;
         }
         Ok(())

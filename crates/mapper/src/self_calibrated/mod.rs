@@ -20,6 +20,7 @@ mod absorption;
 mod algorithm;
 mod belief;
 mod beliefs;
+mod claims;
 mod counts;
 mod draft;
 mod likelihood;
@@ -34,5 +35,6 @@ mod window;
 
 pub use absorption::AbsorptionMap;
 pub use algorithm::{Calibration, SelfCalibrated};
+pub use claims::ObstacleClaim;
 pub use model::CalibratedCurve;
 pub use settings::{ObstacleKnowledge, SelfCalibratedConfig};

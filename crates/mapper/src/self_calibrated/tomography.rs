@@ -1,11 +1,14 @@
 //! The map of obstacles: absorption that explains which packets were lost along which lines.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, Seed, Watch};
 
 use super::absorption::AbsorptionMap;
 use super::belief::Belief;
+use super::claims::{CellEvidence, ObstacleClaim, regions};
 use super::counts::{Counts, Record};
 use super::lines::{Half, Line, Lines};
 use super::model::Model;
@@ -39,6 +42,15 @@ const SOFT: f64 = 0.05;
 const CONTACT: f64 = 0.2;
 /// Drives longer than this many gaps between stops may not have been straight.
 const STRAIGHT: f64 = 1.5;
+
+/// What is divided into halves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Division {
+    /// The lines.
+    Lines,
+    /// The nodes, each with all its lines: lines of a node may share what weakens them.
+    Nodes,
+}
 
 /// Radio tomography by penalised maximum likelihood.
 #[derive(Debug)]
@@ -99,12 +111,14 @@ impl Tomography {
         }
     }
 
-    /// Selects the lines again, for the current places of the nodes.
+    /// Selects the lines again, for the current places of the nodes, and divides them into halves: each line by itself, or each
+    /// node with all its lines.
     pub(super) fn draw(
         &mut self,
         counts: &Counts<'_>,
         nodes: &[Belief],
         model: &Model,
+        division: Division,
         watch: &dyn Watch,
     ) -> Result<(), Interrupted> {
         let Self { map, is_free, parts, .. } = self;
@@ -123,6 +137,7 @@ impl Tomography {
                 if to_m <= 0.0 {
                     continue;
                 }
+                let of_node = Seed(0).uniform(purpose::MAPPER, [u64::from(belief.node.0), u64::MAX, 0]);
                 counts.read(belief.node, &mut record);
                 counts.within(&record, belief.mean, to_m, |link| {
                     let distance_m = link.place.distance_m(belief.mean);
@@ -132,6 +147,10 @@ impl Tomography {
                     {
                         return;
                     }
+                    let is_first = match division {
+                        Division::Lines => lot < 0.5 * share,
+                        Division::Nodes => of_node < 0.5,
+                    };
                     lines.draw(
                         map,
                         is_free,
@@ -141,7 +160,8 @@ impl Tomography {
                             efficiency: model.efficiency(link.stop as usize),
                             received: f64::from(link.received),
                             missed: f64::from(link.missed),
-                            half: if lot < 0.5 * share { Half::One } else { Half::Other },
+                            node: belief.node.0,
+                            half: if is_first { Half::One } else { Half::Other },
                         },
                     );
                 });
@@ -160,12 +180,7 @@ impl Tomography {
     ) -> Result<bool, Interrupted> {
         let (mut sum, mut squares) = (0.0, 0.0);
         for (half, other) in [(Half::One, Half::Other), (Half::Other, Half::One)] {
-            self.map.cells.fill(0.0);
-            self.set_threshold(model, Some(half));
-            for _ in 0..rounds {
-                watch.check()?;
-                self.step(model, Some(half));
-            }
+            self.estimate(model, half, rounds, watch)?;
             for gain in self.parts.iter().flat_map(|part| part.gains(model, &self.map.cells, other)) {
                 sum += gain;
                 squares += gain * gain;
@@ -173,6 +188,55 @@ impl Tomography {
         }
         self.map.cells.fill(0.0);
         Ok(sum > 3.0 * squares.sqrt())
+    }
+
+    /// The regions that absorb, with the evidence of each: absorption estimated from half of the nodes is tried on the other
+    /// half. The lines must be divided by nodes. Leaves the absorption as it is.
+    pub(super) fn claims(
+        &mut self,
+        model: &Model,
+        rounds: usize,
+        watch: &dyn Watch,
+    ) -> Result<Vec<ObstacleClaim>, Interrupted> {
+        let found = self.map.cells.clone();
+        let of_parts: Vec<Vec<CellEvidence>> =
+            self.parts.par_iter().map(|part| part.evidence(model, found.len())).collect();
+        let evidence =
+            |cell: usize| of_parts.iter().fold(CellEvidence::default(), |sum, part| sum.joined(&part[cell]));
+        let evidence: Vec<CellEvidence> = (0..found.len()).map(evidence).collect();
+        let [columns, _] = self.map.counts();
+        let (region, count) = regions(&found, &evidence, columns);
+        let mut gains: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); count];
+        for (half, other) in [(Half::One, Half::Other), (Half::Other, Half::One)] {
+            self.estimate(model, half, rounds, watch)?;
+            for part in &self.parts {
+                for (region, node, gain) in part.gains_of_regions(model, &self.map.cells, &region, other) {
+                    *gains[region].entry(node).or_default() += gain;
+                }
+            }
+        }
+        self.map.cells = found;
+        let mut cells: Vec<Vec<[usize; 2]>> = vec![Vec::new(); count];
+        for (cell, region) in region.iter().enumerate() {
+            if let Some(region) = region {
+                cells[*region].push([cell % columns, cell / columns]);
+            }
+        }
+        let claim = |(cells, gains): (Vec<[usize; 2]>, BTreeMap<u32, f64>)| {
+            ObstacleClaim::new(cells, self.map.cell_m(), gains.into_values())
+        };
+        Ok(cells.into_iter().zip(gains).filter_map(claim).collect())
+    }
+
+    /// Estimates the absorption anew from one half of the lines.
+    fn estimate(&mut self, model: &Model, half: Half, rounds: usize, watch: &dyn Watch) -> Result<(), Interrupted> {
+        self.map.cells.fill(0.0);
+        self.set_threshold(model, Some(half));
+        for _ in 0..rounds {
+            watch.check()?;
+            self.step(model, Some(half));
+        }
+        Ok(())
     }
 
     /// Improves the absorption, starting from its current values.

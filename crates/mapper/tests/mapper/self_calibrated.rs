@@ -187,7 +187,7 @@ fn curve_obstacle_and_places_are_recovered_from_the_log_alone() {
 
         assert_eq!(calibration.knowledge, ObstacleKnowledge::FromLog);
         let obstacles = calibration.obstacles.expect("there is an obstacle");
-        let area_m2 = obstacles.absorbing_m2();
+        let area_m2 = obstacles.sure_m2();
         assert!((area_m2 / (4.0 * HALF_M * HALF_M) - 1.0).abs() < 0.5, "{area_m2} m²");
         let line = |y_m: f64| obstacles.absorbed(Position::new(-6.0, y_m, 0.0), Position::new(6.0, y_m, 0.0));
         let across = [-2.0, -1.0, 0.0, 1.0, 2.0].map(line).iter().sum::<f64>() / 5.0;

@@ -17,11 +17,12 @@ pub(super) struct Fixes {
     pub(super) missing: u64,
 }
 
-/// The positions of the messages of `topic`, in their order. Messages without a fix are skipped.
+/// The positions of the messages of `topic`, in their order. Messages without a fix are skipped; those at 0, 0 only if
+/// `skips_no_fix`, because their receiver says that it has one.
 ///
 /// # Errors
 /// If a message does not fit its definition or is at a pole or far from the first one, or a file cannot be read.
-pub(super) fn read(bag: &Bag, topic: &Topic) -> Result<Fixes, BagError> {
+pub(super) fn read(bag: &Bag, topic: &Topic, skips_no_fix: bool) -> Result<Fixes, BagError> {
     let paths = ["header.stamp", "status.status", "latitude", "longitude", "altitude"].map(str::to_owned);
     let mut fixes = Fixes::default();
     rows(bag, topic, &paths, |log_ns, row| {
@@ -36,7 +37,8 @@ pub(super) fn read(bag: &Bag, topic: &Topic) -> Result<Fixes, BagError> {
             return Ok(());
         };
         // A receiver without a fix has a status below 0, and as a rule no numbers.
-        if status < 0 || !lat_deg.is_finite() || !lon_deg.is_finite() {
+        let is_zero = lat_deg.abs() <= 0.0 && lon_deg.abs() <= 0.0;
+        if status < 0 || !lat_deg.is_finite() || !lon_deg.is_finite() || skips_no_fix && is_zero {
             fixes.missing += 1;
             return Ok(());
         }
@@ -52,7 +54,8 @@ pub(super) fn read(bag: &Bag, topic: &Topic) -> Result<Fixes, BagError> {
         let position = plane.to_local(lat_deg, lon_deg, height_m);
         if f64::hypot(position.x_m, position.y_m) > LocalPlane::RADIUS_M {
             return Err(format!(
-                "a fix at latitude {lat_deg} and longitude {lon_deg} is more than {} km from the first one",
+                "a fix at latitude {lat_deg} and longitude {lon_deg} is more than {} km from the first one; a receiver \
+                 without a fix often writes 0, 0: `--skip-no-fix` leaves such messages out",
                 LocalPlane::RADIUS_M / 1000.0
             ));
         }

@@ -34,7 +34,8 @@ use self::packets::{BagPacket, PacketSource};
 use self::poses::{PoseSource, TimedPosition};
 use self::transforms::Chain;
 use super::bag_error::BagError;
-use super::bag_options::{BagClock, BagOptions};
+use super::bag_options::BagClock;
+use super::doctor::origin;
 use super::error::RobotLogError;
 use super::gatherer::Gatherer;
 use super::local_plane::LocalPlane;
@@ -63,6 +64,8 @@ pub(super) struct BagPath<'a> {
     bag: &'a Bag,
     source: PoseSource<'a>,
     track: Track,
+    /// Whether places that are no fix are left out.
+    skips_no_fix: bool,
 }
 
 impl<'a> BagPath<'a> {
@@ -70,10 +73,10 @@ impl<'a> BagPath<'a> {
     ///
     /// # Errors
     /// If the bag cannot be read, has no such poses, or `options` do not fit them.
-    pub(super) fn read(bag: &'a Bag, options: &BagOptions) -> Result<Self, BagError> {
-        let source = PoseSource::choose(bag, options)?;
+    pub(super) fn read(bag: &'a Bag, options: &ReadOptions) -> Result<Self, BagError> {
+        let source = PoseSource::choose(bag, &options.bag)?;
         let track = Track::read(bag, source, options)?;
-        Ok(Self { bag, source, track })
+        Ok(Self { bag, source, track, skips_no_fix: options.repair.skip_no_fix })
     }
 
     /// Whether all poses have stamps.
@@ -85,8 +88,14 @@ impl<'a> BagPath<'a> {
     ///
     /// # Errors
     /// If the poses are no path, or have no stamps.
-    pub(super) fn path(&self, clock: BagClock) -> Result<Path, RobotLogError> {
-        self.track.path(self.bag, self.source, clock)
+    pub(super) fn path(&self, clock: BagClock, notes: &mut Vec<String>) -> Result<Path, RobotLogError> {
+        let mut poses = self.track.poses(self.bag, self.source, clock)?;
+        let topic = &self.source.topic().name;
+        let left_out = if self.skips_no_fix { origin::leave_out(&mut poses, |pose| pose.position) } else { 0 };
+        if left_out > 0 {
+            notes.push(format!("{left_out} poses of `{topic}` without a fix are left out (`--skip-no-fix`)"));
+        }
+        Path::new(poses).map_err(|why| self.bag.topic_problem(topic, why.to_string()).into())
     }
 
     /// The plane of its places, if they are given by latitude and longitude.
@@ -210,11 +219,11 @@ enum Track {
 }
 
 impl Track {
-    fn read(bag: &Bag, source: PoseSource<'_>, options: &BagOptions) -> Result<Self, BagError> {
+    fn read(bag: &Bag, source: PoseSource<'_>, options: &ReadOptions) -> Result<Self, BagError> {
         match source {
             PoseSource::Poses(topic, position) => poses::read(bag, topic, position).map(Self::Positions),
-            PoseSource::Transforms(topic) => Chain::read(bag, topic, options).map(Self::Transforms),
-            PoseSource::Fixes(topic) => fixes::read(bag, topic).map(Self::Fixes),
+            PoseSource::Transforms(topic) => Chain::read(bag, topic, &options.bag).map(Self::Transforms),
+            PoseSource::Fixes(topic) => fixes::read(bag, topic, options.repair.skip_no_fix).map(Self::Fixes),
         }
     }
 
@@ -246,10 +255,10 @@ impl Track {
         }
     }
 
-    fn path(&self, bag: &Bag, source: PoseSource<'_>, clock: BagClock) -> Result<Path, RobotLogError> {
+    fn poses(&self, bag: &Bag, source: PoseSource<'_>, clock: BagClock) -> Result<Vec<Pose>, RobotLogError> {
         let topic = &source.topic().name;
         let pose = |(time, position): (SimTime, Position)| Pose { time, position };
-        let poses: Vec<Pose> = match self {
+        Ok(match self {
             Self::Positions(all) | Self::Fixes(Fixes { positions: all, .. }) => {
                 let timed = |at: &TimedPosition| Ok(pose((time(bag, topic, at.moment, clock)?, at.position)));
                 all.iter().map(timed).collect::<Result<_, BagError>>()?
@@ -258,8 +267,7 @@ impl Track {
                 return Err(bag.topic_problem(topic, UNSTAMPED).into());
             }
             Self::Transforms(chain) => chain.positions(clock).into_iter().map(pose).collect(),
-        };
-        Path::new(poses).map_err(|why| bag.topic_problem(topic, why.to_string()).into())
+        })
     }
 }
 

@@ -55,6 +55,17 @@ fn all_frames_are_captured_in_the_order_of_their_ends() {
 }
 
 #[test]
+fn the_capture_of_the_shipped_superframes_has_the_beacons_that_begin_them() {
+    let folder = TempDir::new().unwrap();
+    let output = run_scenario("mac/beacon-enabled.toml", folder.path(), &["--set", "maps=[]"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let packets = packet::read(&std::fs::read(folder.path().join("a.pcap")).unwrap());
+    // The frame type is in the lowest three bits: 0 for beacons, 1 for data.
+    let of_type = |kind: u8| packets.iter().filter(|packet| packet.mpdu[0] & 7 == kind).count();
+    assert!(of_type(0) > 128 && of_type(1) > of_type(0), "{} beacons of {} frames", of_type(0), packets.len());
+}
+
+#[test]
 fn a_robot_captures_received_frames_with_their_strength() {
     let words = ["--set", "recording.pcap.robot=surveyor", "--set", "recording.pcap.channel=15"];
     let (file, summary) = captured(&words);

@@ -99,7 +99,7 @@ fn tshark_decodes_all_frames_and_acknowledgements() {
 fn tshark_decodes_beacons_and_their_superframes() {
     let Some(program) = tshark() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let words = ["--set", "recording.pcap={}", "--set", "maps=[]"];
+    let words = ["--set", "maps=[]"];
     let output = run_scenario("mac/beacon-enabled.toml", folder.path(), &words);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let fields = [

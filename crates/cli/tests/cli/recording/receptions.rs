@@ -148,14 +148,41 @@ fn without_received_each_row_is_a_packet() {
     let log =
         read(STOPS, "node,stop,rssi_dbm\nlamp,A,-70\nlamp,A,-80\nlamp,A,-90\ndoor,A,-60\ndoor,B,-50\nmute,A,\n");
     assert_eq!(counts(&log.log, 0), [(3, 3), (0, 1), (0, 1)]);
-    assert_eq!(counts(&log.log, 1), [(1, 3), (1, 1), (0, 1)]);
-    assert_eq!(counts(&log.log, 2), [(0, 3), (0, 1), (0, 1)]);
+    assert_eq!(counts(&log.log, 1), [(1, 1), (1, 1), (0, 1)]);
+    assert_eq!(counts(&log.log, 2), [(0, 1), (0, 1), (0, 1)]);
     assert_eq!(log.log.of(NodeId(0)).get(0).unwrap().rssi_dbm, Some(-80.0));
-    assert!(
-        log.notes[0].contains("each row is a packet, and the packets sent are the most that were received"),
-        "{:?}",
-        log.notes
-    );
+    let notes = [
+        "receptions.csv has no column `received`: each row is a packet; the pairs that were heard have strengths, so none of \
+         their packets counts as lost; a pair that was not heard counts as one lost packet",
+    ];
+    assert_eq!(log.notes, notes);
+}
+
+#[test]
+fn without_sent_no_losses_are_invented_beside_strengths() {
+    let rows = "lamp,A,7,-50\ndoor,A,2,-70\ndoor,B,1,-80\nroof,C,3,\nmute,A,0,\n";
+    let log = read(STOPS, &format!("node,stop,received,rssi_dbm\n{rows}"));
+    assert_eq!(counts(&log.log, 0), [(7, 7), (0, 1), (0, 1)]);
+    assert_eq!(counts(&log.log, 1), [(2, 2), (1, 1), (0, 1)]);
+    assert_eq!(counts(&log.log, 2), [(0, 1), (0, 1), (3, 3)]);
+    assert_eq!(counts(&log.log, 3), [(0, 1), (0, 1), (0, 1)]);
+    let notes = [
+        "receptions.csv has no column `sent`: the pairs that were heard have strengths, so none of their packets counts as \
+         lost; a pair that was not heard counts as one lost packet",
+    ];
+    assert_eq!(log.notes, notes);
+    // A column without a number states nothing either.
+    let log = read(STOPS, "node,stop,received,sent,rssi_dbm\nlamp,A,7,,-50\ndoor,A,2,,-70\n");
+    assert_eq!((counts(&log.log, 0)[0], counts(&log.log, 1)[0]), ((7, 7), (2, 2)));
+}
+
+#[test]
+fn losses_are_counted_where_the_stops_state_the_packets_or_few_pairs_have_strengths() {
+    let rows = "node,stop,received,rssi_dbm\nlamp,A,7,-50\ndoor,A,2,-70\n";
+    let log = read("stop,x_m,y_m,sent\nA,0,0,10\n", rows);
+    assert_eq!((counts(&log.log, 0), counts(&log.log, 1)), (vec![(7, 10)], vec![(2, 10)]));
+    let log = read(STOPS, "node,stop,received,rssi_dbm\nlamp,A,7,\ndoor,A,2,-70\n");
+    assert_eq!((counts(&log.log, 0)[0], counts(&log.log, 1)[0]), ((7, 7), (2, 7)));
 }
 
 #[test]

@@ -18,10 +18,11 @@ use self::channel::Given;
 use self::curves::Curves;
 use self::evidence::{Evidence, Links};
 pub use self::fitted_channel::FittedChannel;
-use self::search::{HeardStop, Search};
+use self::search::Search;
 use self::tiles::Tiles;
 use self::zoom::{Detail, Posterior};
 use super::ranging::{Ranging, RangingConfig};
+use super::strengths::{Strength, strengths};
 use crate::heights::check_z_range;
 use crate::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::search_box::{Limits, SearchBox};
@@ -261,8 +262,8 @@ impl RssGrid {
         let step_m = self.step_m(range_m, is_spatial);
         map.grid_step_m = Some(step_m);
         let lattice = self.lattice(log, range_m, step_m)?;
-        let nodes: Vec<Vec<HeardStop>> =
-            (0..log.node_count()).map(|node| heard_stops(log, NodeId::from_index(node))).collect();
+        let nodes: Vec<Vec<Strength>> =
+            (0..log.node_count()).map(|node| strengths(log, NodeId::from_index(node))).collect();
         let search = Search {
             curves: Curves::new(ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
             lattice: &lattice,
@@ -321,15 +322,4 @@ fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
         }
     }
     Position::from(low).distance_m(high.into())
-}
-
-/// The stops that heard a node with a strength.
-fn heard_stops(log: &ReceptionLog, node: NodeId) -> Vec<HeardStop> {
-    let receptions = log.of(node).iter().filter(|reception| reception.received > 0);
-    receptions
-        .filter_map(|reception| {
-            let place: Position = log.stops()[reception.stop as usize].position;
-            Some(HeardStop { place, rssi_dbm: reception.rssi_dbm? })
-        })
-        .collect()
 }

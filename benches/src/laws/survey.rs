@@ -1,0 +1,82 @@
+//! A robot listens at the stops of a site.
+
+use sextant_channel::{LogError, Reception, ReceptionLog, Stop};
+use sextant_kernel::{NodeId, Purpose, RobotId, SimTime};
+
+use super::site::Site;
+
+/// What draws are for.
+pub(super) const NODES: Purpose = Purpose::new(101);
+pub(super) const POWER: Purpose = Purpose::new(102);
+pub(super) const SHADOWING: Purpose = Purpose::new(103);
+pub(super) const FADING: Purpose = Purpose::new(104);
+pub(super) const LOSSES: Purpose = Purpose::new(105);
+pub(super) const SURROUNDINGS: Purpose = Purpose::new(106);
+
+/// Packets need this strength (dBm).
+pub(super) const SENSITIVITY_DBM: f64 = -90.0;
+/// Shadowing of a link, where a law has nothing else (dB).
+pub(super) const SHADOWING_DB: f64 = 5.0;
+/// Packets that a node sends while the robot listens at a stop.
+pub(super) const PACKETS: u32 = 10;
+/// Seconds from stop to stop.
+const STOP_S: u64 = 10;
+
+/// How a robot listens.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Listening {
+    /// Packets that each node sends at a stop.
+    pub(super) packets: u32,
+    /// Standard deviation of the strength of a packet about that of its link (dB).
+    pub(super) fading_db: f64,
+}
+
+impl Default for Listening {
+    fn default() -> Self {
+        Self { packets: PACKETS, fading_db: 3.0 }
+    }
+}
+
+/// The log of a robot at `site`. `strength_dbm` is the strength of a link of node and stop, without fading (dBm), and
+/// `is_lost` says of a packet (its number), whether it is lost whatever its strength. Strengths are rounded to a decibel
+/// packet by packet.
+pub(super) fn survey(
+    site: &Site,
+    listening: Listening,
+    strength_dbm: &dyn Fn(usize, usize) -> f64,
+    is_lost: &dyn Fn(usize, usize, u32) -> bool,
+) -> Result<ReceptionLog, LogError> {
+    let mut receptions = Vec::new();
+    for node in 0..site.nodes.len() {
+        for stop in 0..site.stops.len() {
+            let mean_dbm = strength_dbm(node, stop);
+            let packets = (0..listening.packets).filter_map(|packet| {
+                let place = [node as u64, stop as u64, u64::from(packet)];
+                let rssi_dbm = mean_dbm + listening.fading_db * site.seed.normal(FADING, place);
+                (rssi_dbm >= SENSITIVITY_DBM && !is_lost(node, stop, packet)).then(|| rssi_dbm.round())
+            });
+            let (received, sum) = packets.fold((0, 0.0), |(count, sum), rssi_dbm| (count + 1, sum + rssi_dbm));
+            receptions.push(Reception {
+                node: NodeId::from_index(node),
+                stop: u32::try_from(stop).unwrap_or(u32::MAX),
+                received,
+                sent: listening.packets,
+                sector: None,
+                rssi_dbm: (received > 0).then(|| sum / f64::from(received)),
+                snr_db: None,
+            });
+        }
+    }
+    let names = (0..site.nodes.len()).map(|node| format!("n{node}")).collect();
+    let stops = (0..).zip(&site.stops).map(|(number, &position)| Stop {
+        robot: RobotId(0),
+        time: SimTime::from_nanos(STOP_S * 1_000_000_000 * number),
+        position,
+    });
+    ReceptionLog::new(names, stops.collect(), receptions, Vec::new())
+}
+
+/// No packet is lost.
+pub(super) fn none_lost(_: usize, _: usize, _: u32) -> bool {
+    false
+}

@@ -1,0 +1,85 @@
+//! How well an estimator maps a log whose nodes have known places.
+
+use std::time::Instant;
+
+use serde::Serialize;
+use sextant_channel::Position;
+use sextant_kernel::Unwatched;
+use sextant_mapper::{Learned, MapError, Mapper, PositionError, Region};
+
+use crate::laws::KnownLog;
+
+/// The map of a log, measured.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measured {
+    /// Errors seen from above (m).
+    pub in_plane_m: PositionError,
+    /// Errors in space (m).
+    pub in_space_m: PositionError,
+    /// Nodes whose true place is in their 95 % region.
+    pub held: usize,
+    /// Nodes with a 95 % region.
+    pub regions: usize,
+    /// Nodes whose place is not reliable by the estimator's own account.
+    pub concerns: usize,
+    /// The estimator that was chosen, if this one chooses.
+    pub chosen: Option<String>,
+    /// Time that the map took (s), on a machine that may do other work.
+    pub seconds: f64,
+}
+
+#[expect(clippy::disallowed_methods, reason = "a stopwatch")]
+fn now() -> Instant {
+    Instant::now()
+}
+
+/// Maps the log and compares it with the truth; `None` if the log lacks what the estimator needs, or no node of known place
+/// was mapped.
+///
+/// # Errors
+/// If the map cannot be computed for another reason.
+pub fn measure(mapper: &Mapper, known: &KnownLog) -> Result<Option<Measured>, MapError> {
+    let start = now();
+    let (map, learned) = match mapper.map_and_learn(&known.log, &Unwatched) {
+        Err(MapError::Missing { .. }) => return Ok(None),
+        mapped => mapped?,
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    let pairs = || {
+        let both = map.estimates.iter().zip(&known.truth);
+        both.filter_map(|(estimate, place)| Some((estimate.as_ref()?, (*place)?)))
+    };
+    let flat = |place: Position| Position::new(place.x_m, place.y_m, 0.0);
+    let errors_m = |seen: &dyn Fn(Position) -> Position| {
+        let errors: Vec<f64> =
+            pairs().map(|(estimate, place)| seen(estimate.position).distance_m(seen(place))).collect();
+        PositionError::of(&errors)
+    };
+    let (Some(in_plane_m), Some(in_space_m)) = (errors_m(&flat), errors_m(&|place| place)) else { return Ok(None) };
+    let held: Vec<bool> = pairs()
+        .filter_map(|(estimate, place)| {
+            Some(Region::of_95(estimate, map.grid_step_m.unwrap_or(0.0))?.contains(place))
+        })
+        .collect();
+    let chosen = match learned {
+        Some(Learned::Choice(choice)) => Some(choice.chosen.to_owned()),
+        _ => None,
+    };
+    Ok(Some(Measured {
+        in_plane_m,
+        in_space_m,
+        held: held.iter().filter(|held| **held).count(),
+        regions: held.len(),
+        concerns: map.concerns().count(),
+        chosen,
+        seconds,
+    }))
+}
+
+/// The geometric mean; `None` of no values. Values below a millimetre count as one.
+#[must_use]
+pub fn geometric_mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let (sum, count) =
+        values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value.max(1e-3).ln(), count + 1.0));
+    (count > 0.0).then(|| f64::exp(sum / count))
+}

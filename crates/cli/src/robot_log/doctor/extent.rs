@@ -1,0 +1,89 @@
+//! Surveys that are too small, or strengths that are too large for their distances: places in other units than metres.
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::NodeId;
+
+use super::finding::Finding;
+use super::node_fit::plane_m;
+
+/// The diagonal of a survey of several places is at least this (m).
+const LEAST_M: f64 = 0.3;
+const LEAST_PLACES: usize = 5;
+/// Loss over one metre of free space at 433 MHz (dB), the lowest usual band: 20 lg(4π / λ) (Friis 1946).
+const LOSS_AT_ONE_METRE_DB: f64 = 25.2;
+/// Transmit power and gains of both antennas are at most this together (dBm): 36 dBm radiated is the most that is allowed
+/// in any usual band (47 CFR 15.247).
+const MOST_DBM: f64 = 40.0;
+/// Of each node so many of the strongest stops are compared.
+const STRONGEST: usize = 50;
+/// So many nodes must agree, or all.
+const LEAST_NODES: usize = 3;
+
+/// What is odd of the units of places.
+pub(super) fn finding(log: &ReceptionLog) -> Option<Finding> {
+    too_small(log).or_else(|| too_large(log))
+}
+
+fn too_small(log: &ReceptionLog) -> Option<Finding> {
+    let mut places: Vec<[f64; 3]> = log.stops().iter().map(|stop| stop.position.into()).collect();
+    places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    places.dedup_by(|a, b| a[0].to_bits() == b[0].to_bits() && a[1].to_bits() == b[1].to_bits());
+    let along = |axis: usize| {
+        let values = places.iter().map(|place| place[axis]);
+        let [low, high] =
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
+        high - low
+    };
+    if places.len() < LEAST_PLACES {
+        return None;
+    }
+    let extent_m = f64::hypot(along(0), along(1));
+    (extent_m < LEAST_M).then(|| Finding {
+        check: "extent",
+        odd: format!("all {} places of the survey are within {extent_m:.3} m", places.len()),
+        cost: "the map is as many times too small as the survey".to_owned(),
+        remedy: "places need metres: multiply those in kilometres by 1000; degrees belong into `lat` and `lon`"
+            .to_owned(),
+    })
+}
+
+fn too_large(log: &ReceptionLog) -> Option<Finding> {
+    let of_node = |node| needed_dbm(log, NodeId::from_index(node));
+    let mut needed: Vec<(f64, f64, f64)> = (0..log.node_count()).filter_map(of_node).collect();
+    needed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // The median, so that one node with a wrong strength says nothing.
+    let &(power_dbm, strength_dbm, apart_m) = needed.get(needed.len() / 2)?;
+    (power_dbm > MOST_DBM && needed.len() >= LEAST_NODES.min(log.node_count())).then(|| Finding {
+        check: "extent",
+        odd: format!(
+            "the usual node is heard with {strength_dbm:.0} dBm or more at two places {apart_m:.0} m from each other, which \
+             even in free space takes a transmitter of {power_dbm:.0} dBm"
+        ),
+        cost: "the map is as many times too large as the survey, or distances from strengths are wrong".to_owned(),
+        remedy: "places need metres: divide those in centimetres by 100, those in millimetres by 1000; strengths need dBm"
+            .to_owned(),
+    })
+}
+
+/// The least power with which a node can have been heard as it was (dBm), and the strength and the distance between two stops
+/// that tell it: one of the two is at least half as far from the node.
+fn needed_dbm(log: &ReceptionLog, node: NodeId) -> Option<(f64, f64, f64)> {
+    let place = |stop: u32| log.stops()[stop as usize].position;
+    let heard = log.of(node).iter().filter(|reception| reception.received > 0);
+    let mut heard: Vec<(f64, Position)> =
+        heard.filter_map(|reception| Some((reception.rssi_dbm?, place(reception.stop)))).collect();
+    heard.retain(|(strength_dbm, _)| *strength_dbm < 0.0);
+    heard.sort_by(|a, b| b.0.total_cmp(&a.0));
+    heard.truncate(STRONGEST);
+    let mut most: Option<(f64, f64, f64)> = None;
+    for (number, (weaker_dbm, at)) in heard.iter().enumerate() {
+        for (_, other) in &heard[..number] {
+            let apart_m = plane_m(*at, *other);
+            let power_dbm = weaker_dbm + 20.0 * libm::log10((0.5 * apart_m).max(1e-9)) + LOSS_AT_ONE_METRE_DB;
+            if most.is_none_or(|(most, ..)| power_dbm > most) {
+                most = Some((power_dbm, *weaker_dbm, apart_m));
+            }
+        }
+    }
+    most
+}

@@ -1,0 +1,204 @@
+//! A Gaussian process over the strengths of each node, which is where the process is greatest.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sextant_channel::Position;
+use sextant_kernel::{Watch, Work};
+
+use super::{Strength, all_strengths};
+use crate::reach::{heard_nodes, reach_m};
+use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
+
+/// The Gaussian process as written in a scenario. It has no settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GaussianProcessConfig {}
+
+/// A Gaussian process with a constant mean and a squared-exponential kernel over the strengths of a node (Ferris, Hähnel and
+/// Fox 2006; Rasmussen and Williams 2006, sections 2.2 and 5.4). The node is where the posterior mean is greatest within
+/// the box of the stops that received it. Length scale and noise are those of a small grid with the greatest marginal
+/// likelihood; mean and variance are then the likeliest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GaussianProcess;
+
+/// Length scales that are tried, in shares of the diagonal of the box.
+const LENGTHS: [f64; 6] = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0];
+/// Standard deviations of the noise that are tried, relative to that of the process.
+const NOISES: [f64; 4] = [0.1, 0.3, 0.7, 1.5];
+/// Only so many of the strongest stops count, because the work grows with their third power.
+const MOST_STOPS: usize = 200;
+/// Cells of a grid along each axis, in the plane and in space.
+const CELLS: [u32; 2] = [40, 14];
+/// Grids, each over the neighbours of the best vertex of the one before.
+const GRIDS: u32 = 3;
+/// Grid steps over the reach, for the judgement whether stops are level.
+const STEPS_PER_REACH: f64 = 60.0;
+
+impl GaussianProcess {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "gaussian-process";
+
+    /// The kinds of knowledge that it uses.
+    pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::RobotRssi];
+
+    /// The map. Nodes that were never heard with a strength are not placed. The result is bit-identical for any number of
+    /// threads.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] if the log has no strengths; [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        let log = knowledge.log;
+        let nodes = all_strengths(Self::NAME, log)?;
+        let reach_m = reach_m(log, &heard_nodes(log));
+        let heights = SoughtHeights::of_log(log.stops(), None, reach_m, reach_m / STEPS_PER_REACH);
+        let level_m = heights.filter(|heights| heights.high_m <= heights.low_m).map(|heights| heights.low_m);
+        let stops = (log.stops().len().min(MOST_STOPS)) as f64;
+        let operations = nodes.len() as f64 * stops.powi(3) * (LENGTHS.len() * NOISES.len()) as f64 / 3.0;
+        watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
+        let places: Result<Vec<Option<Position>>, MapError> = nodes
+            .par_iter()
+            .map(|strengths| {
+                watch.check()?;
+                watch.advance(1);
+                Ok(place(strengths, level_m))
+            })
+            .collect();
+        watch.check()?;
+        Ok(TopologyMap::of_places(Self::NAME, places?, CoordinateFrame::World))
+    }
+}
+
+/// Where the process of these strengths is greatest, at the height `level_m` if there is one; `None` without strengths.
+fn place(strengths: &[Strength], level_m: Option<f64>) -> Option<Position> {
+    let mut strongest = strengths.to_vec();
+    strongest.sort_by(|a, b| b.rssi_dbm.total_cmp(&a.rssi_dbm));
+    strongest.truncate(MOST_STOPS);
+    if let Some(level_m) = level_m {
+        strongest.iter_mut().for_each(|strength| strength.place.z_m = level_m);
+    }
+    let mut low: [f64; 3] = strongest.first()?.place.into();
+    let mut high = low;
+    for strength in &strongest {
+        for (axis, along) in <[f64; 3]>::from(strength.place).into_iter().enumerate() {
+            low[axis] = low[axis].min(along);
+            high[axis] = high[axis].max(along);
+        }
+    }
+    let diagonal_m = Position::from(low).distance_m(high.into());
+    let processes = LENGTHS
+        .iter()
+        .flat_map(|share| NOISES.map(|noise| (share * diagonal_m, noise)))
+        .filter_map(|(length_m, noise)| Process::new(&strongest, length_m, noise));
+    let best = processes.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+    // Strengths at one place, or alike everywhere, have no process.
+    let Some(process) = best else { return Some(strongest[0].place) };
+    Some(process.greatest(low, high))
+}
+
+/// A process that is conditioned on strengths.
+struct Process<'a> {
+    strengths: &'a [Strength],
+    length_m: f64,
+    /// `K⁻¹ (y − mean)`.
+    weights: DVector<f64>,
+    log_likelihood: f64,
+}
+
+impl<'a> Process<'a> {
+    /// The process with this length scale and standard deviation of the noise, relative to its own. `None` if the
+    /// strengths are alike or at one place.
+    fn new(strengths: &'a [Strength], length_m: f64, noise: f64) -> Option<Self> {
+        if length_m <= 0.0 {
+            return None;
+        }
+        let count = strengths.len();
+        let entry = |row: usize, column: usize| {
+            let own = if row == column { noise * noise } else { 0.0 };
+            kernel(strengths[row].place, strengths[column].place, length_m) + own
+        };
+        let factor: Cholesky<f64, Dyn> = DMatrix::from_fn(count, count, entry).cholesky()?;
+        let values = DVector::from_fn(count, |i, _| strengths[i].rssi_dbm);
+        let ones = DVector::from_element(count, 1.0);
+        let of_ones = factor.solve(&ones);
+        let mean = of_ones.dot(&values) / of_ones.sum();
+        let centred = values.map(|value| value - mean);
+        let weights = factor.solve(&centred);
+        let variance = centred.dot(&weights) / count as f64;
+        if variance.is_nan() || variance <= 1e-12 {
+            return None;
+        }
+        let ln_root: f64 = factor.l_dirty().diagonal().iter().map(|&entry| libm::log(entry)).sum();
+        let log_likelihood = -0.5 * count as f64 * libm::log(variance) - ln_root;
+        Some(Self { strengths, length_m, weights, log_likelihood })
+    }
+
+    /// How much the posterior mean at `place` is above the mean, relative to the variance.
+    fn at(&self, place: Position) -> f64 {
+        let terms = self.strengths.iter().zip(self.weights.iter());
+        terms.map(|(strength, weight)| weight * kernel(place, strength.place, self.length_m)).sum()
+    }
+
+    /// Where it is greatest in the box with these corners.
+    fn greatest(&self, first: [f64; 3], last: [f64; 3]) -> Position {
+        let count = CELLS[usize::from(last[2] > first[2])];
+        let mut best = (f64::NEG_INFINITY, Position::from(first));
+        let (mut low, mut high) = (first, last);
+        for _ in 0..GRIDS {
+            let counts = [0, 1, 2].map(|axis| if high[axis] > low[axis] { count } else { 0 });
+            let steps = [0, 1, 2].map(|axis| (high[axis] - low[axis]) / f64::from(counts[axis].max(1)));
+            let along = |axis: usize, i: u32| low[axis] + f64::from(i) * steps[axis];
+            for k in 0..=counts[2] {
+                for j in 0..=counts[1] {
+                    for i in 0..=counts[0] {
+                        let place = Position::new(along(0, i), along(1, j), along(2, k));
+                        let value = self.at(place);
+                        if value > best.0 {
+                            best = (value, place);
+                        }
+                    }
+                }
+            }
+            let middle: [f64; 3] = best.1.into();
+            for axis in 0..3 {
+                low[axis] = (middle[axis] - steps[axis]).max(first[axis]);
+                high[axis] = (middle[axis] + steps[axis]).min(last[axis]);
+            }
+        }
+        best.1
+    }
+}
+
+/// The squared-exponential kernel.
+fn kernel(a: Position, b: Position, length_m: f64) -> f64 {
+    libm::exp(-0.5 * (a.distance_m(b) / length_m).powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{log_of, map, square};
+    use super::*;
+    use crate::AlgorithmConfig;
+
+    #[test]
+    fn a_smooth_field_of_strengths_gives_its_peak_between_the_stops() {
+        let node = Position::new(4.9, 7.2, 0.0);
+        let law = |stop: Position| Some(-40.0 - 0.3 * (stop - node).length_m().powi(2));
+        let map = map(AlgorithmConfig::GaussianProcess(GaussianProcessConfig {}), &log_of(&square(), &[&law]));
+        let found = map.estimates[0].as_ref().unwrap().position;
+        assert!(found.distance_m(node) < 0.2, "{found} is not {node}");
+    }
+
+    #[test]
+    fn a_process_without_noise_passes_through_its_strengths() {
+        let strengths: Vec<Strength> =
+            square().into_iter().map(|place| Strength { place, rssi_dbm: -50.0 - place.x_m.sin() }).collect();
+        let process = Process::new(&strengths, 2.0, 1e-4).unwrap();
+        let differences = |i: usize, j: usize| {
+            (process.at(strengths[i].place) - process.at(strengths[j].place))
+                - (strengths[i].rssi_dbm - strengths[j].rssi_dbm)
+        };
+        assert!((1..49).all(|i| differences(i, i - 1).abs() < 1e-4));
+    }
+}
