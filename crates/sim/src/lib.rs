@@ -65,6 +65,7 @@
 //!     sensitivity_dbm: -95.0,
 //!     cca_threshold_dbm: None,
 //!     noise_floor_dbm: None,
+//!     clock_ppm: 0.0,
 //! };
 //! let links = Ieee802154 {
 //!     radio: Radio::try_from(radio)?,

@@ -174,7 +174,10 @@ impl<'a> NetworkTables<'a> {
             let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
             errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
         }
-        Some(Technology::Ieee802154(Ieee802154 { radio: radio?, reception: reception?, mac: mac? }))
+        let links = Ieee802154 { radio: radio?, reception: reception?, mac: mac? };
+        let table = self.radio.key.strip_suffix("radio").unwrap_or_default().trim_end_matches('.');
+        errors.take(table, links.check())?;
+        Some(Technology::Ieee802154(links))
     }
 
     /// Links of IEEE 802.11ad.

@@ -69,6 +69,15 @@ pub(super) fn check_reception(networks: &[NetworkSetup]) -> Result<(), SettingEr
     Ok(())
 }
 
+/// Refuses settings of links that do not fit together.
+pub(super) fn check_links(networks: &[NetworkSetup]) -> Result<(), SettingError> {
+    for (i, network) in networks.iter().enumerate() {
+        let Some(links) = network.technology.ieee802154() else { continue };
+        links.check().map_err(|error| if i == 0 { error } else { error.within(format!("networks[{i}]")) })?;
+    }
+    Ok(())
+}
+
 /// The air of the band number `band`, which `networks` share.
 pub(super) fn air(
     networks: &[&NetworkSetup],

@@ -9,7 +9,7 @@ mod setup;
 use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
-use crate::air::{Aim, Air};
+use crate::air::Air;
 use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::faults::{Death, Faults};
@@ -107,6 +107,7 @@ impl<A: Application> Engine<A> {
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
         bands::check_reception(&networks)?;
+        bands::check_links(&networks)?;
         for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
             world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
         }
@@ -133,11 +134,8 @@ impl<A: Application> Engine<A> {
                 Technology::Ieee802154(Ieee802154 { radio, mac, .. }) => {
                     let settings = ieee802154::network::Settings {
                         network: id,
-                        phy: radio.phy(),
+                        radio,
                         mac,
-                        power: radio.tx_power(),
-                        aim: Aim::Omnidirectional,
-                        cca_threshold: radio.cca_threshold().to_milliwatts(),
                         radio_states: network.radio_states.clone(),
                         air,
                         first_receiver,

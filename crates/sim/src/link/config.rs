@@ -32,6 +32,17 @@ pub struct RadioConfig {
     /// -71.5 dBm with sector sweeps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_floor_dbm: Option<f64>,
+    /// The clock of each node is fast or slow by up to this many millionths, drawn uniformly for each node: 0 to 1000.
+    /// Backoffs, airtimes, waiting times and the intervals of periodic traffic follow it. The clocks of robots and sinks
+    /// are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`: nodes that follow beacons take over the
+    /// clock of the coordinator.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub clock_ppm: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(value: &f64) -> bool {
+    value.to_bits() == 0
 }
 
 fn is_default(phy: &Phy) -> bool {

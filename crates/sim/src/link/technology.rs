@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
+use sextant_kernel::SettingError;
 use sextant_mac::dmg::timing::PREAMBLE;
 use sextant_mac::{Band, oqpsk};
 
@@ -34,6 +35,20 @@ pub struct Ieee802154 {
     pub reception: ReceptionModel,
     /// Channel access of the nodes.
     pub mac: Mac,
+}
+
+impl Ieee802154 {
+    /// Refuses clocks that drift where nodes follow beacons.
+    ///
+    /// # Errors
+    /// If there are both, with a key below the network.
+    pub fn check(&self) -> Result<(), SettingError> {
+        if self.radio.clock_ppm() > 0.0 && matches!(self.mac, Mac::BeaconEnabled(_)) {
+            let allowed = "0 with `mac.beacon_enabled`: nodes take over the clock of the coordinator";
+            return Err(SettingError::new("radio.clock_ppm", self.radio.clock_ppm(), allowed));
+        }
+        Ok(())
+    }
 }
 
 /// A part of the radio spectrum: networks that share it disturb each other.

@@ -20,6 +20,7 @@ mod one_shot;
 mod own;
 mod phy;
 mod queue;
+mod saturated;
 mod scripted;
 mod seeker;
 mod sensing;

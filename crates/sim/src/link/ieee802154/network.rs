@@ -10,17 +10,18 @@ mod sending;
 use std::ops::Range;
 use std::time::Duration;
 
-use sextant_channel::{Dbm, Milliwatts};
-use sextant_kernel::{EventKey, SimTime, StationId};
+use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
-use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
+use sextant_mac::{EnergySpent, RadioState, RadioStates, csma};
 
+use super::clock::Clock;
 use super::mac::{Mac, NodeMac};
+use super::radio::Radio;
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, Emission, Transmission};
+use crate::air::{Aim, Arrival, Emission, Transmission};
 use crate::event::ieee802154::Event;
 use crate::link::payloads::Payloads;
 use crate::observer::{HeardFrame, Observer};
@@ -39,11 +40,8 @@ const FIRST_PAN: u16 = 0x5E87;
 /// What a network of IEEE 802.15.4 needs.
 pub(crate) struct Settings<'a> {
     pub(crate) network: NetworkId,
-    pub(crate) phy: Phy,
+    pub(crate) radio: &'a Radio,
     pub(crate) mac: &'a Mac,
-    pub(crate) power: Dbm,
-    pub(crate) aim: crate::air::Aim,
-    pub(crate) cca_threshold: Milliwatts,
     pub(crate) radio_states: RadioStates,
     /// Number of the air of its band.
     pub(crate) air: usize,
@@ -97,18 +95,24 @@ pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationI
 impl Network {
     /// The links of all stations of `scene`; `hears` tells whose application looks at what is delivered to it.
     pub(crate) fn new(settings: Settings<'_>, scene: &Scene, hears: Vec<bool>) -> Self {
-        let Settings { network, phy, mac, power, aim, cca_threshold, radio_states, air, first_receiver, .. } =
-            settings;
+        let Settings { network, radio, mac, radio_states, air, first_receiver, .. } = settings;
+        let phy = radio.phy();
+        let emission = Emission { power: radio.tx_power(), aim: Aim::Omnidirectional };
+        let cca_threshold = radio.cca_threshold().to_milliwatts();
         let pan = pan(network);
         let stations = || scene.roll.stations();
         let is_node = |station| scene.roll.is_node(station);
         let stack = |station: StationId| {
             let state = if is_node(station) { mac.initial_state() } else { RadioState::Receive };
-            Stack::new(state, first_sequence(scene.seed, station, network))
+            let clock = match scene.roll.kind(station) {
+                Kind::Node(node) => radio.clock(scene.seed, network, NodeId::from_index(node)),
+                Kind::Robot(_) | Kind::Sink(_) => Clock::default(),
+            };
+            Stack::new(state, first_sequence(scene.seed, station, network), clock)
         };
         Self {
             pan,
-            radios: Radios { network, phy, emission: Emission { power, aim }, cca_threshold, air, first_receiver },
+            radios: Radios { network, phy, emission, cca_threshold, air, first_receiver },
             macs: stations()
                 .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
                 .collect(),

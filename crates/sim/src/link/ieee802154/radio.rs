@@ -1,13 +1,19 @@
 //! The radios of the stations: transmit power, sensitivity, threshold of carrier sense, noise.
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::SettingError;
+use sextant_kernel::{NodeId, Seed, SettingError};
 use sextant_mac::{Phy, oqpsk};
 
+use super::clock::Clock;
 use crate::link::config::RadioConfig;
+use crate::purpose;
+use crate::service::network_id::NetworkId;
 
 /// Threshold of carrier sense above the sensitivity (IEEE 802.15.4-2006, 6.9.9: at most 10 dB).
 const CCA_MARGIN: Db = Db(10.0);
+
+/// Largest deviation of a clock (millionths).
+const WORST_CLOCK_PPM: f64 = 1000.0;
 
 /// The radios of all stations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +24,7 @@ pub struct Radio {
     sensitivity: Dbm,
     cca_threshold: Dbm,
     noise_floor: Dbm,
+    clock_ppm: f64,
 }
 
 impl TryFrom<RadioConfig> for Radio {
@@ -41,7 +48,8 @@ impl TryFrom<RadioConfig> for Radio {
             Some(dbm) => level("noise_floor_dbm", dbm)?,
             None => oqpsk::noise_floor(sensitivity),
         };
-        Ok(Self { phy, channel, tx_power, sensitivity, cca_threshold, noise_floor })
+        let clock_ppm = SettingError::in_range("clock_ppm", config.clock_ppm, 0.0, WORST_CLOCK_PPM)?;
+        Ok(Self { phy, channel, tx_power, sensitivity, cca_threshold, noise_floor, clock_ppm })
     }
 }
 
@@ -80,5 +88,17 @@ impl Radio {
     #[must_use]
     pub fn noise_floor(&self) -> Dbm {
         self.noise_floor
+    }
+
+    /// Largest deviation of the clocks of nodes (millionths).
+    #[must_use]
+    pub fn clock_ppm(&self) -> f64 {
+        self.clock_ppm
+    }
+
+    /// The clock of a node.
+    pub(crate) fn clock(&self, seed: Seed, network: NetworkId, node: NodeId) -> Clock {
+        let draw = seed.uniform(purpose::CLOCK, [node.0.into(), network.0.into(), 0]);
+        Clock::fast_by(self.clock_ppm * (2.0 * draw - 1.0))
     }
 }

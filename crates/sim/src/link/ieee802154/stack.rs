@@ -3,12 +3,15 @@
 use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::{EnergyMeter, RadioState};
 
+use super::clock::Clock;
 use super::frame_queue::{QueuedFrame, Waiting};
 use crate::air::Transmission;
 use crate::service::outcome::FrameOutcome;
 
 /// The state of one station's link, apart from its channel access machine.
 pub(super) struct Stack {
+    /// The clock that times everything that the station does by itself.
+    pub(super) clock: Clock,
     pub(super) meter: EnergyMeter,
     /// The state that channel access asks for.
     pub(super) wanted: RadioState,
@@ -49,8 +52,9 @@ pub(super) struct Stack {
 }
 
 impl Stack {
-    pub(super) fn new(state: RadioState, sequence: u8) -> Self {
+    pub(super) fn new(state: RadioState, sequence: u8, clock: Clock) -> Self {
         Self {
+            clock,
             meter: EnergyMeter::new(state, SimTime::ZERO),
             wanted: state,
             overriding: None,

@@ -45,7 +45,13 @@ pub(super) struct Transceiver<'a> {
 }
 
 impl Transceiver<'_> {
+    /// Schedules an event `span` from now, as the clock of the station says.
     fn schedule(&mut self, span: Duration, event: Event) -> EventKey {
+        let span = self.stack.clock.span(span);
+        self.schedule_exactly(span, event)
+    }
+
+    fn schedule_exactly(&mut self, span: Duration, event: Event) -> EventKey {
         let event = EngineEvent::Link(self.station, self.radios.network, LinkEvent::Ieee802154(event));
         self.scene.after(span, event)
     }
@@ -119,13 +125,13 @@ impl csma::Radio for Transceiver<'_> {
     }
 
     fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
-        let airtime = self.radios.phy.airtime(frame.mpdu_octets);
+        let airtime = self.stack.clock.span(self.radios.phy.airtime(frame.mpdu_octets));
         let to = self.stack.frame.and_then(|frame| match frame.to {
             Destination::Station(to) => Some(to),
             Destination::All => None,
         });
         self.stack.transmission = Some(self.begin_transmission(to, airtime));
-        self.schedule(airtime, Event::Csma(csma::Event::TransmissionEnded));
+        self.schedule_exactly(airtime, Event::Csma(csma::Event::TransmissionEnded));
     }
 }
 
@@ -151,9 +157,9 @@ impl responder::Radio for Transceiver<'_> {
     }
 
     fn start_acknowledgement(&mut self, sequence: u8) {
-        let airtime = self.radios.phy.ack_airtime();
+        let airtime = self.stack.clock.span(self.radios.phy.ack_airtime());
         self.stack.acknowledgement = Some((self.begin_transmission(self.stack.answered, airtime), sequence));
-        self.schedule(airtime, Event::Responder(responder::Event::TransmissionEnded));
+        self.schedule_exactly(airtime, Event::Responder(responder::Event::TransmissionEnded));
     }
 }
 
@@ -173,6 +179,7 @@ impl coordinator::Radio for Beaconing<'_> {
     }
 
     fn start_beacon(&mut self, mpdu_octets: u8) {
+        // The coordinator has an exact clock: it is a robot or a sink.
         let airtime = self.transceiver.radios.phy.airtime(mpdu_octets);
         *self.beacon = Some(self.transceiver.begin_transmission(None, airtime));
         self.transceiver.schedule(airtime, Event::Coordinator(coordinator::Event::TransmissionEnded));
