@@ -41,5 +41,7 @@ pub(crate) const DEATHS: Purpose = Purpose::new(22);
 pub(crate) const LYING: Purpose = Purpose::new(24);
 /// Rates of the clocks of nodes.
 pub(crate) const CLOCK: Purpose = Purpose::new(26);
+/// Phases of interferers.
+pub(crate) const INTERFERENCE: Purpose = Purpose::new(27);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);

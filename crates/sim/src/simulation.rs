@@ -6,6 +6,7 @@ pub(crate) mod setup;
 mod stations;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::EnergySpent;
@@ -72,6 +73,12 @@ impl Simulation {
 }
 
 impl<N: Application> Simulation<N> {
+    /// The same, with a start that is left out of the counts: see [`Engine::with_warm_up`].
+    #[must_use]
+    pub fn with_warm_up(self, warm_up: Duration) -> Self {
+        Self { engine: self.engine.with_warm_up(warm_up), ..self }
+    }
+
     /// A simulation, ready to run, whose nodes have these applications, in the order of the nodes. They send what they
     /// want, so there is no other traffic.
     ///

@@ -16,6 +16,7 @@ mod interrupt;
 mod map;
 mod map_figure;
 mod odometry;
+mod outcomes;
 mod partial_truth;
 mod pcap;
 mod place_prior;

@@ -6,6 +6,7 @@ use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mac::Phy;
 
+use super::interference::power_in_band;
 use super::setup::NetworkSetup;
 use crate::air::{AirSettings, ReceptionModel};
 use crate::link::{Ieee802154, Technology};
@@ -92,7 +93,10 @@ pub(super) fn air(
     let technologies = || networks.iter().map(|network| &network.technology);
     AirSettings {
         channel: Channel::new(networks[0].channel, world.obstacles.clone(), channel_seed),
-        power: Dbm(technologies().map(|technology| technology.tx_power().0).fold(f64::MIN, f64::max)),
+        power: Dbm(technologies().map(|technology| technology.greatest_tx_power().0).fold(f64::MIN, f64::max)),
+        noise: Dbm((world.interferers.iter())
+            .filter_map(|interferer| power_in_band(interferer, &networks[0].technology))
+            .fold(f64::MIN, |greatest, power| greatest.max(power.0))),
         gain: Db(technologies().map(|technology| technology.greatest_gain().0).fold(0.0, f64::max)),
         floor: Dbm(technologies().map(|technology| technology.noise_floor().0).fold(f64::MAX, f64::min))
             - NEGLECTED_BELOW_NOISE,

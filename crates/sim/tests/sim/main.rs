@@ -8,6 +8,7 @@ mod driving;
 mod faults;
 mod flooding;
 mod hopping;
+mod interference;
 mod listening;
 mod meeting;
 mod mesh;

@@ -79,6 +79,7 @@ pub(crate) fn radio(tx_power_dbm: f64) -> RadioConfig {
         cca_threshold_dbm: None,
         noise_floor_dbm: None,
         clock_ppm: 0.0,
+        groups: Vec::new(),
     }
 }
 

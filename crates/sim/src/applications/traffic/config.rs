@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, SimTime};
 
 use super::{Schedule, Traffic, trace};
-use crate::world::layout::PlacedNode;
+use crate::world::layout::{NodesOfGroup, PlacedNode};
 
 /// The nodes' traffic, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -145,18 +145,6 @@ pub struct GroupConfig {
     pub nodes: NodesOfGroup,
     /// The traffic of each of its nodes: any kind but `groups`.
     pub traffic: Box<TrafficConfig>,
-}
-
-/// The nodes of a group, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum NodesOfGroup {
-    /// The nodes of these names.
-    Names(Vec<String>),
-    /// So many nodes: the first ones that are in no group before.
-    Count(usize),
-    /// All nodes that are in no group before.
-    Others {},
 }
 
 /// No traffic, as written in a scenario.

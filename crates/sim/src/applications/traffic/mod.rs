@@ -14,8 +14,7 @@ use crate::purpose;
 use trace::Trace;
 
 pub use config::{
-    GroupConfig, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig,
-    TrafficConfig,
+    GroupConfig, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig, TrafficConfig,
 };
 pub use plan::TrafficPlan;
 

@@ -12,4 +12,5 @@ mod transceiver;
 pub(crate) use clock::Clock;
 pub use mac::Mac;
 pub(crate) use plan::{Demand, Post, coordinator};
+pub(crate) use radio::Levels;
 pub use radio::Radio;

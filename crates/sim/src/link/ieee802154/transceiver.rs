@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
-use sextant_channel::Milliwatts;
 use sextant_kernel::{EventKey, StationId};
 use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
 
 use super::stack::Stack;
-use crate::air::{Emission, ReceiverId};
+use crate::air::{Aim, Emission, ReceiverId};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
@@ -20,8 +19,6 @@ use crate::service::report::Destination;
 pub(super) struct Radios {
     pub(super) network: NetworkId,
     pub(super) phy: Phy,
-    pub(super) emission: Emission,
-    pub(super) cca_threshold: Milliwatts,
     /// Number of the air of its band.
     pub(super) air: usize,
     /// Number of the first station's receiver.
@@ -67,19 +64,19 @@ impl Transceiver<'_> {
         let place = self.scene.place(self.station);
         let receiver = self.radios.receiver(self.station);
         let air = &mut self.scene.airs[self.radios.air];
-        air.is_busy((receiver, self.station), place, from, now, self.radios.cca_threshold)
+        air.is_busy((receiver, self.station), place, from, now, self.stack.cca_threshold)
     }
 
     /// Brings the receiver in line with the state of the radio.
     pub(super) fn tune(&mut self) {
         let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
         self.stack.meter.enter(self.stack.state(), now);
-        let is_receiving = self.stack.is_receiving();
-        if is_receiving == self.stack.is_tuned {
+        let deafness = self.stack.deafness_now();
+        if deafness == self.stack.deafness {
             return;
         }
-        self.stack.is_tuned = is_receiving;
-        self.scene.tune(self.radios.air, receiver, self.station, is_receiving);
+        self.stack.deafness = deafness;
+        self.scene.tune(self.radios.air, (receiver, self.station), deafness);
     }
 
     /// Puts a frame on air, to one station or to all.
@@ -87,7 +84,8 @@ impl Transceiver<'_> {
         let (now, place) = (self.scene.now, self.scene.place(self.station));
         let sender = (self.radios.receiver(self.station), self.station);
         let to = to.map(|to| self.radios.receiver(to));
-        self.scene.airs[self.radios.air].begin(now, sender, to, place, self.radios.emission, airtime)
+        let emission = Emission { power: self.stack.tx_power, aim: Aim::Omnidirectional };
+        self.scene.airs[self.radios.air].begin(now, sender, to, place, emission, airtime)
     }
 
     /// The radio sends something that goes before channel access, or ends it with `Receive`.
@@ -121,6 +119,7 @@ impl csma::Radio for Transceiver<'_> {
     }
 
     fn start_cca(&mut self) {
+        self.stack.meter.wake(self.radios.phy.turnaround());
         self.schedule(self.radios.phy.cca(), Event::CcaEnded);
     }
 
