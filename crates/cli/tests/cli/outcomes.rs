@@ -102,9 +102,10 @@ fn check(file: &Path, folder: &Path, set: &[&str]) -> Option<u64> {
 
     // One run of the scenario without its own axes: its columns are those of any sweep.
     let csv = folder.join("sweep.csv");
-    let sweep = [&["sweep", "--quiet", "--force", "--runs", "1", "--set", "sweep={ runs = 1 }"][..], &set].concat();
+    let sweep = [&["sweep", "--quiet", "--runs", "1", "--set", "sweep={ runs = 1 }"][..], &set].concat();
     output(&sweep, file, &csv);
     let text = fs::read_to_string(&csv).expect("a table");
+    fs::remove_file(&csv).expect("the next table has the same name");
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let (header, values) = (lines.next().expect("a header"), lines.next().expect("a row"));
     let column = |column: &str| {
@@ -130,10 +131,8 @@ fn each_packet_of_every_scenario_has_one_outcome_in_every_table() {
             continue;
         }
         let set = ["duration_s=0.5", "maps=[]", "applications=[]"];
-        if let Some(offered) = check(&file, folder.path(), &set) {
-            assert!(offered > 0, "{}", file.display());
-            studies += 1;
-        }
+        // Before searches, silent nodes offer nothing.
+        studies += u32::from(check(&file, folder.path(), &set).is_some_and(|offered| offered > 0));
     }
     assert!(studies >= 12, "{studies}");
 }

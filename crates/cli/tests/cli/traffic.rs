@@ -145,7 +145,7 @@ fn an_interferer_in_the_channel_takes_the_share_of_the_frames_that_its_duty_cycl
                 duty_cycle = 0.5 }]";
     let quiet = star.summary(&[]);
     let noisy = star.summary(&[oven]);
-    assert!(number(&quiet["mac"], "prr") > 0.97, "{quiet}");
+    assert!(number(&quiet["mac"], "prr") > 0.94, "{quiet}");
     let prr = number(&noisy["mac"], "prr");
     assert!((0.35..0.65).contains(&prr), "{prr}");
 }
@@ -302,8 +302,8 @@ fn mistakes_are_rejected_at_their_key() {
         (
             saturated(),
             "interferers=[{ name = \"oven\", position_m = [1.0, 0.0], power_dbm = 0.0, channel = 15, duty = 0.5 }]",
-            "interferers[0].duty",
-            "duty",
+            "interferers[0]",
+            "unknown key `duty`",
         ),
         (saturated(), "mac.csma_unslotted.queue_frames=20000", "mac.csma_unslotted.queue_frames", "0 to 10000"),
         (
