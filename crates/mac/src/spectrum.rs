@@ -35,6 +35,6 @@ mod tests {
         let center_mhz = |phy: Phy, channel| phy.center_mhz(channel).round();
         assert_eq!((center_mhz(Phy::Oqpsk2450, 11), center_mhz(Phy::Oqpsk2450, 26)), (2405.0, 2480.0));
         assert_eq!((center_mhz(Phy::Bpsk915, 1), center_mhz(Phy::Oqpsk915, 10)), (906.0, 924.0));
-        assert_eq!(center_mhz(Phy::Ask868, 0), 868.0);
+        assert_eq!((center_mhz(Phy::Ask868, 0), center_mhz(Phy::Bpsk868, 0)), (868.0, 868.0));
     }
 }
