@@ -45,7 +45,7 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &BusyNetwork, recor
     MacSummary {
         network: network.name.clone(),
         duration_s,
-        warm_up_s: (!warm_up.is_zero()).then(|| warm_up.as_secs_f64()),
+        warm_up_s: (!warm_up.is_zero()).then_some(warm_up.as_secs_f64()),
         all: of_nodes(&members),
         delay_histogram: all_delays.histogram().into_iter().map(DelayBin::from).collect(),
         sinks: sinks.map(|(name, &received)| SinkSummary { name: name.clone(), received }).collect(),
