@@ -133,7 +133,7 @@ impl From<&Calibration> for CalibrationSummary {
 
 impl From<&LinkFit> for LinkLawSummary {
     fn from(fit: &LinkFit) -> Self {
-        let LinkFit { law, receiver, evidence, rounds, settled } = *fit;
+        let LinkFit { law, receiver, evidence, rounds, settled, .. } = *fit;
         Self {
             evidence,
             rounds,
