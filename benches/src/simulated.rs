@@ -113,7 +113,7 @@ mod tests {
         for shipped in SHIPPED {
             let known = simulated(shipped, 1).unwrap();
             let (nodes, stops) = (known.log.node_count(), known.log.stops().len());
-            assert!((12..=40).contains(&nodes) && (20..=160).contains(&stops), "{}: {nodes}, {stops}", known.name);
+            assert!((12..=40).contains(&nodes) && (20..=200).contains(&stops), "{}: {nodes}, {stops}", known.name);
             assert!(known.log.receptions().iter().any(|reception| reception.rssi_dbm.is_some()), "{}", known.name);
         }
     }
