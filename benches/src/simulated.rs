@@ -113,7 +113,8 @@ mod tests {
         for shipped in SHIPPED {
             let known = simulated(shipped, 1).unwrap();
             let (nodes, stops) = (known.log.node_count(), known.log.stops().len());
-            assert!((12..=40).contains(&nodes) && (20..=150).contains(&stops), "{}: {nodes}, {stops}", known.name);
+            // A random walk goes on until each node was heard five times: it has the most stops.
+            assert!((12..=40).contains(&nodes) && (20..=700).contains(&stops), "{}: {nodes}, {stops}", known.name);
             assert!(known.log.receptions().iter().any(|reception| reception.rssi_dbm.is_some()), "{}", known.name);
         }
     }

@@ -27,12 +27,22 @@ use sending::{Sending, Step};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Idle,
-    BackingOff(Attempt),
+    /// Its receiver may still be on, from the assessment before.
+    BackingOff(Attempt, Receiver),
+    /// On the way from idle to receiving, before an assessment.
+    WakingUp(Attempt),
     Sensing(Attempt),
     /// The channel is won.
     Sending(Attempt, Sending),
     /// Silent after a frame; then the waiting attempt, if any, contends.
     Spacing(Option<Attempt>),
+}
+
+/// The receiver of a station during its backoff.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Receiver {
+    AtRest,
+    StillOn,
 }
 
 /// The state machine.
@@ -82,7 +92,15 @@ impl Csma {
     /// If the event is impossible in the current state: the machine did not ask for it.
     pub fn handle(&mut self, event: Event, radio: &mut impl Radio) -> Option<Report> {
         let (state, report) = match (self.state, event) {
-            (State::BackingOff(attempt), Event::BackoffExpired) => {
+            (State::BackingOff(attempt, Receiver::AtRest), Event::BackoffExpired)
+                if self.settings.has_idle_turnarounds() =>
+            {
+                radio.enter(RadioState::Turnaround);
+                radio.after(self.phy.turnaround(), Event::SenseReady);
+                (State::WakingUp(attempt), None)
+            }
+            (State::BackingOff(attempt, _), Event::BackoffExpired)
+            | (State::WakingUp(attempt), Event::SenseReady) => {
                 radio.enter(RadioState::Receive);
                 radio.start_cca();
                 (State::Sensing(attempt.with_cca()), None)
@@ -96,7 +114,7 @@ impl Csma {
                 Step::Ended(attempt, outcome) => {
                     (self.space(attempt.frame, Duration::ZERO, None, radio), Some(attempt.report(outcome)))
                 }
-                Step::Unanswered(attempt) => self.retry(attempt, radio),
+                Step::Unanswered { attempt, waited } => self.retry(attempt, waited, radio),
             },
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
             (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.contend(attempt, radio), None),
@@ -109,14 +127,15 @@ impl Csma {
 
     /// Starts an access to the channel from its beginning.
     fn contend(&self, attempt: Attempt, radio: &mut impl Radio) -> State {
-        self.back_off(Attempt { busy: 0, exponent: self.settings.min_be(), ..attempt }, radio)
+        radio.enter(self.resting_state());
+        let attempt = Attempt { busy: 0, exponent: self.settings.min_be(), ..attempt };
+        let periods = radio.backoff_periods((1 << attempt.exponent) - 1);
+        self.wait(attempt, periods, Receiver::AtRest, radio)
     }
 
-    fn back_off(&self, attempt: Attempt, radio: &mut impl Radio) -> State {
-        radio.enter(self.resting_state());
-        let periods = radio.backoff_periods((1 << attempt.exponent) - 1);
+    fn wait(&self, attempt: Attempt, periods: u32, receiver: Receiver, radio: &mut impl Radio) -> State {
         radio.after(self.phy.backoff_period() * periods, Event::BackoffExpired);
-        State::BackingOff(attempt)
+        State::BackingOff(attempt, receiver)
     }
 
     /// The channel was busy: starts a longer backoff, or gives up.
@@ -127,12 +146,22 @@ impl Csma {
             return (State::Idle, Some(attempt.report(Outcome::ChannelAccessFailure)));
         }
         let exponent = (attempt.exponent + 1).min(self.settings.max_be());
-        (self.back_off(Attempt { busy, exponent, ..attempt }, radio), None)
+        let attempt = Attempt { busy, exponent, ..attempt };
+        let turns = self.settings.has_idle_turnarounds();
+        if !turns {
+            radio.enter(self.resting_state());
+        }
+        let periods = radio.backoff_periods((1 << exponent) - 1);
+        // A radio that would have to turn around both ways stays on for a backoff of nothing.
+        let receiver = if periods == 0 { Receiver::StillOn } else { Receiver::AtRest };
+        if turns && periods > 0 {
+            radio.enter(self.resting_state());
+        }
+        (self.wait(attempt, periods, receiver, radio), None)
     }
 
-    /// No acknowledgement came: contends again with the same sequence number, or gives up.
-    fn retry(&self, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
-        let waited = self.phy.ack_wait();
+    /// The frame was not acknowledged, and the station has been silent for `waited` after it: contends again with the same sequence number, or gives up.
+    fn retry(&self, attempt: Attempt, waited: Duration, radio: &mut impl Radio) -> (State, Option<Report>) {
         if attempt.transmissions > u32::from(self.settings.max_retries()) {
             let state = self.space(attempt.frame, waited, None, radio);
             return (state, Some(attempt.report(Outcome::NoAck)));

@@ -197,13 +197,26 @@ pub struct EnergyMeter {
     state: RadioState,
     since: SimTime,
     spans: [Duration; 5],
+    /// How long the radio has been idle without a break, or was before its present state.
+    rested: Duration,
+    /// Time that the way from receiving to idle takes.
+    fall: Duration,
+    /// What is left of that time.
+    falling: Duration,
 }
 
 impl EnergyMeter {
     /// A meter for a radio that is in `state` at `now`.
     #[must_use]
     pub const fn new(state: RadioState, now: SimTime) -> Self {
-        Self { state, since: now, spans: [Duration::ZERO; 5] }
+        let none = Duration::ZERO;
+        Self { state, since: now, spans: [none; 5], rested: none, fall: none, falling: none }
+    }
+
+    /// The same for a radio that takes so long from receiving to idle: that time counts as a turnaround.
+    #[must_use]
+    pub const fn with_fall(self, fall: Duration) -> Self {
+        Self { fall, ..self }
     }
 
     /// The state that the radio is in.
@@ -219,9 +232,43 @@ impl EnergyMeter {
     /// If `now` is before the last change.
     #[inline]
     pub fn enter(&mut self, state: RadioState, now: SimTime) {
-        self.spans[self.state as usize] += now - self.since;
+        let span = now - self.since;
+        if self.state == RadioState::Idle {
+            let falling = span.min(self.falling);
+            self.falling -= falling;
+            self.spans[RadioState::Turnaround as usize] += falling;
+            self.spans[RadioState::Idle as usize] += span - falling;
+            self.rested += span - falling;
+        } else {
+            self.spans[self.state as usize] += span;
+        }
+        if state != self.state {
+            if state == RadioState::Idle {
+                self.rested = Duration::ZERO;
+                self.falling = if self.state == RadioState::Receive { self.fall } else { Duration::ZERO };
+            } else if self.state != RadioState::Idle {
+                self.rested = Duration::ZERO;
+            }
+        }
         self.state = state;
         self.since = now;
+    }
+
+    /// The receiver has just come on after idling: the turnaround of the radio, of this length, took place in the last
+    /// part of the time in which it seemed idle. Nothing changes if the radio was not idle before.
+    #[inline]
+    pub fn wake(&mut self, turnaround: Duration) {
+        let turned = turnaround.min(std::mem::take(&mut self.rested));
+        self.spans[RadioState::Idle as usize] -= turned;
+        self.spans[RadioState::Turnaround as usize] += turned;
+    }
+
+    /// Forgets all time so far: the meter starts again at `now`.
+    pub fn restart(&mut self, now: SimTime) {
+        self.enter(self.state, now);
+        self.spans = [Duration::ZERO; 5];
+        // Of a turnaround that comes later only what lies after `now` counts.
+        self.rested = Duration::ZERO;
     }
 
     /// Time in `state` until the last call of [`EnergyMeter::enter`].
@@ -336,6 +383,53 @@ mod tests {
         assert_close(spent.rx_j, 120e-9, 1e-15);
         assert_close(spent.idle_j, 120e-9, 1e-15);
         assert_close(spent.total_j(), 780e-9, 1e-15);
+    }
+
+    #[test]
+    fn a_receiver_that_comes_on_has_turned_around_in_the_last_part_of_its_idle_time() {
+        let at = |us| SimTime::ZERO + Duration::from_micros(us);
+        let turnaround = PHY.turnaround();
+        let mut meter = EnergyMeter::new(RadioState::Idle, at(0));
+        // Idle for 500 us, CCA, busy, idle for 100 us, CCA, busy, CCA at once.
+        meter.enter(RadioState::Receive, at(500));
+        meter.wake(turnaround);
+        meter.enter(RadioState::Idle, at(628));
+        meter.enter(RadioState::Receive, at(728));
+        meter.wake(turnaround);
+        meter.enter(RadioState::Idle, at(856));
+        meter.enter(RadioState::Receive, at(856));
+        meter.wake(turnaround);
+        meter.enter(RadioState::Turnaround, at(984));
+        meter.enter(RadioState::Receive, at(1176));
+        meter.wake(turnaround);
+        meter.enter(RadioState::Sleep, at(1200));
+        let span = |state| meter.span(state);
+        assert_eq!(span(RadioState::Idle), Duration::from_micros(500 - 192));
+        assert_eq!(span(RadioState::Turnaround), Duration::from_micros(192 + 100 + 192));
+        assert_eq!(span(RadioState::Receive), Duration::from_micros(128 + 128 + 128 + 24));
+    }
+
+    #[test]
+    fn the_way_back_to_idle_counts_as_a_turnaround_if_it_takes_time() {
+        let at = |us| SimTime::ZERO + Duration::from_micros(us);
+        let mut meter = EnergyMeter::new(RadioState::Receive, at(0)).with_fall(PHY.turnaround());
+        meter.enter(RadioState::Idle, at(100));
+        meter.enter(RadioState::Idle, at(200));
+        meter.enter(RadioState::Receive, at(500));
+        meter.wake(PHY.turnaround());
+        meter.enter(RadioState::Idle, at(600));
+        meter.enter(RadioState::Turnaround, at(650));
+        meter.enter(RadioState::Transmit, at(660));
+        meter.enter(RadioState::Idle, at(700));
+        meter.enter(RadioState::Idle, at(750));
+        let span = |state| meter.span(state);
+        // 400 us idle after receiving: the way back, what is left, and the way to receiving, which takes 192 us of it.
+        assert_eq!(span(RadioState::Idle), Duration::from_micros(400 - 192 - 192 + 50));
+        assert_eq!(span(RadioState::Turnaround), Duration::from_micros(192 + 192 + 50 + 10));
+        meter.restart(at(800));
+        meter.enter(RadioState::Receive, at(830));
+        assert_eq!(meter.span(RadioState::Idle), Duration::from_micros(30));
+        assert_eq!(meter.span(RadioState::Transmit), Duration::ZERO);
     }
 
     #[test]

@@ -66,6 +66,7 @@ mod class;
 mod energy;
 mod fcs;
 mod message_energy;
+mod spectrum;
 mod timing;
 
 pub use class::Class;

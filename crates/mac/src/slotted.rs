@@ -158,7 +158,7 @@ impl SlottedCsma {
             (State::Sending(attempt, sending), event) => match sending.handle(attempt, event, self.phy, radio) {
                 Step::On(attempt, sending) => (State::Sending(attempt, sending), None),
                 Step::Ended(attempt, outcome) => (self.space(attempt.frame, radio), Some(attempt.report(outcome))),
-                Step::Unanswered(attempt) => self.retry(now, attempt, radio),
+                Step::Unanswered { attempt, waited } => self.retry(now, attempt, waited, radio),
             },
             (State::Spacing(None), Event::InterframeSpaceEnded) => (State::Idle, None),
             (State::Spacing(Some(attempt)), Event::InterframeSpaceEnded) => (self.access(now, attempt, radio), None),
@@ -237,10 +237,16 @@ impl SlottedCsma {
     }
 
     /// No acknowledgement came: starts again with the same sequence number, or gives up.
-    fn retry(&self, now: SimTime, attempt: Attempt, radio: &mut impl Radio) -> (State, Option<Report>) {
+    fn retry(
+        &self,
+        now: SimTime,
+        attempt: Attempt,
+        waited: Duration,
+        radio: &mut impl Radio,
+    ) -> (State, Option<Report>) {
         radio.enter(self.resting_state());
         let is_last = attempt.transmissions > u32::from(self.settings.max_retries());
-        let left = self.phy.interframe_spacing(attempt.frame.mpdu_octets).saturating_sub(self.phy.ack_wait());
+        let left = self.phy.interframe_spacing(attempt.frame.mpdu_octets).saturating_sub(waited);
         let next = (!is_last).then_some(attempt);
         let state = match next {
             _ if !left.is_zero() => self.keep_silent(left, next, radio),

@@ -65,6 +65,8 @@
 //!     sensitivity_dbm: -95.0,
 //!     cca_threshold_dbm: None,
 //!     noise_floor_dbm: None,
+//!     clock_ppm: 0.0,
+//!     groups: Vec::new(),
 //! };
 //! let links = Ieee802154 {
 //!     radio: Radio::try_from(radio)?,
@@ -112,21 +114,22 @@ pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending
 pub use applications::node_traffic::NodeTraffic;
 pub use applications::robot::{Robot, RobotTask};
 pub use applications::traffic::{
-    GroupConfig, Next, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig,
-    TraceConfig, Traffic, TrafficConfig, TrafficPlan,
+    GroupConfig, Next, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig,
+    Traffic, TrafficConfig, TrafficPlan,
 };
 pub use engine::{EndPose, Ended, Engine, EngineSetup, NetworkSetup};
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
 pub use link::ieee80211ad::{Antennas, AntennasConfig, DmgRadio, HeadingsConfig};
 pub use link::ieee802154::{Mac, Radio};
-pub use link::{Ieee80211ad, Ieee802154, MacConfig, RadioConfig, Technology};
+pub use link::{Ieee80211ad, Ieee802154, MacConfig, RadioConfig, RadioGroupConfig, Technology};
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
+pub use service::delays::{DelayCount, Delays};
 pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;
 pub use service::network_id::NetworkId;
-pub use service::outcome::FrameOutcome;
+pub use service::outcome::{Deafness, FrameOutcome};
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
@@ -140,6 +143,8 @@ pub use station::{
 };
 pub use world::anchors::{AnchorsConfig, OptimisedAnchorsConfig};
 pub use world::field::{FadeConfig, Field, FieldConfig, Gaussian, GaussianConfig};
+pub use world::interferer::{Interferer, InterfererConfig};
+pub use world::layout::NodesOfGroup;
 pub use world::sensors::{FieldSensor, FieldSensorConfig, Sensors, SensorsConfig, TargetSensor, TargetSensorConfig};
 pub use world::target::{
     AtEnd, Course, EvadeConfig, Leg, RandomWalkConfig, StraightConfig, Target, TargetConfig, TargetMotionConfig,

@@ -39,5 +39,9 @@ pub(crate) const TILT: Purpose = Purpose::new(21);
 pub(crate) const DEATHS: Purpose = Purpose::new(22);
 /// Anchors that lie, and in which direction.
 pub(crate) const LYING: Purpose = Purpose::new(24);
+/// Rates of the clocks of nodes.
+pub(crate) const CLOCK: Purpose = Purpose::new(26);
+/// Phases of interferers.
+pub(crate) const INTERFERENCE: Purpose = Purpose::new(27);
 /// Noise of the odometry of robots.
 pub(crate) const ODOMETRY: Purpose = Purpose::new(16);

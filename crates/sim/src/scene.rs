@@ -9,6 +9,7 @@ use crate::air::{Air, ReceiverId};
 use crate::event::Event;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
+use crate::service::outcome::Deafness;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
@@ -38,13 +39,17 @@ impl Scene {
         self.queue.push(time, event.rank(), event)
     }
 
-    /// The receiver of a station in an air is on from now on, or off.
-    pub(crate) fn tune(&mut self, air: usize, receiver: ReceiverId, station: StationId, is_receiving: bool) {
+    /// The receiver of a station in an air listens from now on, or is deaf for a reason.
+    pub(crate) fn tune(
+        &mut self,
+        air: usize,
+        (receiver, station): (ReceiverId, StationId),
+        deafness: Option<Deafness>,
+    ) {
         let (now, motion, air) = (self.now, &self.motions[station.index()], &mut self.airs[air]);
-        if is_receiving {
-            air.listen(now, receiver, station, motion);
-        } else {
-            air.deafen(receiver, station, motion.at(now));
+        match deafness {
+            None => air.listen(now, receiver, station, motion),
+            Some(deafness) => air.deafen(now, receiver, station, motion, deafness),
         }
     }
 

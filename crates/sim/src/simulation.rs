@@ -6,6 +6,7 @@ pub(crate) mod setup;
 mod stations;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::EnergySpent;
@@ -17,6 +18,7 @@ use crate::applications::robot::{Robot, RobotTask};
 use crate::applications::source::Source;
 use crate::applications::standard::Standard;
 use crate::engine::{Ended, Engine, EngineSetup, Extras};
+use crate::link::ieee802154::Clock;
 use crate::observer::{Observer, Told};
 use crate::outcome::{RobotRecord, Survey};
 use crate::service::network_id::NetworkId;
@@ -44,6 +46,7 @@ impl Simulation {
     /// If the frames are too small for the addresses, there are several robots but frames are sent to one of them,
     /// or the superframes do not fit the world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
+        let seed = setup.seed;
         Self::with_applications(setup, Vec::new(), Vec::new(), |stations, networks| {
             let mut sources: Vec<Vec<Source>> = vec![Vec::new(); stations.roll.nodes];
             for (id, network) in (0..=u8::MAX).map(NetworkId).zip(networks) {
@@ -52,7 +55,11 @@ impl Simulation {
                     let node = NodeId::from_index(node);
                     let Some(traffic) = network.traffic.of(node).filter(|_| network.has(node)) else { continue };
                     let to = stations.destination(id, traffic, node)?;
-                    sources.push(Source::new(id, Arc::new(traffic.clone()), to));
+                    let clock = match network.link.technology.ieee802154() {
+                        Some(settings) => settings.radio.clock(seed, id, node),
+                        None => Clock::default(),
+                    };
+                    sources.push(Source::new(id, Arc::new(traffic.clone()), to).with_clock(clock));
                 }
             }
             Ok(sources.into_iter().map(NodeTraffic::new).collect())
@@ -66,6 +73,12 @@ impl Simulation {
 }
 
 impl<N: Application> Simulation<N> {
+    /// The same, with a start that is left out of the counts: see [`Engine::with_warm_up`].
+    #[must_use]
+    pub fn with_warm_up(self, warm_up: Duration) -> Self {
+        Self { engine: self.engine.with_warm_up(warm_up), ..self }
+    }
+
     /// A simulation, ready to run, whose nodes have these applications, in the order of the nodes. They send what they
     /// want, so there is no other traffic.
     ///

@@ -109,7 +109,7 @@ impl Scene {
         let targets = self.targets.iter().enumerate().map(target).collect();
         let sensors: SensorsConfig = toml::from_str("targets.radius_m = 1.5").expect("sensors");
         let sensors = Sensors::try_from(sensors).expect("good sensors");
-        World { nodes, obstacles, targets, fields: Vec::new(), sensors }
+        World { nodes, obstacles, targets, fields: Vec::new(), sensors, ..World::default() }
     }
 
     fn run(&self) -> Outcome {
@@ -130,7 +130,7 @@ impl Scene {
         let link = NetworkSetup {
             channel: channel.try_into().expect("a good channel"),
             technology: Technology::Ieee802154(Ieee802154 {
-                radio,
+                radio: radio.clone(),
                 reception: ReceptionModel::Overlap,
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),

@@ -15,13 +15,10 @@ use crate::output::{Draft, DraftError};
 mod container;
 mod radiotap;
 
+use super::link_quality::link_quality;
 use container::LinkType;
 pub use container::Technologies;
 pub use radiotap::CapturedDmgFrame;
-
-/// A link with at least this power above the sensitivity has the best quality (dB). It is the minimum range of energy
-/// detection (IEEE 802.15.4-2006, 6.9.7 and 6.9.8).
-const QUALITY_RANGE_DB: f64 = 40.0;
 
 /// Types of the fields of a TAP header (IEEE 802.15.4 TAP, section 4).
 mod field {
@@ -62,13 +59,10 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// Link quality: 0 at the sensitivity, 255 at 40 dB or more above it, linear in between.
+    /// Its link quality: see [`link_quality`].
     #[must_use]
     pub fn link_quality(&self) -> u8 {
-        let share = (self.power - self.sensitivity).0 / QUALITY_RANGE_DB;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 255")]
-        let quality = (255.0 * share.clamp(0.0, 1.0)).round() as u8;
-        quality
+        link_quality(self.power, self.sensitivity)
     }
 }
 

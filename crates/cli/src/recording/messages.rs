@@ -114,6 +114,9 @@ pub struct ReceptionMessage {
     /// Signal-to-noise ratio of the robot's own best packet, as the node reported it (dB).
     #[prost(double, optional, tag = "7")]
     pub snr_db: Option<f64>,
+    /// Link quality of IEEE 802.15.4 at the mean received signal strength: 0 at the sensitivity, 255 at 40 dB or more above it.
+    #[prost(uint32, optional, tag = "8")]
+    pub lqi: Option<u32>,
 }
 
 /// A point of an obstacle that the range sensor of a robot detected.
@@ -195,6 +198,9 @@ pub struct FrameMessage {
     /// Name of the network in which it was sent; empty if there is one network without a name.
     #[prost(string, tag = "7")]
     pub network: String,
+    /// Why nobody listened, if the outcome is `not_listened`: `transmitting`, `asleep` or `off`; empty otherwise.
+    #[prost(string, tag = "8")]
+    pub deafness: String,
 }
 
 /// One value of a time series.
@@ -221,11 +227,12 @@ recorded! {
     ReceptionMessage = "Reception": [
         "node" = 1 Uint32, "stop" = 2 Uint32, "received" = 3 Uint32, "sent" = 4 Uint32,
         "sector" = 5 OptionalUint32, "rssi_dbm" = 6 OptionalDouble, "snr_db" = 7 OptionalDouble,
+        "lqi" = 8 OptionalUint32,
     ];
     ContactMessage = "Contact": ["time_ns" = 1 Uint64, "x_m" = 2 Double, "y_m" = 3 Double, "z_m" = 4 Double];
     FrameMessage = "Frame": [
         "start_ns" = 1 Uint64, "airtime_ns" = 2 Uint64, "source" = 3 Uint32, "mpdu" = 4 Bytes, "outcome" = 5 String,
-        "power_dbm" = 6 OptionalDouble, "network" = 7 String,
+        "power_dbm" = 6 OptionalDouble, "network" = 7 String, "deafness" = 8 String,
     ];
     MetricMessage = "Metric": ["time_ns" = 1 Uint64, "name" = 2 String, "value" = 3 Double];
     LinkMessage = "Link": [

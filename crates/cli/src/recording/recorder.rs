@@ -12,11 +12,14 @@ use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 use mcap::Attachment;
 use mcap::records::{MessageHeader, Metadata};
-use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, SectorTable, Stop};
+use sextant_channel::{
+    Anchor, Contact, Dbm, Link, NeighbourLog, Position, Reception, ReceptionLog, SectorTable, Stop,
+};
 use sextant_kernel::SimTime;
 
 use super::drawing::{self, GridPlane, PlacedNode, Solid};
 use super::error::RecordingError;
+use super::link_quality::link_quality;
 use super::messages;
 use super::names::{
     ANCHORS_TOPIC, BEACONS_TOPIC, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC, ORIGIN_METADATA,
@@ -47,6 +50,8 @@ pub struct Recorder<W: Write> {
     topics: BTreeMap<String, (u16, u32)>,
     encoded: Vec<u8>,
     stops_in_chunk: u32,
+    /// Sensitivity of the robots' radios by the name of a log; that of the first log has none.
+    sensitivities: BTreeMap<Option<String>, Dbm>,
 }
 
 /// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
@@ -99,7 +104,7 @@ impl<W: Write> Recorder<W> {
     }
 
     fn from_sink(sink: Sink<W>) -> Self {
-        Self { sink, topics: BTreeMap::new(), encoded: Vec::new(), stops_in_chunk: 0 }
+        Self { sink, topics: BTreeMap::new(), encoded: Vec::new(), stops_in_chunk: 0, sensitivities: BTreeMap::new() }
     }
 
     /// Writes the summary section and returns the output.
@@ -213,6 +218,12 @@ impl<W: Write> Recorder<W> {
             .try_for_each(|sector| self.write(SimTime::ZERO, &topic, &messages::SectorMessage::from(sector)))
     }
 
+    /// The robots' radios in the log `other`, or in the first one, are of IEEE 802.15.4 with this sensitivity: their
+    /// receptions are recorded with a link quality.
+    pub fn set_sensitivity(&mut self, other: Option<&str>, sensitivity: Dbm) {
+        self.sensitivities.insert(other.map(str::to_owned), sensitivity);
+    }
+
     /// Writes a stop and all receptions there, in the log of the first network or of the one called `other`. The stops of
     /// a log are numbered from 0 in the order of the calls, and `receptions` refer to that number. A chunk never ends within a stop, so that a crash loses complete stops only.
     ///
@@ -241,7 +252,9 @@ impl<W: Write> Recorder<W> {
             receptions: u32::try_from(receptions.len()).expect("fewer than 2^32 receptions"),
         };
         self.append(stop.time, &topics.stops, &message)?;
+        let sensitivity = self.sensitivities.get(&other.map(str::to_owned)).copied();
         for &Reception { node, stop: at, received, sent, sector, rssi_dbm, snr_db } in receptions {
+            let lqi = rssi_dbm.zip(sensitivity).map(|(dbm, sensitivity)| link_quality(Dbm(dbm), sensitivity).into());
             let message = messages::ReceptionMessage {
                 node: node.0,
                 stop: at,
@@ -250,6 +263,7 @@ impl<W: Write> Recorder<W> {
                 sector: sector.map(u32::from),
                 rssi_dbm,
                 snr_db,
+                lqi,
             };
             self.append(stop.time, &topics.receptions, &message)?;
         }

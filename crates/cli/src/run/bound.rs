@@ -27,7 +27,7 @@ pub(super) fn posterior_bound_m(
     }
     let obstacles = scenario.world().obstacles.clone();
     let channel = Channel::new(known.channel, obstacles, scenario.seed());
-    let (tx, sensitivity) = (Dbm(known.radio.tx_power_dbm), Dbm(known.radio.sensitivity_dbm));
+    let (tx, sensitivity) = (Dbm(known.tx_power_dbm), Dbm(known.sensitivity_dbm));
     let of_nodes = &survey.networks[network.index()].packets[..truth.len()];
     let packets: Packets = of_nodes.iter().copied().sum();
     let delivery = packets.received as f64 / (packets.received + packets.lost_collision).max(1) as f64;

@@ -156,6 +156,12 @@ impl<'a, 'i> Gathering<'a, 'i> {
         let network_names = scenario.networks().iter().map(|network| network.name.clone().unwrap_or_default());
         let network_names: Vec<String> = network_names.collect();
         let others = scenario.surveyed().into_iter().skip(1);
+        for (i, network) in scenario.surveyed().into_iter().enumerate() {
+            if let Some(links) = scenario.networks()[network.index()].link.technology.ieee802154() {
+                let other = (i > 0).then(|| network_names[network.index()].as_str());
+                recorder.set_sensitivity(other, links.radio.sensitivity());
+            }
+        }
         let others = others.map(|network| (network, network_names[network.index()].clone())).collect();
         let robots = names.map(|name| Track { name, places: Vec::new(), heading_rad: 0.0 }).collect();
         let fields = world.fields.clone();
@@ -316,6 +322,7 @@ impl Observer for Gathering<'_, '_> {
             outcome: frame.outcome.name().to_owned(),
             power_dbm: frame.power.map(|power| power.0),
             network: self.network_names[frame.network.index()].clone(),
+            deafness: frame.outcome.deafness().map_or_else(String::new, |deafness| deafness.name().to_owned()),
         };
         self.record(frame.start, |recorder, _, _| recorder.frame(&message));
     }

@@ -1,13 +1,13 @@
 //! The traffic of a run, as a summary.
 
-use std::time::Duration;
-
-use sextant_kernel::NodeId;
+use sextant_kernel::{NodeId, SimTime};
 use sextant_mac::EnergySpent;
-use sextant_sim::{BusyNetwork, NetworkRecord, Packets, Survey};
+use sextant_sim::{BusyNetwork, Delays, NetworkRecord, Packets, Survey};
 
 use crate::scenario::Scenario;
-use crate::summary::{DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
+use crate::summary::{
+    DelayBin, DelaySummary, EnergySummary, MacSummary, NamedTraffic, NotListenedSummary, SinkSummary, TrafficSummary,
+};
 
 /// The traffic in each network of `scenario`, if it has sinks: otherwise the survey tells all.
 pub(super) fn traffic(scenario: &Scenario, survey: &Survey) -> Vec<MacSummary> {
@@ -20,20 +20,15 @@ pub(super) fn traffic(scenario: &Scenario, survey: &Survey) -> Vec<MacSummary> {
 
 fn of_network(scenario: &Scenario, survey: &Survey, network: &BusyNetwork, record: &NetworkRecord) -> MacSummary {
     let nodes = &scenario.world().nodes;
-    let duration_s = survey.end.as_secs_f64();
-    let mut delays: Vec<Vec<f64>> = vec![Vec::new(); nodes.len()];
-    for (station, delay) in &record.delays {
-        if let Some(delays) = delays.get_mut(station.index()) {
-            delays.push(Duration::as_secs_f64(delay));
-        }
-    }
+    let warm_up = scenario.warm_up();
+    let duration_s = survey.end.saturating_since(SimTime::ZERO + warm_up).as_secs_f64();
     let of_nodes = |members: &[NodeId]| {
         let index = || members.iter().map(|node| node.index());
-        let delays_s = index().flat_map(|node| delays[node].iter().copied()).collect();
+        let delays = delays(record, index());
         let mut energy = EnergySpent::default();
         index().for_each(|node| energy += record.energy[node]);
         let packets: Packets = index().map(|node| record.packets[node]).sum();
-        summary(packets, energy, delays_s, duration_s)
+        summary(packets, energy, &delays, duration_s)
     };
     let members: Vec<_> = (0..nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node)).collect();
     let groups = network
@@ -46,19 +41,27 @@ fn of_network(scenario: &Scenario, survey: &Survey, network: &BusyNetwork, recor
     let collectors = (scenario.robots_of_survey().map(|robot| &robot.name))
         .chain(scenario.config().sinks.iter().map(|sink| &sink.name));
     let sinks = collectors.zip(&record.deliveries[nodes.len()..]);
-    let all_delays: Vec<f64> = delays.iter().flatten().copied().collect();
+    let all_delays = delays(record, 0..nodes.len());
     MacSummary {
         network: network.name.clone(),
         duration_s,
+        warm_up_s: (!warm_up.is_zero()).then_some(warm_up.as_secs_f64()),
         all: of_nodes(&members),
-        delay_histogram: DelayBin::histogram(&all_delays),
+        delay_histogram: all_delays.histogram().into_iter().map(DelayBin::from).collect(),
         sinks: sinks.map(|(name, &received)| SinkSummary { name: name.clone(), received }).collect(),
         groups: groups.collect(),
         nodes: by_node.collect(),
     }
 }
 
-fn summary(packets: Packets, energy: EnergySpent, delays_s: Vec<f64>, duration_s: f64) -> TrafficSummary {
+/// The delays of several stations together.
+fn delays(record: &NetworkRecord, stations: impl Iterator<Item = usize>) -> Delays {
+    let mut together = Delays::default();
+    stations.filter_map(|station| record.delays.get(station)).for_each(|delays| together.merge(delays));
+    together
+}
+
+fn summary(packets: Packets, energy: EnergySpent, delays: &Delays, duration_s: f64) -> TrafficSummary {
     let share = |part: u64, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
     TrafficSummary {
         offered: packets.offered,
@@ -67,7 +70,7 @@ fn summary(packets: Packets, energy: EnergySpent, delays_s: Vec<f64>, duration_s
         prr: share(packets.received, packets.offered - packets.pending),
         delivered_of_sent: share(packets.received, packets.sent),
         throughput_bit_per_s: if duration_s > 0.0 { 8.0 * packets.octets_received as f64 / duration_s } else { 0.0 },
-        delay_s: DelaySummary::of(delays_s),
+        delay_s: DelaySummary::of(delays),
         transmissions: packets.transmissions,
         retries: packets.transmissions - packets.sent,
         backoffs: packets.assessments,
@@ -79,6 +82,7 @@ fn summary(packets: Packets, energy: EnergySpent, delays_s: Vec<f64>, duration_s
         lost_signal: packets.lost_signal,
         out_of_range: packets.out_of_range,
         not_listened: packets.not_listened,
+        not_listened_by: NotListenedSummary::from(&packets),
         pending: packets.pending,
         energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
     }

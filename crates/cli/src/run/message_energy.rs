@@ -53,7 +53,7 @@ fn packets_j(
     discoveries: &Discoveries,
 ) -> Option<f64> {
     let network = &scenario.networks()[id.index()];
-    let radio = links.radio;
+    let radio = &links.radio;
     let octets = network.traffic.mpdu_octets();
     let packet = MessageEnergy::of_packet(&network.link.radio_states, radio.tx_power(), radio.phy(), octets);
     let others = survey.other_logs.iter().find(|(other, _)| *other == id);

@@ -9,8 +9,8 @@ use super::discovery::Discoveries;
 use super::mac;
 use crate::scenario::Scenario;
 use crate::summary::{
-    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, RobotSummary, ScenarioSummary,
-    SensingSummary, SimulationSummary, Summary,
+    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary, RobotSummary,
+    ScenarioSummary, SensingSummary, SimulationSummary, Summary,
 };
 
 /// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
@@ -88,6 +88,7 @@ fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
         lost_queue: Some(packets.lost_queue),
         out_of_range: Some(packets.out_of_range),
         not_listened: Some(packets.not_listened),
+        not_listened_by: Some(NotListenedSummary::from(&packets)),
         pending: Some(packets.pending),
         energy_j: Some(EnergySummary {
             tx: survey.energy.tx_j,

@@ -31,10 +31,10 @@ impl Simulator {
     pub fn new(scenario: &Scenario) -> Result<Self, SettingError> {
         let setup = scenario.setup();
         Ok(match scenario.distributed() {
-            None => Self::OfTraffic(Box::new(Simulation::new(setup)?)),
+            None => Self::OfTraffic(Box::new(Simulation::new(setup)?.with_warm_up(scenario.warm_up()))),
             Some(map) => {
                 let nodes = map.nodes(setup.world.nodes.len(), scenario.anchors());
-                Self::OfNodes(Box::new(Simulation::with_nodes(setup, nodes)?))
+                Self::OfNodes(Box::new(Simulation::with_nodes(setup, nodes)?.with_warm_up(scenario.warm_up())))
             }
         })
     }

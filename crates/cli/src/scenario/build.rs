@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::{Discovery, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
+use sextant_sim::{Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
 
 use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
@@ -31,6 +31,8 @@ pub(super) struct Parts {
     pub(super) known_channel: KnownChannel,
     pub(super) distributed: Option<DistributedMap>,
     pub(super) applications: Vec<Application>,
+    /// What is left out of the counts at the start.
+    pub(super) warm_up: Duration,
 }
 
 /// Checks each part of the scenario, then all parts together.
@@ -44,7 +46,8 @@ pub(super) fn check(
     }
     let world = errors.take("world", config.world.build(Seed(config.seed), folder));
     let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
-    let world = world.zip(sensors).map(|(world, sensors)| World { sensors, ..world });
+    let interferers = check_interferers(config, errors);
+    let world = world.zip(sensors).map(|(world, sensors)| World { sensors, interferers, ..world });
     let tables = NetworkTables::all(config);
     let nodes = world.as_ref().map(|world| world.nodes.as_slice());
     let networks: Vec<_> = tables.iter().map(|network| network.check(config, nodes, folder, errors)).collect();
@@ -63,6 +66,7 @@ pub(super) fn check(
                        packets, and there is nothing to tell";
         errors.refuse(&SettingError::new("sinks", "none, and no robot surveys", allowed));
     }
+    let warm_up = check_warm_up(config, errors);
     let known = KnownNetworks::new(&tables, &config.robots, Some(folder));
     let maps = check_maps(&config.maps, &known, errors);
     check_log_of_maps(config, &maps, errors);
@@ -115,7 +119,38 @@ pub(super) fn check(
         };
         errors.take("", simulation);
     }
-    (Some(Parts { setup, bodies, anchors, discovery, known_channel, distributed, applications }), maps)
+    (Some(Parts { setup, bodies, anchors, discovery, known_channel, distributed, applications, warm_up }), maps)
+}
+
+/// The sources of noise, with names of their own.
+fn check_interferers(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Vec<Interferer> {
+    let mut interferers: Vec<Interferer> = Vec::new();
+    for (i, interferer) in config.interferers.iter().enumerate() {
+        let table = format!("interferers[{i}]");
+        let Some(interferer) = errors.take(&table, interferer.build(i, Seed(config.seed))) else { continue };
+        if interferers.iter().any(|other| other.name() == interferer.name()) {
+            let found = format!("`{}`, as of another interferer", interferer.name());
+            errors.refuse(&SettingError::new("name", found, "a unique name").within(&table));
+        }
+        interferers.push(interferer);
+    }
+    interferers
+}
+
+/// What is left out of the counts at the start.
+fn check_warm_up(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Duration {
+    let Some(warm_up_s) = config.warm_up_s else { return Duration::ZERO };
+    let refusal = |allowed: &str| Err(SettingError::new("warm_up_s", warm_up_s, allowed));
+    let has_sweeps = NetworkTables::all(config).iter().any(NetworkTables::sweeps_sectors);
+    let checked = match config.duration_s {
+        None => refusal("no key without `duration_s`: a survey counts from its start"),
+        Some(_) if has_sweeps => refusal("no key with `mac.sector_sweep`: all sweeps count"),
+        Some(duration_s) if !(warm_up_s >= 0.0 && warm_up_s < duration_s) => {
+            refusal(&format!("0 to less than `duration_s`, {duration_s}"))
+        }
+        Some(_) => Ok(Duration::from_secs_f64(warm_up_s)),
+    };
+    errors.take("", checked).unwrap_or_default()
 }
 
 /// Whether nodes send traffic for a time to nobody, and nothing else happens in that time: no map in the nodes, and nothing

@@ -12,8 +12,8 @@ use sextant_kernel::SettingError;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{MapConfig, NodeDisplacement};
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, MacConfig, RadioConfig, ReceptionConfig,
-    RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, DiscoveryConfig, FaultsConfig, InterfererConfig, MacConfig, RadioConfig,
+    ReceptionConfig, RobotConfig, RoleConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 
 use super::SweepConfig;
@@ -64,6 +64,13 @@ pub struct ScenarioConfig {
     /// When the simulation ends (s); if absent, when the last robot has finished and the nodes have computed their map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
+    /// What happens in the first so many seconds is simulated and left out of the counts of packets, of the rates taken from
+    /// them and of the energy: packets count that are offered later. Less than `duration_s`; nothing is left out if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warm_up_s: Option<f64>,
+    /// Sources of noise that disturb the networks of IEEE 802.15.4, also during neighbour discovery.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interferers: Vec<InterfererConfig>,
     /// The fixed sinks, which always listen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sinks: Vec<SinkConfig>,

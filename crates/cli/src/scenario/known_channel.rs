@@ -8,8 +8,10 @@ use sextant_sim::{RadioConfig, RobotConfig, RoleConfig, TrafficConfig};
 /// The channel of a scenario, for maps that may know it.
 #[derive(Clone, Copy, Debug)]
 pub struct KnownChannel {
-    /// The radios.
-    pub radio: RadioConfig,
+    /// Transmit power, but for groups of nodes (dBm).
+    pub tx_power_dbm: f64,
+    /// Minimum power of a frame that can be received, but for groups of nodes (dBm).
+    pub sensitivity_dbm: f64,
     /// Path loss and shadowing.
     pub channel: ChannelLaw,
     /// Gain of both antennas of a link together, in the weaker direction of a sector sweep.
@@ -22,7 +24,7 @@ pub struct KnownChannel {
 
 impl KnownChannel {
     pub(super) fn new(
-        radio: RadioConfig,
+        radio: &RadioConfig,
         (channel, gain): (ChannelLaw, Db),
         traffic: Option<&TrafficConfig>,
         robots: &[RobotConfig<ControllerConfig>],
@@ -51,12 +53,20 @@ impl KnownChannel {
         let most = robots().map(packets).fold(0.0, f64::max);
         let count = robots().count();
         let packets_per_stop = if count == 0 { 1.0 } else { robots().map(packets).sum::<f64>() / count as f64 };
-        Self { radio, channel, gain, packets_per_stop, is_alike_at_all_stops: stands && least >= most }
+        let (tx_power_dbm, sensitivity_dbm) = (radio.tx_power_dbm, radio.sensitivity_dbm);
+        Self {
+            tx_power_dbm,
+            sensitivity_dbm,
+            channel,
+            gain,
+            packets_per_stop,
+            is_alike_at_all_stops: stands && least >= most,
+        }
     }
 
     /// The power at the reference distance with the best sectors (dBm): maps take it as the transmit power.
     fn power_at_reference_dbm(&self) -> f64 {
-        (self.radio.tx_power_dbm + self.gain.0) - self.channel.path_loss().reference_loss().0
+        (self.tx_power_dbm + self.gain.0) - self.channel.path_loss().reference_loss().0
     }
 
     /// The radius of communication (m), if it is limited.
@@ -77,7 +87,7 @@ impl KnownChannel {
             sigma_db.get_or_insert(sigma_of_channel_db);
         }
         if let AlgorithmConfig::RssGrid(grid) = algorithm {
-            grid.sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
+            grid.sensitivity_dbm.get_or_insert(self.sensitivity_dbm);
             grid.max_range_m = grid.max_range_m.or(self.max_range_m());
         }
     }
@@ -90,7 +100,7 @@ impl KnownChannel {
         exponent.get_or_insert(path_loss.exponent());
         sigma_db.get_or_insert(self.channel.shadowing().sigma_db());
         tx_power_dbm.get_or_insert(self.power_at_reference_dbm());
-        sensitivity_dbm.get_or_insert(self.radio.sensitivity_dbm);
+        sensitivity_dbm.get_or_insert(self.sensitivity_dbm);
         profile.max_range_m = profile.max_range_m.or(self.max_range_m());
         profile.reference_distance_m.get_or_insert(path_loss.reference_distance_m());
         profile.min_distance_m.get_or_insert(path_loss.min_distance_m());

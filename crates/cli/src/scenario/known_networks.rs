@@ -117,5 +117,5 @@ fn known_channel(
         }
         _ => (Db(0.0), table.traffic.value),
     };
-    Some(KnownChannel::new(*table.radio.value?, (law, gain), traffic, robots))
+    Some(KnownChannel::new(table.radio.value?, (law, gain), traffic, robots))
 }

@@ -1,6 +1,7 @@
 //! A scenario that has been read and checked.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, MapSourceConfig};
 use sextant_channel::Anchor;
@@ -116,6 +117,12 @@ impl Scenario {
     /// The robots that take part in the survey, in their order: all but the agents.
     pub fn robots_of_survey(&self) -> impl Iterator<Item = &RobotConfig<ControllerConfig>> {
         self.config.robots.iter().filter(|robot| robot.role != RoleConfig::Agent)
+    }
+
+    /// What is left out of the counts at the start.
+    #[must_use]
+    pub fn warm_up(&self) -> Duration {
+        self.parts.warm_up
     }
 
     /// All its networks.

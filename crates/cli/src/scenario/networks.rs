@@ -110,6 +110,11 @@ impl<'a> NetworkTables<'a> {
         }
     }
 
+    /// Whether its links sweep sectors.
+    pub(super) fn sweeps_sectors(&self) -> bool {
+        matches!(self.mac.value, MacConfig::SectorSweep(_))
+    }
+
     /// The law of its channel.
     pub(super) fn law(&self, errors: &mut Errors<'_>) -> Option<ChannelLaw> {
         errors.take(&self.channel.key, ChannelLaw::try_from(*self.channel.value))
@@ -126,7 +131,7 @@ impl<'a> NetworkTables<'a> {
         let channel = self.law(errors);
         let technology = match self.mac.value {
             MacConfig::SectorSweep(sweep) => self.ieee80211ad(*sweep, folder, errors),
-            mac => self.ieee802154(mac, errors),
+            mac => self.ieee802154(mac, nodes, errors),
         };
         let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
         let silent = TrafficConfig::Silent(SilentConfig {});
@@ -162,10 +167,17 @@ impl<'a> NetworkTables<'a> {
     }
 
     /// Links of IEEE 802.15.4.
-    fn ieee802154(&self, mac: &MacConfig, errors: &mut Errors<'_>) -> Option<Technology> {
-        let radio = match self.radio.value {
-            Some(radio) => errors.take(&self.radio.key, Radio::try_from(*radio)),
-            None => errors.take("", Err(self.missing("radio"))),
+    fn ieee802154(
+        &self,
+        mac: &MacConfig,
+        nodes: Option<&[PlacedNode]>,
+        errors: &mut Errors<'_>,
+    ) -> Option<Technology> {
+        let radio = match (self.radio.value, nodes) {
+            (Some(radio), Some(nodes)) => errors.take(&self.radio.key, Radio::new(radio, nodes)),
+            // Names of nodes are not known without a world.
+            (Some(radio), None) => errors.take(&self.radio.key, Radio::try_from(radio.clone())),
+            (None, _) => errors.take("", Err(self.missing("radio"))),
         };
         let mac = errors.take(&self.mac.key, Mac::try_from(mac.clone()));
         let reception = self.reception.value.copied().unwrap_or_default();
@@ -174,13 +186,16 @@ impl<'a> NetworkTables<'a> {
             let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
             errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
         }
-        Some(Technology::Ieee802154(Ieee802154 { radio: radio?, reception: reception?, mac: mac? }))
+        let links = Ieee802154 { radio: radio?, reception: reception?, mac: mac? };
+        let table = self.radio.key.strip_suffix("radio").unwrap_or_default().trim_end_matches('.');
+        errors.take(table, links.check())?;
+        Some(Technology::Ieee802154(links))
     }
 
     /// Links of IEEE 802.11ad.
     fn ieee80211ad(&self, sweep: SweepConfig, folder: &Path, errors: &mut Errors<'_>) -> Option<Technology> {
         let radio = match self.radio.value {
-            Some(radio) => errors.take(&self.radio.key, DmgRadio::try_from(*radio)),
+            Some(radio) => errors.take(&self.radio.key, DmgRadio::try_from(radio.clone())),
             None => errors.take("", Err(self.missing("radio"))),
         };
         let antennas = match self.antenna.value {

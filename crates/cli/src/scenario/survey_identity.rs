@@ -8,8 +8,8 @@ use sextant_apps::distributed::DistributedMappingConfig;
 use sextant_channel::ChannelConfig;
 use sextant_mac::EnergyConfig;
 use sextant_sim::{
-    AnchorsConfig, AntennasConfig, FaultsConfig, MacConfig, RadioConfig, ReceptionConfig, RobotConfig, SensorsConfig,
-    SinkConfig, TrafficConfig, WorldConfig,
+    AnchorsConfig, AntennasConfig, FaultsConfig, InterfererConfig, MacConfig, RadioConfig, ReceptionConfig,
+    RobotConfig, SensorsConfig, SinkConfig, TrafficConfig, WorldConfig,
 };
 use sha2::{Digest, Sha256};
 
@@ -35,6 +35,10 @@ struct SurveySettings<'a> {
     energy: &'a EnergyConfig,
     networks: &'a BTreeMap<String, NetworkConfig>,
     duration_s: &'a Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warm_up_s: &'a Option<f64>,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    interferers: &'a [InterfererConfig],
     sinks: &'a [SinkConfig],
     robots: &'a [RobotConfig<ControllerConfig>],
     faults: &'a FaultsConfig,
@@ -62,6 +66,8 @@ impl SurveyIdentity {
             energy,
             networks,
             duration_s,
+            warm_up_s,
+            interferers,
             sinks,
             robots,
             faults,
@@ -88,6 +94,8 @@ impl SurveyIdentity {
             energy,
             networks,
             duration_s,
+            warm_up_s,
+            interferers,
             sinks,
             robots,
             faults,

@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 use sextant_channel::{Position, ReceptionLog};
+use sextant_sim::Packets;
 
 /// The survey: packets, paths and energy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -53,6 +54,9 @@ pub struct GatheringSummary {
     /// Packets sent while no robot listened.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not_listened: Option<u64>,
+    /// The same by the reason why none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_listened_by: Option<NotListenedSummary>,
     /// Packets still pending at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pending: Option<u64>,
@@ -93,6 +97,28 @@ impl GatheringSummary {
             packets_received_by_robots: (robots.len() > 1).then(packets),
             robots: if log.robots().is_empty() { Vec::new() } else { robots },
             ..Self::default()
+        }
+    }
+}
+
+/// Packets that nobody listened to, by the reason. Of several receivers, the one that was nearest to listening counts:
+/// one that transmits before one that is asleep before one that is off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct NotListenedSummary {
+    /// The receiver sent something itself, such as an acknowledgement, or turned around for that.
+    pub transmitting: u64,
+    /// The receiver was asleep or idle.
+    pub asleep: u64,
+    /// The receiver was not in use: a robot between its stops, a station that died, or no receiver at all.
+    pub off: u64,
+}
+
+impl From<&Packets> for NotListenedSummary {
+    fn from(packets: &Packets) -> Self {
+        Self {
+            transmitting: packets.not_listened_transmitting,
+            asleep: packets.not_listened_asleep,
+            off: packets.not_listened_off,
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The traffic of nodes to sinks: packets, throughput, delays and energy, as a whole, by group and by node.
 
 use serde::Serialize;
+use sextant_sim::{DelayCount, Delays};
 
-use super::gathering::EnergySummary;
+use super::gathering::{EnergySummary, NotListenedSummary};
 
 /// The traffic in one network.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -10,8 +11,11 @@ pub struct MacSummary {
     /// Name of the network, if the scenario has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network: Option<String>,
-    /// Time over which the rates are taken: from the start to the end of the simulation (s).
+    /// Time over which the rates are taken: from the start, or the end of the warm-up, to the end of the simulation (s).
     pub duration_s: f64,
+    /// What was left out at the start (s). Absent if nothing was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warm_up_s: Option<f64>,
     /// All nodes together.
     #[serde(flatten)]
     pub all: TrafficSummary,
@@ -84,13 +88,16 @@ pub struct TrafficSummary {
     pub out_of_range: u64,
     /// Packets sent while no sink listened.
     pub not_listened: u64,
+    /// The same by the reason why it did not.
+    pub not_listened_by: NotListenedSummary,
     /// Packets that were waiting or on air at the end.
     pub pending: u64,
     /// Energy of the radios.
     pub energy_j: EnergySummary,
 }
 
-/// Delays of packets (s).
+/// Delays of packets (s). Percentiles are exact for up to 1024 packets of a node, and up to 65536 of several nodes none of
+/// which has more than 1024; beyond, they are within 0.2 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DelaySummary {
     /// Mean (s).
@@ -104,14 +111,12 @@ pub struct DelaySummary {
 }
 
 impl DelaySummary {
-    /// The summary of `delays_s`; `None` if there are none. A percentile is the least delay that this share of the
-    /// packets does not exceed.
+    /// The summary of these delays; `None` if there are none. A percentile is the least delay that this share of the packets
+    /// does not exceed: exact for few packets, within 0.2 % for many ([`Delays`]).
     #[must_use]
-    pub fn of(mut delays_s: Vec<f64>) -> Option<Self> {
-        delays_s.sort_unstable_by(f64::total_cmp);
-        let count = delays_s.len();
-        let at = |percent: usize| delays_s.get((percent * count).div_ceil(100).saturating_sub(1)).copied();
-        Some(Self { mean: delays_s.iter().sum::<f64>() / count as f64, p50: at(50)?, p90: at(90)?, p99: at(99)? })
+    pub fn of(delays: &Delays) -> Option<Self> {
+        let [p50, p90, p99] = delays.percentiles_s([50, 90, 99])?;
+        Some(Self { mean: delays.mean_s()?, p50, p90, p99 })
     }
 }
 
@@ -126,57 +131,12 @@ pub struct DelayBin {
     pub packets: u64,
 }
 
-impl DelayBin {
-    /// The histogram of `delays_s`: bins whose limits are 1, 2 and 5 times powers of ten, from the first to the last one
-    /// that holds a packet.
-    #[must_use]
-    pub fn histogram(delays_s: &[f64]) -> Vec<Self> {
-        let mut bins: Vec<Self> = LIMITS_S
-            .windows(2)
-            .map(|limits| {
-                let (from_s, to_s) = (limits[0], limits[1]);
-                let packets = delays_s.iter().filter(|&&delay_s| delay_s >= from_s && delay_s < to_s).count();
-                Self { from_s, to_s, packets: packets as u64 }
-            })
-            .collect();
-        while bins.last().is_some_and(|bin| bin.packets == 0) {
-            bins.pop();
-        }
-        let first = bins.iter().position(|bin| bin.packets > 0).unwrap_or(0);
-        bins.drain(..first);
-        bins
+impl From<DelayCount> for DelayBin {
+    fn from(count: DelayCount) -> Self {
+        let DelayCount { from_s, to_s, packets } = count;
+        Self { from_s, to_s, packets }
     }
 }
-
-/// Limits of the bins of delays (s).
-const LIMITS_S: [f64; 26] = [
-    0.0,
-    1e-4,
-    2e-4,
-    5e-4,
-    1e-3,
-    2e-3,
-    5e-3,
-    0.01,
-    0.02,
-    0.05,
-    0.1,
-    0.2,
-    0.5,
-    1.0,
-    2.0,
-    5.0,
-    10.0,
-    20.0,
-    50.0,
-    1e2,
-    2e2,
-    5e2,
-    1e3,
-    1e4,
-    1e5,
-    f64::MAX,
-];
 
 /// A sink, or a robot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -185,26 +145,4 @@ pub struct SinkSummary {
     pub name: String,
     /// Frames that it received, each once. With several sinks, several may receive the same broadcast.
     pub received: u64,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentiles_are_delays_that_occurred() {
-        let delay = DelaySummary::of((1..=200).rev().map(f64::from).collect()).unwrap();
-        assert_eq!(delay, DelaySummary { mean: 100.5, p50: 100.0, p90: 180.0, p99: 198.0 });
-        let alone = DelaySummary { mean: 0.25, p50: 0.25, p90: 0.25, p99: 0.25 };
-        assert_eq!(DelaySummary::of(vec![0.25]), Some(alone));
-        assert_eq!(DelaySummary::of(Vec::new()), None);
-    }
-
-    #[test]
-    fn a_histogram_holds_each_packet_once() {
-        let bins = DelayBin::histogram(&[0.002, 0.0049, 0.005, 0.03]);
-        let counts: Vec<_> = bins.iter().map(|bin| (bin.from_s, bin.packets)).collect();
-        assert_eq!(counts, [(0.002, 2), (0.005, 1), (0.01, 0), (0.02, 1)]);
-        assert_eq!(DelayBin::histogram(&[]), []);
-    }
 }

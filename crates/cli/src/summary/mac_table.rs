@@ -52,7 +52,8 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
     let all = &mac.all;
     let delay = |read: fn(&super::mac::DelaySummary) -> f64| milliseconds(all.delay_s.as_ref().map(read));
     let energy = all.energy_j.tx + all.energy_j.rx + all.energy_j.idle;
-    let rows: [(&str, String, &str); 21] = [
+    let unheard = &all.not_listened_by;
+    let rows: [(&str, String, &str); 24] = [
         ("simulated time", format!("{:.3}", mac.duration_s), "s"),
         ("packets offered", all.offered.to_string(), ""),
         ("packets delivered", all.delivered.to_string(), ""),
@@ -72,6 +73,9 @@ fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
         ("lost to a full queue", all.lost_queue.to_string(), ""),
         ("lost to a weak signal", all.lost_signal.to_string(), ""),
         ("out of range", all.out_of_range.to_string(), ""),
+        ("receiver transmitting", unheard.transmitting.to_string(), "lost, because it sent something itself"),
+        ("receiver asleep", unheard.asleep.to_string(), "lost"),
+        ("receiver off", unheard.off.to_string(), "lost"),
         ("pending", all.pending.to_string(), ""),
         ("energy of the nodes", format!("{energy:.3}"), "J"),
     ];

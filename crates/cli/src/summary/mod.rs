@@ -23,7 +23,9 @@ pub use applications::{
 pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
-pub use gathering::{DiscoverySummary, EnergySummary, GatheringSummary, RobotSummary, RoundSummary};
+pub use gathering::{
+    DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RobotSummary, RoundSummary,
+};
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
     AlignmentSummary, CalibrationSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, EstimatorScoreSummary,

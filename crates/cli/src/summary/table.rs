@@ -85,7 +85,13 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("lost to a busy channel", count(gathering.lost_channel_access), "");
     row("lost to a weak signal", count(gathering.lost_signal), "");
     row("sent out of range", count(gathering.out_of_range), "");
-    row("sent while nobody listened", count(gathering.not_listened), "");
+    row("lost to a full queue", count(gathering.lost_queue), "");
+    if let Some(unheard) = &gathering.not_listened_by {
+        row("receiver transmitting", Some(unheard.transmitting.to_string()), "sent while nobody listened");
+        row("receiver asleep", Some(unheard.asleep.to_string()), "sent while nobody listened");
+        row("receiver off", Some(unheard.off.to_string()), "sent while nobody listened");
+    }
+    row("pending", count(gathering.pending), "");
     if let Some(energy) = &gathering.energy_j {
         row("energy of the nodes", Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)), "J");
     }

@@ -18,6 +18,7 @@ mod interrupt;
 mod map;
 mod map_figure;
 mod odometry;
+mod outcomes;
 mod partial_truth;
 mod parts;
 mod pcap;

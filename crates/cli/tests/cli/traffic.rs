@@ -132,6 +132,35 @@ fn traffic_that_nobody_receives_is_an_error() {
 }
 
 #[test]
+fn a_warm_up_leaves_the_start_out_of_counts_rates_and_energy() {
+    let star = Folder::new("[traffic.saturated]\nmpdu_octets = 127\n");
+    let (whole, late) = (star.summary(&[]), star.summary(&["warm_up_s=15.0"]));
+    let (whole, late) = (&whole["mac"], &late["mac"]);
+    assert_eq!(ended(late), count(late, "offered"));
+    assert!((number(late, "duration_s") - 5.0).abs() < 1e-9 && (number(late, "warm_up_s") - 15.0).abs() < 1e-9);
+    assert!(whole.get("warm_up_s").is_none());
+    let share = count(late, "delivered") as f64 / count(whole, "delivered") as f64;
+    assert!((share - 0.25).abs() < 0.02, "{share}");
+    // Rates and powers are those of the whole, but for chance.
+    let ratio = number(late, "throughput_bit_per_s") / number(whole, "throughput_bit_per_s");
+    assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+    let watts = |mac: &Value| number(&mac["energy_j"], "rx") / number(mac, "duration_s");
+    assert!((watts(late) / watts(whole) - 1.0).abs() < 0.05);
+}
+
+#[test]
+fn an_interferer_in_the_channel_takes_the_share_of_the_frames_that_its_duty_cycle_says() {
+    let star = Folder::new("[traffic.poisson]\nmpdu_octets = 30\nrate_per_s = 10.0\n");
+    let oven = "interferers=[{ name = \"oven\", position_m = [0.5, 0.5], power_dbm = 0.0, channel = 11, period_s = 1.0, \
+                duty_cycle = 0.5 }]";
+    let quiet = star.summary(&[]);
+    let noisy = star.summary(&[oven]);
+    assert!(number(&quiet["mac"], "prr") > 0.94, "{quiet}");
+    let prr = number(&noisy["mac"], "prr");
+    assert!((0.35..0.65).contains(&prr), "{prr}");
+}
+
+#[test]
 fn one_saturated_node_has_the_throughput_of_the_closed_form() {
     // Mean backoff 3.5 * 320 us, CCA 128, turnaround 192, frame 4256, then spacing 640, or with acknowledgement
     // 192 + 352 + 640 us: 6336 and 6880 us for 116 octets of payload. The backoff of each of about 3000 frames is uniform
@@ -255,6 +284,37 @@ fn mistakes_are_rejected_at_their_key() {
         (saturated(), "traffic.saturated.mpdu_octets=128", "traffic.saturated.mpdu_octets", "11 to 127"),
         (saturated(), "sinks.0.name=\"a b\"", "sinks[0].name", "letters"),
         (saturated(), "radio.channel=5", "radio.channel", "11 to 26"),
+        (saturated(), "traffic.saturated.start_spread_s=-1.0", "traffic.saturated.start_spread_s", "0 to 1000000"),
+        (saturated(), "traffic.saturated.start_spread_s=nan", "traffic.saturated.start_spread_s", "NaN"),
+        (saturated(), "radio.clock_ppm=-1.0", "radio.clock_ppm", "0 to 1000"),
+        (saturated(), "radio.clock_ppm=nan", "radio.clock_ppm", "NaN"),
+        (saturated(), "warm_up_s=20.0", "warm_up_s", "less than `duration_s`"),
+        (saturated(), "warm_up_s=-1.0", "warm_up_s", "less than `duration_s`"),
+        (saturated(), "warm_up_s=nan", "warm_up_s", "NaN"),
+        (
+            saturated(),
+            "radio.groups=[{ nodes = { names = [\"north\"] } }]",
+            "radio.groups[0].nodes.names[0]",
+            "the name of a node",
+        ),
+        (
+            saturated(),
+            "radio.groups=[{ nodes = { others = {} }, tx_power_dbm = nan }]",
+            "radio.groups[0].tx_power_dbm",
+            "NaN",
+        ),
+        (
+            saturated(),
+            "interferers=[{ name = \"oven\", position_m = [1.0, 0.0], power_dbm = 0.0, channel = 9 }]",
+            "interferers[0].channel",
+            "11 to 26",
+        ),
+        (
+            saturated(),
+            "interferers=[{ name = \"oven\", position_m = [1.0, 0.0], power_dbm = 0.0, channel = 15, duty = 0.5 }]",
+            "interferers[0]",
+            "unknown key `duty`",
+        ),
         (saturated(), "mac.csma_unslotted.queue_frames=20000", "mac.csma_unslotted.queue_frames", "0 to 10000"),
         (
             Folder::new("[traffic.saturated]\nacknowledged = true\nto = \"nobody\"\n"),

@@ -20,6 +20,8 @@ pub struct OutgoingFrame {
 pub enum Event {
     /// The backoff is over: the CCA starts now.
     BackoffExpired,
+    /// The turnaround from idle to receiving is over: the CCA starts now.
+    SenseReady,
     /// The CCA that [`Radio::start_cca`] started is over.
     CcaEnded {
         /// Whether the channel was busy.
@@ -51,7 +53,7 @@ impl Event {
             Self::TransmissionEnded | Self::AckReceived { .. } | Self::ReceiveReady => Class::EndOfSignal,
             Self::CcaEnded { .. } => Class::EndOfCca,
             Self::TransmitReady => Class::StartOfSignal,
-            Self::BackoffExpired => Class::StartOfCca,
+            Self::BackoffExpired | Self::SenseReady => Class::StartOfCca,
             Self::AckWaitExpired | Self::InterframeSpaceEnded => Class::Timer,
         }
     }
@@ -74,7 +76,8 @@ pub trait Radio {
     /// [`RadioState::Transmit`] it is deaf.
     fn enter(&mut self, state: RadioState);
 
-    /// Starts to sense the channel; [`Event::CcaEnded`] is due [`Phy::cca`](crate::Phy::cca) from now. A station
+    /// Starts to sense the channel with a receiver that was told to be on now: if the radio was idle before, it turned
+    /// around in the last part of that time. [`Event::CcaEnded`] is due [`Phy::cca`](crate::Phy::cca) from now. A station
     /// that sends an acknowledgement, or is about to, reads busy.
     fn start_cca(&mut self);
 

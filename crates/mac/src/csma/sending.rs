@@ -1,6 +1,8 @@
 //! A frame from the end of its channel access to its end, or to the end of its acknowledgement: the same for slotted
 //! and unslotted access (IEEE 802.15.4-2006, 7.5.6.4).
 
+use std::time::Duration;
+
 use super::port::{Attempt, Event, Outcome, Radio};
 use crate::{Phy, RadioState};
 
@@ -20,8 +22,13 @@ pub(crate) enum Step {
     On(Attempt, Sending),
     /// It is over.
     Ended(Attempt, Outcome),
-    /// No acknowledgement came in time.
-    Unanswered(Attempt),
+    /// The acknowledgement did not come in time, or that of another frame came.
+    Unanswered {
+        /// The attempt.
+        attempt: Attempt,
+        /// For how long the station has been silent since the end of its frame, at least.
+        waited: Duration,
+    },
 }
 
 impl Sending {
@@ -32,7 +39,8 @@ impl Sending {
         Self::TurningToTransmit
     }
 
-    /// Handles an event. An acknowledgement that the machine does not wait for changes nothing.
+    /// Handles an event. An acknowledgement with another sequence number ends the wait as a missing one does (IEEE
+    /// 802.15.4-2006, 7.5.6.4.3); one that comes while the machine does not wait changes nothing.
     ///
     /// # Panics
     /// If the event is impossible in the current state: the machine did not ask for it.
@@ -58,7 +66,12 @@ impl Sending {
                 radio.cancel_timer();
                 Step::Ended(attempt, Outcome::Acknowledged)
             }
-            (Self::AwaitingAck, Event::AckWaitExpired) => Step::Unanswered(attempt),
+            (Self::AwaitingAck, Event::AckReceived { .. }) => {
+                radio.cancel_timer();
+                // The receiver heard all of it, from its first symbol on.
+                Step::Unanswered { attempt, waited: phy.turnaround() + phy.ack_airtime() }
+            }
+            (Self::AwaitingAck, Event::AckWaitExpired) => Step::Unanswered { attempt, waited: phy.ack_wait() },
             (sending, Event::AckReceived { .. }) => Step::On(attempt, sending),
             (sending, event) => panic!("{event:?} cannot happen in {sending:?}"),
         }

@@ -25,11 +25,23 @@ pub struct CsmaConfig {
     pub rx_on_when_idle: bool,
     /// Frames that wait while another one is under way; one more is lost: 0 to 10000.
     pub queue_frames: u16,
+    /// Whether the way from idle to receiving takes one turnaround (12 symbols) before each assessment of the channel and
+    /// the way back as long, in time and in energy. Otherwise the radio turns around in the last part of its backoff, which
+    /// takes energy and no time, and is idle again at once. Without effect with `rx_on_when_idle`.
+    pub idle_turnarounds: bool,
 }
 
 impl Default for CsmaConfig {
     fn default() -> Self {
-        Self { min_be: 3, max_be: 5, max_backoffs: 4, max_retries: 3, rx_on_when_idle: false, queue_frames: 0 }
+        Self {
+            min_be: 3,
+            max_be: 5,
+            max_backoffs: 4,
+            max_retries: 3,
+            rx_on_when_idle: false,
+            queue_frames: 0,
+            idle_turnarounds: false,
+        }
     }
 }
 
@@ -42,6 +54,7 @@ pub struct CsmaSettings {
     max_retries: u8,
     resting_state: RadioState,
     queue_frames: u16,
+    idle_turnarounds: bool,
 }
 
 impl CsmaSettings {
@@ -75,6 +88,12 @@ impl CsmaSettings {
         self.queue_frames
     }
 
+    /// Whether the radio takes one turnaround from idle to receiving, and back.
+    #[must_use]
+    pub const fn has_idle_turnarounds(&self) -> bool {
+        self.idle_turnarounds && matches!(self.resting_state, RadioState::Idle)
+    }
+
     /// The same, with the receiver on between frames and during backoff.
     #[must_use]
     pub const fn with_receiver_on(self) -> Self {
@@ -98,6 +117,7 @@ impl Default for CsmaSettings {
             max_retries: 3,
             resting_state: RadioState::Idle,
             queue_frames: 0,
+            idle_turnarounds: false,
         }
     }
 }
@@ -106,7 +126,8 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
     type Error = SettingError;
 
     fn try_from(config: CsmaConfig) -> Result<Self, SettingError> {
-        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames } = config;
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames, idle_turnarounds } =
+            config;
         if queue_frames > MAX_QUEUE_FRAMES {
             return Err(SettingError::new("queue_frames", queue_frames, format!("0 to {MAX_QUEUE_FRAMES}")));
         }
@@ -121,6 +142,7 @@ impl TryFrom<CsmaConfig> for CsmaSettings {
             max_retries: within("max_retries", max_retries, 0, 7)?,
             resting_state: if rx_on_when_idle { RadioState::Receive } else { RadioState::Idle },
             queue_frames,
+            idle_turnarounds,
         })
     }
 }

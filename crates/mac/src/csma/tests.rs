@@ -265,6 +265,50 @@ fn an_acknowledgement_of_another_frame_does_not_count() {
 }
 
 #[test]
+fn turnarounds_from_idle_and_back_take_time_if_the_scenario_says_so() {
+    let config = CsmaConfig { idle_turnarounds: true, ..CsmaConfig::default() };
+    // Backoffs of 2, then 0, then 1 periods; the second CCA follows the first one at once, because the radio stays on.
+    let mut radio = Script::new(&[2, 0, 1], &[true, true, false], &[]);
+    let mut csma = machine_with(config);
+    csma.start(BROADCAST, &mut radio);
+    assert_eq!(radio.report(&mut csma).outcome, Outcome::Sent);
+    let instants =
+        |wanted| radio.log.iter().filter(|(_, step)| *step == wanted).map(|(us, _)| *us).collect::<Vec<_>>();
+    let first = 2 * 320 + 192;
+    let third = first + 2 * 128 + 320 + 192;
+    assert_eq!(instants(Step::Cca), [first, first + 128, third]);
+    assert_eq!(instants(Step::Transmit), [third + 128 + 192]);
+    assert_eq!(instants(Step::Enter(RadioState::Turnaround)), [640, third - 192, third + 128]);
+    // With a receiver that is always on there is nothing to turn around.
+    let mut radio = Script::new(&[2], &[], &[]);
+    let mut csma = machine_with(CsmaConfig { rx_on_when_idle: true, ..config });
+    csma.start(BROADCAST, &mut radio);
+    radio.report(&mut csma);
+    assert_eq!(radio.log.iter().find(|(_, step)| *step == Step::Cca), Some(&(640, Step::Cca)));
+}
+
+#[test]
+fn an_acknowledgement_of_another_frame_ends_the_wait() {
+    // Backoff 0, CCA, turnaround and frame take 1152 us; the acknowledgement ends 544 us after that, and the wait would
+    // end after 864 us. The frame of 20 octets needs a silence of 640 us, so that 96 us are left of it.
+    for (acks, end_us) in [([Some(8)], 1152 + 544), ([None], 1152 + 864)] {
+        let config = CsmaConfig { max_retries: 0, ..CsmaConfig::default() };
+        let mut radio = Script::new(&[], &[], &acks);
+        let mut csma = machine_with(config);
+        csma.start(UNICAST, &mut radio);
+        assert_eq!(radio.report(&mut csma).outcome, Outcome::NoAck);
+        assert_eq!(radio.now, SimTime::ZERO + Duration::from_micros(end_us));
+        assert_eq!(radio.timer.is_some(), acks == [Some(8)]);
+    }
+    // The next attempt contends as after a missing acknowledgement.
+    let mut radio = Script::new(&[], &[], &[Some(8), Some(7)]);
+    let mut csma = machine();
+    csma.start(UNICAST, &mut radio);
+    let report = radio.report(&mut csma);
+    assert_eq!((report.outcome, report.transmissions), (Outcome::Acknowledged, 2));
+}
+
+#[test]
 fn an_unexpected_acknowledgement_changes_nothing() {
     let stray = Event::AckReceived { sequence: 7 };
     let mut radio = Script::new(&[], &[], &[]);

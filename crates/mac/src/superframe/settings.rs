@@ -56,7 +56,7 @@ fn one() -> u8 {
 
 impl Default for BeaconEnabledConfig {
     fn default() -> Self {
-        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames } =
+        let CsmaConfig { min_be, max_be, max_backoffs, max_retries, rx_on_when_idle, queue_frames, .. } =
             CsmaConfig::default();
         Self {
             beacon_order: 6,
@@ -152,6 +152,7 @@ impl TryFrom<BeaconEnabledConfig> for BeaconEnabled {
             max_retries: config.max_retries,
             rx_on_when_idle: config.rx_on_when_idle,
             queue_frames: config.queue_frames,
+            idle_turnarounds: false,
         })?;
         Ok(Self {
             beacon_order,

@@ -94,14 +94,22 @@ pub(super) struct CountTables {
 }
 
 impl CountTables {
+    /// Without tables: they are made when they are asked for.
+    pub(super) fn new(losses: Losses) -> Self {
+        Self { losses, tables: BTreeMap::new() }
+    }
+
     /// The tables of all numbers of packets in `links`.
     pub(super) fn of(links: &Links, losses: Losses) -> Self {
-        let mut tables = BTreeMap::new();
+        let mut tables = Self::new(losses);
         for link in links.nodes.iter().flat_map(|node| &node.links) {
-            let counts = counts(link);
-            tables.entry(counts).or_insert_with(|| table(losses, counts, 1));
+            let (received, sent) = counts(link);
+            // What silence says of outages asks for none of the packets of each link.
+            for counts in [(received, sent), (0, sent)] {
+                tables.tables.entry(counts).or_insert_with(|| table(losses, counts, 1));
+            }
         }
-        Self { losses, tables }
+        tables
     }
 
     /// Logarithms of the likelihood of the packets of `link` at each margin.

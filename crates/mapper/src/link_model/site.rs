@@ -93,7 +93,13 @@ pub(super) fn silence_of_living(link: &Link, hearing: &Hearing, predicted: f64, 
 
 #[cfg(test)]
 mod tests {
+    use super::super::losses::{CountTables, Losses};
+    use super::super::receiver::Receiver;
     use super::*;
+
+    fn hearing(losses: Losses, receiver: Option<Receiver>) -> Hearing {
+        Hearing { receiver, counts: CountTables::new(losses) }
+    }
 
     fn link(received: u32, sent: u32) -> Link {
         Link { place: 0, received, sent, rssi_dbm: None, outage: 0.0 }
@@ -110,7 +116,7 @@ mod tests {
             let h = density(z) / below(z);
             let expected =
                 (mean + variance * h / root, variance - variance * variance * h * (z + h) / (1.0 + variance));
-            let site = Site::of(&link(1, 1), None, mean, spread);
+            let site = Site::of(&link(1, 1), &hearing(Losses::NONE, None), mean, spread);
             let own = site.variance - LEAST_SPREAD * LEAST_SPREAD;
             let precision = 1.0 / own + 1.0 / variance;
             let found = ((site.margin / own + mean / variance) / precision, 1.0 / precision);
@@ -123,12 +129,13 @@ mod tests {
 
     #[test]
     fn probabilities_of_all_counts_add_up_to_one() {
-        for (mean, deviation) in [(0.3, 0.0), (-1.0, 2.0), (4.0, 0.5)] {
-            let total: f64 = (0..=7).map(|received| probability(&link(received, 7), mean, deviation)).sum();
+        let cases = [(0.3, 0.0, Losses::NONE), (-1.0, 2.0, Losses { lapse: 0.3, scatter: 1.2 }), (4.0, 0.5, Losses::NONE)];
+        for (mean, deviation, losses) in cases {
+            let total: f64 = (0..=7).map(|received| losses.probability(&link(received, 7), mean, deviation)).sum();
             assert!((total - 1.0).abs() < 1e-9, "{total}");
         }
         // A margin without an error is a binomial distribution, here of half.
-        assert!((probability(&link(1, 2), 0.0, 0.0) - 0.5).abs() < 1e-9);
+        assert!((Losses::NONE.probability(&link(1, 2), 0.0, 0.0) - 0.5).abs() < 1e-9);
     }
 
     #[test]
@@ -136,12 +143,39 @@ mod tests {
         let receiver = Receiver { threshold_dbm: -90.0, fading_db: 4.0, error_db: 0.5 };
         // At a margin of -1, 16 % of the packets arrive, at a mean of -90 + 4 * (φ(1)/Φ(-1) - 1) dBm.
         let mills = density(1.0) / below(-1.0);
-        let weak = Link { place: 0, received: 16, sent: 100, rssi_dbm: Some(-90.0 + 4.0 * (mills - 1.0)) };
-        let site = Site::of(&weak, Some(&receiver), 0.0, 3.0);
+        let weak = Link { rssi_dbm: Some(-90.0 + 4.0 * (mills - 1.0)), ..link(16, 100) };
+        let site = Site::of(&weak, &hearing(Losses::NONE, Some(receiver)), 0.0, 3.0);
         assert!((site.margin + 1.0).abs() < 0.1, "{site:?}");
         // Of a link that is always received, only the strength tells how strong it is.
-        let strong = Link { place: 0, received: 100, sent: 100, rssi_dbm: Some(-70.0) };
-        let site = Site::of(&strong, Some(&receiver), 0.0, 3.0);
+        let strong = Link { rssi_dbm: Some(-70.0), ..link(100, 100) };
+        let site = Site::of(&strong, &hearing(Losses::NONE, Some(receiver)), 0.0, 3.0);
         assert!((site.margin - 5.0).abs() < 0.1, "{site:?}");
+    }
+
+    #[test]
+    fn losses_that_power_does_not_cause_do_not_make_a_strong_link_weak() {
+        let receiver = Receiver { threshold_dbm: -90.0, fading_db: 4.0, error_db: 0.5 };
+        let strong = Link { rssi_dbm: Some(-66.0), ..link(6, 10) };
+        let misled = Site::of(&strong, &hearing(Losses::NONE, Some(receiver)), 0.0, 3.0);
+        let told = Site::of(&strong, &hearing(Losses { lapse: 0.4, scatter: 0.5 }, Some(receiver)), 0.0, 3.0);
+        assert!((told.margin - 6.0).abs() < 0.2, "{told:?}");
+        assert!(misled.margin < 5.0, "{misled:?}");
+    }
+
+    #[test]
+    fn silence_of_a_link_that_may_be_dead_says_little() {
+        let silent = link(0, 10);
+        let sure = Site::of(&silent, &hearing(Losses::NONE, None), 4.0, 1.0);
+        let doubted = Site::of(&Link { outage: 0.3, ..silent }, &hearing(Losses::NONE, None), 4.0, 1.0);
+        assert!(doubted.variance > 20.0 * sure.variance, "{doubted:?} {sure:?}");
+    }
+
+    #[test]
+    fn a_prediction_far_beyond_the_tables_is_not_pulled_back_by_them() {
+        // Nothing that a silent link far away says moves a margin that is below all tables already.
+        let site = Site::of(&link(0, 3), &hearing(Losses::NONE, None), -25.0, 4.0);
+        assert!(site.variance > 100.0, "{site:?}");
+        let site = Site::of(&link(3, 3), &hearing(Losses::NONE, None), 30.0, 4.0);
+        assert!(site.variance > 100.0, "{site:?}");
     }
 }

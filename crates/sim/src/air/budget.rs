@@ -99,7 +99,8 @@ impl Budget {
     #[inline]
     pub(super) fn power_at(&mut self, signal: &Signal, listener: &Listener<Position>) -> Option<Milliwatts> {
         let &Listener { station, place, .. } = listener;
-        if signal.emission.power != self.emission.power {
+        let is_remembered = signal.emission.power == self.emission.power && signal.source.index() < self.stations;
+        if !is_remembered {
             let mean = self.mean(signal, place)?;
             return Some(self.milliwatts(self.with_shadowing(mean, signal, listener), signal, listener));
         }

@@ -28,6 +28,8 @@ pub(crate) struct Medium {
     recent: VecDeque<Signal>,
     /// ... and by place.
     signals: Cells<Signal>,
+    /// The bursts of noise on air and those that ended within the memory: few.
+    bursts: Vec<Signal>,
     /// The listeners that stand, by place.
     standing: Cells<Listener<Position>>,
     standing_count: usize,
@@ -53,6 +55,7 @@ impl Medium {
         Self {
             budget,
             recent: VecDeque::new(),
+            bursts: Vec::new(),
             signals: Cells::covering(places.clone(), reach_m),
             standing: Cells::covering(places, reach_m),
             standing_count: 0,
@@ -75,6 +78,13 @@ impl Medium {
         let cell = self.signals.at(signal.position);
         cell.retain(|old| old.end > forgotten);
         cell.push(signal);
+    }
+
+    /// Starts a burst of noise.
+    pub(crate) fn begin_burst(&mut self, burst: Signal) {
+        let forgotten = burst.start.saturating_sub(self.memory);
+        self.bursts.retain(|old| old.end > forgotten);
+        self.bursts.push(burst);
     }
 
     /// Power of a signal at a station; `None` beyond the radius of communication.
@@ -104,6 +114,7 @@ impl Medium {
                 energy += power.0 * overlap.as_secs_f64();
             }
         };
+        self.bursts.iter().for_each(&mut add);
         forget(&mut self.recent, forgotten);
         if self.recent.len() <= FEW {
             self.recent.iter().for_each(&mut add);
@@ -122,6 +133,7 @@ impl Medium {
         self.signals.near(place, |cell| {
             signals.extend(cell.iter().filter(|signal| signal.start <= now && now < signal.end));
         });
+        signals.extend(self.bursts.iter().filter(|burst| burst.start <= now && now < burst.end));
         signals.sort_by_key(|signal: &Signal| signal.packet);
         signals
     }

@@ -5,6 +5,7 @@ mod cells;
 mod listener;
 mod medium;
 mod mounts;
+mod noise;
 mod reached;
 mod receiver;
 mod receiver_id;
@@ -18,7 +19,7 @@ use sextant_channel::{Channel, Db, Dbm, Milliwatts, Position};
 use sextant_kernel::{Seed, SimTime, StationId};
 
 use crate::purpose;
-use crate::service::outcome::FrameOutcome;
+use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::station::{Motion, Roll};
 use budget::Budget;
 use listener::Listener;
@@ -27,6 +28,7 @@ use reached::Reached;
 use receiver::{Heard, Receiver};
 
 pub(crate) use mounts::Mount;
+pub(crate) use noise::Burst;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
 pub(crate) use receiver_id::ReceiverId;
 pub use reception_model::{ReceptionConfig, ReceptionModel, ThresholdConfig};
@@ -38,6 +40,8 @@ pub(crate) struct Transmission {
     signal: Signal,
     /// Number of its network among those of the band.
     network: usize,
+    /// The receiver that it is for; `None` if it is for all.
+    to: Option<ReceiverId>,
     /// Whether a station that it is for listened when it began, but beyond the radius of communication.
     beyond: bool,
 }
@@ -66,12 +70,18 @@ pub(crate) struct Air {
     receivers: Vec<Receiver>,
     /// Whether the station of each receiver is in the audience of its network.
     in_audience: Vec<bool>,
-    /// The rules of the receivers of each network.
+    /// The rules of the receivers, ...
     rules: Vec<ReceptionRules>,
+    /// ... and which of them each receiver has.
+    rules_of: Vec<u32>,
     roll: Roll,
+    /// The receivers of the audience of each network.
+    audiences: Vec<Vec<ReceiverId>>,
     /// Number of receivers of each network that listen and are in its audience.
     audience_listening: Vec<usize>,
     packets: u64,
+    /// Number of bursts of noise so far.
+    bursts: u64,
     /// Share of the frames, received otherwise, that a receiver loses.
     message_loss: f64,
     seed: Seed,
@@ -86,6 +96,8 @@ pub(crate) struct AirSettings {
     pub(crate) channel: Channel,
     /// Largest transmit power.
     pub(crate) power: Dbm,
+    /// Largest power of an interferer; far below all others if there is none.
+    pub(crate) noise: Dbm,
     /// Largest gain of both antennas of a link together.
     pub(crate) gain: Db,
     /// Signals below it may be neglected.
@@ -101,19 +113,22 @@ pub(crate) struct AirSettings {
 
 impl Air {
     pub(crate) fn new(settings: AirSettings, places: impl Iterator<Item = Position> + Clone, roll: Roll) -> Self {
-        let AirSettings { channel, power, gain, floor, sensing, first_packet, message_loss, seed } = settings;
+        let AirSettings { channel, power, noise, gain, floor, sensing, first_packet, message_loss, seed } = settings;
         let first_robot = StationId::from_index(roll.nodes).0;
         let mobile = first_robot..StationId::from_index(roll.nodes + roll.robots).0;
         let emission = Emission { power, aim: Aim::Omnidirectional };
         let budget = Budget::new(channel, emission, floor, roll.len(), mobile);
         Self {
-            medium: Medium::new(budget, places, power + gain, floor, sensing),
+            medium: Medium::new(budget, places, if noise > power { noise } else { power } + gain, floor, sensing),
             receivers: Vec::new(),
             in_audience: Vec::new(),
             rules: Vec::new(),
+            rules_of: Vec::new(),
             roll,
+            audiences: Vec::new(),
             audience_listening: Vec::new(),
             packets: first_packet,
+            bursts: 0,
             message_loss,
             seed,
             near: Vec::new(),
@@ -122,26 +137,37 @@ impl Air {
         }
     }
 
-    /// Adds a network: a receiver for each station, with these `rules`; `audience` tells which stations are in the
-    /// audience. Returns the number of the first receiver; the others follow in the order of the stations.
-    pub(crate) fn add_receivers(&mut self, rules: ReceptionRules, audience: &[bool]) -> u32 {
+    /// Adds a network: a receiver for each station, with one of these `rules`, whose number `rules_of` tells; `audience`
+    /// tells which stations are in the audience. Returns the number of the first receiver; the others follow in the order
+    /// of the stations.
+    pub(crate) fn add_receivers(
+        &mut self,
+        rules: Vec<ReceptionRules>,
+        rules_of: impl Iterator<Item = u16>,
+        audience: &[bool],
+    ) -> u32 {
         let first = self.receivers.len();
         self.receivers.resize(first + self.roll.len(), Receiver::default());
         self.in_audience.extend(audience);
+        let first = u32::try_from(first).expect("at most 2^32 receivers");
+        let of_audience = (first..).zip(audience).filter(|&(_, &is_member)| is_member);
+        self.audiences.push(of_audience.map(|(receiver, _)| ReceiverId(receiver)).collect());
         self.audience_listening.push(0);
-        self.rules.push(rules);
-        u32::try_from(first).expect("at most 2^32 receivers")
+        let first_rules = u32::try_from(self.rules.len()).expect("at most 2^24 rules");
+        self.rules_of.extend(rules_of.map(|number| first_rules + u32::from(number)));
+        self.rules.extend(rules);
+        first
     }
 
     /// The number of the network of a receiver.
     #[inline]
     fn network(&self, receiver: ReceiverId) -> usize {
-        if self.rules.len() == 1 { 0 } else { receiver.index() / self.roll.len() }
+        if self.audiences.len() == 1 { 0 } else { receiver.index() / self.roll.len() }
     }
 
     #[inline]
     fn rules(&self, receiver: ReceiverId) -> &ReceptionRules {
-        &self.rules[self.network(receiver)]
+        &self.rules[self.rules_of[receiver.index()] as usize]
     }
 
     fn is_mobile(&self, station: StationId) -> bool {
@@ -174,7 +200,8 @@ impl Air {
             if let Some(power) = self.medium.power_at(signal, &Listener { receiver, station, place })
                 && power.0 > 0.0
             {
-                self.receivers[receiver.index()].begin(now, signal.packet, power, false, &rules);
+                let missed = Some(self.receivers[receiver.index()].deafness_since(signal.start));
+                self.receivers[receiver.index()].begin(now, signal.packet, power, missed, &rules);
                 self.reached.join(signal.packet, receiver, station);
             }
         }
@@ -209,18 +236,25 @@ impl Air {
         }
     }
 
-    /// The radio of a station stops listening; `place` is where it is.
-    pub(crate) fn deafen(&mut self, receiver: ReceiverId, station: StationId, place: Position) {
+    /// The radio of a station stops listening, or stays deaf, from now on for this reason.
+    pub(crate) fn deafen(
+        &mut self,
+        now: SimTime,
+        receiver: ReceiverId,
+        station: StationId,
+        motion: &Motion,
+        deafness: Deafness,
+    ) {
         if self.is_listening(receiver) {
             let network = self.network(receiver);
             self.audience_listening[network] -= usize::from(self.in_audience[receiver.index()]);
             if self.is_mobile(station) {
                 self.medium.leave_mobile(receiver);
             } else {
-                self.medium.leave(receiver, place);
+                self.medium.leave(receiver, motion.at(now));
             }
-            self.receivers[receiver.index()].stop();
         }
+        self.receivers[receiver.index()].stop(now, deafness);
     }
 
     /// Whether carrier sense finds power at or above `threshold` in `[from, to)`.
@@ -269,7 +303,7 @@ impl Air {
                 // A negligible power is not even interference.
                 if power.0 > 0.0 {
                     let rules = *self.rules(receiver);
-                    self.receivers[receiver.index()].begin(now, signal.packet, power, true, &rules);
+                    self.receivers[receiver.index()].begin(now, signal.packet, power, None, &rules);
                     self.note_carrier(receiver, station, &rules);
                     reached.push((receiver, station));
                 }
@@ -277,7 +311,7 @@ impl Air {
         }
         self.reached.begin(signal.packet, reached);
         self.near = near;
-        Transmission { signal, network, beyond: listening > 0 }
+        Transmission { signal, network, to, beyond: listening > 0 }
     }
 
     /// A frame ends: fills `arrivals` with its outcome at each radio of its network that it reached, by receiver. For
@@ -306,6 +340,29 @@ impl Air {
 }
 
 impl Air {
+    /// The outcome of a transmission that ends now at the receivers that it is for, if it reached none of them.
+    pub(crate) fn missed(&self, transmission: &Transmission) -> FrameOutcome {
+        if transmission.beyond {
+            return FrameOutcome::OutOfRange;
+        }
+        match &transmission.to {
+            Some(to) => self.missed_by(transmission, std::iter::once(*to)),
+            None => self.missed_by(transmission, self.audiences[transmission.network].iter().copied()),
+        }
+    }
+
+    /// The same at these `receivers`, none of which listened.
+    pub(crate) fn missed_by(
+        &self,
+        transmission: &Transmission,
+        receivers: impl Iterator<Item = ReceiverId>,
+    ) -> FrameOutcome {
+        let Signal { sender, start, .. } = transmission.signal;
+        let others = receivers.filter(|&receiver| receiver != sender);
+        let deafness = others.map(|receiver| self.receivers[receiver.index()].deafness_since(start)).max();
+        FrameOutcome::NotListened(deafness.unwrap_or(Deafness::Off))
+    }
+
     /// Whether a receiver loses a frame that it could receive.
     #[inline]
     fn loses(&self, packet: u64, receiver: ReceiverId) -> bool {
@@ -318,11 +375,6 @@ impl Transmission {
     /// The station that sends it.
     pub(crate) fn source(&self) -> StationId {
         self.signal.source
-    }
-
-    /// Its outcome at a station that it is for, but did not reach.
-    pub(crate) fn missed(&self) -> FrameOutcome {
-        if self.beyond { FrameOutcome::OutOfRange } else { FrameOutcome::NotListened }
     }
 
     /// Start of its first symbol on air.

@@ -15,7 +15,7 @@ use sextant_channel::Milliwatts;
 use sextant_kernel::SimTime;
 
 use super::ReceptionModel;
-use crate::service::outcome::FrameOutcome;
+use crate::service::outcome::{Deafness, FrameOutcome};
 
 /// Rules of all receivers of a simulation.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +50,8 @@ struct Incoming {
     preamble_end: SimTime,
     /// Whether it began while the receiver listened and was free, and is strong enough to be followed.
     tracked: bool,
-    /// Whether it began while the receiver listened.
-    whole: bool,
+    /// Why the receiver cannot follow it: it was deaf when it began, or as good as off for what is no frame.
+    missed: Option<Deafness>,
     /// Whether it overlapped with another signal; with the model `overlap`, with another audible signal.
     disturbed: bool,
     /// Smallest ratio of signal to interference and noise so far, as a factor.
@@ -62,15 +62,34 @@ struct Incoming {
     log_intact: f64,
 }
 
-/// One radio that listens.
-#[derive(Clone, Debug, Default)]
+/// One radio that listens, or why it does not.
+#[derive(Clone, Debug)]
 pub(crate) struct Receiver {
     listening: bool,
+    /// Why it does not listen, or did not when it last was deaf.
+    deafness: Deafness,
+    /// When it last ended to send.
+    sent_until: SimTime,
     signals: Vec<Incoming>,
     locked: Option<u64>,
     settled: SimTime,
     /// Whether the channel was busy when the radio last said so.
     is_busy: bool,
+}
+
+impl Default for Receiver {
+    /// A receiver that is off.
+    fn default() -> Self {
+        Self {
+            listening: false,
+            deafness: Deafness::Off,
+            sent_until: SimTime::ZERO,
+            signals: Vec::new(),
+            locked: None,
+            settled: SimTime::ZERO,
+            is_busy: false,
+        }
+    }
 }
 
 /// A frame at the end of its time at a receiver.
@@ -88,26 +107,41 @@ impl Receiver {
         self.listening
     }
 
-    /// Starts to listen; signals that are already on air are added with [`Receiver::begin`] as not `whole`.
+    /// Starts to listen; signals that are already on air are added with [`Receiver::begin`] as `missed`.
     pub(crate) fn start(&mut self, now: SimTime) {
+        self.note_sent(now);
         self.listening = true;
         self.settled = now;
     }
 
-    /// Stops listening; a frame that is being received is lost.
-    pub(crate) fn stop(&mut self) {
+    /// Stops listening, or stays deaf, from now on for this reason; a frame that is being received is lost.
+    pub(crate) fn stop(&mut self, now: SimTime, deafness: Deafness) {
+        self.note_sent(now);
+        self.deafness = deafness;
         self.listening = false;
         self.signals.clear();
         self.locked = None;
     }
 
-    /// A signal of `power` is at the antenna from `now` on; `whole` if the receiver was on at its start.
+    /// The radio changes its state: if it was sending, it sent until now.
+    fn note_sent(&mut self, now: SimTime) {
+        if !self.listening && self.deafness == Deafness::Transmitting {
+            self.sent_until = now;
+        }
+    }
+
+    /// Why the receiver missed a signal that began at `start`, which it did not hear to its end.
+    pub(crate) fn deafness_since(&self, start: SimTime) -> Deafness {
+        if self.sent_until > start { Deafness::Transmitting } else { self.deafness }
+    }
+
+    /// A signal of `power` is at the antenna from `now` on; `missed` if the receiver was deaf at its start.
     pub(crate) fn begin(
         &mut self,
         now: SimTime,
         packet: u64,
         power: Milliwatts,
-        whole: bool,
+        missed: Option<Deafness>,
         rules: &ReceptionRules,
     ) {
         self.settle(now, rules);
@@ -126,8 +160,8 @@ impl Receiver {
             packet,
             power,
             preamble_end: now + rules.preamble,
-            tracked: whole && audible && self.locked.is_none(),
-            whole,
+            tracked: missed.is_none() && audible && self.locked.is_none(),
+            missed,
             disturbed,
             least_sinr: f64::INFINITY,
             least_sir: f64::INFINITY,
@@ -163,8 +197,8 @@ impl Receiver {
         let drowned = |least: f64| {
             if signal.power.ratio(rules.noise) < least { FrameOutcome::Weak } else { FrameOutcome::Collided }
         };
-        let fate = if !signal.whole {
-            FrameOutcome::NotListened
+        let fate = if let Some(deafness) = signal.missed {
+            FrameOutcome::NotListened(deafness)
         } else if signal.power < rules.sensitivity {
             FrameOutcome::Weak
         } else {
@@ -273,11 +307,11 @@ mod tests {
             changes.push((start + 832, false, packet));
         }
         changes.sort_unstable();
-        let mut fates = vec![FrameOutcome::NotListened; frames.len()];
+        let mut fates = vec![FrameOutcome::WORST; frames.len()];
         for (us, begins, packet) in changes {
             let frame = frames[usize::try_from(packet).unwrap()];
             if begins {
-                receiver.begin(at(us), packet, Dbm(frame.1).to_milliwatts(), true, &rules);
+                receiver.begin(at(us), packet, Dbm(frame.1).to_milliwatts(), None, &rules);
             } else {
                 let heard = receiver.end(at(us), packet, &rules, || luck).expect("it began");
                 fates[usize::try_from(packet).unwrap()] = heard.outcome;
@@ -352,18 +386,22 @@ mod tests {
         let rules = rules(CAPTURE);
         let mut receiver = Receiver::default();
         receiver.start(at(100));
-        receiver.begin(at(100), 7, Dbm(-50.0).to_milliwatts(), false, &rules);
-        receiver.begin(at(200), 8, Dbm(-50.0).to_milliwatts(), true, &rules);
+        receiver.begin(at(100), 7, Dbm(-50.0).to_milliwatts(), Some(Deafness::Asleep), &rules);
+        receiver.begin(at(200), 8, Dbm(-50.0).to_milliwatts(), None, &rules);
         assert_eq!(
             receiver.end(at(800), 7, &rules, || 0.5).map(|heard| heard.outcome),
-            Some(FrameOutcome::NotListened)
+            Some(FrameOutcome::NotListened(Deafness::Asleep))
         );
         assert_eq!(
             receiver.end(at(1032), 8, &rules, || 0.5).map(|heard| heard.outcome),
             Some(FrameOutcome::Collided)
         );
-        receiver.begin(at(2000), 9, Dbm(-50.0).to_milliwatts(), true, &rules);
-        receiver.stop();
+        receiver.begin(at(2000), 9, Dbm(-50.0).to_milliwatts(), None, &rules);
+        receiver.stop(at(2100), Deafness::Transmitting);
         assert_eq!(receiver.end(at(2832), 9, &rules, || 0.5), None);
+        // It sent while that frame was on air, but not during one that begins when it has fallen asleep.
+        receiver.stop(at(2500), Deafness::Asleep);
+        assert_eq!(receiver.deafness_since(at(2000)), Deafness::Transmitting);
+        assert_eq!(receiver.deafness_since(at(2500)), Deafness::Asleep);
     }
 }

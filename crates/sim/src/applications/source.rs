@@ -7,6 +7,7 @@ use sextant_kernel::SimTime;
 use super::traffic::{Next, Traffic};
 use crate::application::{Application, Port};
 use crate::event::Timer;
+use crate::link::ieee802154::Clock;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, Payload, SendReport};
 
@@ -16,6 +17,7 @@ pub(crate) struct Source {
     network: NetworkId,
     traffic: Arc<Traffic>,
     to: Destination,
+    clock: Clock,
     /// Frames offered so far.
     count: u64,
     /// Frames to offer.
@@ -28,7 +30,13 @@ pub(crate) struct Source {
 
 impl Source {
     pub(crate) fn new(network: NetworkId, traffic: Arc<Traffic>, to: Destination) -> Self {
-        Self { network, traffic, to, count: 0, limit: u64::MAX, octets: 0, is_saturated: false }
+        let clock = Clock::default();
+        Self { network, traffic, to, clock, count: 0, limit: u64::MAX, octets: 0, is_saturated: false }
+    }
+
+    /// The same, for a node with this clock.
+    pub(crate) fn with_clock(self, clock: Clock) -> Self {
+        Self { clock, ..self }
     }
 
     pub(crate) fn with_limit(self, limit: u64) -> Self {
@@ -54,6 +62,7 @@ impl Source {
         match self.traffic.next(port.seed_of(self.network), node, self.count, last) {
             Next::At(due, octets) => {
                 self.octets = octets;
+                let due = if self.traffic.follows_clock() { self.clock.instant(due) } else { due };
                 port.after(due.saturating_since(port.now()), self.timer());
             }
             Next::AfterTheLast(octets) => {

@@ -6,6 +6,7 @@ use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
 use sextant_mac::Phy;
 
+use super::interference::power_in_band;
 use super::setup::NetworkSetup;
 use crate::air::{AirSettings, ReceptionModel};
 use crate::link::{Ieee802154, Technology};
@@ -69,6 +70,15 @@ pub(super) fn check_reception(networks: &[NetworkSetup]) -> Result<(), SettingEr
     Ok(())
 }
 
+/// Refuses settings of links that do not fit together.
+pub(super) fn check_links(networks: &[NetworkSetup]) -> Result<(), SettingError> {
+    for (i, network) in networks.iter().enumerate() {
+        let Some(links) = network.technology.ieee802154() else { continue };
+        links.check().map_err(|error| if i == 0 { error } else { error.within(format!("networks[{i}]")) })?;
+    }
+    Ok(())
+}
+
 /// The air of the band number `band`, which `networks` share.
 pub(super) fn air(
     networks: &[&NetworkSetup],
@@ -83,7 +93,10 @@ pub(super) fn air(
     let technologies = || networks.iter().map(|network| &network.technology);
     AirSettings {
         channel: Channel::new(networks[0].channel, world.obstacles.clone(), channel_seed),
-        power: Dbm(technologies().map(|technology| technology.tx_power().0).fold(f64::MIN, f64::max)),
+        power: Dbm(technologies().map(|technology| technology.greatest_tx_power().0).fold(f64::MIN, f64::max)),
+        noise: Dbm((world.interferers.iter())
+            .filter_map(|interferer| power_in_band(interferer, &networks[0].technology))
+            .fold(f64::MIN, |greatest, power| greatest.max(power.0))),
         gain: Db(technologies().map(|technology| technology.greatest_gain().0).fold(0.0, f64::max)),
         floor: Dbm(technologies().map(|technology| technology.noise_floor().0).fold(f64::MAX, f64::min))
             - NEGLECTED_BELOW_NOISE,

@@ -35,7 +35,11 @@ impl<A: Application> Engine<A> {
                 | Event::TargetEntered(station, _)
                 | Event::TargetLeft(station, _)
                 | Event::SampleDue(station) => self.dead[station.index()],
-                Event::TargetTurned(_) | Event::Died(_) => false,
+                Event::TargetTurned(_)
+                | Event::Died(_)
+                | Event::WarmedUp
+                | Event::NoiseStarted(_)
+                | Event::NoiseEnded(_) => false,
             }
     }
 

@@ -3,13 +3,16 @@
 mod bands;
 mod dying;
 mod ended;
+mod interference;
 mod sensing;
 mod setup;
+
+use std::time::Duration;
 
 use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
-use crate::air::{Aim, Air};
+use crate::air::Air;
 use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::faults::{Death, Faults};
@@ -28,6 +31,8 @@ use crate::service::sensed::Sensations;
 use crate::service::upcall::Upcall;
 use crate::station::{Motion, Roll};
 
+use interference::Noise;
+
 pub use ended::{EndPose, Ended};
 pub use setup::{EngineSetup, NetworkSetup};
 
@@ -40,6 +45,9 @@ pub struct Engine<A> {
     applications: Vec<A>,
     logs: Logs,
     end: Option<SimTime>,
+    noises: Vec<Noise>,
+    /// What happens before it is not counted.
+    warm_up: Duration,
     /// Whether the end comes when all tasks are done.
     ends_with_tasks: bool,
     events: u64,
@@ -107,10 +115,16 @@ impl<A: Application> Engine<A> {
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
         bands::check_reception(&networks)?;
+        bands::check_links(&networks)?;
         for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
             world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
         }
         let bands = bands::bands(&networks)?;
+        let noises = interference::noises(&world.interferers, &networks, &bands);
+        if noises.len() > usize::from(u16::MAX) {
+            let found = format!("a list of {}", world.interferers.len());
+            return Err(SettingError::new("interferers", found, "at most 65535, over all radio channels"));
+        }
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
         for (i, band) in bands.iter().enumerate() {
             let in_band: Vec<&NetworkSetup> = band.iter().map(|&network| &networks[network]).collect();
@@ -128,16 +142,16 @@ impl<A: Application> Engine<A> {
                 Technology::Ieee802154(_) => hears.clone(),
                 Technology::Ieee80211ad(_) => vec![true; roll.len()],
             };
-            let first_receiver = scene.airs[air].add_receivers(network.technology.reception_rules(), &audience);
+            let nodes = (0..roll.nodes).map(|node| network.technology.rule_of(node));
+            let rules = nodes.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
+            let first_receiver =
+                scene.airs[air].add_receivers(network.technology.reception_rules(), rules, &audience);
             let link = match &network.technology {
                 Technology::Ieee802154(Ieee802154 { radio, mac, .. }) => {
                     let settings = ieee802154::network::Settings {
                         network: id,
-                        phy: radio.phy(),
+                        radio,
                         mac,
-                        power: radio.tx_power(),
-                        aim: Aim::Omnidirectional,
-                        cca_threshold: radio.cca_threshold().to_milliwatts(),
                         radio_states: network.radio_states.clone(),
                         air,
                         first_receiver,
@@ -180,6 +194,8 @@ impl<A: Application> Engine<A> {
             applications,
             logs: Logs::new(networks.len(), roll.nodes),
             end: duration.map(|duration| SimTime::ZERO + duration),
+            noises,
+            warm_up: Duration::ZERO,
             ends_with_tasks: unfinished > 0,
             events: 0,
             sensed: Sensations::default(),
@@ -187,6 +203,13 @@ impl<A: Application> Engine<A> {
             dead: Vec::new(),
             deaths: Vec::new(),
         })
+    }
+
+    /// The same, with a start that is left out of the counts: packets that are offered before the end of the warm-up, and
+    /// the energy that radios use until then. Sector sweeps all count.
+    #[must_use]
+    pub fn with_warm_up(self, warm_up: Duration) -> Self {
+        Self { warm_up, ..self }
     }
 
     /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
@@ -235,6 +258,11 @@ impl<A: Application> Engine<A> {
     }
 
     fn begin(&mut self, observer: &mut impl Observer) {
+        if !self.warm_up.is_zero() {
+            let counted_from = SimTime::ZERO + self.warm_up;
+            self.model.networks.iter_mut().for_each(|network| network.count_from(counted_from));
+            self.model.scene.at(counted_from, Event::WarmedUp);
+        }
         for station in self.model.scene.roll.stations() {
             for network in &mut self.model.networks {
                 network.begin(station, &mut self.model.scene);
@@ -244,6 +272,9 @@ impl<A: Application> Engine<A> {
         }
         for network in &mut self.model.networks {
             network.begin_schedule(&mut self.model.scene);
+        }
+        for (number, noise) in (0..).zip(&mut self.noises) {
+            noise.schedule(number, &mut self.model.scene);
         }
         self.model.sensing.begin(&mut self.model.scene);
         self.schedule_deaths();
@@ -279,6 +310,14 @@ impl<A: Application> Engine<A> {
             Event::TargetLeft(station, target) => self.leave(station, target, observer),
             Event::SampleDue(station) => self.sample(station, observer),
             Event::Died(station) => self.die(station),
+            Event::NoiseStarted(number) => {
+                self.noises[usize::from(number)].start(number, &mut self.model.scene);
+            }
+            Event::NoiseEnded(number) => self.noises[usize::from(number)].end(number, &mut self.model.scene),
+            Event::WarmedUp => {
+                let now = self.model.scene.now;
+                self.model.networks.iter_mut().for_each(|network| network.restart_meters(now));
+            }
         }
         if self.model.notes.is_empty() {
             return true;

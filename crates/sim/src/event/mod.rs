@@ -34,6 +34,12 @@ pub(crate) enum Event {
     SampleDue(StationId),
     /// A node dies.
     Died(StationId),
+    /// A noise begins, or its next part.
+    NoiseStarted(u16),
+    /// A part of a noise ends.
+    NoiseEnded(u16),
+    /// The start is over: what follows is counted.
+    WarmedUp,
     /// A robot has driven the next part of an arc.
     ArcPartDriven(StationId),
 }
@@ -49,6 +55,9 @@ impl Event {
             | Self::TargetLeft(station, _)
             | Self::SampleDue(station)
             | Self::Died(station) => Class::Application.rank(station),
+            Self::NoiseStarted(noise) => Class::StartOfSignal.rank(StationId(noise.into())),
+            Self::NoiseEnded(noise) => Class::EndOfSignal.rank(StationId(noise.into())),
+            Self::WarmedUp => Class::Application.rank(StationId(0)),
             Self::TargetTurned(TargetId(target)) => Class::Application.rank(StationId(target.into())),
             Self::Link(station, _, event) => event.class().rank(station),
         }

@@ -7,8 +7,10 @@ use sextant_mac::csma::CsmaConfig;
 use sextant_mac::dmg::SweepConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 
+use crate::world::layout::NodesOfGroup;
+
 /// The radios of all stations, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RadioConfig {
     /// Physical layer of IEEE 802.15.4: band, modulation and bit rate; 2450 MHz, O-QPSK, 250 kb/s if absent. Absent with
@@ -32,6 +34,64 @@ pub struct RadioConfig {
     /// -71.5 dBm with sector sweeps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_floor_dbm: Option<f64>,
+    /// The clock of each node is fast or slow by up to this many millionths, drawn uniformly for each node: 0 to 1000.
+    /// Backoffs, airtimes, waiting times and the intervals of periodic traffic follow it. The clocks of robots and sinks
+    /// are exact. IEEE 802.15.4 allows 40. Only with `mac.csma_unslotted`: nodes that follow beacons take over the
+    /// clock of the coordinator.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub clock_ppm: f64,
+    /// Groups of nodes whose radios differ from the others. Only with IEEE 802.15.4.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<RadioGroupConfig>,
+}
+
+/// Nodes whose radios differ from the others, as written in a scenario. What is absent is as for the others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RadioGroupConfig {
+    /// Which nodes are in it; a node is in one group at most.
+    pub nodes: NodesOfGroup,
+    /// Transmit power (dBm).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tx_power_dbm: Option<f64>,
+    /// Minimum power of a frame that can be received (dBm). Threshold of carrier sense and noise follow it as they do
+    /// without groups, unless they are set for all or for the group.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivity_dbm: Option<f64>,
+    /// Mean power over the window of carrier sense at or above which the channel is busy (dBm).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cca_threshold_dbm: Option<f64>,
+    /// Noise in the bandwidth of the receiver (dBm).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_floor_dbm: Option<f64>,
+    /// The clock of each node of the group is fast or slow by up to this many millionths.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock_ppm: Option<f64>,
+    /// The clock of each node of the group is fast by exactly so many millionths, or slow if that is negative, instead of by
+    /// a random number: -1000 to 1000.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock_offset_ppm: Option<f64>,
+}
+
+impl RadioConfig {
+    /// The radios of a group.
+    pub(crate) fn of_group(&self, group: &RadioGroupConfig) -> Self {
+        Self {
+            tx_power_dbm: group.tx_power_dbm.unwrap_or(self.tx_power_dbm),
+            sensitivity_dbm: group.sensitivity_dbm.unwrap_or(self.sensitivity_dbm),
+            cca_threshold_dbm: group.cca_threshold_dbm.or(self.cca_threshold_dbm),
+            noise_floor_dbm: group.noise_floor_dbm.or(self.noise_floor_dbm),
+            clock_ppm: group.clock_ppm.unwrap_or(self.clock_ppm),
+            phy: self.phy,
+            channel: self.channel,
+            groups: Vec::new(),
+        }
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(value: &f64) -> bool {
+    value.to_bits() == 0
 }
 
 fn is_default(phy: &Phy) -> bool {

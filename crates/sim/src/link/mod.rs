@@ -9,6 +9,6 @@ pub(crate) mod network;
 mod payloads;
 mod technology;
 
-pub use config::{MacConfig, RadioConfig};
+pub use config::{MacConfig, RadioConfig, RadioGroupConfig};
 pub use ieee80211ad::Ieee80211ad;
 pub use technology::{Ieee802154, Technology};

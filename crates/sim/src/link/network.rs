@@ -38,6 +38,22 @@ impl Network {
         }
     }
 
+    /// Packets count that are offered from this instant on. Sector sweeps all count.
+    pub(crate) fn count_from(&mut self, instant: SimTime) {
+        match self {
+            Self::Ieee802154(network) => network.count_from(instant),
+            Self::Ieee80211ad(_) => {}
+        }
+    }
+
+    /// Energy counts from now on. That of sector sweeps counts from the start.
+    pub(crate) fn restart_meters(&mut self, now: SimTime) {
+        match self {
+            Self::Ieee802154(network) => network.restart_meters(now),
+            Self::Ieee80211ad(_) => {}
+        }
+    }
+
     #[inline]
     pub(crate) fn handle(
         &mut self,

@@ -3,11 +3,12 @@
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
+use sextant_kernel::SettingError;
 use sextant_mac::dmg::timing::PREAMBLE;
 use sextant_mac::{Band, oqpsk};
 
 use super::ieee80211ad::Ieee80211ad;
-use super::ieee802154::{Mac, Radio};
+use super::ieee802154::{Levels, Mac, Radio};
 use crate::air::{CarrierThresholds, ReceptionModel, ReceptionRules};
 
 /// Minimum ratio of signal to interference and noise at which a radio of IEEE 802.15.4 locks on to a frame.
@@ -34,6 +35,20 @@ pub struct Ieee802154 {
     pub reception: ReceptionModel,
     /// Channel access of the nodes.
     pub mac: Mac,
+}
+
+impl Ieee802154 {
+    /// Refuses clocks that drift where nodes follow beacons.
+    ///
+    /// # Errors
+    /// If there are both, with a key below the network.
+    pub fn check(&self) -> Result<(), SettingError> {
+        if self.radio.has_drift() && matches!(self.mac, Mac::BeaconEnabled(_)) {
+            let allowed = "0 with `mac.beacon_enabled`: nodes take over the clock of the coordinator";
+            return Err(SettingError::new("radio.clock_ppm", "not 0, for all nodes or a group", allowed));
+        }
+        Ok(())
+    }
 }
 
 /// A part of the radio spectrum: networks that share it disturb each other.
@@ -81,6 +96,14 @@ impl Technology {
         }
     }
 
+    /// The greatest transmit power of any station, without antennas.
+    pub(crate) fn greatest_tx_power(&self) -> Dbm {
+        match self {
+            Self::Ieee802154(settings) => settings.radio.greatest_tx_power(),
+            Self::Ieee80211ad(settings) => settings.radio.tx_power(),
+        }
+    }
+
     /// Minimum power of a frame that can be received.
     #[must_use]
     pub fn sensitivity(&self) -> Dbm {
@@ -106,10 +129,10 @@ impl Technology {
         }
     }
 
-    /// Noise in the bandwidth of the receivers.
+    /// Least noise in the bandwidth of the receivers.
     pub(crate) fn noise_floor(&self) -> Dbm {
         match self {
-            Self::Ieee802154(settings) => settings.radio.noise_floor(),
+            Self::Ieee802154(settings) => settings.radio.least_noise_floor(),
             Self::Ieee80211ad(settings) => settings.radio.noise_floor(),
         }
     }
@@ -122,20 +145,32 @@ impl Technology {
         }
     }
 
-    /// The rules of its receivers.
-    pub(crate) fn reception_rules(&self) -> ReceptionRules {
+    /// Number of the rules of a node's receiver among [`Technology::reception_rules`]; those of robots and sinks are the
+    /// first ones.
+    pub(crate) fn rule_of(&self, node: usize) -> u16 {
         match self {
-            Self::Ieee802154(Ieee802154 { radio, reception, .. }) => ReceptionRules {
-                model: *reception,
-                sensitivity: radio.sensitivity().to_milliwatts(),
-                noise: radio.noise_floor().to_milliwatts(),
-                lock: LOCK_THRESHOLD.to_factor(),
-                carrier: None,
-                preamble: radio.phy().synchronisation_header() - radio.phy().octet(),
-                bit_rate_hz: radio.phy().bit_rate_per_s(),
-                bit_error_rate: oqpsk::bit_error_rate,
-            },
-            Self::Ieee80211ad(settings) => ReceptionRules {
+            Self::Ieee802154(settings) => settings.radio.level_of(node),
+            Self::Ieee80211ad(_) => 0,
+        }
+    }
+
+    /// The rules of its receivers.
+    pub(crate) fn reception_rules(&self) -> Vec<ReceptionRules> {
+        match self {
+            Self::Ieee802154(Ieee802154 { radio, reception, .. }) => {
+                let rules = |levels: &Levels| ReceptionRules {
+                    model: *reception,
+                    sensitivity: levels.sensitivity.to_milliwatts(),
+                    noise: levels.noise_floor.to_milliwatts(),
+                    lock: LOCK_THRESHOLD.to_factor(),
+                    carrier: None,
+                    preamble: radio.phy().synchronisation_header() - radio.phy().octet(),
+                    bit_rate_hz: radio.phy().bit_rate_per_s(),
+                    bit_error_rate: oqpsk::bit_error_rate,
+                };
+                radio.all_levels().map(rules).collect()
+            }
+            Self::Ieee80211ad(settings) => vec![ReceptionRules {
                 model: settings.reception,
                 sensitivity: settings.radio.sensitivity().to_milliwatts(),
                 noise: settings.radio.noise_floor().to_milliwatts(),
@@ -148,7 +183,7 @@ impl Technology {
                 // No bit errors are worked out: their rate is not known, and such settings are refused.
                 bit_rate_hz: 0.0,
                 bit_error_rate: |_| 0.0,
-            },
+            }],
         }
     }
 }

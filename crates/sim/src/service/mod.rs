@@ -1,5 +1,6 @@
 //! What links and applications say to each other: frames to send and how they ended, deliveries, counts.
 
+pub(crate) mod delays;
 pub(crate) mod delivery;
 pub(crate) mod estimate;
 pub(crate) mod network_id;

@@ -1,11 +1,9 @@
 //! The outcomes of packets.
 
-use std::time::Duration;
-
-use sextant_kernel::StationId;
 use sextant_mac::EnergySpent;
 
-use super::outcome::FrameOutcome;
+use super::delays::Delays;
+use super::outcome::{Deafness, FrameOutcome};
 
 /// The outcomes of the packets of a station, or of several. Each packet offered is counted once: `offered` is the sum
 /// of `lost_channel_access`, `lost_queue`, `pending`, `received`, `lost_collision`, `lost_signal`, `out_of_range` and
@@ -30,8 +28,14 @@ pub struct Packets {
     pub lost_signal: u64,
     /// All that listened were beyond the radius of communication.
     pub out_of_range: u64,
-    /// Nobody listened.
+    /// Nobody listened: the sum of the next three.
     pub not_listened: u64,
+    /// Nobody listened, because the receiver sent something itself. Not part of the sum.
+    pub not_listened_transmitting: u64,
+    /// Nobody listened, because the receiver was asleep or idle. Not part of the sum.
+    pub not_listened_asleep: u64,
+    /// Nobody listened, because no receiver was in use. Not part of the sum.
+    pub not_listened_off: u64,
     /// Still in a MAC or in its queue at the end.
     pub pending: u64,
     /// Given up because of a busy channel, retransmissions included: those in `lost_channel_access`, and those that
@@ -56,7 +60,14 @@ impl Packets {
             FrameOutcome::Collided => &mut self.lost_collision,
             FrameOutcome::Weak => &mut self.lost_signal,
             FrameOutcome::OutOfRange => &mut self.out_of_range,
-            FrameOutcome::NotListened => &mut self.not_listened,
+            FrameOutcome::NotListened(deafness) => {
+                *match deafness {
+                    Deafness::Transmitting => &mut self.not_listened_transmitting,
+                    Deafness::Asleep => &mut self.not_listened_asleep,
+                    Deafness::Off => &mut self.not_listened_off,
+                } += 1;
+                &mut self.not_listened
+            }
         } += 1;
     }
 }
@@ -74,6 +85,9 @@ impl std::ops::AddAssign for Packets {
             lost_signal,
             out_of_range,
             not_listened,
+            not_listened_transmitting,
+            not_listened_asleep,
+            not_listened_off,
             pending,
             channel_access_failures,
             transmissions,
@@ -90,6 +104,9 @@ impl std::ops::AddAssign for Packets {
         self.lost_signal += lost_signal;
         self.out_of_range += out_of_range;
         self.not_listened += not_listened;
+        self.not_listened_transmitting += not_listened_transmitting;
+        self.not_listened_asleep += not_listened_asleep;
+        self.not_listened_off += not_listened_off;
         self.pending += pending;
         self.channel_access_failures += channel_access_failures;
         self.transmissions += transmissions;
@@ -117,7 +134,6 @@ pub struct NetworkRecord {
     pub energy: Vec<EnergySpent>,
     /// Number of frames that were delivered to each station, each once, from whichever sectors it was heard.
     pub deliveries: Vec<u64>,
-    /// Time from offer to first reception of each packet that was received, in the order of receptions, with its
-    /// sender. Kept only if there are sinks.
-    pub delays: Vec<(StationId, Duration)>,
+    /// Time from offer to first reception of the packets of each station that were received. Empty if there are no sinks.
+    pub delays: Vec<Delays>,
 }

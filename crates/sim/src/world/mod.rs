@@ -3,6 +3,7 @@
 pub(crate) mod anchors;
 pub(crate) mod choice;
 pub(crate) mod field;
+pub(crate) mod interferer;
 pub mod layout;
 pub(crate) mod sensors;
 pub(crate) mod target;
@@ -15,6 +16,7 @@ use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField};
 use sextant_kernel::{Seed, SettingError};
 
 use field::{Field, FieldConfig};
+use interferer::Interferer;
 use layout::{NodesConfig, PlacedNode};
 use sensors::Sensors;
 use target::{Target, TargetConfig};
@@ -52,6 +54,8 @@ pub struct World {
     pub fields: Vec<Field>,
     /// The sensors of the nodes.
     pub sensors: Sensors,
+    /// The sources of noise.
+    pub interferers: Vec<Interferer>,
 }
 
 impl WorldConfig {
@@ -81,7 +85,7 @@ impl WorldConfig {
         unique("targets", targets.iter().map(Target::name))?;
         let fields = all("fields", &self.fields, |(_, config)| Field::try_from(config))?;
         unique("fields", fields.iter().map(Field::name))?;
-        Ok(World { nodes, obstacles, targets, fields, sensors: Sensors::default() })
+        Ok(World { nodes, obstacles, targets, fields, sensors: Sensors::default(), interferers: Vec::new() })
     }
 
     /// The obstacles alone. Paths are relative to `folder`.

@@ -119,14 +119,17 @@ fn mesh(reception: ReceptionModel, seed: u64, observer: &mut impl Observer) -> E
     Engine::new(network::engine(&places, link, seed), writers).expect("good settings").run(observer)
 }
 
-/// Whether an acknowledgement of another station than `to`, with the same sequence number as the frame of `from`, ends
+/// Whether the acknowledgement of a frame of another station, with the same sequence number as the frame of `from`, ends
 /// at `at`: it has no address, so `from` took it for an answer.
-fn is_mistaken(on_air: &OnAir, at: SimTime, from: StationId, to: StationId) -> bool {
+fn is_mistaken(on_air: &OnAir, at: SimTime, from: StationId) -> bool {
     let at_us = at.as_nanos() / 1000;
     let is_of = |span: &&Span| !span.is_acknowledgement && span.source == from && span.to_us < at_us;
     let frame = on_air.0.iter().rev().find(is_of).expect("a frame on air before its answer");
-    let answers = on_air.0.iter().filter(|span| span.is_acknowledgement && span.to_us == at_us);
-    answers.into_iter().any(|answer| answer.sequence == frame.sequence && answer.source != to)
+    let is_same = |span: &&Span| span.sequence == frame.sequence;
+    let mut answers = on_air.0.iter().filter(|span| span.is_acknowledgement && span.to_us == at_us);
+    // An acknowledgement begins one turnaround after the frame and takes 352 us.
+    let is_other = |span: &&Span| !span.is_acknowledgement && span.source != from && span.to_us + 544 == at_us;
+    answers.any(|answer| is_same(&answer)) && on_air.0.iter().filter(is_other).any(|other| is_same(&other))
 }
 
 /// Holds 200 meshes to their laws: each letter has one end, arrives at most once, and has arrived if it was
@@ -153,7 +156,7 @@ fn check_200(reception: ReceptionModel) -> (Packets, u32) {
                 assert!(copies <= 1, "{case}: {letter:?} arrived {copies} times");
                 arrived += copies as u64;
                 if outcome == SendOutcome::Acknowledged && copies == 0 {
-                    assert!(is_mistaken(&on_air, at, StationId::from_index(node), to), "{case}: {letter:?}");
+                    assert!(is_mistaken(&on_air, at, StationId::from_index(node)), "{case}: {letter:?}");
                     mistaken += 1;
                 }
             }
@@ -174,13 +177,13 @@ fn in_200_busy_meshes_each_letter_has_one_end_and_arrives_once_if_it_was_acknowl
 }
 
 #[test]
-fn with_capture_more_letters_arrive_and_one_answer_to_another_station_is_mistaken() {
+fn with_capture_more_letters_arrive_and_a_few_answers_to_other_stations_are_mistaken() {
     let capture = ReceptionConfig::SinrThreshold(ThresholdConfig { threshold_db: 3.0 });
     let (all, mistaken) = check_200(capture.try_into().expect("a good threshold"));
     assert_eq!(mistaken, 1);
     let outcomes = [all.offered, all.received, all.lost_collision, all.lost_channel_access, all.lost_queue];
-    assert_eq!(outcomes, [39_970, 33_909, 3971, 1375, 642]);
-    assert_eq!([all.not_listened, all.unacknowledged, all.transmissions], [73, 3550, 67_847]);
+    assert_eq!(outcomes, [39_970, 33_954, 3954, 1376, 601]);
+    assert_eq!([all.not_listened, all.unacknowledged, all.transmissions], [85, 3512, 67_712]);
 }
 
 #[test]

@@ -78,6 +78,8 @@ pub(crate) fn radio(tx_power_dbm: f64) -> RadioConfig {
         sensitivity_dbm: -90.0,
         cca_threshold_dbm: None,
         noise_floor_dbm: None,
+        clock_ppm: 0.0,
+        groups: Vec::new(),
     }
 }
 

@@ -237,8 +237,9 @@ fn a_node_follows_beacons_through_a_short_drive_and_searches_after_a_long_one() 
         setup.networks[0].link.radio_states =
             RadioStates::try_from(EnergyConfig::Custom(watt)).expect("good currents");
         let (survey, _) = run(setup);
-        // Also two backoff periods for its frame, and the wake-up for the beacon at which the robot has finished.
-        let expected_us = receiving_us + 640 + 192;
+        // Also the turnaround and two backoff periods for its frame, and the wake-up for the beacon at which the robot has
+        // finished.
+        let expected_us = receiving_us + 192 + 640 + 192;
         let found_us = 1e6 * survey.energy.rx_j;
         assert!((found_us - f64::from(expected_us)).abs() < 0.1, "{metres} m: {found_us} us, not {expected_us}");
     }

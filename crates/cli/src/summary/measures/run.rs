@@ -86,5 +86,20 @@ numbers! { Summary {
     MAC_ENERGY_IDLE_J "mac.energy_j.idle" Joule |run| mac(run, |mac| mac.energy_j.idle);
     DETECTIONS "sensing.detections" Count |run| run.sensing.map(|sensing| count(sensing.detections));
     SAMPLES "sensing.samples" Count |run| run.sensing.map(|sensing| count(sensing.samples));
+    MAC_OUT_OF_RANGE "mac.out_of_range" Count |run| mac(run, |mac| count(mac.out_of_range));
+    MAC_NOT_LISTENED "mac.not_listened" Count |run| mac(run, |mac| count(mac.not_listened));
+    MAC_NOT_LISTENED_TRANSMITTING "mac.not_listened_by.transmitting" Count
+        |run| mac(run, |mac| count(mac.not_listened_by.transmitting));
+    MAC_NOT_LISTENED_ASLEEP "mac.not_listened_by.asleep" Count |run| mac(run, |mac| count(mac.not_listened_by.asleep));
+    MAC_NOT_LISTENED_OFF "mac.not_listened_by.off" Count |run| mac(run, |mac| count(mac.not_listened_by.off));
+    LOST_QUEUE "lost_queue" Count |run| packets(run, |gathering| gathering.lost_queue);
+    OUT_OF_RANGE "out_of_range" Count |run| packets(run, |gathering| gathering.out_of_range);
+    NOT_LISTENED "not_listened" Count |run| packets(run, |gathering| gathering.not_listened);
+    NOT_LISTENED_TRANSMITTING "not_listened_by.transmitting" Count
+        |run| packets(run, |gathering| gathering.not_listened_by.map(|by| by.transmitting));
+    NOT_LISTENED_ASLEEP "not_listened_by.asleep" Count
+        |run| packets(run, |gathering| gathering.not_listened_by.map(|by| by.asleep));
+    NOT_LISTENED_OFF "not_listened_by.off" Count |run| packets(run, |gathering| gathering.not_listened_by.map(|by| by.off));
+    PENDING "pending" Count |run| packets(run, |gathering| gathering.pending);
     ANCHORS_RX_J "discovery.anchors.energy_j.rx" Joule |run| anchors(run).map(|round| round.energy_j.rx);
 }}

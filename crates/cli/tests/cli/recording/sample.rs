@@ -129,6 +129,7 @@ pub(crate) fn record_all<W: std::io::Write>(
         outcome: "received".to_owned(),
         power_dbm: Some(-71.5),
         network: "inner".to_owned(),
+        deafness: String::new(),
     })?;
     let placed = PlacedNode { node: NodeId(1), position: Position::new(4.0, 5.0, 6.0), error_m: Some(0.25) };
     recorder.map(at(10), "ml-tm", &[placed])?;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, SimTime};
 
 use super::{Schedule, Traffic, trace};
-use crate::world::layout::PlacedNode;
+use crate::world::layout::{NodesOfGroup, PlacedNode};
 
 /// The nodes' traffic, as written in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -111,6 +111,12 @@ pub struct SaturatedConfig {
     /// there is no robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to: Option<String>,
+    /// Each node has its first frame at a random instant of the first so many seconds, to the nanosecond; 0.01 if absent,
+    /// longer than any exchange of one frame at 2.4 GHz. With 0 all nodes start at once. Then, with exact clocks, all their
+    /// instants stay on one grid of 32 us for ever: frames begin at the very instant at which other nodes end their carrier
+    /// sense, which no real network does, and more of them collide.
+    #[serde(default = "default_start_spread_s")]
+    pub start_spread_s: f64,
 }
 
 /// Frames of a table, as written in a scenario.
@@ -141,18 +147,6 @@ pub struct GroupConfig {
     pub traffic: Box<TrafficConfig>,
 }
 
-/// The nodes of a group, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum NodesOfGroup {
-    /// The nodes of these names.
-    Names(Vec<String>),
-    /// So many nodes: the first ones that are in no group before.
-    Count(usize),
-    /// All nodes that are in no group before.
-    Others {},
-}
-
 /// No traffic, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -160,6 +154,10 @@ pub struct SilentConfig {}
 
 fn default_mpdu_octets() -> u8 {
     20
+}
+
+fn default_start_spread_s() -> f64 {
+    0.01
 }
 
 fn default_interval_s() -> f64 {
@@ -236,7 +234,9 @@ impl TrafficConfig {
             }
             Self::Saturated(config) => {
                 let octets = octets(config.mpdu_octets).map_err(within)?;
-                traffic(octets, config.acknowledged, &config.to, Schedule::Saturated)
+                let spread_s =
+                    SettingError::in_range("start_spread_s", config.start_spread_s, 0.0, 1e6).map_err(within)?;
+                traffic(octets, config.acknowledged, &config.to, Schedule::Saturated { spread_s })
             }
             Self::Trace(config) => {
                 let trace = trace::read(&config.file, nodes, folder).map_err(within)?;

@@ -14,8 +14,7 @@ use crate::purpose;
 use trace::Trace;
 
 pub use config::{
-    GroupConfig, NodesOfGroup, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig,
-    TrafficConfig,
+    GroupConfig, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig, TrafficConfig,
 };
 pub use plan::TrafficPlan;
 
@@ -34,7 +33,7 @@ pub struct Traffic {
 enum Schedule {
     Periodic { interval: Duration, jitter: f64 },
     Poisson { mean_interval_s: f64 },
-    Saturated,
+    Saturated { spread_s: f64 },
     Once { at: SimTime },
     Trace(Arc<Trace>),
     Silent,
@@ -85,6 +84,12 @@ impl Traffic {
         matches!(self.schedule, Schedule::Silent)
     }
 
+    /// Whether the instants of [`Traffic::next`] are those of the node's own clock: what happens to all nodes at once, or
+    /// stands in a table, is in true time, and a Poisson process has the same law on any clock.
+    pub(crate) fn follows_clock(&self) -> bool {
+        matches!(self.schedule, Schedule::Periodic { .. })
+    }
+
     /// The key of its table in a scenario.
     pub(crate) fn key(&self) -> &str {
         &self.key
@@ -100,8 +105,10 @@ impl Traffic {
         let draw = |what| seed.uniform(purpose::TRAFFIC, [node.0.into(), what, count]);
         match &self.schedule {
             Schedule::Silent => Next::Never,
-            Schedule::Saturated if count == 0 => Next::At(SimTime::ZERO, self.mpdu_octets),
-            Schedule::Saturated => Next::AfterTheLast(self.mpdu_octets),
+            Schedule::Saturated { spread_s } if count == 0 => {
+                Next::At(SimTime::ZERO + Duration::from_secs_f64(spread_s * draw(3)), self.mpdu_octets)
+            }
+            Schedule::Saturated { .. } => Next::AfterTheLast(self.mpdu_octets),
             Schedule::Once { at } if count == 0 => Next::At(*at, self.mpdu_octets),
             Schedule::Once { .. } => Next::Never,
             Schedule::Trace(trace) => {
@@ -175,10 +182,22 @@ mod tests {
 
     #[test]
     fn saturated_nodes_have_the_next_frame_after_the_last_one() {
-        let config = SaturatedConfig { mpdu_octets: 100, acknowledged: true, to: None };
-        let traffic = traffic(TrafficConfig::Saturated(config));
-        let next = |count| traffic.next(Seed(1), NodeId(0), count, SimTime::ZERO);
-        assert_eq!((next(0), next(1)), (Next::At(SimTime::ZERO, 100), Next::AfterTheLast(100)));
+        let next = |start_spread_s, node, count| {
+            let config = SaturatedConfig { mpdu_octets: 100, acknowledged: true, to: None, start_spread_s };
+            traffic(TrafficConfig::Saturated(config)).next(Seed(1), NodeId(node), count, SimTime::ZERO)
+        };
+        assert_eq!((next(0.0, 0, 0), next(0.0, 0, 1)), (Next::At(SimTime::ZERO, 100), Next::AfterTheLast(100)));
+        // The starts are spread over the interval, off any grid of microseconds.
+        let starts: Vec<u64> = (0..100)
+            .map(|node| match next(0.01, node, 0) {
+                Next::At(start, 100) => start.as_nanos(),
+                other => panic!("{other:?}"),
+            })
+            .collect();
+        assert!(starts.iter().all(|&start| start <= 10_000_000), "{starts:?}");
+        assert!(starts.iter().any(|&start| start > 9_000_000), "{starts:?}");
+        let on_grid = starts.iter().filter(|&&start| start % 16_000 == starts[0] % 16_000).count();
+        assert_eq!(on_grid, 1, "{starts:?}");
     }
 
     #[test]
@@ -193,6 +212,10 @@ mod tests {
         );
         assert_eq!(periodic(PeriodicConfig { jitter: 0.6, ..PERIODIC }).as_deref(), Some("periodic.jitter"));
         assert_eq!(periodic(PeriodicConfig { to: Some("sink".into()), ..PERIODIC }).as_deref(), Some("periodic.to"));
+        for start_spread_s in [-1.0, f64::NAN, f64::INFINITY] {
+            let config = SaturatedConfig { mpdu_octets: 20, acknowledged: false, to: None, start_spread_s };
+            assert_eq!(key(TrafficConfig::Saturated(config)).as_deref(), Some("saturated.start_spread_s"));
+        }
         let poisson = PoissonConfig { mpdu_octets: 20, rate_per_s: 0.0, acknowledged: false, to: None };
         assert_eq!(key(TrafficConfig::Poisson(poisson)).as_deref(), Some("poisson.rate_per_s"));
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sextant_kernel::{NodeId, SettingError};
 
-use super::{GroupConfig, NodesOfGroup, Traffic, TrafficConfig};
+use super::{GroupConfig, Traffic, TrafficConfig};
 use crate::world::layout::PlacedNode;
 
 /// The traffic of all nodes of a network: which node sends what.
@@ -57,33 +57,7 @@ impl TrafficPlan {
             return Err(SettingError::new("name", format!("`{}`", group.name), allowed));
         }
         let number = u16::try_from(number).map_err(|_| SettingError::new("name", number, "at most 65536 groups"))?;
-        let mut free = (0..nodes.len()).filter(|&node| self.group_of[node].is_none());
-        let members: Vec<usize> = match &group.nodes {
-            NodesOfGroup::Others {} => free.collect(),
-            NodesOfGroup::Count(count) => {
-                let members: Vec<_> = free.by_ref().take(*count).collect();
-                if members.len() < *count {
-                    let allowed = format!("at most {}, the nodes in no group before", members.len());
-                    return Err(SettingError::new("nodes.count", count, allowed));
-                }
-                members
-            }
-            NodesOfGroup::Names(names) => (names.iter().enumerate())
-                .map(|(i, name)| {
-                    let refuse =
-                        |allowed| SettingError::new(format!("nodes.names[{i}]"), format!("`{name}`"), allowed);
-                    let node = nodes.iter().position(|node| node.name == *name);
-                    let node = node.ok_or_else(|| refuse("the name of a node"))?;
-                    if self.group_of[node].is_some() || names[..i].contains(name) {
-                        return Err(refuse("a node that is in no group before"));
-                    }
-                    Ok(node)
-                })
-                .collect::<Result<_, _>>()?,
-        };
-        if members.is_empty() {
-            return Err(SettingError::new("nodes", "no node", "at least one node"));
-        }
+        let members = group.nodes.choose(nodes, |node| self.group_of[node].is_some())?;
         members.into_iter().for_each(|node| self.group_of[node] = Some(number));
         Ok(())
     }

@@ -22,6 +22,7 @@ use crate::event::ieee80211ad::Event;
 use crate::link::payloads::Payloads;
 use crate::observer::{HeardFrame, Observer};
 use crate::scene::Scene;
+use crate::service::delays::Delays;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packets::{NetworkRecord, Packets};
@@ -56,8 +57,8 @@ pub(crate) struct Network {
     hears: Vec<bool>,
     packets: Vec<Packets>,
     deliveries: Vec<u64>,
-    /// Time from offer to first reception of each broadcast that was received, with its sender, if there are sinks.
-    delays: Vec<(StationId, Duration)>,
+    /// Time from offer to first reception of the broadcasts of each station that were received, if there are sinks.
+    delays: Vec<Delays>,
     members: Option<Vec<bool>>,
     radio_states: RadioStates,
     arrivals: Vec<Arrival>,
@@ -111,7 +112,7 @@ impl Network {
                 tilt: 0,
                 first_sectors: first_sectors(&layout),
                 listening_over: None,
-                outcome: FrameOutcome::NotListened,
+                outcome: FrameOutcome::WORST,
                 frames: 0,
             }
         };
@@ -125,7 +126,7 @@ impl Network {
             hears,
             packets: vec![Packets::default(); roll.len()],
             deliveries: vec![0; roll.len()],
-            delays: Vec::new(),
+            delays: vec![Delays::default(); if roll.sinks > 0 { roll.len() } else { 0 }],
             members,
             radio_states,
             arrivals: Vec::new(),

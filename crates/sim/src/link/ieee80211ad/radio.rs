@@ -35,6 +35,14 @@ impl TryFrom<RadioConfig> for DmgRadio {
                 "no key: sector sweeps have the control PHY of IEEE 802.11ad",
             ));
         }
+        if config.clock_ppm.abs() > 0.0 || config.clock_ppm.is_nan() {
+            let allowed = "no key: with sector sweeps clocks are exact";
+            return Err(SettingError::new("clock_ppm", config.clock_ppm, allowed));
+        }
+        if !config.groups.is_empty() {
+            let allowed = "no table: with sector sweeps all nodes have the same radio";
+            return Err(SettingError::new("groups", format!("a list of {}", config.groups.len()), allowed));
+        }
         let channel = config.channel.unwrap_or(1);
         if !(1..=4).contains(&channel) {
             return Err(SettingError::new("channel", channel, "1 to 4 with sector sweeps"));

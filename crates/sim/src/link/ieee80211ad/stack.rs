@@ -8,7 +8,7 @@ use sextant_mac::{EnergyMeter, RadioState};
 
 use super::broadcast::Broadcast;
 use crate::air::{Aim, Transmission};
-use crate::service::outcome::FrameOutcome;
+use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::service::sweep::SweepKind;
 
 /// The state of one station's link.
@@ -50,8 +50,8 @@ pub(super) struct RadioStack {
     pub(super) meter: EnergyMeter,
     pub(super) state: RadioState,
     pub(super) aim: Aim,
-    /// Whether the air knows the receiver as one that listens.
-    pub(super) is_tuned: bool,
+    /// Why the air knows the receiver as deaf; `None` if it listens.
+    pub(super) deafness: Option<Deafness>,
     /// The frame on air.
     pub(super) on_air: Option<(Transmission, SweepFrame)>,
     /// The pending timer of each machine.
@@ -83,7 +83,7 @@ impl RadioStack {
             meter: EnergyMeter::new(state, SimTime::ZERO),
             state,
             aim: Aim::Omnidirectional,
-            is_tuned: false,
+            deafness: Some(Deafness::Off),
             on_air: None,
             timers: [None; 2],
             draws: 0,

@@ -14,6 +14,7 @@ use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
 use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
+use crate::service::outcome::Deafness;
 
 /// What all radios of a network have in common.
 #[derive(Clone, Copy, Debug)]
@@ -57,12 +58,18 @@ impl Transceiver<'_> {
     pub(super) fn tune(&mut self) {
         let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
         self.stack.meter.enter(self.stack.state, now);
-        let is_receiving = self.stack.state == RadioState::Receive;
-        if is_receiving == self.stack.is_tuned {
+        let deafness = match self.stack.state {
+            RadioState::Receive => None,
+            // Also idle between two frames of its sweep.
+            RadioState::Transmit | RadioState::Turnaround | RadioState::Idle => Some(Deafness::Transmitting),
+            // Only a station that has died.
+            RadioState::Sleep => Some(Deafness::Off),
+        };
+        if deafness == self.stack.deafness {
             return;
         }
-        self.stack.is_tuned = is_receiving;
-        self.scene.tune(self.radios.air, receiver, self.station, is_receiving);
+        self.stack.deafness = deafness;
+        self.scene.tune(self.radios.air, (receiver, self.station), deafness);
     }
 }
 

@@ -10,22 +10,25 @@ mod sending;
 use std::ops::Range;
 use std::time::Duration;
 
-use sextant_channel::{Dbm, Milliwatts};
-use sextant_kernel::{EventKey, SimTime, StationId};
+use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
-use sextant_mac::{EnergySpent, Phy, RadioState, RadioStates, csma};
+use sextant_mac::{EnergySpent, RadioState, RadioStates, csma};
 
+use super::clock::Clock;
+use super::frame_queue::QueuedFrame;
 use super::mac::{Mac, NodeMac};
+use super::radio::Radio;
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
-use crate::air::{Arrival, Emission, Transmission};
+use crate::air::{Arrival, Transmission};
 use crate::event::ieee802154::Event;
 use crate::link::payloads::Payloads;
 use crate::observer::{HeardFrame, Observer};
 use crate::purpose;
 use crate::scene::Scene;
+use crate::service::delays::Delays;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packets::{NetworkRecord, Packets};
@@ -39,11 +42,8 @@ const FIRST_PAN: u16 = 0x5E87;
 /// What a network of IEEE 802.15.4 needs.
 pub(crate) struct Settings<'a> {
     pub(crate) network: NetworkId,
-    pub(crate) phy: Phy,
+    pub(crate) radio: &'a Radio,
     pub(crate) mac: &'a Mac,
-    pub(crate) power: Dbm,
-    pub(crate) aim: crate::air::Aim,
-    pub(crate) cca_threshold: Milliwatts,
     pub(crate) radio_states: RadioStates,
     /// Number of the air of its band.
     pub(crate) air: usize,
@@ -72,9 +72,12 @@ pub(crate) struct Network {
     queue_frames: usize,
     payloads: Payloads,
     packets: Vec<Packets>,
-    delays: Option<Vec<(StationId, Duration)>>,
+    /// By station, if there are sinks.
+    delays: Vec<Delays>,
     /// Number of frames that were delivered to each station.
     deliveries: Vec<u64>,
+    /// Packets that were offered before are not counted.
+    counted_from: SimTime,
     members: Option<Vec<bool>>,
     radio_states: RadioStates,
     arrivals: Vec<Arrival>,
@@ -97,18 +100,29 @@ pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationI
 impl Network {
     /// The links of all stations of `scene`; `hears` tells whose application looks at what is delivered to it.
     pub(crate) fn new(settings: Settings<'_>, scene: &Scene, hears: Vec<bool>) -> Self {
-        let Settings { network, phy, mac, power, aim, cca_threshold, radio_states, air, first_receiver, .. } =
-            settings;
+        let Settings { network, radio, mac, radio_states, air, first_receiver, .. } = settings;
+        let phy = radio.phy();
         let pan = pan(network);
         let stations = || scene.roll.stations();
         let is_node = |station| scene.roll.is_node(station);
         let stack = |station: StationId| {
             let state = if is_node(station) { mac.initial_state() } else { RadioState::Receive };
-            Stack::new(state, first_sequence(scene.seed, station, network))
+            let (clock, levels) = match scene.roll.kind(station) {
+                Kind::Node(node) => {
+                    let node = NodeId::from_index(node);
+                    (radio.clock(scene.seed, network, node), radio.levels(node))
+                }
+                Kind::Robot(_) | Kind::Sink(_) => (Clock::default(), radio.common_levels()),
+            };
+            let mut stack = Stack::new(state, first_sequence(scene.seed, station, network), clock, levels);
+            if mac.csma().has_idle_turnarounds() {
+                stack.meter = stack.meter.with_fall(phy.turnaround());
+            }
+            stack
         };
         Self {
             pan,
-            radios: Radios { network, phy, emission: Emission { power, aim }, cca_threshold, air, first_receiver },
+            radios: Radios { network, phy, air, first_receiver },
             macs: stations()
                 .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
                 .collect(),
@@ -120,8 +134,9 @@ impl Network {
             queue_frames: mac.csma().queue_frames().into(),
             payloads: Payloads::default(),
             packets: vec![Packets::default(); scene.roll.len()],
-            delays: settings.keeps_delays.then(Vec::new),
+            delays: vec![Delays::default(); if settings.keeps_delays { scene.roll.len() } else { 0 }],
             deliveries: vec![0; scene.roll.len()],
+            counted_from: SimTime::ZERO,
             members: settings.members,
             radio_states,
             arrivals: Vec::new(),
@@ -155,6 +170,16 @@ impl Network {
         if let Some((station, _)) = self.coordinator {
             self.schedule(station, Duration::ZERO, Event::BeaconDue, scene);
         }
+    }
+
+    /// Packets count that are offered from this instant on.
+    pub(crate) fn count_from(&mut self, instant: SimTime) {
+        self.counted_from = instant;
+    }
+
+    /// Energy counts from now on.
+    pub(crate) fn restart_meters(&mut self, now: SimTime) {
+        self.stacks.iter_mut().for_each(|stack| stack.meter.restart(now));
     }
 
     /// Handles an event of a station's link.
@@ -232,11 +257,12 @@ impl Network {
             let state = stack.state();
             stack.meter.enter(state, now);
             let is_member = self.members.as_ref().is_none_or(|members| members[i]);
-            let spent = stack.meter.spent(&self.radio_states, self.radios.emission.power);
+            let spent = stack.meter.spent(&self.radio_states, stack.tx_power);
             energy.push(if is_member { spent } else { EnergySpent::default() });
             let packets = &mut self.packets[i];
-            packets.pending = stack.waiting.len() as u64;
-            if let Some(frame) = stack.frame {
+            let counts = |frame: &QueuedFrame| frame.offered >= self.counted_from;
+            packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;
+            if let Some(frame) = stack.frame.filter(counts) {
                 // A frame that was received counts so, even if its acknowledgement is still under way.
                 let station = StationId::from_index(i);
                 let header = data_frame(self.pan, station, frame.to);
@@ -250,12 +276,7 @@ impl Network {
                 }
             }
         }
-        NetworkRecord {
-            packets: self.packets,
-            energy,
-            deliveries: self.deliveries,
-            delays: self.delays.unwrap_or_default(),
-        }
+        NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: self.delays }
     }
 
     /// Whether a station is in the network.

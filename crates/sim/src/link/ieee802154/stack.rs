@@ -1,14 +1,23 @@
 //! The state of one station's link, apart from its channel access machine.
 
+use sextant_channel::{Dbm, Milliwatts};
 use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::{EnergyMeter, RadioState};
 
+use super::clock::Clock;
 use super::frame_queue::{QueuedFrame, Waiting};
+use super::radio::Levels;
 use crate::air::Transmission;
-use crate::service::outcome::FrameOutcome;
+use crate::service::outcome::{Deafness, FrameOutcome};
 
 /// The state of one station's link, apart from its channel access machine.
 pub(super) struct Stack {
+    /// The clock that times everything that the station does by itself.
+    pub(super) clock: Clock,
+    /// Transmit power.
+    pub(super) tx_power: Dbm,
+    /// Power at or above which carrier sense finds the channel busy.
+    pub(super) cca_threshold: Milliwatts,
     pub(super) meter: EnergyMeter,
     /// The state that channel access asks for.
     pub(super) wanted: RadioState,
@@ -18,8 +27,10 @@ pub(super) struct Stack {
     pub(super) overridden_until: SimTime,
     /// Whether what the receiver hears at rest is looked at.
     pub(super) listening: bool,
-    /// Whether the air knows the receiver as one that listens.
-    pub(super) is_tuned: bool,
+    /// Why the air knows the receiver as deaf; `None` if it listens.
+    pub(super) deafness: Option<Deafness>,
+    /// Whether the station has died.
+    pub(super) is_dead: bool,
     /// Whether channel access waits for an acknowledgement.
     pub(super) awaits_ack: bool,
     /// Whether the station has listened long enough, and stops as soon as it may.
@@ -49,19 +60,23 @@ pub(super) struct Stack {
 }
 
 impl Stack {
-    pub(super) fn new(state: RadioState, sequence: u8) -> Self {
+    pub(super) fn new(state: RadioState, sequence: u8, clock: Clock, levels: &Levels) -> Self {
         Self {
+            clock,
+            tx_power: levels.tx_power,
+            cca_threshold: levels.cca_threshold.to_milliwatts(),
             meter: EnergyMeter::new(state, SimTime::ZERO),
             wanted: state,
             overriding: None,
             overridden_until: SimTime::ZERO,
             listening: false,
-            is_tuned: false,
+            deafness: Some(Deafness::Off),
+            is_dead: false,
             awaits_ack: false,
             leaving: false,
             listening_over: None,
             sequence,
-            outcome: FrameOutcome::NotListened,
+            outcome: FrameOutcome::WORST,
             transmission: None,
             frame: None,
             waiting: Waiting::default(),
@@ -79,8 +94,14 @@ impl Stack {
         self.overriding.unwrap_or(self.wanted)
     }
 
-    /// Whether frames that reach the radio are worked out: its receiver is on, and what it hears is looked at.
-    pub(super) fn is_receiving(&self) -> bool {
-        self.overriding.is_none() && self.wanted == RadioState::Receive && (self.awaits_ack || self.listening)
+    /// Why frames that reach the radio are not worked out. They are if its receiver is on, and what it hears is looked at.
+    pub(super) fn deafness_now(&self) -> Option<Deafness> {
+        match self.state() {
+            RadioState::Transmit | RadioState::Turnaround => Some(Deafness::Transmitting),
+            RadioState::Sleep if self.is_dead => Some(Deafness::Off),
+            RadioState::Sleep | RadioState::Idle => Some(Deafness::Asleep),
+            RadioState::Receive if self.awaits_ack || self.listening => None,
+            RadioState::Receive => Some(Deafness::Off),
+        }
     }
 }

@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
-use sextant_channel::Milliwatts;
 use sextant_kernel::{EventKey, StationId};
 use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
 
 use super::stack::Stack;
-use crate::air::{Emission, ReceiverId};
+use crate::air::{Aim, Emission, ReceiverId};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
@@ -20,8 +19,6 @@ use crate::service::report::Destination;
 pub(super) struct Radios {
     pub(super) network: NetworkId,
     pub(super) phy: Phy,
-    pub(super) emission: Emission,
-    pub(super) cca_threshold: Milliwatts,
     /// Number of the air of its band.
     pub(super) air: usize,
     /// Number of the first station's receiver.
@@ -45,7 +42,13 @@ pub(super) struct Transceiver<'a> {
 }
 
 impl Transceiver<'_> {
+    /// Schedules an event `span` from now, as the clock of the station says.
     fn schedule(&mut self, span: Duration, event: Event) -> EventKey {
+        let span = self.stack.clock.span(span);
+        self.schedule_exactly(span, event)
+    }
+
+    fn schedule_exactly(&mut self, span: Duration, event: Event) -> EventKey {
         let event = EngineEvent::Link(self.station, self.radios.network, LinkEvent::Ieee802154(event));
         self.scene.after(span, event)
     }
@@ -61,19 +64,19 @@ impl Transceiver<'_> {
         let place = self.scene.place(self.station);
         let receiver = self.radios.receiver(self.station);
         let air = &mut self.scene.airs[self.radios.air];
-        air.is_busy((receiver, self.station), place, from, now, self.radios.cca_threshold)
+        air.is_busy((receiver, self.station), place, from, now, self.stack.cca_threshold)
     }
 
     /// Brings the receiver in line with the state of the radio.
     pub(super) fn tune(&mut self) {
         let (now, receiver) = (self.scene.now, self.radios.receiver(self.station));
         self.stack.meter.enter(self.stack.state(), now);
-        let is_receiving = self.stack.is_receiving();
-        if is_receiving == self.stack.is_tuned {
+        let deafness = self.stack.deafness_now();
+        if deafness == self.stack.deafness {
             return;
         }
-        self.stack.is_tuned = is_receiving;
-        self.scene.tune(self.radios.air, receiver, self.station, is_receiving);
+        self.stack.deafness = deafness;
+        self.scene.tune(self.radios.air, (receiver, self.station), deafness);
     }
 
     /// Puts a frame on air, to one station or to all.
@@ -81,7 +84,8 @@ impl Transceiver<'_> {
         let (now, place) = (self.scene.now, self.scene.place(self.station));
         let sender = (self.radios.receiver(self.station), self.station);
         let to = to.map(|to| self.radios.receiver(to));
-        self.scene.airs[self.radios.air].begin(now, sender, to, place, self.radios.emission, airtime)
+        let emission = Emission { power: self.stack.tx_power, aim: Aim::Omnidirectional };
+        self.scene.airs[self.radios.air].begin(now, sender, to, place, emission, airtime)
     }
 
     /// The radio sends something that goes before channel access, or ends it with `Receive`.
@@ -115,17 +119,18 @@ impl csma::Radio for Transceiver<'_> {
     }
 
     fn start_cca(&mut self) {
+        self.stack.meter.wake(self.radios.phy.turnaround());
         self.schedule(self.radios.phy.cca(), Event::CcaEnded);
     }
 
     fn start_transmission(&mut self, frame: csma::OutgoingFrame) {
-        let airtime = self.radios.phy.airtime(frame.mpdu_octets);
+        let airtime = self.stack.clock.span(self.radios.phy.airtime(frame.mpdu_octets));
         let to = self.stack.frame.and_then(|frame| match frame.to {
             Destination::Station(to) => Some(to),
             Destination::All => None,
         });
         self.stack.transmission = Some(self.begin_transmission(to, airtime));
-        self.schedule(airtime, Event::Csma(csma::Event::TransmissionEnded));
+        self.schedule_exactly(airtime, Event::Csma(csma::Event::TransmissionEnded));
     }
 }
 
@@ -151,9 +156,9 @@ impl responder::Radio for Transceiver<'_> {
     }
 
     fn start_acknowledgement(&mut self, sequence: u8) {
-        let airtime = self.radios.phy.ack_airtime();
+        let airtime = self.stack.clock.span(self.radios.phy.ack_airtime());
         self.stack.acknowledgement = Some((self.begin_transmission(self.stack.answered, airtime), sequence));
-        self.schedule(airtime, Event::Responder(responder::Event::TransmissionEnded));
+        self.schedule_exactly(airtime, Event::Responder(responder::Event::TransmissionEnded));
     }
 }
 
@@ -173,6 +178,7 @@ impl coordinator::Radio for Beaconing<'_> {
     }
 
     fn start_beacon(&mut self, mpdu_octets: u8) {
+        // The coordinator has an exact clock: it is a robot or a sink.
         let airtime = self.transceiver.radios.phy.airtime(mpdu_octets);
         *self.beacon = Some(self.transceiver.begin_transmission(None, airtime));
         self.transceiver.schedule(airtime, Event::Coordinator(coordinator::Event::TransmissionEnded));

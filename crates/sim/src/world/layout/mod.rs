@@ -6,6 +6,7 @@
 mod explicit;
 mod file;
 mod lattice;
+mod members;
 mod nodes;
 mod placed;
 mod random;
@@ -16,6 +17,7 @@ mod tests;
 pub use explicit::ExplicitConfig;
 pub use file::CsvConfig;
 pub use lattice::LatticeConfig;
+pub use members::NodesOfGroup;
 pub use nodes::NodesConfig;
 pub use placed::PlacedNode;
 pub(super) use placed::twin;

@@ -42,7 +42,7 @@ impl Network {
             return Err(SendError::QueueFull(QUEUE_FRAMES));
         }
         let content = self.payloads.keep(payload);
-        let (offered, outcome) = (scene.now, FrameOutcome::NotListened);
+        let (offered, outcome) = (scene.now, FrameOutcome::WORST);
         stack.waiting.push_back(Broadcast { id, content, payload_octets, offered, frames: 0, outcome });
         self.has_broadcasts = true;
         self.proceed(station, scene);
@@ -72,8 +72,11 @@ impl Network {
             unreachable!("beacons belong to broadcasts")
         };
         broadcast.frames += 1;
-        if self.roll.sinks > 0 && outcome == FrameOutcome::Received && broadcast.outcome != outcome {
-            self.delays.push((station, now - broadcast.offered));
+        if outcome == FrameOutcome::Received
+            && broadcast.outcome != outcome
+            && let Some(delays) = self.delays.get_mut(station.index())
+        {
+            delays.add(now - broadcast.offered);
         }
         broadcast.outcome = broadcast.outcome.max(outcome);
         if outcome == FrameOutcome::Received {

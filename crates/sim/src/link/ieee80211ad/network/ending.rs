@@ -22,13 +22,13 @@ impl Network {
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
         match frame.body {
             SweepBody::Rss { .. } => {
-                let outcome = self.outcome(&transmission, &frame);
+                let outcome = self.outcome(&transmission, &frame, scene);
                 let stack = &mut self.stacks[station.index()];
                 stack.outcome = stack.outcome.max(outcome);
                 stack.frames += 1;
             }
             SweepBody::Beacon { .. } => {
-                self.note_beacon(station, self.outcome(&transmission, &frame), scene.now);
+                self.note_beacon(station, self.outcome(&transmission, &frame, scene), scene.now);
             }
             SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
         }
@@ -86,7 +86,7 @@ impl Network {
         let (stack, packets) = (&mut self.stacks[station.index()], &mut self.packets[station.index()]);
         match report {
             ResponderReport::Heard(_) => {
-                (stack.outcome, stack.frames) = (FrameOutcome::NotListened, 0);
+                (stack.outcome, stack.frames) = (FrameOutcome::WORST, 0);
                 packets.offered += 1;
                 scene.offered += 1;
             }
@@ -112,9 +112,10 @@ impl Network {
     }
 
     /// The outcome of a frame at the station that it is for, or the best one if it is for several.
-    fn outcome(&self, transmission: &Transmission, frame: &SweepFrame) -> FrameOutcome {
+    fn outcome(&self, transmission: &Transmission, frame: &SweepFrame, scene: &Scene) -> FrameOutcome {
         let arrivals = self.arrivals.iter().filter(|arrival| self.is_for(frame, arrival.station));
-        arrivals.map(|arrival| arrival.outcome).max().unwrap_or(transmission.missed())
+        let missed = || scene.airs[self.radios.air].missed(transmission);
+        arrivals.map(|arrival| arrival.outcome).max().unwrap_or_else(missed)
     }
 
     /// Tells the observer of a frame that ends now.
@@ -130,7 +131,7 @@ impl Network {
             _ => &[],
         };
         frame.write(payload, &mut self.octets);
-        let outcome = self.outcome(transmission, frame);
+        let outcome = self.outcome(transmission, frame, scene);
         let is_best = |station, found| found == outcome && self.is_for(frame, station);
         let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));
         tell_collectors(&self.arrivals, &scene.roll, &mut self.told);

@@ -40,9 +40,9 @@ impl Network {
             // Nodes that wait for a robot's answer all look at it, because it has no address: the best outcome counts.
             let is_to_node = answered.is_some_and(|to| scene.roll.is_node(to));
             let fate = if is_to_node && !scene.roll.is_node(station) {
-                self.fate_at_nodes(scene)
+                self.fate_at_nodes(&transmission, scene)
             } else {
-                self.fate(&transmission, |station| Some(station) == answered)
+                self.fate(&transmission, scene, |station| Some(station) == answered)
             };
             self.tell_frame(&transmission, fate, scene, observer);
         }

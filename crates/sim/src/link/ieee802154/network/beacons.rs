@@ -59,7 +59,7 @@ impl Network {
         let (_, coordinator) = self.coordinator.as_ref().expect("a coordinator sends");
         coordinator.write_beacon(&mut self.mpdu);
         if observer.wants_frames() {
-            self.tell_frame(&transmission, self.fate_at_nodes(scene), scene, observer);
+            self.tell_frame(&transmission, self.fate_at_nodes(&transmission, scene), scene, observer);
         }
         let now = scene.now;
         let octets = u8::try_from(self.mpdu.len()).expect("at most 127 octets");

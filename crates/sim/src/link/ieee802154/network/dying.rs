@@ -14,6 +14,7 @@ impl Network {
         if stack.transmission.is_some() || stack.acknowledgement.is_some() {
             return;
         }
+        stack.is_dead = true;
         stack.wanted = RadioState::Sleep;
         stack.overriding = None;
         stack.awaits_ack = false;

@@ -32,15 +32,27 @@ impl Fate {
 
 impl Network {
     /// What became of a transmission at the stations that it `is_for`.
-    pub(super) fn fate(&self, transmission: &Transmission, is_for: impl Fn(StationId) -> bool) -> Fate {
-        (self.arrivals.iter().filter(|arrival| is_for(arrival.station)))
-            .fold(Fate::missed(transmission.missed()), Fate::or)
+    pub(super) fn fate(
+        &self,
+        transmission: &Transmission,
+        scene: &Scene,
+        is_for: impl Fn(StationId) -> bool,
+    ) -> Fate {
+        let arrivals = self.arrivals.iter().filter(|arrival| is_for(arrival.station));
+        let fate = arrivals.fold(Fate::missed(FrameOutcome::WORST), Fate::or);
+        if fate.outcome.deafness().is_none() {
+            return fate;
+        }
+        let missed = scene.airs[self.radios.air].missed(transmission);
+        if missed > fate.outcome { Fate::missed(missed) } else { fate }
     }
 
     /// What became of a transmission of a robot or a sink at the nodes.
-    pub(super) fn fate_at_nodes(&self, scene: &Scene) -> Fate {
+    pub(super) fn fate_at_nodes(&self, transmission: &Transmission, scene: &Scene) -> Fate {
+        let nodes = (0..scene.roll.nodes).map(|node| self.radios.receiver(StationId::from_index(node)));
+        let missed = scene.airs[self.radios.air].missed_by(transmission, nodes);
         (self.arrivals.iter().filter(|arrival| scene.roll.is_node(arrival.station)))
-            .fold(Fate::missed(FrameOutcome::NotListened), Fate::or)
+            .fold(Fate::missed(missed), Fate::or)
     }
 
     /// Tells the observer of the frame in `mpdu`, which ends now, with its fate.

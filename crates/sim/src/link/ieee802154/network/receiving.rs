@@ -21,15 +21,16 @@ impl Network {
         let frame = stack.frame.expect("a frame is under way");
         scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
         let fate = match frame.to {
-            Destination::Station(to) => self.fate(&transmission, |station| station == to),
-            Destination::All => self.fate(&transmission, |station| self.hears[station.index()]),
+            Destination::Station(to) => self.fate(&transmission, scene, |station| station == to),
+            Destination::All => self.fate(&transmission, scene, |station| self.hears[station.index()]),
         };
         let stack = &mut self.stacks[station.index()];
         if fate.outcome == FrameOutcome::Received
             && stack.outcome != FrameOutcome::Received
-            && let Some(delays) = &mut self.delays
+            && frame.offered >= self.counted_from
+            && let Some(delays) = self.delays.get_mut(station.index())
         {
-            delays.push((station, scene.now - frame.offered));
+            delays.add(scene.now - frame.offered);
         }
         stack.outcome = stack.outcome.max(fate.outcome);
         let is_heard = self.arrivals.iter().any(|arrival| self.is_delivered(arrival));
@@ -41,7 +42,7 @@ impl Network {
             self.tell_frame(&transmission, fate, scene, observer);
         }
         if is_heard {
-            self.deliver(scene);
+            self.deliver(frame.offered >= self.counted_from, scene);
         }
     }
 
@@ -50,8 +51,9 @@ impl Network {
         arrival.outcome == FrameOutcome::Received && self.hears[arrival.station.index()]
     }
 
-    /// Delivers the frame in `mpdu` to all stations that have received it and for which it is.
-    fn deliver(&mut self, scene: &mut Scene) {
+    /// Delivers the frame in `mpdu` to all stations that have received it and for which it is; `counts` if it was offered
+    /// after the warm-up.
+    fn deliver(&mut self, counts: bool, scene: &mut Scene) {
         let mpdu = std::mem::take(&mut self.mpdu);
         let frame = Frame::parse(&mpdu).expect("stations write what they can read");
         let source = frame.source.and_then(|source| source.address.station());
@@ -73,7 +75,7 @@ impl Network {
             if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
                 let end = mpdu.len() - 2;
                 self.payload = end - octets..end;
-                self.deliveries[station.index()] += 1;
+                self.deliveries[station.index()] += u64::from(counts);
                 let (sequence, power) = (frame.sequence, arrival.power);
                 scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });
             }

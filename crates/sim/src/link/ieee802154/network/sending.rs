@@ -45,15 +45,16 @@ impl Network {
                 }
             }
         };
+        let counts = u64::from(scene.now >= self.counted_from);
         let packets = &mut self.packets[station.index()];
-        packets.offered += 1;
+        packets.offered += counts;
         scene.offered += 1;
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.frames);
         stack.frames = stack.frames.wrapping_add(1);
         let is_busy = self.macs[station.index()].is_busy();
         if is_busy && stack.waiting.len() >= self.queue_frames {
-            packets.lost_queue += 1;
+            packets.lost_queue += counts;
             return Err(SendError::QueueFull(self.queue_frames));
         }
         let content = self.payloads.keep(payload);
@@ -70,7 +71,7 @@ impl Network {
     fn start(&mut self, station: StationId, frame: QueuedFrame, scene: &mut Scene) {
         let stack = &mut self.stacks[station.index()];
         stack.sequence = stack.sequence.wrapping_add(1);
-        stack.outcome = FrameOutcome::NotListened;
+        stack.outcome = FrameOutcome::WORST;
         stack.frame = Some(frame);
         let outgoing = csma::OutgoingFrame {
             mpdu_octets: frame.mpdu_octets,
@@ -129,6 +130,9 @@ impl Network {
     }
 
     fn count(&mut self, station: StationId, frame: QueuedFrame, report: csma::Report, outcome: FrameOutcome) {
+        if frame.offered < self.counted_from {
+            return;
+        }
         let octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
         let packets = &mut self.packets[station.index()];
         packets.transmissions += u64::from(report.transmissions);
