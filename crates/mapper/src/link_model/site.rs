@@ -129,7 +129,8 @@ mod tests {
 
     #[test]
     fn probabilities_of_all_counts_add_up_to_one() {
-        let cases = [(0.3, 0.0, Losses::NONE), (-1.0, 2.0, Losses { lapse: 0.3, scatter: 1.2 }), (4.0, 0.5, Losses::NONE)];
+        let cases =
+            [(0.3, 0.0, Losses::NONE), (-1.0, 2.0, Losses { lapse: 0.3, scatter: 1.2 }), (4.0, 0.5, Losses::NONE)];
         for (mean, deviation, losses) in cases {
             let total: f64 = (0..=7).map(|received| losses.probability(&link(received, 7), mean, deviation)).sum();
             assert!((total - 1.0).abs() < 1e-9, "{total}");
