@@ -61,8 +61,7 @@ impl SoughtHeights {
             return Some(Self { low_m, high_m, reason: HeightReason::Settings });
         }
         // A few stops on another floor do not lift the plane of all others.
-        let mut heights: Vec<f64> = stops.iter().map(|stop| stop.position.z_m).collect();
-        let middle = crate::reach::median(&mut heights);
+        let middle = median_m(stops);
         let span_m = highest - lowest;
         Some(if span_m <= 0.0 {
             Self { low_m: lowest, high_m: lowest, reason: HeightReason::LevelStops }
@@ -110,6 +109,14 @@ pub(crate) fn check_z_range(z_range_m: Option<[f64; 2]>) -> Result<(), SettingEr
         }
         _ => Ok(()),
     }
+}
+
+/// The median height of the stops (m). There must be at least one.
+fn median_m(stops: &[Stop]) -> f64 {
+    let mut heights: Vec<f64> = stops.iter().map(|stop| stop.position.z_m).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    let upper = heights.len() / 2;
+    if heights.len().is_multiple_of(2) { 0.5 * (heights[upper - 1] + heights[upper]) } else { heights[upper] }
 }
 
 /// Whether the heights of the stops of a log differ too little to determine the heights of nodes that are heard over

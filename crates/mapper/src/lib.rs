@@ -71,7 +71,7 @@ mod topology_map;
 
 pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper, ProfileSetting};
 pub use alignment::{AlignmentError, Reflection, Similarity};
-pub use auto::{Auto, AutoConfig, Choice, EstimatorFit, Score};
+pub use auto::{Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Score};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
     DvHopConfig, ExtremeConfig, FittedChannel, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength,

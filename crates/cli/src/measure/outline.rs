@@ -2,8 +2,8 @@
 
 use sextant_kernel::NodeId;
 use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, Concern, EstimatorFit, Fit, FittedChannel, HeightReason, Learned,
-    LinkFit, ObstacleKnowledge, PositionError, Score, SoughtHeights, TopologyMap,
+    AbsorptionMap, CalibratedCurve, Calibration, ChoiceReason, Concern, EstimatorFit, Fit, FittedChannel,
+    HeightReason, Learned, LinkFit, ObstacleKnowledge, PositionError, Score, SoughtHeights, TopologyMap,
 };
 
 use super::subject::Subject;
@@ -27,6 +27,8 @@ pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learne
         Some(Learned::Links(fit)) => outline.link_law = Some(fit.into()),
         Some(Learned::Choice(choice)) => {
             outline.chosen = Some(choice.chosen);
+            outline.chosen_because = Some(because(choice.reason));
+            outline.region_enlargement = Some(choice.enlargement).filter(|factor| *factor > 1.0);
             outline.scores = choice.scores.iter().map(Into::into).collect();
             match &choice.fit {
                 Some(EstimatorFit::Links(fit)) => outline.link_law = Some(fit.into()),
@@ -127,6 +129,23 @@ impl From<&Calibration> for CalibrationSummary {
             },
             absorbing_m2: calibration.obstacles.as_ref().map(AbsorptionMap::sure_m2),
             unsure_m2: calibration.obstacles.as_ref().map(AbsorptionMap::unsure_m2).filter(|&area_m2| area_m2 > 0.0),
+        }
+    }
+}
+
+/// The reason of a choice in words.
+fn because(reason: ChoiceReason) -> &'static str {
+    match reason {
+        ChoiceReason::KnownPlaces => "only it can use what is known of the places",
+        ChoiceReason::TooLittle => "the log has too few stops or nodes to compare estimators",
+        ChoiceReason::IndependentPackets => {
+            "it predicts the stops left out no worse than the link model: packets of a link seem independent"
+        }
+        ChoiceReason::DependentPackets => {
+            "it predicts the stops left out best: packets of a link share what they lose, so that they are not independent"
+        }
+        ChoiceReason::BetterPlaces => {
+            "its places predict the stops left out clearly better than those of the link model"
         }
     }
 }

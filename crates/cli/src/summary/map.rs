@@ -75,6 +75,13 @@ pub struct MapSummary {
     /// The estimator that the log chose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<&'static str>,
+    /// Why it was chosen, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen_because: Option<&'static str>,
+    /// Factor by which the variances of the chosen map were enlarged, if its maps from parts of the stops differ by more than
+    /// its own regions tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region_enlargement: Option<f64>,
     /// How well each estimator that could be chosen predicted the stops that were left out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub scores: Vec<EstimatorScoreSummary>,

@@ -301,9 +301,19 @@ fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()>
         let name = map.name.as_ref().unwrap_or(&map.algorithm);
         if let Some(chosen) = map.chosen {
             write!(out, "{name}: the log chose {chosen}")?;
+            if let Some(because) = map.chosen_because {
+                write!(out, " ({because})")?;
+            }
             for (number, score) in map.scores.iter().enumerate() {
                 let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
                 write!(out, "{lead}{} {:.3}", score.estimator, score.log_probability)?;
+            }
+            if let Some(factor) = map.region_enlargement {
+                let times = factor.sqrt();
+                write!(
+                    out,
+                    "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much"
+                )?;
             }
             writeln!(out)?;
         }

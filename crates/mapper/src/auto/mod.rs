@@ -13,7 +13,7 @@ use sextant_kernel::{SettingError, Watch};
 
 use self::folds::{Fold, Folds};
 use self::score::Predicted;
-pub use self::score::Score;
+pub use self::score::{ChoiceReason, Score};
 use crate::reach::{heard_nodes, reach_m};
 use crate::{
     Calibration, EstimateKind, Fit, FittedConfig, FittedMlTm, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig,
@@ -64,6 +64,8 @@ pub struct Choice {
     pub scores: Vec<Score>,
     /// Name of the estimator that was chosen.
     pub chosen: &'static str,
+    /// Why it was chosen.
+    pub reason: ChoiceReason,
     /// What it estimated with the map.
     pub fit: Option<EstimatorFit>,
     /// Factor by which the variances of the map were enlarged, at least 1: its maps from parts of the stops differ by more than
@@ -140,7 +142,10 @@ impl Auto {
             }
         }
         let scores = score::scores(candidates.iter().map(|candidate| candidate.name()), &predicted);
-        let number = chosen(&candidates, &predicted);
+        let (number, reason) = match prior {
+            Some(_) => (0, ChoiceReason::KnownPlaces),
+            None => chosen(&candidates, &predicted),
+        };
         let candidate = candidates[number];
         let (mut map, fit) = candidate.map(log, prior, watch)?;
         let enlargement = agreement::enlargement(&parts[number]);
@@ -149,7 +154,7 @@ impl Auto {
             self.lend_regions(&mut map, log, watch)?;
         }
         map.algorithm = Self::NAME;
-        let choice = Choice { scores, chosen: candidate.name(), fit, enlargement };
+        let choice = Choice { scores, chosen: candidate.name(), reason, fit, enlargement };
         Ok(if map.mapped() == 0 { (map, None) } else { (map, Some(choice)) })
     }
 
@@ -213,10 +218,10 @@ fn enlarge(map: &mut TopologyMap, factor: f64) {
     }
 }
 
-/// The number of the candidate that the predictions choose; without any, the first one.
-fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> usize {
+/// The number of the candidate that the predictions choose, and why; without any, the first one.
+fn chosen(candidates: &[Candidate<'_>], predicted: &[Predicted]) -> (usize, ChoiceReason) {
     if predicted.is_empty() {
-        return 0;
+        return (0, ChoiceReason::TooLittle);
     }
     let numbers = |is: fn(&Candidate<'_>) -> bool| -> Vec<usize> {
         (0..candidates.len()).filter(|&number| is(&candidates[number])).collect()

@@ -14,6 +14,21 @@ pub struct Score {
     pub pairs: usize,
 }
 
+/// Why an estimator was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ChoiceReason {
+    /// Something is known of the places, which only the link model can use.
+    KnownPlaces,
+    /// The log has too few stops or nodes to leave some out: the link model maps it.
+    TooLittle,
+    /// It takes packets as independent of each other, and predicts what was left out as well as the link model, or better.
+    IndependentPackets,
+    /// The link model predicts what was left out better than estimators for which packets are independent.
+    DependentPackets,
+    /// Its places predict what was left out clearly better than those of the link model.
+    BetterPlaces,
+}
+
 /// What an estimator predicted of each node: the sum of the logarithms of the probabilities, and their number.
 #[derive(Clone, Debug)]
 pub(super) struct Predicted {
@@ -78,7 +93,12 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
 /// Estimators of independent packets are taken if they predict as well as the link model does: where packets are
 /// independent, they place nodes better than it; where they are not, they are refuted. Predictions by one law depend little on
 /// the places, so that one with places only must be better than the link model by [`CLEARLY`].
-pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize], places: &[usize]) -> usize {
+pub(super) fn best(
+    predicted: &[Predicted],
+    links: usize,
+    independent: &[usize],
+    places: &[usize],
+) -> (usize, ChoiceReason) {
     let highest = |numbers: &[usize]| {
         let by_mean = |a: &&usize, b: &&usize| predicted[**a].mean().total_cmp(&predicted[**b].mean()).then(b.cmp(a));
         numbers.iter().max_by(by_mean).copied()
@@ -89,8 +109,11 @@ pub(super) fn best(predicted: &[Predicted], links: usize, independent: &[usize],
     let trusted =
         independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
     match trusted {
-        Some(number) if gain(number, links) >= 0.0 => number,
-        _ => highest(places).filter(|&number| gain(number, links) > CLEARLY).unwrap_or(links),
+        Some(number) if gain(number, links) >= 0.0 => (number, ChoiceReason::IndependentPackets),
+        _ => match highest(places).filter(|&number| gain(number, links) > CLEARLY) {
+            Some(number) => (number, ChoiceReason::BetterPlaces),
+            None => (links, ChoiceReason::DependentPackets),
+        },
     }
 }
 
@@ -115,10 +138,10 @@ mod tests {
         let grid = predicted(&[0.5, 0.5, 0.5, 0.5]);
         let surely = predicted(&[0.6, 0.61, 0.6, 0.61]);
         let hardly = predicted(&[0.9, 0.2, 0.9, 0.5]);
-        assert_eq!(best(&[surely.clone(), grid.clone()], 0, &[1], &[]), 0);
-        assert_eq!(best(&[grid.clone(), grid.clone()], 0, &[1], &[]), 1);
-        assert_eq!(best(&[grid.clone(), surely.clone(), hardly], 0, &[1, 2], &[]), 1, "the order of trust");
-        assert_eq!(best(&[grid.clone(), grid.clone(), surely.clone()], 0, &[1, 2], &[]), 2);
+        assert_eq!(best(&[surely.clone(), grid.clone()], 0, &[1], &[]).0, 0);
+        assert_eq!(best(&[grid.clone(), grid.clone()], 0, &[1], &[]).0, 1);
+        assert_eq!(best(&[grid.clone(), surely.clone(), hardly], 0, &[1, 2], &[]).0, 1, "the order of trust");
+        assert_eq!(best(&[grid.clone(), grid.clone(), surely.clone()], 0, &[1, 2], &[]).0, 2);
         let scores = scores(["a", "b"].into_iter(), &[grid, surely]);
         assert!(scores[1].log_probability > scores[0].log_probability && scores[1].error == 0.0);
         assert_eq!((scores[0].pairs, scores[0].estimator), (4, "a"));
@@ -130,8 +153,8 @@ mod tests {
         let links = predicted(&[0.5; 4]);
         let hardly = predicted(&[0.55; 4]);
         let clearly = predicted(&[0.6; 4]);
-        assert_eq!(best(&[links.clone(), hardly.clone()], 0, &[], &[1]), 0);
-        assert_eq!(best(&[links, hardly, clearly], 0, &[], &[1, 2]), 2);
+        assert_eq!(best(&[links.clone(), hardly.clone()], 0, &[], &[1]).0, 0);
+        assert_eq!(best(&[links, hardly, clearly], 0, &[], &[1, 2]).0, 2);
     }
 
     #[test]

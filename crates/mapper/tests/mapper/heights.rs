@@ -118,3 +118,22 @@ fn settings_override_what_the_stops_say_of_heights() {
         }
     }
 }
+
+#[test]
+fn a_few_raised_stops_do_not_lift_the_plane_of_all_nodes() {
+    let (log, _) = survey(60, 0.0);
+    let stops = log.stops().iter().enumerate().map(|(number, stop)| {
+        let z_m = if number % 40 == 7 { 0.9 } else { -0.04 };
+        Stop { position: Position::new(stop.position.x_m, stop.position.y_m, z_m), ..*stop }
+    });
+    let receptions = log.receptions().iter().collect();
+    let log = ReceptionLog::new(log.names().to_vec(), stops.collect(), receptions, Vec::new()).expect("a log");
+    let link_model = AlgorithmConfig::LinkModel(sextant_mapper::LinkModelConfig::default());
+    // Half way between the lowest and the highest stop would be 0.43 m.
+    for config in [fitted(None), link_model] {
+        let found = map(config, &log);
+        let reason = found.heights.expect("heights are chosen").reason;
+        assert!(matches!(reason, HeightReason::UnevenStops(_)), "{reason:?}");
+        assert!(found.positions().into_iter().flatten().all(|place| (place.z_m + 0.04).abs() < 1e-9));
+    }
+}
