@@ -90,8 +90,8 @@ fn error(own: &Predicted, other: &Predicted) -> f64 {
 /// trust: a later one must be better than those before it by two standard errors), of that of links
 /// (`links`), or of one that has places only (`places`), whose predictions are those of the law of links at its places.
 ///
-/// Estimators of independent packets are taken if they predict as well as the link model does: where packets are
-/// independent, they place nodes better than it; where they are not, they are refuted. Predictions by one law depend little on
+/// Estimators of independent packets are taken if they predict as well as the link model does, within a standard error: where
+/// packets are independent, they place nodes better than it; where they are not, they are refuted. Predictions by one law depend little on
 /// the places, so that one with places only must be better than the link model by [`CLEARLY`].
 pub(super) fn best(
     predicted: &[Predicted],
@@ -109,7 +109,9 @@ pub(super) fn best(
     let trusted =
         independent.iter().copied().reduce(|best, next| if is_surely_better(next, best) { next } else { best });
     match trusted {
-        Some(number) if gain(number, links) >= 0.0 => (number, ChoiceReason::IndependentPackets),
+        Some(number) if gain(number, links) >= -error(&predicted[number], &predicted[links]) => {
+            (number, ChoiceReason::IndependentPackets)
+        }
         _ => match highest(places).filter(|&number| gain(number, links) > CLEARLY) {
             Some(number) => (number, ChoiceReason::BetterPlaces),
             None => (links, ChoiceReason::DependentPackets),
