@@ -12,11 +12,11 @@ use super::noise_floor::NoiseFloor;
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Options for the forms of logs")]
 pub struct FormOptions {
-    /// Take the path of the robot from this file, with times of the clock of the packets: CSV (t_s,x_m,y_m[,z_m] or
+    /// Take the path of the robot from this file, with times of the clock of the packets: CSV (t_s,x_m,y_m or x_m,y_m,z_m or
     /// t_s,lat,lon), TUM (time x y z and a quaternion a line), GPX, NMEA 0183, or a ROS 2 bag
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// Take the packets from this file, with times of the clock of the path: CSV (t_s,node[,rssi_dbm]), the capture of a
+    /// Take the packets from this file, with times of the clock of the path: CSV (t_s,node,rssi_dbm or t_s,node), the capture of a
     /// sniffer (pcap, pcapng; or a folder of captures), or a ROS 2 bag
     #[arg(long, value_name = "FILE")]
     pub packets: Option<PathBuf>,
