@@ -7,7 +7,7 @@ use super::hearing::Hearing;
 use super::law::{Law, PARAMETERS};
 use super::links::Links;
 use super::outages::{Outages, Pair};
-use super::posterior::{Evidence, Grid};
+use super::posterior::{Evidence, Grid, Posterior};
 use super::window::Window;
 
 /// The law is estimated from at most so many nodes, at most so many of their links, and on so many vertices, in the plane
@@ -64,11 +64,19 @@ pub(super) fn find(
     let mut found = Found { law, outages: usual, rounds: 0, settled: false };
     for pass in 0..WORK {
         climb(&samples, &mut found, fading_db, if pass == 0 { &[0, 1] } else { &[0, 1, 2] }, watch)?;
-        found.outages = outages(&samples, &found, &thinned, hearing);
-        let (law, outages) = (found.law, &found.outages);
-        samples.par_iter_mut().for_each(|Sample { evidence, grid }| {
-            let posterior = evidence.posterior(&law, grid, &mut Vec::new());
-            let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
+        let law = found.law;
+        let told: Vec<(Posterior, Vec<Pair>)> = samples
+            .par_iter()
+            .map(|Sample { evidence, grid }| {
+                let posterior = evidence.posterior(&law, grid, &mut Vec::new());
+                let pairs = evidence.pairs(&law, grid, &posterior, &thinned, hearing);
+                (posterior, pairs)
+            })
+            .collect();
+        let all: Vec<Pair> = told.iter().flat_map(|(_, pairs)| pairs).copied().collect();
+        found.outages = found.outages.estimated(&all);
+        let outages = &found.outages;
+        samples.par_iter_mut().zip(told).for_each(|(Sample { evidence, grid }, (posterior, pairs))| {
             evidence.set_outages(outages, &pairs);
             evidence.refine(&law, grid, &posterior, &thinned, hearing);
             if pass == 0 {
@@ -79,18 +87,6 @@ pub(super) fn find(
         watch.advance(1);
     }
     Ok(found)
-}
-
-/// The outages that the samples tell under a law.
-fn outages(samples: &[Sample<'_>], found: &Found, links: &Links, hearing: &Hearing) -> Outages {
-    let pairs: Vec<Vec<Pair>> = samples
-        .par_iter()
-        .map(|Sample { evidence, grid }| {
-            let posterior = evidence.posterior(&found.law, grid, &mut Vec::new());
-            evidence.pairs(&found.law, grid, &posterior, links, hearing)
-        })
-        .collect();
-    found.outages.estimated(&pairs.concat())
 }
 
 /// A few of the nodes and, of those, every other link or fewer, if there are many.

@@ -71,7 +71,11 @@ impl Hearing {
             if lapse > 0.0 && !sample.tells_losses {
                 break;
             }
-            let start = if is_measured { sample.with_strengths(losses, &strengths) } else { sample.without(losses) };
+            let start = if is_measured {
+                sample.with_strengths(losses, &strengths)
+            } else {
+                Trial::without_strengths(losses)
+            };
             let found = sample.climb(start, is_measured, 1);
             if best.is_none_or(|(score, _)| found.0 > score) {
                 best = Some(found);
@@ -169,13 +173,7 @@ impl Sample {
                 }
             }
         }
-        best.map_or_else(|| self.without(losses), |(_, trial)| trial)
-    }
-
-    /// Where the search begins without strengths.
-    fn without(&self, losses: Losses) -> Trial {
-        let _ = self;
-        Trial { receiver: None, losses, mean: 1.0, deviation: 2.0, outage: USUAL_OUTAGE, weak_dbm: 0.0 }
+        best.map_or_else(|| Trial::without_strengths(losses), |(_, trial)| trial)
     }
 
     /// Moves one parameter after the other as long as the score grows, at most `passes` lengths of steps.
@@ -241,6 +239,11 @@ impl Sample {
 type Tables = BTreeMap<(u32, u32), Vec<f64>>;
 
 impl Trial {
+    /// Where the search begins without strengths.
+    fn without_strengths(losses: Losses) -> Self {
+        Self { receiver: None, losses, mean: 1.0, deviation: 2.0, outage: USUAL_OUTAGE, weak_dbm: 0.0 }
+    }
+
     /// The trial with parameter `number` moved by `step`.
     fn moved(&self, number: usize, step: f64) -> Self {
         let mut next = *self;
