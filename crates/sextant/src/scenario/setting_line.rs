@@ -1,4 +1,4 @@
-//! A setting of the command line: `path.to.key=value`.
+//! A setting in one line: `path.to.key=value`.
 
 use std::ops::Range;
 use std::path::Path;
@@ -10,20 +10,20 @@ use super::key_path::{KeyPath, Step};
 use super::source::{Origin, Source};
 
 impl Document {
-    /// Overrides a setting by the flag `name` with the text `path.to.key=value`. Paths of files in it are relative to
+    /// Overrides a setting by the text `path.to.key=value`; `name` is its name in messages. Paths of files in it are relative to
     /// `folder`.
     ///
     /// # Errors
     /// If the text has another form, or names an entry that an array does not have.
-    pub(super) fn lay_flag(&mut self, name: &str, text: &str, folder: &Path) -> Result<(), ScenarioError> {
+    pub(super) fn lay_setting(&mut self, name: &str, text: &str, folder: &Path) -> Result<(), ScenarioError> {
         let source = Source { name: name.to_owned(), text: Arc::from(text), folder: folder.to_owned() };
         self.sources.push(source);
-        Flag::read(&self.sources, self.sources.len() - 1)?.lay(&mut self.root)
+        Line::read(&self.sources, self.sources.len() - 1)?.lay(&mut self.root)
     }
 }
 
-/// A parsed flag.
-struct Flag<'a> {
+/// A parsed line.
+struct Line<'a> {
     source: &'a Source,
     index: usize,
     /// The steps of the key, and the bytes of each.
@@ -32,7 +32,7 @@ struct Flag<'a> {
     value_span: Range<usize>,
 }
 
-impl<'a> Flag<'a> {
+impl<'a> Line<'a> {
     /// Parses the text of `sources[index]`. A value that is not TOML is a text without quotes, unless it begins like a
     /// quoted text, an array or a table.
     fn read(sources: &'a [Source], index: usize) -> Result<Self, ScenarioError> {
@@ -40,7 +40,7 @@ impl<'a> Flag<'a> {
         let Some((key, written)) = source.text.split_once('=') else {
             return Err(ScenarioError::new(format!("{} {} has no `=`", source.name, source.text))
                 .at(source, 0..source.text.len(), "expected path.to.key=value")
-                .help("for example: --set robots.0.speed_m_per_s=2"));
+                .help("for example: robots.0.speed_m_per_s=2"));
         };
         let steps = KeyPath::parse_spanned(key.trim_end()).map_err(|error| {
             ScenarioError::new(format!("{}: {}", source.name, error.message)).at(source, error.span, "here")
@@ -80,7 +80,7 @@ impl<'a> Flag<'a> {
         Ok(())
     }
 
-    /// A setting of this flag, whose key is at the bytes `key`.
+    /// A setting of this line, whose key is at the bytes `key`.
     fn entry(&self, value: Value, key: Range<usize>) -> Entry {
         let origin = Origin { source: self.index, key: Some(key), value: self.value_span.clone() };
         Entry { value, origin, layer: self.index }
