@@ -6,20 +6,20 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::options::Overrides;
-use crate::diagnostic::Failure;
-use crate::scenario::Scenario;
-use crate::sweep::Plan;
-use crate::text::counted;
+use crate::diagnostic::{Failure, report};
+use sextant::scenario::Scenario;
+use sextant::sweep::Plan;
+use sextant_kernel::text::counted;
 
 /// Arguments of `sextant check`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The scenario files
     #[arg(value_name = "SCENARIO.toml", required = true)]
-    pub scenarios: Vec<PathBuf>,
+    pub(crate) scenarios: Vec<PathBuf>,
     /// Settings that override those of the scenarios.
     #[command(flatten)]
-    pub overrides: Overrides,
+    pub(crate) overrides: Overrides,
 }
 
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
@@ -35,9 +35,9 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
                     let cells = counted(plan.cells().len(), "cell");
                     writeln!(io::stdout(), "ok {}: {}, a sweep of {cells}", scenario.name(), scenario.outline())?;
                 }
-                Err(errors) => reports.extend(errors.errors().iter().cloned().map(miette::Report::new)),
+                Err(errors) => reports.extend(errors.errors().iter().map(report)),
             },
-            Err(errors) => reports.extend(errors.errors().iter().cloned().map(miette::Report::new)),
+            Err(errors) => reports.extend(errors.errors().iter().map(report)),
         }
     }
     if reports.is_empty() { Ok(()) } else { Err(Failure::BadInput(reports)) }
