@@ -14,7 +14,7 @@ use sextant_kernel::{SettingError, Watch};
 use self::folds::{Fold, Folds};
 use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
-use crate::reach::{heard_nodes, reach_m};
+use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::{
     Calibration, EstimateKind, Fit, FittedConfig, FittedMlTm, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig,
     MapError, MlTmConfig, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated,

@@ -9,7 +9,7 @@ use super::centroid::weighted_mean;
 use super::graph::Graph;
 use super::heard_anchors::{HeardAnchor, HeardAnchors};
 use super::{check_link_share, default_link_share, node_by_node};
-use crate::lattice::whole;
+use crate::numerics::whole;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// APIT as written in a scenario.

@@ -122,5 +122,5 @@ fn usual_reach_m(pairs: &[Dissimilarity]) -> f64 {
     let mut distances_m: Vec<f64> = pairs.iter().map(|pair| pair.distance_m).collect();
     distances_m.sort_unstable_by(f64::total_cmp);
     let last = distances_m.len().saturating_sub(1) as f64;
-    distances_m.get(crate::lattice::whole(APART * last)).copied().unwrap_or(0.0)
+    distances_m.get(crate::numerics::whole(APART * last)).copied().unwrap_or(0.0)
 }

@@ -7,8 +7,8 @@ use sextant_kernel::{SettingError, Watch};
 
 use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
-use crate::lateration::{Range, multilaterate};
-use crate::memory::check_table;
+use crate::comparators::lateration::{Range, multilaterate};
+use crate::numerics::memory::check_table;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DV-Hop as written in a scenario.

@@ -10,7 +10,7 @@ use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
-use crate::memory::check_table;
+use crate::numerics::memory::check_table;
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// MDS-MAP as written in a scenario.

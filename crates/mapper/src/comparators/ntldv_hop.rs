@@ -8,8 +8,8 @@ use sextant_kernel::{SettingError, Watch};
 use super::dv_hop::{HopLength, hop_length_m};
 use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
-use crate::lateration::{Range, multilaterate_linear, refine};
-use crate::memory::check_table;
+use crate::comparators::lateration::{Range, multilaterate_linear, refine};
+use crate::numerics::memory::check_table;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.

@@ -8,7 +8,7 @@ use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
 use super::ranging::{Ranging, RangingConfig};
-use crate::least_squares::{Damping, LeastSquares, minimum};
+use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.

@@ -11,7 +11,7 @@ use super::eigenpairs::{self, SPARE};
 use super::graph::{Graph, UNREACHED};
 use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
-use crate::memory::check_table;
+use crate::numerics::memory::check_table;
 use crate::purpose;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 

@@ -10,7 +10,7 @@ use super::centroid::weighted_mean;
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
 use super::ranging::{Ranging, RangingConfig};
-use crate::lateration::{Range, multilaterate_linear};
+use crate::comparators::lateration::{Range, multilaterate_linear};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The RSSI triangle centroid as written in a scenario.

@@ -22,8 +22,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
-use crate::heights::check_z_range;
-use crate::normal::below;
+use crate::log_facts::heights::check_z_range;
+use crate::numerics::normal::below;
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
 use fit::Found;
 use hearing::Hearing;

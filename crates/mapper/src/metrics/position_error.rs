@@ -31,7 +31,7 @@ impl PositionError {
         let (count, last) = (sorted.len() as f64, (sorted.len() - 1) as f64);
         let quantile = |share: f64| {
             let place = share * last;
-            let below = crate::lattice::whole(place);
+            let below = crate::numerics::whole(place);
             let above = (below + 1).min(sorted.len() - 1);
             sorted[below] + place.fract() * (sorted[above] - sorted[below])
         };

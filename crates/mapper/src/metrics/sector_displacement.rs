@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 
 use super::error::MetricError;
-use crate::cells::CellIndex;
+use crate::numerics::cells::CellIndex;
 
 /// How sector displacement is measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,7 +154,7 @@ pub fn sector_displacement(
 pub fn sector_of(apart: Position, orientation_rad: f64, sectors: u32) -> u32 {
     let width = TAU / f64::from(sectors);
     let from_first = libm::atan2(apart.y_m, apart.x_m) - orientation_rad + 0.5 * width;
-    let index = crate::lattice::whole(from_first.rem_euclid(TAU) / width);
+    let index = crate::numerics::whole(from_first.rem_euclid(TAU) / width);
     u32::try_from(index).unwrap_or(0) % sectors
 }
 

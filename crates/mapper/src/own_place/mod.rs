@@ -5,6 +5,7 @@
 
 mod evidence;
 mod octets;
+mod orientation;
 mod search_set;
 mod soft;
 mod wedged;
@@ -14,11 +15,12 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 use sextant_kernel::SettingError;
 
-use crate::heights::check_z_range;
-use crate::normal::Normal;
-use crate::solver::Curve;
+use crate::grid_ml::solver::Curve;
+use crate::log_facts::heights::check_z_range;
+use crate::numerics::normal::Normal;
 use crate::{Estimate, EstimateKind, ProfileConfig, ReceptionProfile, SectorTolerance};
 use evidence::Evidence;
+pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
 
 /// Largest number of vertices of a cube as wide as the range of the profile on both sides of an anchor.
 const MOST_VERTICES: f64 = 1e9;

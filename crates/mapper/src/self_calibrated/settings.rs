@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::heights::check_z_range;
+use crate::log_facts::heights::check_z_range;
 
 /// The self-calibrated map as written in a scenario. The defaults fit logs of any range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

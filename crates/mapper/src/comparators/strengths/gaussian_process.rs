@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Watch, Work};
 
-use super::{Strength, all_strengths};
-use crate::reach::{heard_nodes, reach_m};
+use crate::log_facts::reach::{heard_nodes, reach_m};
+use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// The Gaussian process as written in a scenario. It has no settings.

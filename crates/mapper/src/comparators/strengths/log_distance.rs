@@ -10,11 +10,11 @@ use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use super::rssi_centroid::{DEFAULT_G, centroid};
-use super::{Strength, all_strengths};
-use crate::heights::check_z_range;
-use crate::least_squares::{Damping, LeastSquares, minimum};
-use crate::reach::{heard_nodes, reach_m};
-use crate::search_box::{Limits, SearchBox};
+use crate::log_facts::heights::check_z_range;
+use crate::log_facts::reach::{heard_nodes, reach_m};
+use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::strengths::{Strength, all_strengths};
+use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::{Concern, CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// The least-squares fit as written in a scenario.

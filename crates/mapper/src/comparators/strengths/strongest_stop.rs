@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::Watch;
 
-use super::{Strength, all_strengths};
 use crate::comparators::node_by_node;
+use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The strongest stop as written in a scenario. It has no settings.

@@ -1,0 +1,16 @@
+//! Where a node is, with which probability: the posterior of one node, its mean, covariance and region, and why its place
+//! is not reliable.
+
+mod bound;
+mod concern;
+mod local;
+mod node_evidence;
+mod prior;
+mod region;
+
+pub use bound::{TrueModel, posterior_bound_m};
+pub use concern::Concern;
+pub(crate) use local::{LocalPosterior, covariance, local_posterior};
+pub(crate) use node_evidence::NodeEvidence;
+pub use prior::{Area, PlacePrior};
+pub use region::Region;
