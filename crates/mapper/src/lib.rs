@@ -36,6 +36,7 @@ mod numerics;
 mod own_place;
 mod posterior;
 mod purpose;
+mod ranging;
 mod rss_grid;
 mod self_calibrated;
 mod topology_map;
@@ -46,15 +47,15 @@ pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
     DvHopConfig, ExtremeConfig, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength, LandmarksConfig,
     LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, PacketCentroid,
-    PacketCentroidConfig, Ranging, RangingConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof,
-    SmacofConfig, StrongestStop, StrongestStopConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig,
-    TriangleWeights, WeightedCentroid, WeightedCentroidConfig, lateration,
+    PacketCentroidConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop,
+    StrongestStopConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
+    WeightedCentroidConfig, lateration,
 };
 pub use error::MapError;
 pub use grid_ml::{
-    ChannelProfileConfig, CountRule, EstimateKind, Fit, Fitted, FittedConfig, FittedMlTm, JointConfig, JointMlTm,
+    ChannelProfileConfig, CountRule, Fit, Fitted, FittedConfig, FittedMlTm, JointConfig, JointMlTm,
     JointNetworkConfig, Lattice, MlTm, MlTmConfig, MmTm, ObstacleMlTm, ObstacleUse, ProfileConfig, ReceptionProfile,
-    Surface, TableProfile, TieRule, Trapezoid, TrapezoidConfig, at_least_one,
+    Surface, TableProfile, Trapezoid, TrapezoidConfig, at_least_one,
 };
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
@@ -72,10 +73,13 @@ pub use own_place::{
     AnchorSilence, Bearing, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate, OwnPlace,
     OwnPlaceConfig, PlaceModel, RingOrientation, UnorientedRing,
 };
-pub use posterior::{Area, Concern, PlacePrior, Region, TrueModel, posterior_bound_m};
+pub use posterior::{
+    Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueModel, posterior_bound_m,
+};
+pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{
     AbsorptionMap, CalibratedCurve, Calibration, ObstacleClaim, ObstacleKnowledge, SelfCalibrated,
     SelfCalibratedConfig,
 };
-pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};
+pub use topology_map::{CoordinateFrame, TopologyMap};

@@ -7,7 +7,7 @@ use sextant_kernel::{SettingError, Watch};
 
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
-use super::ranging::{Ranging, RangingConfig};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The centroid as written in a scenario: it has no settings.

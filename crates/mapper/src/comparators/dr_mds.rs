@@ -9,9 +9,9 @@ use super::graph::Graph;
 use super::hop_distance::NeighbourRanges;
 use super::mds::classical_mds;
 use super::mds_map::of_parts;
-use super::ranging::{Ranging, RangingConfig};
 use super::smacof::{Dissimilarity, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DR-MDS as written in a scenario.

@@ -15,7 +15,6 @@ mod mds;
 mod mds_map;
 mod ntldv_hop;
 mod packet_centroid;
-pub(crate) mod ranging;
 mod rss_ml;
 mod smacof;
 mod strengths;
@@ -36,7 +35,6 @@ pub use landmarks::{CountConfig, ExtremeConfig, LandmarksConfig};
 pub use mds_map::{MdsMap, MdsMapConfig};
 pub use ntldv_hop::{NtldvHop, NtldvHopConfig};
 pub use packet_centroid::{PacketCentroid, PacketCentroidConfig};
-pub use ranging::{Ranging, RangingConfig};
 pub use rss_ml::{RssMl, RssMlConfig};
 pub use smacof::{Smacof, SmacofConfig};
 pub use strengths::{

@@ -7,8 +7,8 @@ use sextant_channel::{Link, Position};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
-use super::ranging::{Ranging, RangingConfig};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.

@@ -9,8 +9,8 @@ use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds_map::{of_parts, scaled};
-use super::ranging::{Ranging, RangingConfig};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// SMACOF as written in a scenario.

@@ -9,8 +9,8 @@ use sextant_kernel::{SettingError, Watch};
 use super::centroid::weighted_mean;
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
-use super::ranging::{Ranging, RangingConfig};
 use crate::comparators::lateration::{Range, multilaterate_linear};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The RSSI triangle centroid as written in a scenario.

@@ -2,7 +2,7 @@
 //! sectors or without, in free space or among known obstacles.
 
 mod bounded_search;
-mod estimate_kind;
+pub(crate) mod directions;
 pub(crate) mod findings;
 mod fitted;
 mod fitted_ml_tm;
@@ -16,7 +16,6 @@ mod sector_errors;
 pub(crate) mod solver;
 mod surface;
 
-pub use estimate_kind::{EstimateKind, TieRule};
 pub use fitted::{Fit, Fitted};
 pub use fitted_ml_tm::FittedMlTm;
 pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};

@@ -1,7 +1,6 @@
 //! What a log says before any node is placed: who was heard and over which distance, at which heights and in which box a
-//! node is to be sought, what antenna sectors tell of directions, and the signal strengths.
+//! node is to be sought, which antenna sectors count, and the signal strengths.
 
-pub(crate) mod directions;
 pub(crate) mod heights;
 pub(crate) mod reach;
 pub(crate) mod search_box;

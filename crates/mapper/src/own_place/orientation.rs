@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 
-use crate::log_facts::directions::wrapped;
+use crate::grid_ml::directions::wrapped;
 
 /// Two places nearer than this have no direction (m).
 const NO_DIRECTION_M: f64 = 1e-9;

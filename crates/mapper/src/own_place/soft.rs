@@ -9,9 +9,9 @@ use super::OwnEstimate;
 use super::evidence::{Evidence, Known, Product, Sector};
 use super::octets;
 use super::search_set::SearchSet;
+use crate::grid_ml::directions::{CONTRADICTED, wrapped};
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::solver::{Moments, Peak};
-use crate::log_facts::directions::{CONTRADICTED, wrapped};
 use crate::posterior::{covariance, local_posterior};
 use crate::{Estimate, EstimateKind, TieRule};
 

@@ -3,6 +3,8 @@
 
 mod bound;
 mod concern;
+mod estimate;
+mod estimate_kind;
 mod local;
 mod node_evidence;
 mod prior;
@@ -10,6 +12,8 @@ mod region;
 
 pub use bound::{TrueModel, posterior_bound_m};
 pub use concern::Concern;
+pub use estimate::Estimate;
+pub use estimate_kind::{EstimateKind, TieRule};
 pub(crate) use local::{LocalPosterior, covariance, local_posterior};
 pub(crate) use node_evidence::NodeEvidence;
 pub use prior::{Area, PlacePrior};

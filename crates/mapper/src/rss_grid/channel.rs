@@ -7,10 +7,10 @@ use sextant_kernel::{Interrupted, Watch, Work};
 use super::evidence::{Evidence, LEAST_M, Links, below};
 use super::fitted_channel::FittedChannel;
 use super::zoom::{Detail, Posterior};
-use crate::comparators::ranging::RangingConfig;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::density;
 use crate::numerics::whole;
+use crate::ranging::RangingConfig;
 
 /// The values that are given; the others are estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]

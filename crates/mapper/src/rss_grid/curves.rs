@@ -1,7 +1,7 @@
 //! The evidence of a stop as a function of distance.
 
-use crate::comparators::ranging::Ranging;
 use crate::numerics::whole;
+use crate::ranging::Ranging;
 
 /// Below this distance the strength is constant (m).
 const LEAST_M: f64 = 0.1;

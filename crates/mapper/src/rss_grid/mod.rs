@@ -21,11 +21,11 @@ pub use self::fitted_channel::FittedChannel;
 use self::search::Search;
 use self::tiles::Tiles;
 use self::zoom::{Detail, Posterior};
-use crate::comparators::ranging::{Ranging, RangingConfig};
 use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, strengths};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{
     Concern, CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights,
     TopologyMap,

@@ -10,7 +10,7 @@ use super::draft::Draft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
-use crate::log_facts::directions::{CoverageEdge, Directions};
+use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::log_facts::heights::are_level;
 use crate::log_facts::reach::{is_reach_known, reach_m};
 use crate::log_facts::search_box::Limits;

@@ -3,7 +3,7 @@
 use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::log_facts::directions::{Directions, covers};
+use crate::grid_ml::directions::{Directions, covers};
 use crate::numerics::cells::CellIndex;
 
 /// Packets between one node and one stop.

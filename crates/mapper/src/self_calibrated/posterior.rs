@@ -10,7 +10,7 @@ use super::likelihood::Likelihood;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{Detail, Window};
-use crate::log_facts::directions::Directions;
+use crate::grid_ml::directions::Directions;
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::covariance;
 

@@ -6,7 +6,7 @@ use sextant_kernel::NodeId;
 use super::belief::Belief;
 use super::receivers;
 use crate::TableProfile;
-use crate::log_facts::directions::{Directions, covers};
+use crate::grid_ml::directions::{Directions, covers};
 use crate::numerics::never_rising;
 use crate::numerics::whole;
 

@@ -5,7 +5,7 @@ use sextant_kernel::{NodeId, Watch};
 
 use super::belief::Belief;
 use super::curve::{Counts, FittedCurve};
-use crate::log_facts::directions::{Directions, covers};
+use crate::grid_ml::directions::{Directions, covers};
 use crate::log_facts::heights::Heights;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
+use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::grid_ml::profile::averaged_over_cell;
-use crate::log_facts::directions::{CoverageEdge, Directions};
 use crate::log_facts::heights::{Heights, SoughtHeights};
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
