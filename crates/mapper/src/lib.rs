@@ -22,6 +22,9 @@
 //! assert!((place.x_m - 4.0).abs() < 0.5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Cargo features, all on by default: `config` reads settings and writes results with serde and has their JSON schema;
+//! `obstacles` maps among known obstacles, for which it needs a geometry library. A log is mapped without either.
 
 mod algorithm;
 mod auto;
@@ -52,10 +55,12 @@ pub use comparators::{
     WeightedCentroidConfig, lateration,
 };
 pub use error::MapError;
+#[cfg(feature = "obstacles")]
+pub use grid_ml::ObstacleMlTm;
 pub use grid_ml::{
     ChannelProfileConfig, CountRule, Fit, Fitted, FittedConfig, FittedMlTm, JointConfig, JointMlTm,
-    JointNetworkConfig, Lattice, MlTm, MlTmConfig, MmTm, ObstacleMlTm, ObstacleUse, ProfileConfig, ReceptionProfile,
-    Surface, TableProfile, Trapezoid, TrapezoidConfig, at_least_one,
+    JointNetworkConfig, Lattice, MlTm, MlTmConfig, MmTm, ObstacleUse, ProfileConfig, ReceptionProfile, Surface,
+    TableProfile, Trapezoid, TrapezoidConfig, at_least_one,
 };
 pub use knowledge::{Knowledge, KnowledgeKind};
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};

@@ -1,25 +1,28 @@
 //! Distances from signal strengths.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// The law that turns signal strengths into distances, as written in a scenario. It ignores obstacles. In a scenario,
 /// absent values come from its radio and channel. Elsewhere, exponent and transmit power are required.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RangingConfig {
     /// Path loss exponent.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub exponent: Option<f64>,
     /// Transmit power at the reference distance (dBm).
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub tx_power_dbm: Option<f64>,
     /// Distance at which the transmit power is given (m); 1 if absent, also in the channel.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub reference_distance_m: Option<f64>,
     /// Standard deviation of shadowing (dB).
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub sigma_db: Option<f64>,
 }
 

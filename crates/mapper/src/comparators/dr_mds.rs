@@ -1,6 +1,8 @@
 //! DR-MDS (Peng and Li 2014), reconstructed: scaling of distances that are straight over two hops.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Watch};
 
@@ -15,8 +17,9 @@ use crate::ranging::{Ranging, RangingConfig};
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DR-MDS as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DrMdsConfig {
     /// How signal strengths between neighbours become distances.
     pub ranging: RangingConfig,
@@ -28,7 +31,7 @@ pub struct DrMdsConfig {
     pub link_share: f64,
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub dimensions: Option<u8>,
 }
 

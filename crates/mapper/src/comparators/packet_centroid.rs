@@ -1,6 +1,8 @@
 //! Centroids of the stops that heard a node, weighted by the packets that they received.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError};
@@ -8,8 +10,9 @@ use sextant_kernel::{NodeId, SettingError};
 use crate::{CoordinateFrame, KnowledgeKind, TopologyMap};
 
 /// The packet centroid as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct PacketCentroidConfig {
     /// Each stop weighs the share of the packets that it received to this power: above 0, at most 100.
     pub power: f64,

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
@@ -14,52 +16,55 @@ use crate::grid_ml::ml_tm::DEFAULT_MEMORY_MB;
 use crate::grid_ml::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
 use crate::log_facts::reach::heard_nodes;
 use crate::{
-    CoordinateFrame, CountRule, Estimate, EstimateKind, Fit, FittedConfig, FittedMlTm, Lattice, MapError, MlTm,
-    MlTmConfig, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
+    CoordinateFrame, CountRule, Estimate, EstimateKind, Fit, FittedMlTm, Lattice, MapError, MlTm, MlTmConfig,
+    ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
 };
 
 /// A joint map as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct JointConfig {
     /// The networks whose logs are evidence, at least two.
     pub networks: Vec<JointNetworkConfig>,
     /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
     /// How the place is estimated from the likelihood.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub estimate: EstimateKind,
     /// Which place `argmax` takes if several vertices have the highest likelihood.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub ties: TieRule,
     /// Lowest and highest height of a node (m). If absent, as for `ml_tm`, from the stops of all networks and the longest
     /// range.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
     /// Maximum memory for the grid window of one node (MB); 512 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub max_memory_mb: Option<u32>,
 }
 
 /// One network of a joint map as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct JointNetworkConfig {
     /// Name of the network.
     pub network: String,
     /// How likely a packet is received over a distance; fitted to the log of the network if absent.
-    #[serde(default = "fitted")]
+    #[cfg_attr(feature = "config", serde(default = "fitted"))]
     pub profile: ProfileConfig,
     /// How a reception of several packets counts, as for `ml_tm`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub counts: Option<CountRule>,
     /// How the antenna sectors of the network are used. If absent, the sectors of its log are evidence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sectors: Option<SectorsConfig>,
 }
 
+#[cfg(feature = "config")]
 fn fitted() -> ProfileConfig {
-    ProfileConfig::Fitted(FittedConfig::default())
+    ProfileConfig::Fitted(crate::FittedConfig::default())
 }
 
 /// A map from the logs of several networks of the same nodes, each with its own stops, profile and sectors.

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use rayon::prelude::*;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
@@ -22,8 +24,9 @@ use crate::{
 };
 
 /// ML-TM as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MlTmConfig {
     /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
@@ -31,24 +34,24 @@ pub struct MlTmConfig {
     pub profile: ProfileConfig,
     /// How a reception of several packets counts. If absent: `packets`, or `at_least_one` under a `channel` profile
     /// with `packets_per_stop`, whose curve is that of a whole slot.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub counts: Option<CountRule>,
     /// How the place is estimated from the likelihood.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub estimate: EstimateKind,
     /// Which place `argmax` takes if several vertices have the highest likelihood.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub ties: TieRule,
     /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
     /// heights of the stops differ by at most a twentieth of the range of the profile; otherwise from one range below
     /// the stops to one range above them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
     /// How the antenna sectors in which nodes were heard are used. If absent, the sectors of the log are evidence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sectors: Option<SectorsConfig>,
     /// Maximum memory for the grid window of one node (MB); 512 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub max_memory_mb: Option<u32>,
 }
 
@@ -56,8 +59,9 @@ pub struct MlTmConfig {
 pub(crate) const DEFAULT_MEMORY_MB: u32 = 512;
 
 /// How a reception of several packets counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum CountRule {
     /// Each packet received or missed counts by itself.
     Packets,

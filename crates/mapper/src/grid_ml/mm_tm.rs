@@ -4,8 +4,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
 use crate::{
-    Fit, FittedMlTm, MapError, MlTm, MlTmConfig, ObstacleUse, ProfileConfig, ReceptionProfile, SectorTolerance,
-    TopologyMap,
+    Fit, FittedMlTm, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, SectorTolerance, TopologyMap,
 };
 
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
@@ -76,7 +75,8 @@ impl TryFrom<MlTmConfig> for MmTm {
             ProfileConfig::Fitted(fitted) => {
                 FittedMlTm::new(config, fitted).map(|fitted| Self(Likelihood::Fitted(Box::new(fitted))))
             }
-            ProfileConfig::Channel(channel) if channel.obstacles == ObstacleUse::Known => {
+            #[cfg(feature = "obstacles")]
+            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
                 Err(SettingError::new("profile.channel.obstacles", "known", "unknown; only ml_tm counts obstacles"))
             }
             ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => {

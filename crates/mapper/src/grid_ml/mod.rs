@@ -10,6 +10,7 @@ mod joint;
 mod lattice;
 mod ml_tm;
 mod mm_tm;
+#[cfg(feature = "obstacles")]
 mod obstacle_ml_tm;
 pub(crate) mod profile;
 mod sector_errors;
@@ -22,6 +23,7 @@ pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
 pub use lattice::Lattice;
 pub use ml_tm::{CountRule, MlTm, MlTmConfig};
 pub use mm_tm::MmTm;
+#[cfg(feature = "obstacles")]
 pub use obstacle_ml_tm::ObstacleMlTm;
 pub use profile::{
     ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,

@@ -88,6 +88,7 @@ pub(crate) enum Heights {
 }
 
 impl Heights {
+    #[cfg(feature = "obstacles")]
     /// The allowed height nearest to `z_m` (m).
     pub(crate) fn clamp(self, z_m: f64) -> f64 {
         match self {

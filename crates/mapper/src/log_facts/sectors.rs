@@ -1,6 +1,8 @@
 //! How the antenna sector in which a node was heard is used.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable, Wedge};
 use sextant_kernel::SettingError;
@@ -8,26 +10,28 @@ use sextant_kernel::SettingError;
 use crate::MapError;
 
 /// How the sectors of receptions enter the likelihood, as written in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorsConfig {
     /// How far outside the sector of a reception a vertex may lie.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub tolerance: SectorTolerance,
     /// The sectors of the listener. If absent, those in the log. If the log has none either, sectors are not used.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub layout: Option<SectorLayoutConfig>,
     /// What a stop that heard nothing says about places to which no sector points.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub silence: SilenceRule,
     /// How likely a node names a sector, given the direction to it.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub model: SectorModel,
 }
 
 /// How likely a node names a sector, given the direction to it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorModel {
     /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
     #[default]
@@ -38,11 +42,12 @@ pub enum SectorModel {
 
 /// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
 /// elliptical: its half-power widths are those of the sector.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct SoftSectorsConfig {
     /// Standard deviation of the error of the strength of a sector (dB); estimated from the log if absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub sigma_db: Option<f64>,
     /// How far side lobes are below the peak of a sector (dB).
     pub side_lobe_db: f64,
@@ -55,8 +60,9 @@ impl Default for SoftSectorsConfig {
 }
 
 /// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SilenceRule {
     /// Nothing, as if they were beyond the range: no packet can arrive from there. A place is covered if any sector
     /// with its tolerance holds it.
@@ -68,8 +74,9 @@ pub enum SilenceRule {
 
 /// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
 /// vertices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorTolerance {
     /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
     #[default]
@@ -85,8 +92,9 @@ pub enum SectorTolerance {
 }
 
 /// The sectors of a listener as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum SectorLayoutConfig {
     /// Sectors of equal width all round.
     Even(EvenSectorsConfig),

@@ -5,7 +5,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 
@@ -21,8 +23,9 @@ const ROUNDING_RAD: f64 = 1e-9;
 const DEVIATIONS: f64 = 2.0;
 
 /// How the bearings of an anchor are combined, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum DirectionRule {
     /// The middle of the directions that the most bearings allow. If no more than half of them agree anywhere, the
     /// circular mean.

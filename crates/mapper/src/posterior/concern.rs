@@ -2,11 +2,13 @@
 
 use std::fmt;
 
+#[cfg(feature = "config")]
 use serde::Serialize;
 
 /// Why the place of a node is not reliable, although the algorithm gives one. A node with a concern has not converged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "config", derive(Serialize))]
+#[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum Concern {
     /// The node is as likely at the edge of the area in which it was searched for: it may be farther away.
     AtEdge,

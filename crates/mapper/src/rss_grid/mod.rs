@@ -9,7 +9,9 @@ mod tiles;
 mod zoom;
 
 use rayon::prelude::*;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
@@ -32,32 +34,34 @@ use crate::{
 };
 
 /// The Bayesian grid as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct RssGridConfig {
     /// Distance of neighbouring grid vertices (m). If absent, a sixtieth of the reach seen in the log, or a fortieth in
     /// space.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub grid_step_m: Option<f64>,
     /// How power falls with distance, and how it scatters. Absent values are those of the channel of the scenario; without
     /// one, they are estimated from the log.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub ranging: RangingConfig,
     /// Least power at which packets are received (dBm). If absent, that of the radio of the scenario; without one, it is
     /// estimated from the log.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sensitivity_dbm: Option<f64>,
     /// Hard communication radius (m). If absent in a scenario, that of its channel.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub max_range_m: Option<f64>,
     /// How the place is estimated from the likelihood.
-    #[serde(default = "posterior_mean")]
+    #[cfg_attr(feature = "config", serde(default = "posterior_mean"))]
     pub estimate: EstimateKind,
     /// Lowest and highest height of a node (m); as of `ml_tm` if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
 }
 
+#[cfg(feature = "config")]
 fn posterior_mean() -> EstimateKind {
     EstimateKind::PosteriorMean
 }

@@ -1,6 +1,8 @@
 //! The reception profile that a known channel implies.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{
     ChannelConfig, ChannelLaw, CorrelationConfig, Db, Dbm, LogDistanceConfig, PathLossConfig, ShadowingConfig,
@@ -14,68 +16,71 @@ use crate::TableProfile;
 
 /// The profile of a known channel as written in a scenario. In a scenario, absent values come from its radio, channel
 /// and traffic. Elsewhere, the first four values are required.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ChannelProfileConfig {
     /// Path loss exponent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub exponent: Option<f64>,
     /// Standard deviation of shadowing (dB).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sigma_db: Option<f64>,
     /// Transmit power at the reference distance (dBm).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub tx_power_dbm: Option<f64>,
     /// Least power at which packets are received (dBm).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sensitivity_dbm: Option<f64>,
     /// Hard communication radius (m). If absent, there is none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub max_range_m: Option<f64>,
     /// Distance at which the transmit power is given (m); 1 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub reference_distance_m: Option<f64>,
     /// Below this distance the path loss is constant (m); 0.1 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub min_distance_m: Option<f64>,
     /// Loss in proportion to the distance, on top (dB/km): gases of the air; 0 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub gas_db_per_km: Option<f64>,
     /// Carrier at which known obstacles absorb (GHz); 2.45 if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub carrier_ghz: Option<f64>,
     /// Share of the strong enough packets that survive collisions; above 0, at most 1.
-    #[serde(default = "default_delivery")]
+    #[cfg_attr(feature = "config", serde(default = "default_delivery"))]
     pub delivery: f64,
     /// Mean number of packets that a node sends while the robot listens at a stop. The curve is then the probability
     /// of hearing at least one of them, and a stop counts as one packet. If absent, the curve is the probability of
     /// receiving each packet.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub packets_per_stop: Option<f64>,
     /// Whether the probability at a vertex is averaged over its grid cell. If not, a hard radius may rule out the
     /// vertices nearest to a node, where the node itself is only just in range.
-    #[serde(default = "default_cell_average")]
+    #[cfg_attr(feature = "config", serde(default = "default_cell_average"))]
     pub cell_average: bool,
     /// Whether the map knows the obstacles of the world. If so, the probability at a vertex includes what the
     /// obstacles on the straight line to each stop absorb.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub obstacles: ObstacleUse,
     /// Lowest probability of a reception, at any distance.
-    #[serde(default = "super::default_floor")]
+    #[cfg_attr(feature = "config", serde(default = "super::default_floor"))]
     pub floor: f64,
     /// Highest probability of a reception, at any distance.
-    #[serde(default = "super::default_ceiling")]
+    #[cfg_attr(feature = "config", serde(default = "super::default_ceiling"))]
     pub ceiling: f64,
 }
 
 /// Whether a map knows the obstacles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ObstacleUse {
     /// It knows no obstacles.
     #[default]
     Unknown,
     /// It knows all obstacles. Only possible in a simulation.
+    #[cfg(feature = "obstacles")]
     Known,
 }
 
@@ -154,10 +159,9 @@ impl ChannelProfileConfig {
             (needed("tx_power_dbm", self.tx_power_dbm)?, needed("sensitivity_dbm", self.sensitivity_dbm)?);
         SettingError::finite("tx_power_dbm", tx)?;
         SettingError::finite("sensitivity_dbm", sensitivity)?;
-        let carrier_ghz = match self.carrier_ghz {
-            Some(carrier_ghz) => Some(SettingError::in_range("carrier_ghz", carrier_ghz, 0.1, 1000.0)?),
-            None => None,
-        };
+        if let Some(carrier_ghz) = self.carrier_ghz {
+            SettingError::in_range("carrier_ghz", carrier_ghz, 0.1, 1000.0)?;
+        }
         let delivery = above_0_to_1("delivery", self.delivery)?;
         let packets = SettingError::positive("packets_per_stop", self.packets_per_stop.unwrap_or(1.0))?;
         let default = LogDistanceConfig::default();
@@ -179,7 +183,15 @@ impl ChannelProfileConfig {
             obstacles_attenuate: false,
         };
         let law = ChannelLaw::try_from(config).map_err(flat)?;
-        Ok(KnownLink { law, carrier_ghz, tx: Dbm(tx), sensitivity: Dbm(sensitivity), delivery, packets })
+        Ok(KnownLink {
+            law,
+            #[cfg(feature = "obstacles")]
+            carrier_ghz: self.carrier_ghz,
+            tx: Dbm(tx),
+            sensitivity: Dbm(sensitivity),
+            delivery,
+            packets,
+        })
     }
 }
 
@@ -187,6 +199,7 @@ impl ChannelProfileConfig {
 #[derive(Clone, Debug)]
 pub(crate) struct KnownLink {
     law: ChannelLaw,
+    #[cfg(feature = "obstacles")]
     carrier_ghz: Option<f64>,
     tx: Dbm,
     sensitivity: Dbm,
@@ -206,11 +219,13 @@ impl KnownLink {
     }
 
     /// Carrier at which obstacles absorb (GHz).
+    #[cfg(feature = "obstacles")]
     pub(crate) fn carrier_ghz(&self) -> Option<f64> {
         self.carrier_ghz
     }
 
     /// Distance beyond which almost nothing is received (m).
+    #[cfg(feature = "obstacles")]
     pub(crate) fn reach_m(&self) -> f64 {
         self.law.reach_m(self.tx, self.sensitivity)
     }

@@ -1,6 +1,8 @@
 //! Reception profiles: how likely a packet is received over a distance.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -12,6 +14,7 @@ mod table;
 mod trapezoid;
 
 pub(crate) use cell::averaged_over_cell;
+#[cfg(feature = "obstacles")]
 pub(crate) use channel::KnownLink;
 pub use channel::{ChannelProfileConfig, ObstacleUse, at_least_one};
 pub use fitted::FittedConfig;
@@ -23,8 +26,9 @@ pub use trapezoid::{Trapezoid, TrapezoidConfig};
 pub(crate) const DEFAULT_FLOOR: f64 = 1e-6;
 
 /// A reception profile as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum ProfileConfig {
     /// Constant near the node, then falling linearly to 0.
     Trapezoid(TrapezoidConfig),

@@ -1,14 +1,17 @@
 //! The trapezoid: a constant probability near the node, then a straight line down to 0.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use super::limits::{Limits, above_0_to_1};
 
 /// The trapezoid as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct TrapezoidConfig {
     /// Reception probability next to the node, above 0, at most 1.
     pub p0: f64,
@@ -17,10 +20,10 @@ pub struct TrapezoidConfig {
     /// Nothing is received at this distance or beyond (m).
     pub range_m: f64,
     /// Lowest probability of a reception, at any distance; 0 for the literal profile of the thesis.
-    #[serde(default = "super::default_floor")]
+    #[cfg_attr(feature = "config", serde(default = "super::default_floor"))]
     pub floor: f64,
     /// Highest probability of a reception, at any distance; 1 for the literal profile of the thesis.
-    #[serde(default = "super::default_ceiling")]
+    #[cfg_attr(feature = "config", serde(default = "super::default_ceiling"))]
     pub ceiling: f64,
 }
 
