@@ -7,7 +7,7 @@ use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::Seed;
 use sextant_mapper::PlacePrior;
 
-use super::logs::NetworkLogs;
+use super::logs::MapLogs;
 use crate::diagnostic::Failure;
 use crate::measure::Dimensions;
 use crate::recording::{self, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
@@ -112,9 +112,9 @@ impl Input {
     }
 
     /// The logs by network.
-    pub(super) fn logs(&self) -> NetworkLogs<'_> {
+    pub(super) fn logs(&self) -> MapLogs<'_> {
         let others = self.other_logs.iter().map(|(name, log)| (name.as_str(), log));
-        NetworkLogs::new((self.network.as_deref(), &self.log), others)
+        MapLogs::new((self.network.as_deref(), &self.log), others)
     }
 
     /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.

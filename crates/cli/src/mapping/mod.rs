@@ -11,6 +11,6 @@ mod prior;
 pub use contents::Contents;
 pub use figures::{drawn, figures};
 pub use input::Input;
-pub use logs::NetworkLogs;
+pub use logs::MapLogs;
 pub use pipeline::{ComputedMap, map};
 pub use prior::place_prior;

@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime, StationId};
 use sextant_sim::{
-    BusyNetwork, Estimate, Field, FieldId, FrameOnAir, Ieee802154, NetworkId, Observer, Pose, Progress, Sensed,
-    TargetId, Technology, World,
+    Estimate, Field, FieldId, FrameFormat, FrameOnAir, Network, NetworkId, Observer, Pose, Progress, Sensed,
+    TargetId, World,
 };
 
 use super::witness::Witness;
@@ -67,15 +67,15 @@ pub(super) struct Sniffer<'a> {
 
 /// A network whose frames are captured.
 struct Sniffed {
-    technology: Technology,
+    format: FrameFormat,
     /// Carrier frequency that its channel names; that of the radios if absent (Hz).
     carrier_hz: Option<f64>,
 }
 
-impl From<&BusyNetwork> for Sniffed {
-    fn from(network: &BusyNetwork) -> Self {
-        let carrier_hz = network.link.channel.carrier_ghz().map(|carrier_ghz| 1e9 * carrier_ghz);
-        Self { technology: network.link.technology.clone(), carrier_hz }
+impl From<&Network> for Sniffed {
+    fn from(network: &Network) -> Self {
+        let carrier_hz = network.channel.carrier_ghz().map(|carrier_ghz| 1e9 * carrier_ghz);
+        Self { format: network.technology.frame_format(), carrier_hz }
     }
 }
 
@@ -96,16 +96,15 @@ impl<'a> Sniffer<'a> {
             },
         };
         let FrameOnAir { airtime, bytes, .. } = *frame;
-        let Sniffed { technology, carrier_hz } = &self.networks[frame.network.index()];
-        match technology {
-            Technology::Ieee802154(Ieee802154 { radio, .. }) => {
-                let signal = power.map(|power| Signal { power, sensitivity: radio.sensitivity() });
-                let channel = self.channel.unwrap_or(radio.channel());
-                let page = radio.phy().page();
+        let Sniffed { format, carrier_hz } = &self.networks[frame.network.index()];
+        match *format {
+            FrameFormat::Tap { page, channel, sensitivity } => {
+                let signal = power.map(|power| Signal { power, sensitivity });
+                let channel = self.channel.unwrap_or(channel);
                 self.capture.frame(&CapturedFrame { start, airtime, mpdu: bytes, channel, page, signal })
             }
-            Technology::Ieee80211ad(links) => {
-                let carrier_hz = carrier_hz.unwrap_or(links.radio.carrier_hz());
+            FrameFormat::Radiotap { carrier_hz: of_radio } => {
+                let carrier_hz = carrier_hz.unwrap_or(of_radio);
                 self.capture.dmg_frame(&CapturedDmgFrame { start, airtime, octets: bytes, carrier_hz, power })
             }
         }
@@ -157,9 +156,10 @@ impl<'a, 'i> Gathering<'a, 'i> {
         let network_names: Vec<String> = network_names.collect();
         let others = scenario.surveyed().into_iter().skip(1);
         for (i, network) in scenario.surveyed().into_iter().enumerate() {
-            if let Some(links) = scenario.networks()[network.index()].link.technology.ieee802154() {
+            let technology = &scenario.networks()[network.index()].technology;
+            if technology.antennas().is_none() {
                 let other = (i > 0).then(|| network_names[network.index()].as_str());
-                recorder.set_sensitivity(other, links.radio.sensitivity());
+                recorder.set_sensitivity(other, technology.sensitivity());
             }
         }
         let others = others.map(|network| (network, network_names[network.index()].clone())).collect();

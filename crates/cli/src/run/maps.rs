@@ -13,6 +13,7 @@ use super::distributed::{evaluate_distributed, messages_of_nodes};
 use super::evaluation::{self, Evaluation};
 use super::simulator::Simulated;
 use crate::diagnostic::Failure;
+use crate::mapping::MapLogs;
 use crate::recording::{FileRecorder, GridPlane, Level, PlacedNode};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::MapSummary;
@@ -123,7 +124,8 @@ fn record_likelihoods(
     recorder: &mut FileRecorder,
     watch: &dyn Watch,
 ) -> Result<(), Failure> {
-    let log = evaluation::logs(scenario, survey).of(named);
+    let logs = MapLogs::from(&survey.logs);
+    let log = logs.of(named);
     let fit = match learned {
         Some(Learned::Profile(fit)) => Some(fit),
         _ => None,

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{SensorsConfig, Survey};
+use sextant_sim::{FrameFormat, SensorsConfig, Survey};
 
 use super::application::{self, MadeMap};
 use super::discovery::Discoveries;
@@ -139,7 +139,10 @@ fn apply_all(
 
 /// The technologies of the networks.
 fn technologies(scenario: &Scenario) -> Technologies {
-    let mut all = scenario.networks().iter().map(|network| network.link.technology.ieee80211ad().is_some());
+    let mut all = scenario
+        .networks()
+        .iter()
+        .map(|network| matches!(network.technology.frame_format(), FrameFormat::Radiotap { .. }));
     let first = all.next().unwrap_or(false);
     match (first, all.all(|other| other == first)) {
         (_, false) => Technologies::Both,
@@ -188,9 +191,9 @@ fn open_logs(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Fai
         recorder.networks(&names)?;
     }
     for (i, network) in surveyed.iter().enumerate() {
-        if let Some(links) = network.link.technology.ieee80211ad() {
+        if let Some(links) = network.technology.antennas() {
             let other = network.name.as_deref().filter(|_| i > 0);
-            recorder.sectors(other, &links.antennas.robot_sectors())?;
+            recorder.sectors(other, links.robot_sectors())?;
         }
     }
     Ok(())
