@@ -15,7 +15,7 @@ fn applications(criterion: &mut Criterion) {
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(10));
     for file in ["target/case-1", "target/case-2", "target/case-3", "seek/one-source"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenarios/{file}.toml"));
-        let scenario = Scenario::load(&path, &[], None).expect("scenarios of the repository are good");
+        let scenario = Scenario::load(&path).expect("scenarios of the repository are good");
         group.throughput(Throughput::Elements(scenario.world().nodes.len() as u64));
         let run = || run(&scenario, &mut (), &Unwatched).expect("a scenario that was checked");
         group.bench_function(file, |bencher| bencher.iter(|| black_box(run())));

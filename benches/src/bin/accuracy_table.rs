@@ -50,7 +50,7 @@ fn rows(out: &mut impl Write, path: &Path, runs: u64) -> std::io::Result<()> {
     let mut bounds_m: Vec<f64> = Vec::new();
     let other = |error: &dyn std::fmt::Display| std::io::Error::other(error.to_string());
     for seed in 1..=runs {
-        let scenario = Scenario::load(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
+        let scenario = Scenario::load_with(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
         let run = run(&scenario, &mut (), &Unwatched).map_err(|error| other(&error))?;
         bounds_m.extend(run.maps().iter().find_map(|map| map.summary.posterior_bound_m));
         names = run.maps().iter().map(|map| map.name.clone()).collect();

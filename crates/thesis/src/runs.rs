@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::error::ReproductionError;
 use sextant::summary::Measure;
-use sextant::sweep::{self, Mean, Plan, Row, Share};
+use sextant::sweep::{self, Mean, Row, Share, Sweep};
 use sextant_kernel::Watch;
 use sextant_kernel::text::counted;
 
@@ -34,7 +34,7 @@ impl Term {
 pub struct Runs {
     folder: PathBuf,
     count: NonZeroU32,
-    of: BTreeMap<&'static str, (Plan, Vec<Row>)>,
+    of: BTreeMap<&'static str, (Sweep, Vec<Row>)>,
 }
 
 impl Runs {
@@ -56,10 +56,10 @@ impl Runs {
         watch: &dyn Watch,
     ) -> Result<Vec<&'static str>, ReproductionError> {
         let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(name)).collect();
-        let plan = |scenario: &&'static str| Plan::read(&self.folder.join(scenario), &[], None, Some(self.count));
+        let plan = |scenario: &&'static str| Sweep::read(&self.folder.join(scenario), &[], None, Some(self.count));
         let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         if !new.is_empty() {
-            let runs = counted(plans.iter().map(Plan::survey_count).sum(), "run");
+            let runs = counted(plans.iter().map(Sweep::survey_count).sum(), "run");
             tell(&format!("{runs} of {}, then one of each for its figures", counted(new.len(), "scenario")));
         }
         let (rows, outcome) = sweep::rows(&plans, watch);
@@ -70,7 +70,7 @@ impl Runs {
     }
 
     /// Adds the rows of a scenario.
-    pub fn insert(&mut self, scenario: &'static str, (plan, rows): (Plan, Vec<Row>)) {
+    pub fn insert(&mut self, scenario: &'static str, (plan, rows): (Sweep, Vec<Row>)) {
         self.of.insert(scenario, (plan, rows));
     }
 
@@ -107,12 +107,12 @@ impl Runs {
 
     /// The plan of a scenario that was run.
     #[must_use]
-    pub fn plan(&self, scenario: &str) -> Option<&Plan> {
+    pub fn plan(&self, scenario: &str) -> Option<&Sweep> {
         self.of.get(scenario).map(|(plan, _)| plan)
     }
 
     /// The scenarios with their plans and rows.
-    pub fn scenarios(&self) -> impl Iterator<Item = (&'static str, &Plan, &[Row])> {
+    pub fn scenarios(&self) -> impl Iterator<Item = (&'static str, &Sweep, &[Row])> {
         self.of.iter().map(|(&scenario, (plan, rows))| (scenario, plan, rows.as_slice()))
     }
 
@@ -131,7 +131,7 @@ impl Runs {
 }
 
 /// The first cell that has these settings.
-fn cell(plan: &Plan, settings: &[(&str, String)]) -> Option<usize> {
+fn cell(plan: &Sweep, settings: &[(&str, String)]) -> Option<usize> {
     let has = |cell: usize| {
         let values = plan.values(cell);
         settings.iter().all(|(key, wanted)| {

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use super::*;
 use sextant::scenario::Scenario;
 use sextant::summary::Measure;
-use sextant::sweep::{self, Plan, Row};
+use sextant::sweep::{self, Row, Sweep};
 use sextant_kernel::Unwatched;
 
 /// Invented runs.
@@ -128,7 +128,7 @@ fn tiny_seek(scenario: &str) -> Vec<String> {
 }
 
 /// The plans of all scenarios of the chapters, in full size or tiny. Their files are in `folder`.
-fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
+fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Sweep> {
     write_scenarios(folder.path()).unwrap();
     let mut plans = BTreeMap::new();
     for scenario in experiments().iter().flat_map(Experiment::scenarios) {
@@ -138,7 +138,7 @@ fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Plan> {
             _ if scenario.starts_with("target/") || scenario.starts_with("seek/") => SEARCH_RUNS,
             _ => RUNS,
         };
-        let plan = || Plan::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
+        let plan = || Sweep::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
         plans.entry(scenario).or_insert_with(plan);
     }
     plans
@@ -171,7 +171,7 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
 }
 
 /// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
-fn made_up(plans: &BTreeMap<&'static str, Plan>, value: impl Fn(&str, usize, Measure<'_>) -> Option<f64>) -> Runs {
+fn made_up(plans: &BTreeMap<&'static str, Sweep>, value: impl Fn(&str, usize, Measure<'_>) -> Option<f64>) -> Runs {
     let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
     for (&scenario, plan) in plans {
         let row = |cell: usize, replicate: u32| {
@@ -232,7 +232,7 @@ fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
             let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
                 continue;
             };
-            let scenario = Scenario::load(&folder.path().join(term.scenario), &[], None).unwrap();
+            let scenario = Scenario::load(&folder.path().join(term.scenario)).unwrap();
             let column = term.measure.column();
             let index = match column.split_once("connectivity_errors.") {
                 Some((_, rest)) => rest[..1].parse().unwrap(),
@@ -256,7 +256,7 @@ fn published_connectivity_errors_are_only_given_for_the_radius_of_communication(
             quantities.iter().filter(|quantity| quantity.published.is_some())
         {
             let Some((_, rest)) = what.split_once("neighbourhood of ") else { continue };
-            let scenario = Scenario::load(&folder.path().join(term.scenario), &[], None).unwrap();
+            let scenario = Scenario::load(&folder.path().join(term.scenario)).unwrap();
             let radius_m = scenario.config().channel.max_range_m.unwrap();
             assert_eq!(rest, format!("{radius_m} m"), "{what}: {published:?}");
         }

@@ -8,7 +8,7 @@ use clap::Args;
 use super::options::Overrides;
 use crate::diagnostic::{Failure, report};
 use sextant::scenario::Scenario;
-use sextant::sweep::Plan;
+use sextant::sweep::Sweep;
 use sextant_kernel::text::counted;
 
 /// Arguments of `sextant check`.
@@ -26,11 +26,11 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let set = &arguments.overrides.set;
     let mut reports = Vec::new();
     for path in &arguments.scenarios {
-        match Scenario::load(path, set, None) {
+        match Scenario::load_with(path, set, None) {
             Ok(scenario) if scenario.config().sweep.is_none() => {
                 writeln!(io::stdout(), "ok {}: {}", scenario.name(), scenario.outline())?;
             }
-            Ok(scenario) => match Plan::read(path, set, None, None) {
+            Ok(scenario) => match Sweep::read(path, set, None, None) {
                 Ok(plan) => {
                     let cells = counted(plan.cells().len(), "cell");
                     writeln!(io::stdout(), "ok {}: {}, a sweep of {cells}", scenario.name(), scenario.outline())?;

@@ -154,6 +154,6 @@ pub(crate) struct ScenarioSource {
 impl ScenarioSource {
     /// Reads and checks the scenario.
     pub(super) fn load(&self) -> Result<Scenario, ScenarioErrors> {
-        Scenario::load(&self.scenario, &self.overrides.set, self.seed)
+        Scenario::load_with(&self.scenario, &self.overrides.set, self.seed)
     }
 }

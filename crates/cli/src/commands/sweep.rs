@@ -13,7 +13,7 @@ use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
 use sextant::columns::{Align, columns};
 use sextant::summary::{Measure, measures};
-use sextant::sweep::{Column, Plan, Row, Shard, SweepError, TableFormat, clear_parts, run, write_table};
+use sextant::sweep::{Column, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, run, write_table};
 use sextant_kernel::text::counted;
 
 /// Arguments of `sextant sweep`.
@@ -64,7 +64,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     arguments.work.start_threads()?;
     let (source, out) = (&arguments.source, arguments.table());
     TableFormat::of(&out)?;
-    let plan = Plan::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
+    let plan = Sweep::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
     let mut stdout = io::stdout().lock();
     if arguments.dry_run {
         return Ok(print_plan(&plan, &out, &mut stdout)?);
@@ -90,7 +90,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     Ok(())
 }
 
-fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
+fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
     let runs = plan.runs() as usize;
     let last_seed = plan.seed().wrapping_add(u64::from(plan.runs()) - 1);
     writeln!(
@@ -104,7 +104,7 @@ fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()
     )?;
     writeln!(stdout, "table: {}\n", out.display())?;
     for (i, cell) in plan.cells().iter().enumerate() {
-        let flags: Vec<_> = cell.settings.iter().map(|setting| setting.flag()).collect();
+        let flags: Vec<_> = cell.settings.iter().map(|setting| setting.line()).collect();
         writeln!(stdout, "{i:>4}  {}", if flags.is_empty() { "as written".to_owned() } else { flags.join("  ") })?;
     }
     Ok(())
@@ -112,7 +112,7 @@ fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()
 
 /// The rows of a sweep, summarised for each cell.
 struct Results<'a> {
-    plan: &'a Plan,
+    plan: &'a Sweep,
     rows: &'a [Row],
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::document::{Entry, Value};
 use super::key_path::{KeyPath, Step};
-use super::source::Source;
+use super::source::{SETTING, Source};
 
 /// The settings in `root` as a text, with one line `path.to.key = value` per setting.
 pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
@@ -14,9 +14,11 @@ pub(super) fn text(root: &Entry, sources: &[Source]) -> String {
         // File names without folders, so that the text does not depend on the folder.
         let name = Path::new(&source.name).file_name().unwrap_or_default().to_string_lossy();
         let sep = if i > 0 { "," } else { "" };
-        let flag = if name.starts_with("--") { format!(" {:?}", source.text) } else { String::new() };
         // Writing to a string never fails.
-        let _ = write!(text, "{sep} {name}{flag}");
+        let _ = match source.name.as_str() {
+            SETTING => write!(text, "{sep} --set {:?}", source.text),
+            _ => write!(text, "{sep} {name}"),
+        };
     }
     text.push('\n');
     settings(root, &KeyPath::default(), &mut text);

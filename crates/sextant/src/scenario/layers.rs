@@ -1,4 +1,4 @@
-//! The layers of a scenario: the file that it extends, the file itself, and the flags of the command line.
+//! The layers of a scenario: the file that it extends, the file itself, and the settings that override it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,27 +6,49 @@ use std::sync::Arc;
 use super::document::{self, Document, Entry, Value};
 use super::effective;
 use super::error::ScenarioError;
-use super::source::Source;
+use super::source::{SETTING, Source};
 
-/// Reads `path` and the files that it extends, and overrides their settings by `overrides` (each `path.to.key=value`).
-///
-/// Tables are merged key by key. A later layer replaces all other values, also arrays.
-pub(crate) fn read(path: &Path, overrides: &[String], seed: Option<u64>) -> Result<Document, ScenarioError> {
+/// Reads `path` and the files that it extends. Tables are merged key by key. A later layer replaces all other values, also
+/// arrays.
+pub(crate) fn read(path: &Path) -> Result<Document, ScenarioError> {
     let mut sources = Vec::new();
     let root = read_file(path, &mut sources, &mut Vec::new(), None)?;
-    let mut document = Document { root, sources, text: String::new() };
-    let folder = folder_of(path);
-    for flag in overrides {
-        document.lay_flag("--set", flag, &folder)?;
-    }
-    document.text = match document.sources.as_slice() {
-        [only] => only.text.to_string(),
-        layers => effective::text(&document.root, layers),
+    Ok(Document { root, sources, text: String::new() })
+}
+
+/// Reads a scenario from its text. Files that it names are relative to `folder`.
+pub(crate) fn parse(text: &str, folder: &Path) -> Result<Document, ScenarioError> {
+    let source = Source { name: "scenario".to_owned(), text: Arc::from(text), folder: folder.to_owned() };
+    let mut sources = vec![source];
+    let mut own = document::parse(&sources, 0)?;
+    let base = match &mut own.value {
+        Value::Table(table) => table.remove("extends"),
+        _ => None,
     };
-    if let Some(seed) = seed {
-        document.lay_flag("--seed", &format!("seed={seed}"), &folder)?;
+    let Some(base) = base else { return Ok(Document { root: own, sources, text: String::new() }) };
+    let source = sources.remove(0);
+    let root = read_base(&source, base, own, &mut sources, &mut Vec::new())?;
+    Ok(Document { root, sources, text: String::new() })
+}
+
+impl Document {
+    /// Overrides settings by `overrides` (each `path.to.key=value`) and by `seed`, which is not part of the text. Files that
+    /// they name are relative to `folder`.
+    pub(crate) fn override_by(
+        &mut self,
+        overrides: &[String],
+        seed: Option<u64>,
+        folder: &Path,
+    ) -> Result<(), ScenarioError> {
+        for setting in overrides {
+            self.lay_setting(SETTING, setting, folder)?;
+        }
+        self.text = match self.sources.as_slice() {
+            [only] => only.text.to_string(),
+            layers => effective::text(&self.root, layers),
+        };
+        seed.map_or(Ok(()), |seed| self.lay_setting("seed", &format!("seed={seed}"), folder))
     }
-    Ok(document)
 }
 
 impl Document {
@@ -39,7 +61,7 @@ impl Document {
     }
 }
 
-fn folder_of(path: &Path) -> PathBuf {
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
     path.parent().map(Path::to_path_buf).unwrap_or_default()
 }
 
@@ -77,19 +99,30 @@ fn read_file(
         _ => None,
     };
     let Some(base) = base else { return Ok(own) };
+    // The base comes first in the list of sources, because later sources override earlier ones.
+    sources.truncate(index);
+    read_base(&source, base, own, sources, chain)
+}
+
+/// Reads the file that `source` extends, named by `base`, and lays `own`, the settings of `source`, over it.
+fn read_base(
+    source: &Source,
+    base: Entry,
+    mut own: Entry,
+    sources: &mut Vec<Source>,
+    chain: &mut Vec<(PathBuf, String)>,
+) -> Result<Entry, ScenarioError> {
     let Value::String(file) = &base.value else {
         return Err(ScenarioError::new("`extends` is not a text; allowed: the path of one scenario file").at(
-            &source,
+            source,
             base.origin.value,
             "here",
         ));
     };
-    // The base comes first in the list of sources, because later sources override earlier ones.
-    sources.truncate(index);
-    let mention = Some((&source, base.origin.value.clone()));
+    let mention = Some((source, base.origin.value.clone()));
     let mut root = read_file(&source.folder.join(file), sources, chain, mention)?;
     own.renumber(sources.len());
-    sources.push(source);
+    sources.push(source.clone());
     root.overlay(own);
     Ok(root)
 }

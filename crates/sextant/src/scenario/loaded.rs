@@ -1,6 +1,8 @@
 //! A scenario that has been read and checked.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, MapSourceConfig};
@@ -24,32 +26,86 @@ use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
 
 /// A scenario that has been read and checked.
+#[derive(Clone)]
 pub struct Scenario {
+    base: Base,
     config: ScenarioConfig,
-    file: PathBuf,
     named_files: Vec<PathBuf>,
     text: String,
     parts: Parts,
     maps: Vec<NamedMap>,
 }
 
+/// A scenario as it was read, and what overrides it.
+#[derive(Clone, Debug)]
+struct Base {
+    document: Arc<Document>,
+    /// The file, if it is from one.
+    file: PathBuf,
+    /// Paths in the scenario are relative to this folder.
+    folder: PathBuf,
+    /// Settings that override it, each `path.to.key=value`.
+    set: Vec<String>,
+    /// The seed that overrides it.
+    seed: Option<u64>,
+}
+
 impl Scenario {
-    /// Reads the scenario at `path`, overrides it by the flags `set` (each `path.to.key=value`) and by `seed`, and checks
+    /// Reads the scenario at `path`, and checks it.
+    ///
+    /// # Errors
+    /// If a file cannot be read or a setting is invalid: all errors found.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, ScenarioErrors> {
+        Self::load_with(path, &[], None)
+    }
+
+    /// Reads the scenario at `path`, overrides it by the settings `set` (each `path.to.key=value`) and by `seed`, and checks
     /// it.
     ///
     /// # Errors
     /// If a file cannot be read or a setting is invalid: all errors found.
-    pub fn load(path: &Path, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
-        let mut document = layers::read(path, set, seed)?;
+    pub fn load_with(path: impl AsRef<Path>, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        let path = path.as_ref();
+        let document = Arc::new(layers::read(path)?);
+        let (file, folder) = (path.to_owned(), layers::folder_of(path));
+        Self::of(Base { document, file, folder, set: set.to_vec(), seed })
+    }
+
+    /// Reads a scenario from its text, and checks it. Files that it names are relative to the working folder.
+    ///
+    /// # Errors
+    /// If a file cannot be read or a setting is invalid: all errors found.
+    pub fn parse(text: &str) -> Result<Self, ScenarioErrors> {
+        let document = Arc::new(layers::parse(text, Path::new(""))?);
+        Self::of(Base { document, file: PathBuf::new(), folder: PathBuf::new(), set: Vec::new(), seed: None })
+    }
+
+    /// The same scenario with another value of the setting `key`, `channel.max_range_m` or `robots.0.speed_m_per_s` for
+    /// example. `value` is written in TOML; quotes around a text are optional.
+    ///
+    /// # Errors
+    /// If the key or the value is invalid: all errors found.
+    pub fn with(&self, key: &str, value: impl fmt::Display) -> Result<Self, ScenarioErrors> {
+        let mut base = self.base.clone();
+        match value.to_string().parse() {
+            // The seed is not part of the text of a scenario, so that runs with different seeds have the same one.
+            Ok(seed) if key == "seed" => base.seed = Some(seed),
+            _ => base.set.push(format!("{key}={value}")),
+        }
+        Self::of(base)
+    }
+
+    fn of(base: Base) -> Result<Self, ScenarioErrors> {
+        let mut document = Document::clone(&base.document);
+        document.override_by(&base.set, base.seed, &base.folder)?;
         let text = std::mem::take(&mut document.text);
         let mut config: ScenarioConfig = deserialize(&document)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let named_files = named_files(&mut config, &mut document, folder);
+        let named_files = named_files(&mut config, &mut document, &base.folder);
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let (parts, maps) = check(&config, folder, &mut errors);
+        let (parts, maps) = check(&config, &base.folder, &mut errors);
         ScenarioErrors::check(errors.found)?;
         let parts = parts.expect("what has no errors has all its parts");
-        Ok(Self { config, file: path.to_path_buf(), named_files, text, parts, maps })
+        Ok(Self { base, config, named_files, text, parts, maps })
     }
 
     /// The scenario as written, with all layers merged.
@@ -70,8 +126,8 @@ impl Scenario {
         Seed(self.config.seed)
     }
 
-    /// The text of the file or, if it extends another one or flags override it, of the merged settings. The value of
-    /// `--seed` is not in it.
+    /// The text of the file or, if it extends another one or settings override it, of the merged settings. A seed that
+    /// overrides it is not in it.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -80,7 +136,7 @@ impl Scenario {
     /// Name of the file, without its folder.
     #[must_use]
     pub fn file_name(&self) -> String {
-        self.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+        self.base.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// The files that its settings name: tables of nodes and meshes of obstacles. They are not part of its

@@ -235,7 +235,7 @@ impl MapSettings {
     ///
     /// `profile` replaces the profile of every map that has one. It is the name of a profile (`fitted`), or a name, a
     /// colon and settings (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); settings without a name are those of a trapezoid.
-    /// `set` are flags `--set`. If `network` is given, its log is mapped instead of those of the networks that the maps
+    /// `set` are settings `path.to.key=value`. If `network` is given, its log is mapped instead of those of the networks that the maps
     /// name; joint maps keep theirs.
     ///
     /// # Errors
@@ -251,8 +251,8 @@ impl MapSettings {
         if let Some(profile) = profile {
             replace_profiles(&mut document, profile)?;
         }
-        for flag in set {
-            document.lay_flag("--set", flag, Path::new(""))?;
+        for setting in set {
+            document.lay_setting("setting", setting, Path::new(""))?;
         }
         let mut config: MapSettingsConfig = deserialize(&document)?;
         let is_joint = |map: &MapConfig| matches!(map.algorithm, AlgorithmConfig::Joint(_));
@@ -312,10 +312,10 @@ fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), Scenar
         );
     }
     if keys.is_empty() {
-        return Err(ScenarioError::new(format!("--profile {profile}: no map has a reception profile")));
+        return Err(ScenarioError::new(format!("profile `{profile}`: no map has a reception profile")));
     }
     let flag = |key| format!("{key}.{name}={{ {settings} }}");
-    keys.iter().try_for_each(|key| document.lay_flag("--profile", &flag(key), Path::new("")))
+    keys.iter().try_for_each(|key| document.lay_setting("profile", &flag(key), Path::new("")))
 }
 
 #[cfg(test)]

@@ -10,7 +10,6 @@ mod document;
 mod effective;
 mod error;
 mod errors;
-mod flag;
 mod key_path;
 mod keys;
 mod known_channel;
@@ -23,6 +22,7 @@ mod network_config;
 mod networks;
 mod refusal;
 mod robots;
+mod setting_line;
 mod sinks;
 mod snapshots;
 mod source;
@@ -41,7 +41,7 @@ pub use maps::NamedMap;
 pub use network_config::NetworkConfig;
 pub use snapshots::SnapshotsConfig;
 pub use survey_identity::SurveyIdentity;
-pub use sweep::{Setting, Sweep, SweepConfig};
+pub use sweep::{Setting, SweepAxes, SweepConfig};
 
 #[cfg(test)]
 mod tests;

@@ -4,10 +4,13 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A source of settings: a file or a flag of the command line.
+/// Name of the sources that override a scenario by one setting.
+pub(crate) const SETTING: &str = "setting";
+
+/// A source of settings: a file, or one line.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
-    /// Its name in messages: the path as given, or the flag.
+    /// Its name in messages: the path as given, or what the line is.
     pub(crate) name: String,
     /// The whole text.
     pub(crate) text: Arc<str>,

@@ -159,7 +159,7 @@ mod tests {
         shipped(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios"), &mut paths);
         let (mut survey_keys, mut other_keys) = (0, 0);
         for path in paths {
-            let config = Scenario::load(&path, &[], None).unwrap().config().clone();
+            let config = Scenario::load(&path).unwrap().config().clone();
             let identity = SurveyIdentity::of(&config);
             let tree = serde_json::to_value(&config).unwrap();
             let mut pointers = Vec::new();

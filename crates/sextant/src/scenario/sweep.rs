@@ -20,7 +20,7 @@ const MOST_CELLS: usize = 1_000_000;
 /// Default number of runs of each cell.
 const DEFAULT_RUNS: NonZeroU32 = NonZeroU32::new(10).expect("ten is above zero");
 
-/// The settings that `sextant sweep` varies, as written in a scenario. Each key is the path of a setting, as in `--set`:
+/// The settings that `sextant sweep` varies, as written in a scenario. Each key is the path of a setting:
 /// `channel.environment` or `robots.0.speed_m_per_s`. The cells of the sweep are all combinations of a cell of
 /// `product`, a cell of `zip` and a cell of `list`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -46,30 +46,31 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The setting as a flag: `path.to.key=value`.
+    /// The setting in one line: `path.to.key=value`.
     #[must_use]
-    pub fn flag(&self) -> String {
+    pub fn line(&self) -> String {
         format!("{}={}", self.key, self.value)
     }
 }
 
 /// The cells of a sweep, each with the settings that differ from the scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sweep {
-    /// Runs of each cell, unless the command line overrides it.
+pub struct SweepAxes {
+    /// Runs of each cell, unless they are given with the sweep.
     pub runs: NonZeroU32,
     /// The cells. A scenario without `[sweep]` has one cell without settings.
     pub cells: Vec<Vec<Setting>>,
 }
 
-impl Sweep {
-    /// Reads the `[sweep]` of the scenario at `path` with the flags `set`. The keys of `product` keep the order of the
+impl SweepAxes {
+    /// Reads the `[sweep]` of the scenario at `path` with the settings `set`. The keys of `product` keep the order of the
     /// file, and the last key varies fastest.
     ///
     /// # Errors
     /// If the file cannot be read, or `[sweep]` does not have the form of [`SweepConfig`].
     pub fn read(path: &Path, set: &[String]) -> Result<Self, ScenarioErrors> {
-        let document = layers::read(path, set, None)?;
+        let mut document = layers::read(path)?;
+        document.override_by(set, None, &layers::folder_of(path))?;
         Ok(Self::of(&document)?)
     }
 
@@ -259,15 +260,15 @@ mod tests {
     use super::super::source::Source;
     use super::*;
 
-    fn sweep(text: &str) -> Result<Sweep, ScenarioError> {
+    fn sweep(text: &str) -> Result<SweepAxes, ScenarioError> {
         let source = Source { name: "s.toml".into(), text: Arc::from(text), folder: PathBuf::new() };
         let sources = vec![source];
         let root = document::parse(&sources, 0)?;
-        Sweep::of(&Document { root, sources, text: String::new() })
+        SweepAxes::of(&Document { root, sources, text: String::new() })
     }
 
-    fn flags(sweep: &Sweep) -> Vec<String> {
-        let cell = |cell: &Vec<Setting>| cell.iter().map(Setting::flag).collect::<Vec<_>>().join(" ");
+    fn flags(sweep: &SweepAxes) -> Vec<String> {
+        let cell = |cell: &Vec<Setting>| cell.iter().map(Setting::line).collect::<Vec<_>>().join(" ");
         sweep.cells.iter().map(cell).collect()
     }
 
@@ -291,7 +292,7 @@ mod tests {
 
     #[test]
     fn a_scenario_without_a_sweep_has_one_cell() {
-        assert_eq!(sweep("seed = 1").unwrap(), Sweep { runs: DEFAULT_RUNS, cells: vec![Vec::new()] });
+        assert_eq!(sweep("seed = 1").unwrap(), SweepAxes { runs: DEFAULT_RUNS, cells: vec![Vec::new()] });
     }
 
     #[test]

@@ -54,7 +54,11 @@ fn document(files: &[(&str, &str)], set: &[&str]) -> Result<Document, ScenarioEr
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     let set: Vec<_> = set.iter().map(ToString::to_string).collect();
-    let document = layers::read(&folder.path().join(files.last().unwrap().0), &set, None);
+    let path = folder.path().join(files.last().unwrap().0);
+    let document = layers::read(&path).and_then(|mut document| {
+        document.override_by(&set, None, &layers::folder_of(&path))?;
+        Ok(document)
+    });
     let strip = |name: &str| name.replace(&format!("{}/", folder.path().display()), "");
     document
         .map(|mut document| {
@@ -200,19 +204,19 @@ fn flags_override_files() {
 fn errors_of_flags_point_into_the_flag() {
     let file = ("a.toml", "seed = 1\n[[robots]]\nname = \"a\"");
     for (flag, expected) in [
-        ("seed", "--set:1:1 --set seed has no `=`"),
-        ("a..b=1", "--set:1:3 --set: a key is missing here"),
-        ("=1", "--set:1:1 --set: a key is missing here"),
-        ("seed=", "--set:1:6 --set: `` is not a TOML value"),
-        ("size=[1", "--set:1:6 --set: `[1` is not a TOML value"),
-        ("seed=x", "--set:1:6 `seed` is the text \"x\"; allowed: a whole number, 0 or above"),
-        ("sede=2", "--set:1:1 unknown key `sede` in the scenario"),
-        ("shape.disk.radius_m=2", "--set:1:7 unknown choice `disk` for `shape`"),
-        ("shape.disc.radius=2", "--set:1:12 unknown key `radius` in `shape.disc`"),
-        ("robots.1.name=b", "--set:1:8 --set: `robots` has 1 entry"),
-        ("robots.first.name=b", "--set:1:8 --set: `robots` has 1 entry"),
-        ("shape[0].name=b", "--set:1:6 --set: `shape` is a table, not an array"),
-        ("seed.x=1", "--set:1:1 `seed` is a table; allowed: a whole number, 0 or above"),
+        ("seed", "setting:1:1 setting seed has no `=`"),
+        ("a..b=1", "setting:1:3 setting: a key is missing here"),
+        ("=1", "setting:1:1 setting: a key is missing here"),
+        ("seed=", "setting:1:6 setting: `` is not a TOML value"),
+        ("size=[1", "setting:1:6 setting: `[1` is not a TOML value"),
+        ("seed=x", "setting:1:6 `seed` is the text \"x\"; allowed: a whole number, 0 or above"),
+        ("sede=2", "setting:1:1 unknown key `sede` in the scenario"),
+        ("shape.disk.radius_m=2", "setting:1:7 unknown choice `disk` for `shape`"),
+        ("shape.disc.radius=2", "setting:1:12 unknown key `radius` in `shape.disc`"),
+        ("robots.1.name=b", "setting:1:8 setting: `robots` has 1 entry"),
+        ("robots.first.name=b", "setting:1:8 setting: `robots` has 1 entry"),
+        ("shape[0].name=b", "setting:1:6 setting: `shape` is a table, not an array"),
+        ("seed.x=1", "setting:1:1 `seed` is a table; allowed: a whole number, 0 or above"),
     ] {
         assert_eq!(toy(&[file], &[flag]).unwrap_err(), expected, "{flag}");
     }
@@ -235,7 +239,7 @@ fn an_error_of_a_value_is_placed_by_its_path() {
 fn files_that_are_not_text_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |path: &Path| {
-        let message = layers::read(path, &[], None).unwrap_err().to_string();
+        let message = layers::read(path).unwrap_err().to_string();
         message.replace(&folder.path().display().to_string(), "DIR")
     };
     assert_eq!(refused(&folder.path().join("none.toml")), "there is no file `DIR/none.toml`");

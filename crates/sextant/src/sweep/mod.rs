@@ -21,7 +21,7 @@ mod unit;
 pub use column::{Column, Kind};
 pub use curves::figures;
 pub use error::{SweepError, TableError};
-pub use plan::{Cell, Plan};
+pub use plan::{Cell, Sweep};
 pub use row::Row;
 pub use shard::Shard;
 pub use share::Share;
@@ -41,7 +41,7 @@ use parts::Parts;
 ///
 /// # Errors
 /// If a file cannot be written, or `watch` stops the work. A run that fails gives a row with its error.
-pub fn run(plan: &Plan, shard: Shard, out: &Path, resume: bool, watch: &dyn Watch) -> Result<Vec<Row>, SweepError> {
+pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Watch) -> Result<Vec<Row>, SweepError> {
     let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
     let measures = plan.measures().len();
     let units = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
@@ -62,7 +62,7 @@ pub fn run(plan: &Plan, shard: Shard, out: &Path, resume: bool, watch: &dyn Watc
 ///
 /// # Errors
 /// If `watch` stops the work; the rows finished until then are returned as well.
-pub fn rows(plans: &[Plan], watch: &dyn Watch) -> (Vec<Vec<Row>>, Result<(), SweepError>) {
+pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<Row>>, Result<(), SweepError>) {
     let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |unit| (i, unit)));
     let (made, outcome) = each(units.collect(), "running", watch, |(i, unit)| {
         let rows = unit::run(&plans[*i], unit, watch).ok_or(Interrupted)?;
@@ -112,7 +112,7 @@ fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
 ///
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
-pub fn write_table(path: &Path, plan: &Plan, rows: &[Row]) -> Result<(), TableError> {
+pub fn write_table(path: &Path, plan: &Sweep, rows: &[Row]) -> Result<(), TableError> {
     let texts: Vec<_> = rows.iter().map(|row| plan.texts(row)).collect();
     table_file::write_table(path, &plan.columns(), &texts)
 }

@@ -9,13 +9,13 @@ use sha2::{Digest, Sha256};
 use super::column::{Column, Kind};
 use super::row::{Row, written};
 use super::statistics::Mean;
-use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, Sweep};
+use crate::scenario::{Scenario, ScenarioError, ScenarioErrors, Setting, SurveyIdentity, SweepAxes};
 use crate::summary::Measure;
 use crate::summary::measures::{self, Subjects};
 
 /// The cells and runs of a sweep.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct Sweep {
     path: PathBuf,
     set: Vec<String>,
     seed: u64,
@@ -44,7 +44,7 @@ pub(super) struct Unit {
     pub(super) cells: Vec<usize>,
 }
 
-impl Plan {
+impl Sweep {
     /// Reads the scenario at `path` with its `[sweep]` and the flags `set`; `seed` and `runs` override those of the
     /// file. Every cell is checked.
     ///
@@ -56,7 +56,7 @@ impl Plan {
         seed: Option<u64>,
         runs: Option<NonZeroU32>,
     ) -> Result<Self, ScenarioErrors> {
-        let sweep = Sweep::read(path, set)?;
+        let sweep = SweepAxes::read(path, set)?;
         let mut keys: Vec<(String, Vec<&str>)> = Vec::new();
         for setting in sweep.cells.iter().flatten() {
             let i = keys.iter().position(|(key, _)| *key == setting.key).unwrap_or_else(|| {
@@ -74,7 +74,7 @@ impl Plan {
         let mut first_seed = None;
         for settings in &sweep.cells {
             let flags = flags(set, settings);
-            let scenario = Scenario::load(path, &flags, seed)?;
+            let scenario = Scenario::load_with(path, &flags, seed)?;
             first_seed.get_or_insert(scenario.seed().0);
             digest.update(scenario.text());
             for file in scenario.named_files() {
@@ -212,7 +212,7 @@ impl Plan {
 
     /// The scenario of a cell with the seed of a replicate.
     pub(super) fn scenario(&self, cell: usize, replicate: u32) -> Result<Scenario, ScenarioErrors> {
-        Scenario::load(&self.path, &flags(&self.set, &self.cells[cell].settings), Some(self.seed_of(replicate)))
+        Scenario::load_with(&self.path, &flags(&self.set, &self.cells[cell].settings), Some(self.seed_of(replicate)))
     }
 
     /// The seed of a replicate.
@@ -274,7 +274,7 @@ fn extend<'a>(list: &mut Vec<String>, names: impl Iterator<Item = &'a String>) {
 }
 
 fn flags(set: &[String], settings: &[Setting]) -> Vec<String> {
-    set.iter().cloned().chain(settings.iter().map(Setting::flag)).collect()
+    set.iter().cloned().chain(settings.iter().map(Setting::line)).collect()
 }
 
 /// The kind of a column with these TOML values.

@@ -2,13 +2,13 @@
 
 use sextant_kernel::{Unreported, Watch};
 
-use super::plan::{Plan, Unit};
+use super::plan::{Sweep, Unit};
 use super::row::Row;
 use crate::run::{RunError, Surveyed, run_on, survey};
 use crate::scenario::{Scenario, ScenarioErrors};
 
 /// The rows of `unit`; `None` if the work is stopped. Its cells share their survey.
-pub(super) fn run(plan: &Plan, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row>> {
+pub(super) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row>> {
     let watch = &Unreported(watch);
     let mut surveyed: Option<Option<Surveyed>> = None;
     let mut rows = Vec::with_capacity(unit.cells.len());
@@ -29,7 +29,7 @@ pub(super) fn run(plan: &Plan, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row
 
 /// The values of all measures of `plan`.
 fn measured(
-    plan: &Plan,
+    plan: &Sweep,
     scenario: &Scenario,
     surveyed: Option<&Surveyed>,
     watch: &dyn Watch,
