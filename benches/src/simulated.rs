@@ -101,7 +101,7 @@ pub fn simulated((family, file, set): &Shipped, seed: u64) -> Result<KnownLog, S
     let simulator = Simulator::new(&scenario).map_err(|error| format!("{family}: {error}"))?;
     let survey = simulator.run(&mut Unobserved).survey;
     let truth = scenario.world().nodes.iter().map(|node| Some(node.position)).collect();
-    Ok(KnownLog { family: (*family).to_owned(), name: format!("{family}-{seed}"), log: survey.log, truth })
+    Ok(KnownLog { family: (*family).to_owned(), name: format!("{family}-{seed}"), log: survey.log().clone(), truth })
 }
 
 #[cfg(test)]

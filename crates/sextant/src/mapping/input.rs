@@ -8,7 +8,7 @@ use sextant_kernel::Seed;
 use sextant_mapper::PlacePrior;
 
 use super::error::MapLogError;
-use super::logs::NetworkLogs;
+use super::logs::MapLogs;
 use crate::measure::Dimensions;
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
@@ -111,9 +111,9 @@ impl Input {
     }
 
     /// The logs by network.
-    pub(super) fn logs(&self) -> NetworkLogs<'_> {
+    pub(super) fn logs(&self) -> MapLogs<'_> {
         let others = self.other_logs.iter().map(|(name, log)| (name.as_str(), log));
-        NetworkLogs::new((self.network.as_deref(), &self.log), others)
+        MapLogs::new((self.network.as_deref(), &self.log), others)
     }
 
     /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.

@@ -1,17 +1,24 @@
 //! The logs of the networks that robots surveyed.
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{NetworkLog, NetworkLogs, ReceptionLog};
 use sextant_mapper::{Knowledge, Mapper};
 
 use crate::scenario::NamedMap;
 
 /// The logs of the networks that robots surveyed, at least one. The name of a network is empty if it has none.
 #[derive(Clone, Debug)]
-pub struct NetworkLogs<'a> {
+pub struct MapLogs<'a> {
     logs: Vec<(&'a str, &'a ReceptionLog)>,
 }
 
-impl<'a> NetworkLogs<'a> {
+impl<'a> From<&'a NetworkLogs> for MapLogs<'a> {
+    fn from(logs: &'a NetworkLogs) -> Self {
+        let named = |of: &'a NetworkLog| (of.network.as_deref().unwrap_or_default(), &of.log);
+        Self { logs: logs.iter().map(named).collect() }
+    }
+}
+
+impl<'a> MapLogs<'a> {
     /// The log of the first network and its name, if it has one, and those of the others.
     pub fn new(
         (name, first): (Option<&'a str>, &'a ReceptionLog),

@@ -5,7 +5,7 @@ use sextant_kernel::Watch;
 use sextant_mapper::{Learned, TopologyMap};
 
 use super::error::MapLogError;
-use super::logs::NetworkLogs;
+use super::logs::MapLogs;
 use crate::measure::{in_world, measure};
 use crate::scenario::{AlgorithmName, MapSettings};
 use crate::summary::MapSummary;
@@ -46,7 +46,7 @@ pub struct LogMap {
 pub fn map_log(log: &ReceptionLog, algorithm: AlgorithmName, watch: &dyn Watch) -> Result<LogMap, MapLogError> {
     let settings = MapSettings::new(None, Some(algorithm), (None, None), &[])?;
     let job = &settings.maps[0];
-    let logs = NetworkLogs::new((None, log), []);
+    let logs = MapLogs::new((None, log), []);
     let (map, learned) = job.mapper.map_and_learn(logs.knowledge(job), watch)?;
     let (map, alignment) = in_world(map, None);
     let summary = measure(&job.into(), &map, learned.as_ref(), log.names(), None, &settings.metrics, watch)?;

@@ -14,7 +14,7 @@ pub use contents::Contents;
 pub use error::MapLogError;
 pub use figures::{drawn, figures};
 pub use input::Input;
-pub use logs::NetworkLogs;
+pub use logs::MapLogs;
 pub use map_log::{LogMap, map_log};
 pub use pipeline::{ComputedMap, map};
 pub use prior::place_prior;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sextant_kernel::SimTime;
 use sextant_recording::{CapturedDmgFrame, CapturedFrame, FileCapture, RecordingError, Signal, Technologies};
-use sextant_sim::{BusyNetwork, FrameOnAir, Ieee802154, Observer, Progress, Technology};
+use sextant_sim::{FrameFormat, FrameOnAir, Network, Observer, Progress};
 
 use super::error::RunError;
 use super::observer::{ApplicationEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
@@ -39,15 +39,15 @@ enum Receiver {
 
 /// A network whose frames are captured.
 struct CapturedNetwork {
-    technology: Technology,
+    format: FrameFormat,
     /// Carrier frequency that its channel names; that of the radios if absent (Hz).
     carrier_hz: Option<f64>,
 }
 
-impl From<&BusyNetwork> for CapturedNetwork {
-    fn from(network: &BusyNetwork) -> Self {
-        let carrier_hz = network.link.channel.carrier_ghz().map(|carrier_ghz| 1e9 * carrier_ghz);
-        Self { technology: network.link.technology.clone(), carrier_hz }
+impl From<&Network> for CapturedNetwork {
+    fn from(network: &Network) -> Self {
+        let carrier_hz = network.channel.carrier_ghz().map(|carrier_ghz| 1e9 * carrier_ghz);
+        Self { format: network.technology.frame_format(), carrier_hz }
     }
 }
 
@@ -83,16 +83,15 @@ impl RunCapture {
             },
         };
         let FrameOnAir { airtime, bytes, .. } = *frame;
-        let CapturedNetwork { technology, carrier_hz } = &self.networks[frame.network.index()];
-        match technology {
-            Technology::Ieee802154(Ieee802154 { radio, .. }) => {
-                let signal = power.map(|power| Signal { power, sensitivity: radio.sensitivity() });
-                let channel = self.channel.unwrap_or(radio.channel());
-                let page = radio.phy().page();
+        let CapturedNetwork { format, carrier_hz } = &self.networks[frame.network.index()];
+        match *format {
+            FrameFormat::Tap { page, channel, sensitivity } => {
+                let signal = power.map(|power| Signal { power, sensitivity });
+                let channel = self.channel.unwrap_or(channel);
                 capture.frame(&CapturedFrame { start, airtime, mpdu: bytes, channel, page, signal })
             }
-            Technology::Ieee80211ad(links) => {
-                let carrier_hz = carrier_hz.unwrap_or(links.radio.carrier_hz());
+            FrameFormat::Radiotap { carrier_hz: of_radio } => {
+                let carrier_hz = carrier_hz.unwrap_or(of_radio);
                 capture.dmg_frame(&CapturedDmgFrame { start, airtime, octets: bytes, carrier_hz, power })
             }
         }
@@ -101,7 +100,8 @@ impl RunCapture {
 
 /// The technologies of the networks.
 fn technologies(scenario: &Scenario) -> Technologies {
-    let mut all = scenario.networks().iter().map(|network| network.link.technology.ieee80211ad().is_some());
+    let is_radiotap = |network: &Network| matches!(network.technology.frame_format(), FrameFormat::Radiotap { .. });
+    let mut all = scenario.networks().iter().map(is_radiotap);
     let first = all.next().unwrap_or(false);
     match (first, all.all(|other| other == first)) {
         (_, false) => Technologies::Both,

@@ -6,7 +6,7 @@ use sextant_mapper::{Knowledge, KnowledgeKind};
 use sextant_sim::{Discovered, Round, discover};
 
 use super::error::RunError;
-use crate::mapping::NetworkLogs;
+use crate::mapping::MapLogs;
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
 
@@ -43,12 +43,7 @@ impl Discoveries {
 
     /// Everything that `map` of `scenario` may use of the `logs` of its survey.
     #[must_use]
-    pub fn knowledge<'a>(
-        &'a self,
-        scenario: &'a Scenario,
-        logs: &'a NetworkLogs<'a>,
-        map: &NamedMap,
-    ) -> Knowledge<'a> {
+    pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, logs: &'a MapLogs<'a>, map: &NamedMap) -> Knowledge<'a> {
         Knowledge {
             neighbours: self.neighbours.as_ref().map(|round| &round.log),
             beacons: self.beacons.as_ref().map(|round| &round.log),

@@ -4,13 +4,10 @@ use std::f64::consts::TAU;
 
 use sextant_apps::distributed::{Category, MappingRecord, MappingRole};
 use sextant_channel::Position;
-use sextant_kernel::{NodeId, StationId, Unwatched};
-use sextant_mac::dmg::beacon_octets;
-use sextant_mac::dmg::timing::control_airtime;
-use sextant_mac::frame::DataFrame;
-use sextant_mac::{EnergySpent, MessageEnergy};
+use sextant_kernel::{NodeId, Unwatched};
+use sextant_mac::EnergySpent;
 use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, SectorDisplacement, TopologyMap};
-use sextant_sim::{Ieee80211ad, NetworkRecord, RobotRecord, RoleConfig, Technology};
+use sextant_sim::{Network, NetworkRecord, RobotRecord, RoleConfig};
 
 use super::application::MadeMap;
 use super::evaluation::{Evaluation, sector_displacement, truth};
@@ -165,9 +162,9 @@ fn orientation_error_deg(
     map: &DistributedMap,
     nodes: &[MappingRecord],
 ) -> Option<OrientationErrorSummary> {
-    let links = scenario.networks()[map.network.index()].link.technology.ieee80211ad()?;
-    let headings_rad = links.antennas.node_headings_rad(scenario.seed(), nodes.len());
-    let first = links.antennas.nodes().sectors().iter().next()?.wedge().ok()?;
+    let antennas = scenario.networks()[map.network.index()].technology.antennas()?;
+    let headings_rad = antennas.node_headings_rad(scenario.seed(), nodes.len());
+    let first = antennas.nodes().sectors().iter().next()?.wedge().ok()?;
     let first_rad = first.azimuth_from_rad + 0.5 * first.azimuth_width_rad;
     let error_deg = |(node, heading_rad): (&MappingRecord, &f64)| {
         let turn = (node.directions.as_ref()?.azimuth_rad - heading_rad - first_rad) / TAU;
@@ -203,19 +200,8 @@ fn message_energy_j(scenario: &Scenario, map: &DistributedMap, nodes: &[MappingR
         return None;
     }
     let payload = u16::try_from(octets.div_ceil(messages)).ok()?;
-    let network = &scenario.networks()[map.network.index()].link;
-    let states = &network.radio_states;
-    let frame = match &network.technology {
-        Technology::Ieee802154(links) => {
-            let overhead = DataFrame::broadcast(0, StationId(0)).overhead_octets();
-            let mpdu = u8::try_from(payload + u16::from(overhead)).ok()?;
-            MessageEnergy::of_packet(states, links.radio.tx_power(), links.radio.phy(), mpdu)
-        }
-        Technology::Ieee80211ad(links) => {
-            let Ieee80211ad { radio, .. } = &**links;
-            MessageEnergy::of_airtime(states, radio.tx_power(), control_airtime(beacon_octets(payload)))
-        }
-    };
+    let Network { technology, radio_states, .. } = &scenario.networks()[map.network.index()];
+    let frame = technology.frame_energy(radio_states, technology.frame_octets(payload))?;
     let mean = |of: fn(&MappingRecord) -> usize| MeanAndMax::of(nodes.iter().map(|node| of(node) as f64)).mean;
     let anchors = scenario.anchors().len();
     let (anchors, others) = (anchors as f64, (nodes.len() - anchors) as f64);

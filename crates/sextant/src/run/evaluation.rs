@@ -10,7 +10,7 @@ use super::bound;
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
-use crate::mapping::NetworkLogs;
+use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{NamedMap, Scenario};
 use crate::summary::{MapSummary, Stopwatch};
@@ -45,7 +45,7 @@ pub(super) fn evaluate(
     watch: &dyn Watch,
 ) -> Result<Evaluation, RunError> {
     let start = Stopwatch::start();
-    let logs = logs(scenario, survey);
+    let logs = MapLogs::from(&survey.logs);
     let networks = scenario.networks_of(named);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
     let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
@@ -84,8 +84,8 @@ pub(super) fn sector_displacement(
     map: &TopologyMap,
     truth: &[Position],
 ) -> Option<SectorDisplacement> {
-    let mut technologies = networks.iter().map(|network| &scenario.networks()[network.index()].link.technology);
-    let antennas = &technologies.find_map(|technology| technology.ieee80211ad())?.antennas;
+    let mut technologies = networks.iter().map(|network| &scenario.networks()[network.index()].technology);
+    let antennas = technologies.find_map(|technology| technology.antennas())?;
     let nodes = antennas.nodes();
     let headings_rad = antennas.node_headings_rad(scenario.seed(), truth.len());
     let sectors = u32::from(nodes.sector_count() / nodes.rings());
@@ -102,13 +102,6 @@ pub(super) fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -
         return Ok(None);
     }
     bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
-}
-
-/// The logs of a survey by network.
-pub(super) fn logs<'a>(scenario: &'a Scenario, survey: &'a Survey) -> NetworkLogs<'a> {
-    let name = |network: NetworkId| scenario.networks()[network.index()].name.as_deref();
-    let others = survey.other_logs.iter().map(move |(network, log)| (name(*network).unwrap_or_default(), log));
-    NetworkLogs::new((name(scenario.surveyed()[0]), &survey.log), others)
 }
 
 /// The true positions of the nodes.

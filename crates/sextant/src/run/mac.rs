@@ -2,7 +2,7 @@
 
 use sextant_kernel::{NodeId, SimTime};
 use sextant_mac::EnergySpent;
-use sextant_sim::{BusyNetwork, Delays, NetworkRecord, Packets, Survey};
+use sextant_sim::{Delays, Network, NetworkRecord, Packets, Survey};
 
 use crate::scenario::Scenario;
 use crate::summary::{
@@ -18,7 +18,7 @@ pub(super) fn traffic(scenario: &Scenario, survey: &Survey) -> Vec<MacSummary> {
     networks.map(|(network, record)| of_network(scenario, survey, network, record)).collect()
 }
 
-fn of_network(scenario: &Scenario, survey: &Survey, network: &BusyNetwork, record: &NetworkRecord) -> MacSummary {
+fn of_network(scenario: &Scenario, survey: &Survey, network: &Network, record: &NetworkRecord) -> MacSummary {
     let nodes = &scenario.world().nodes;
     let warm_up = scenario.warm_up();
     let duration_s = survey.end.saturating_since(SimTime::ZERO + warm_up).as_secs_f64();

@@ -3,7 +3,7 @@
 use sextant_kernel::NodeId;
 use sextant_mac::MessageEnergy;
 use sextant_mapper::{Comparator, KnowledgeKind, Mapper};
-use sextant_sim::{Discovered, Ieee80211ad, Ieee802154, NetworkId, Survey, Technology};
+use sextant_sim::{Antennas, Discovered, NetworkId, Survey};
 
 use super::discovery::Discoveries;
 use crate::scenario::{NamedMap, Scenario};
@@ -18,9 +18,9 @@ pub(super) fn message_energy_j(
     discoveries: &Discoveries,
 ) -> Option<f64> {
     let networks = scenario.networks_of(map);
-    let in_network = |&network: &NetworkId| match &scenario.networks()[network.index()].link.technology {
-        Technology::Ieee802154(links) => packets_j(scenario, (network, links), &map.mapper, survey, discoveries),
-        Technology::Ieee80211ad(links) => sweeps_j(scenario, (network, links), &map.mapper, survey),
+    let in_network = |&network: &NetworkId| match scenario.networks()[network.index()].technology.antennas() {
+        None => packets_j(scenario, network, &map.mapper, survey, discoveries),
+        Some(antennas) => sweeps_j(scenario, network, antennas, &map.mapper, survey),
     };
     networks.iter().map(in_network).sum()
 }
@@ -28,7 +28,8 @@ pub(super) fn message_energy_j(
 /// The energy of answers to sector sweeps.
 fn sweeps_j(
     scenario: &Scenario,
-    (id, links): (NetworkId, &Ieee80211ad),
+    id: NetworkId,
+    antennas: &Antennas,
     mapper: &Mapper,
     survey: &Survey,
 ) -> Option<f64> {
@@ -36,28 +37,27 @@ fn sweeps_j(
         return None;
     }
     let network = &scenario.networks()[id.index()];
-    let frame = MessageEnergy::of_ssw_frame(&network.link.radio_states, links.radio.tx_power());
+    let frame = MessageEnergy::of_ssw_frame(&network.radio_states, network.technology.tx_power());
     let members = (0..scenario.world().nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node));
     let answers = members.clone().map(|node| survey.networks[id.index()].packets[node.index()].offered);
     let (nodes, answers) = (count(members.count()), answers.sum::<u64>() as f64);
     let sweeps_heard = if nodes > 0.0 { answers / nodes } else { 0.0 };
-    Some(frame.mmtm_j(nodes, sweeps_heard, f64::from(links.antennas.nodes().sector_count())))
+    Some(frame.mmtm_j(nodes, sweeps_heard, f64::from(antennas.nodes().sector_count())))
 }
 
-/// The energy of packets of IEEE 802.15.4.
+/// The energy of packets, in a network without sector sweeps.
 fn packets_j(
     scenario: &Scenario,
-    (id, links): (NetworkId, &Ieee802154),
+    id: NetworkId,
     mapper: &Mapper,
     survey: &Survey,
     discoveries: &Discoveries,
 ) -> Option<f64> {
     let network = &scenario.networks()[id.index()];
-    let radio = &links.radio;
     let octets = network.traffic.mpdu_octets();
-    let packet = MessageEnergy::of_packet(&network.link.radio_states, radio.tx_power(), radio.phy(), octets);
-    let others = survey.other_logs.iter().find(|(other, _)| *other == id);
-    let stops = others.map_or(&survey.log, |(_, log)| log).stops().len();
+    let packet = network.technology.frame_energy(&network.radio_states, octets.into())?;
+    let log = network.name.as_deref().and_then(|name| survey.logs.named(name));
+    let stops = log.unwrap_or(survey.log()).stops().len();
     let members = (0..scenario.world().nodes.len()).filter(|&node| network.has(NodeId::from_index(node)));
     let (nodes, anchors) = (count(members.count()), scenario.anchors().len());
     let mean = |round: &Discovered, nodes: f64| count(round.log.links().len()) / nodes;

@@ -1,8 +1,9 @@
 //! The summary of a run.
 
 use sextant_apps::ControllerConfig;
+use sextant_channel::NetworkLog;
 use sextant_kernel::{NodeId, SimTime};
-use sextant_sim::{BusyNetwork, Ending, NetworkRecord, RoleConfig, Survey};
+use sextant_sim::{Ending, Network, NetworkRecord, RoleConfig, Survey};
 use sha2::{Digest, Sha256};
 
 use super::discovery::Discoveries;
@@ -127,15 +128,18 @@ fn sweeps(scenario: &Scenario, survey: &Survey) -> Option<u64> {
     let of_robots = |record: &NetworkRecord| -> u64 {
         record.packets[nodes..nodes + survey.robots.len()].iter().map(|packets| packets.sent).sum()
     };
-    let has_sweeps = |network: &BusyNetwork| network.link.technology.ieee80211ad().is_some();
+    let has_sweeps = |network: &Network| network.technology.antennas().is_some();
     let networks = scenario.networks().iter().zip(&survey.networks).filter(|(network, _)| has_sweeps(network));
     networks.map(|(_, record)| of_robots(record)).reduce(|sum, sweeps| sum + sweeps)
 }
 
 /// Pairs of a stop and a node heard there, in each network.
 fn heard(survey: &Survey) -> usize {
-    let logs = std::iter::once(&survey.log).chain(survey.other_logs.iter().map(|(_, log)| log));
-    logs.map(|log| log.receptions().iter().filter(|reception| reception.received > 0).count()).sum()
+    survey
+        .logs
+        .iter()
+        .map(|NetworkLog { log, .. }| log.receptions().iter().filter(|reception| reception.received > 0).count())
+        .sum()
 }
 
 /// What the sensors said, if there was anything to sense.
@@ -164,6 +168,6 @@ fn identity(scenario: &Scenario) -> ScenarioSummary {
 /// Names of the nodes from which all robots together received fewer than `wanted` packets.
 fn unreached(survey: &Survey, wanted: u32) -> Vec<String> {
     let heard = |node: usize| survey.robots.iter().fold(0, |sum: u32, robot| sum.saturating_add(robot.packets[node]));
-    let names = survey.log.names().iter().enumerate();
+    let names = survey.log().names().iter().enumerate();
     names.filter(|&(node, _)| heard(node) < wanted).map(|(_, name)| name.clone()).collect()
 }

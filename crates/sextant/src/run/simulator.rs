@@ -2,7 +2,7 @@
 
 use sextant_apps::distributed::{MappingNode, MappingRecord};
 use sextant_kernel::SettingError;
-use sextant_sim::{Observer, Simulation, Survey};
+use sextant_sim::{Applications, Observer, Simulation, Survey};
 
 use crate::scenario::Scenario;
 
@@ -34,7 +34,8 @@ impl Simulator {
             None => Self::OfTraffic(Box::new(Simulation::new(setup)?.with_warm_up(scenario.warm_up()))),
             Some(map) => {
                 let nodes = map.nodes(setup.world.nodes.len(), scenario.anchors());
-                Self::OfNodes(Box::new(Simulation::with_nodes(setup, nodes)?.with_warm_up(scenario.warm_up())))
+                let simulation = Simulation::with(setup, Applications::of_nodes(nodes))?;
+                Self::OfNodes(Box::new(simulation.with_warm_up(scenario.warm_up())))
             }
         })
     }
@@ -45,7 +46,7 @@ impl Simulator {
         match self {
             Self::OfTraffic(simulation) => Simulated { survey: simulation.run(observer), nodes: Vec::new() },
             Self::OfNodes(simulation) => {
-                let (survey, nodes) = simulation.run_nodes(observer);
+                let (survey, Applications { nodes, .. }) = simulation.run_own(observer);
                 Simulated { survey, nodes: nodes.into_iter().map(MappingNode::into_record).collect() }
             }
         }

@@ -7,7 +7,7 @@ use sextant_apps::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 use sextant_channel::{Bounds, Position};
 use sextant_kernel::SettingError;
 use sextant_sim::layout::PlacedNode;
-use sextant_sim::{BusyNetwork, NetworkId, RobotBody, RoleConfig, Setup, TargetMotionConfig, World};
+use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, TargetMotionConfig, World};
 
 use super::algorithm::Algorithm;
 use super::config::ScenarioConfig;
@@ -199,15 +199,15 @@ impl Surroundings<'_> {
         table: &str,
         errors: &mut Errors<'_>,
     ) -> Option<Algorithm> {
-        let radio = &self.setup.networks[network.index()].link.technology.ieee802154()?.radio;
+        let radio = &self.setup.networks[network.index()].technology.ieee802154()?.radio;
         errors.take(table, Algorithm::new(&written.algorithm, radio, &self.setup.world.fields))
     }
 
     /// Refuses networks in which nodes and robots cannot exchange messages. Returns whether it is a good one.
     fn check_network(&self, network: NetworkId, table: &str, errors: &mut Errors<'_>) -> bool {
         let before = errors.found.len();
-        let busy: &BusyNetwork = &self.setup.networks[network.index()];
-        if busy.link.technology.ieee802154().is_none() {
+        let busy: &Network = &self.setup.networks[network.index()];
+        if busy.technology.ieee802154().is_none() {
             let found = busy
                 .name
                 .as_ref()

@@ -5,14 +5,13 @@ use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
 use sextant_kernel::{Seed, SettingError};
-use sextant_sim::{Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
+use sextant_sim::{Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
 
 use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
 use super::distributed::{DistributedMap, check_distributed};
 use super::errors::Errors;
-use super::known_channel::KnownChannel;
-use super::known_networks::KnownNetworks;
+use super::known_networks::{KnownNetworks, PacketsPerStop};
 use super::maps::{NamedMap, check_log_of_maps, check_maps};
 use super::networks::NetworkTables;
 use super::robots::{Robots, check_robots, check_target_names};
@@ -28,7 +27,8 @@ pub(super) struct Parts {
     pub(super) bodies: Vec<RobotBody>,
     pub(super) anchors: Vec<Anchor>,
     pub(super) discovery: Discovery,
-    pub(super) known_channel: KnownChannel,
+    /// What nodes send while a robot listens, in the first network that robots survey.
+    pub(super) packets_per_stop: PacketsPerStop,
     pub(super) distributed: Option<DistributedMap>,
     pub(super) applications: Vec<Application>,
     /// What is left out of the counts at the start.
@@ -50,7 +50,11 @@ pub(super) fn check(
     let world = world.zip(sensors).map(|(world, sensors)| World { sensors, interferers, ..world });
     let tables = NetworkTables::all(config);
     let nodes = world.as_ref().map(|world| world.nodes.as_slice());
-    let networks: Vec<_> = tables.iter().map(|network| network.check(config, nodes, folder, errors)).collect();
+    let links: Vec<_> = tables.iter().map(|network| network.links(nodes, folder, errors)).collect();
+    let known = KnownNetworks::new(&tables, &links, &config.robots);
+    let networks: Vec<_> = (tables.iter().zip(links))
+        .map(|(network, links)| network.check(config, links, nodes, folder, errors))
+        .collect();
     let robots = check_robots(config, world.as_ref(), errors);
     let sinks = check_sinks(config, world.as_ref(), errors);
     let duration = config.duration_s.map(|duration_s| {
@@ -67,7 +71,6 @@ pub(super) fn check(
         errors.refuse(&SettingError::new("sinks", "none, and no robot surveys", allowed));
     }
     let warm_up = check_warm_up(config, errors);
-    let known = KnownNetworks::new(&tables, &config.robots, Some(folder));
     let maps = check_maps(&config.maps, &known, errors);
     check_log_of_maps(config, &maps, errors);
     check_target_names(&config.robots, world.as_ref(), errors);
@@ -85,7 +88,7 @@ pub(super) fn check(
         return (None, maps);
     };
     let (Some(anchors), Some(discovery), Some(faults)) = (anchors, discovery, faults) else { return (None, maps) };
-    let Some(known_channel) = known.first_channel() else { return (None, maps) };
+    let Some(packets_per_stop) = known.packets_per_stop() else { return (None, maps) };
     for (i, name) in config.recording.likelihood.iter().enumerate() {
         if !world.nodes.iter().any(|node| node.name == *name) {
             let key = format!("recording.likelihood[{i}]");
@@ -114,12 +117,13 @@ pub(super) fn check(
         let simulation = match &distributed {
             None => Simulation::new(setup.clone()).map(drop),
             Some(map) => {
-                Simulation::with_nodes(setup.clone(), map.nodes(setup.world.nodes.len(), &anchors)).map(drop)
+                let nodes = Applications::of_nodes(map.nodes(setup.world.nodes.len(), &anchors));
+                Simulation::with(setup.clone(), nodes).map(drop)
             }
         };
         errors.take("", simulation);
     }
-    (Some(Parts { setup, bodies, anchors, discovery, known_channel, distributed, applications, warm_up }), maps)
+    (Some(Parts { setup, bodies, anchors, discovery, packets_per_stop, distributed, applications, warm_up }), maps)
 }
 
 /// The sources of noise, with names of their own.

@@ -8,7 +8,7 @@ use sextant_apps::distributed::{
 };
 use sextant_channel::{Anchor, Antenna, AntennaConfig, SectorTable};
 use sextant_kernel::{NodeId, SettingError};
-use sextant_sim::{Antennas, Broadcast, BusyNetwork, MacConfig, NetworkId, Robot, RoleConfig, Setup};
+use sextant_sim::{Broadcast, MacConfig, Network, NetworkId, Robot, RoleConfig, Setup};
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
@@ -159,13 +159,12 @@ fn check_network(i: usize, robot: &Robot, network: NetworkId, config: &ScenarioC
 /// sectors, and without if there is an error.
 #[expect(clippy::option_option, reason = "an error is not the same as a network without sectors")]
 fn antennas(
-    network: &BusyNetwork,
+    network: &Network,
     tables: &NetworkTables<'_>,
     has_mobile: bool,
     errors: &mut Errors<'_>,
 ) -> Option<Option<(NodeAntenna, SectorTable, u8)>> {
-    let Some(links) = network.link.technology.ieee80211ad() else { return Some(None) };
-    let antennas: &Antennas = &links.antennas;
+    let Some(antennas) = network.technology.antennas() else { return Some(None) };
     let written = tables.antenna.value?;
     let of_nodes = errors.take(&tables.antenna.key, node_antenna(antennas.nodes(), &written.nodes))?;
     let rings = "rings of equal sectors, because mobile anchors tell their directions ring by ring";
@@ -175,7 +174,7 @@ fn antennas(
         return None;
     }
     let robots = antennas.robots();
-    Some(Some((of_nodes, antennas.robot_sectors(), robots.sector_count() / robots.rings())))
+    Some(Some((of_nodes, antennas.robot_sectors().clone(), robots.sector_count() / robots.rings())))
 }
 
 /// The antenna of nodes, which must be one ring of equal sectors.

@@ -9,7 +9,7 @@ use sextant_apps::{ControllerConfig, MapSourceConfig};
 use sextant_channel::Anchor;
 use sextant_kernel::Seed;
 use sextant_mapper::Mapper;
-use sextant_sim::{BusyNetwork, Discovery, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
+use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
 
 use super::applications::Application;
 use super::build::{Parts, check};
@@ -19,7 +19,7 @@ use super::distributed::DistributedMap;
 use super::document::Document;
 use super::error::ScenarioErrors;
 use super::errors::Errors;
-use super::known_channel::KnownChannel;
+use super::known_networks::PacketsPerStop;
 use super::layers;
 use super::maps::NamedMap;
 use super::survey_identity::SurveyIdentity;
@@ -152,10 +152,10 @@ impl Scenario {
         &self.parts.setup.world
     }
 
-    /// The channel of the first network that robots survey, for maps that may know it.
+    /// How many packets a node sends while a robot listens, in the first network that robots survey.
     #[must_use]
-    pub fn known_channel(&self) -> KnownChannel {
-        self.parts.known_channel
+    pub fn packets_per_stop(&self) -> PacketsPerStop {
+        self.parts.packets_per_stop
     }
 
     /// The networks whose logs a map uses: one, or several for a joint map.
@@ -183,7 +183,7 @@ impl Scenario {
 
     /// All its networks.
     #[must_use]
-    pub fn networks(&self) -> &[BusyNetwork] {
+    pub fn networks(&self) -> &[Network] {
         &self.parts.setup.networks
     }
 

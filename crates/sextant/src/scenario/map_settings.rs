@@ -9,7 +9,7 @@ use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig};
-use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, TrafficConfig, WorldConfig};
+use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, Technology, TrafficConfig, WorldConfig};
 
 use super::config::MetricsConfig;
 use super::deserialize::deserialize;
@@ -20,7 +20,7 @@ use super::keys::keys_of;
 use super::known_networks::KnownNetworks;
 use super::maps::{NamedMap, check_maps};
 use super::network_config::NetworkConfig;
-use super::networks::{NetworkTables, ScenarioTables};
+use super::networks::{CheckedLinks, NetworkTables, ScenarioTables};
 
 /// The default map of `sextant map`.
 const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
@@ -262,11 +262,8 @@ impl MapSettings {
         }
         let mut errors = Errors { document: &document, found: Vec::new() };
         let tables = NetworkTables::all(config.tables());
-        // A log of a real robot has no channel.
-        for table in tables.iter().filter(|table| table.radio.value.is_some()) {
-            table.law(&mut errors);
-        }
-        let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &config.robots, None), &mut errors);
+        let links: Vec<_> = tables.iter().map(|table| known_links(table, &mut errors)).collect();
+        let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &links, &config.robots), &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
@@ -277,6 +274,19 @@ impl MapSettings {
         ScenarioErrors::check(errors.found)?;
         Ok(Self { maps, obstacles, metrics: config.metrics })
     }
+}
+
+/// What maps may know of the links of a network. A log of a real robot has no channel, and files of antennas cannot be
+/// read.
+fn known_links(table: &NetworkTables<'_>, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
+    table.radio.value?;
+    let channel = table.law(errors)?;
+    let config = table.link_config();
+    if config.antenna.is_some_and(|antennas| antennas.clone().files_mut().next().is_some()) {
+        return None;
+    }
+    let technology = Technology::read(&config, None, Path::new("")).ok()?;
+    Some(CheckedLinks { channel, technology })
 }
 
 /// The settings before any flag: those of the scenario that maps need. If `algorithm` is given or the scenario has no

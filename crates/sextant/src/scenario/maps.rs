@@ -29,6 +29,10 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
             continue;
         }
         let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
+        // A setting may only be absent because the network that should say it is invalid.
+        if mapper.is_err() && !networks.are_known() && !errors.found.is_empty() {
+            continue;
+        }
         let Some(mapper) = errors.take(&table, mapper) else {
             continue;
         };

@@ -5,13 +5,11 @@ use std::path::Path;
 
 use sextant_channel::{ChannelConfig, ChannelLaw};
 use sextant_kernel::SettingError;
-use sextant_mac::dmg::{SweepConfig, SweepSettings};
 use sextant_mac::{EnergyConfig, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Antennas, AntennasConfig, BusyNetwork, DmgRadio, Ieee80211ad, Ieee802154, Mac, MacConfig, NetworkId,
-    NetworkSetup, NodesOfGroup, Radio, RadioConfig, ReceptionConfig, ReceptionModel, SilentConfig, Technology,
-    ThresholdConfig, TrafficConfig, TrafficPlan,
+    AntennasConfig, LinkConfig, LinkError, MacConfig, Network, NetworkId, NodesOfGroup, RadioConfig, ReceptionConfig,
+    Technology, TrafficConfig, TrafficPlan,
 };
 
 use super::config::ScenarioConfig;
@@ -39,6 +37,26 @@ pub(super) struct Keyed<T> {
     /// Whether the network has the table itself, and not the scenario for all.
     is_own: bool,
     pub(super) value: T,
+}
+
+/// The law of the channel of a network and the technology of the links over it, checked.
+#[derive(Clone, Debug)]
+pub(super) struct CheckedLinks {
+    pub(super) channel: ChannelLaw,
+    pub(super) technology: Technology,
+}
+
+impl CheckedLinks {
+    /// The power at the reference distance with the best sectors (dBm): maps take it as the transmit power.
+    pub(super) fn power_at_reference_dbm(&self) -> f64 {
+        let power_dbm = self.technology.tx_power().0 + self.technology.link_gain().0;
+        power_dbm - self.channel.path_loss().reference_loss().0
+    }
+
+    /// The radius of communication (m), if it is limited.
+    pub(super) fn max_range_m(&self) -> Option<f64> {
+        Some(self.channel.max_range_m()).filter(|range_m| range_m.is_finite())
+    }
 }
 
 /// The tables of a scenario: those of its networks, and those for all networks without a table of their own.
@@ -112,7 +130,12 @@ impl<'a> NetworkTables<'a> {
 
     /// Whether its links sweep sectors.
     pub(super) fn sweeps_sectors(&self) -> bool {
-        matches!(self.mac.value, MacConfig::SectorSweep(_))
+        self.mac.value.sweeps_sectors()
+    }
+
+    /// What its nodes send, if they do not answer sweeps instead.
+    pub(super) fn traffic_of_nodes(&self) -> Option<&'a TrafficConfig> {
+        self.traffic.value.filter(|_| !self.sweeps_sectors())
     }
 
     /// The law of its channel.
@@ -120,39 +143,73 @@ impl<'a> NetworkTables<'a> {
         errors.take(&self.channel.key, ChannelLaw::try_from(*self.channel.value))
     }
 
-    /// The network, checked; `nodes` are those of the world, if it has no error.
-    pub(super) fn check(
+    /// Its channel and its links, checked; `nodes` are those of the world, if it has no error.
+    pub(super) fn links(
         &self,
-        config: &ScenarioConfig,
         nodes: Option<&[PlacedNode]>,
         folder: &Path,
         errors: &mut Errors<'_>,
-    ) -> Option<BusyNetwork> {
+    ) -> Option<CheckedLinks> {
         let channel = self.law(errors);
-        let technology = match self.mac.value {
-            MacConfig::SectorSweep(sweep) => self.ieee80211ad(*sweep, folder, errors),
-            mac => self.ieee802154(mac, nodes, errors),
-        };
+        let technology = Technology::read(&self.link_config(), nodes, folder);
+        let technology = technology.map_err(|found| {
+            found.into_iter().for_each(|error| match error {
+                LinkError::Missing(table) => errors.refuse(&self.missing(table)),
+                LinkError::Invalid { table, error } => errors.refuse(&error.within(self.key_of(table))),
+            });
+        });
+        if !self.sweeps_sectors() && (self.antenna.is_own || self.is_alone && self.antenna.value.is_some()) {
+            let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
+            errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
+        }
+        Some(CheckedLinks { channel: channel?, technology: technology.ok()? })
+    }
+
+    /// The tables of its links.
+    pub(super) fn link_config(&self) -> LinkConfig<'a> {
+        LinkConfig {
+            radio: self.radio.value,
+            mac: self.mac.value,
+            reception: self.reception.value,
+            antenna: self.antenna.value,
+        }
+    }
+
+    /// The key of one of the tables of its links.
+    fn key_of(&self, table: &str) -> &str {
+        match table {
+            "mac" => &self.mac.key,
+            "reception" => &self.reception.key,
+            "antenna" => &self.antenna.key,
+            _ => &self.radio.key,
+        }
+    }
+
+    /// The network with these `links`, checked; `nodes` are those of the world, if it has no error.
+    pub(super) fn check(
+        &self,
+        config: &ScenarioConfig,
+        links: Option<CheckedLinks>,
+        nodes: Option<&[PlacedNode]>,
+        folder: &Path,
+        errors: &mut Errors<'_>,
+    ) -> Option<Network> {
         let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
-        let silent = TrafficConfig::Silent(SilentConfig {});
-        let traffic = match (self.traffic.value, self.mac.value, nodes) {
-            (Some(_), MacConfig::SectorSweep(_), _) if self.is_alone || self.traffic.is_own => {
+        let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));
+        let traffic = match self.traffic.value {
+            Some(_) if self.sweeps_sectors() && (self.is_alone || self.traffic.is_own) => {
                 let allowed = "no table: nodes answer sector sweeps, and send nothing else";
                 errors.take("", Err(SettingError::new(&self.traffic.key, "a table", allowed)))
             }
-            (_, MacConfig::SectorSweep(_), nodes) => {
-                nodes.and_then(|nodes| TrafficPlan::new(&silent, nodes, folder).ok())
-            }
-            (Some(traffic), _, nodes) => {
+            _ if self.sweeps_sectors() => silent(),
+            Some(traffic) => {
                 let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), folder);
                 // Names of nodes are not known without a world.
                 nodes.and_then(|_| errors.take(&self.traffic.key, plan))
             }
             // Nodes that compute a map, or that only take part in applications, send their messages alone.
-            (None, _, nodes) if config.distributed_mapping.is_some() || !config.has_traffic() => {
-                nodes.and_then(|nodes| TrafficPlan::new(&silent, nodes, folder).ok())
-            }
-            (None, ..) => errors.take("", Err(self.missing("traffic"))),
+            None if config.distributed_mapping.is_some() || !config.has_traffic() => silent(),
+            None => errors.take("", Err(self.missing("traffic"))),
         };
         let members = match (self.nodes, nodes) {
             (Some(chosen), Some(nodes)) => {
@@ -161,56 +218,15 @@ impl<'a> NetworkTables<'a> {
             }
             _ => None,
         };
-        let link =
-            NetworkSetup { channel: channel?, technology: technology?, radio_states: radio_states?, members: None };
-        Some(BusyNetwork { name: self.name.map(str::to_owned), link, traffic: traffic?, nodes: members })
-    }
-
-    /// Links of IEEE 802.15.4.
-    fn ieee802154(
-        &self,
-        mac: &MacConfig,
-        nodes: Option<&[PlacedNode]>,
-        errors: &mut Errors<'_>,
-    ) -> Option<Technology> {
-        let radio = match (self.radio.value, nodes) {
-            (Some(radio), Some(nodes)) => errors.take(&self.radio.key, Radio::new(radio, nodes)),
-            // Names of nodes are not known without a world.
-            (Some(radio), None) => errors.take(&self.radio.key, Radio::try_from(radio.clone())),
-            (None, _) => errors.take("", Err(self.missing("radio"))),
-        };
-        let mac = errors.take(&self.mac.key, Mac::try_from(mac.clone()));
-        let reception = self.reception.value.copied().unwrap_or_default();
-        let reception = errors.take(&self.reception.key, ReceptionModel::try_from(reception));
-        if self.antenna.is_own || self.is_alone && self.antenna.value.is_some() {
-            let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
-            errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
-        }
-        let links = Ieee802154 { radio: radio?, reception: reception?, mac: mac? };
-        let table = self.radio.key.strip_suffix("radio").unwrap_or_default().trim_end_matches('.');
-        errors.take(table, links.check())?;
-        Some(Technology::Ieee802154(links))
-    }
-
-    /// Links of IEEE 802.11ad.
-    fn ieee80211ad(&self, sweep: SweepConfig, folder: &Path, errors: &mut Errors<'_>) -> Option<Technology> {
-        let radio = match self.radio.value {
-            Some(radio) => errors.take(&self.radio.key, DmgRadio::try_from(radio.clone())),
-            None => errors.take("", Err(self.missing("radio"))),
-        };
-        let antennas = match self.antenna.value {
-            Some(antennas) => errors.take(&self.antenna.key, Antennas::read(antennas, folder)),
-            None => errors.take("", Err(self.missing("antenna"))),
-        };
-        let sweep = SweepSettings::try_from(sweep).map_err(|error| error.within("sector_sweep"));
-        let sweep = errors.take(&self.mac.key, sweep);
-        let reception =
-            self.reception.value.copied().unwrap_or(ReceptionConfig::SirThreshold(ThresholdConfig::default()));
-        let reception = errors.take(&self.reception.key, ReceptionModel::try_from(reception));
-        let (sweep, antennas) = (sweep?, antennas?);
-        errors.take(&self.mac.key, antennas.check_answers(&sweep).map_err(|error| error.within("sector_sweep")))?;
-        let links = Ieee80211ad { radio: radio?, reception: reception?, sweep, antennas };
-        Some(Technology::Ieee80211ad(Box::new(links)))
+        let CheckedLinks { channel, technology } = links?;
+        Some(Network {
+            name: self.name.map(str::to_owned),
+            channel,
+            technology,
+            radio_states: radio_states?,
+            traffic: traffic?,
+            members,
+        })
     }
 
     fn missing(&self, table: &str) -> SettingError {

@@ -1,14 +1,12 @@
 //! The simulation of an application.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use sextant_apps::navigation::NavigationMap;
 use sextant_apps::source_seeking::{SeekRecord, SeekStation, SeekTeam};
 use sextant_apps::target_search::{SearchRecord, SearchStation, SearchTeam};
 use sextant_sim::{
-    BusyNetwork, Observer, OwnApplications, Robot, RobotBody, RobotTask, Setup, SilentConfig, Simulation, Survey,
-    TrafficConfig, TrafficPlan,
+    Applications, Network, Observer, Robot, RobotBody, RobotTask, Setup, Simulation, Survey, TrafficPlan,
 };
 
 use super::maps::GivenMap;
@@ -23,14 +21,14 @@ pub(super) struct Prepared {
 
 /// The applications of all stations.
 enum Stations {
-    Search(OwnApplications<SearchStation>),
-    Seek(OwnApplications<SeekStation>),
+    Search(Applications<SearchStation>),
+    Seek(Applications<SeekStation>),
 }
 
 /// What the stations leave behind.
 pub(super) enum Records {
-    Search(OwnApplications<SearchRecord>),
-    Seek(OwnApplications<SeekRecord>),
+    Search(Applications<SearchRecord>),
+    Seek(Applications<SeekRecord>),
 }
 
 impl Prepared {
@@ -44,16 +42,13 @@ impl Prepared {
         let whole = scenario.setup();
         let bodies: Vec<RobotBody> =
             application.robots.iter().map(|&robot| body(&scenario.bodies()[robot], application, survey)).collect();
-        let silent = TrafficConfig::Silent(SilentConfig {});
         let nodes = &whole.world.nodes;
-        let networks = whole.networks.into_iter().map(|network| {
-            let traffic = TrafficPlan::new(&silent, nodes, Path::new("")).expect("no traffic needs no file");
-            BusyNetwork { traffic, ..network }
-        });
-        let networks: Vec<BusyNetwork> = networks.collect();
+        let traffic = TrafficPlan::silent(nodes.len());
+        let networks = whole.networks.into_iter().map(|network| Network { traffic: traffic.clone(), ..network });
+        let networks: Vec<Network> = networks.collect();
         let known = NavigationMap::new(map.places.clone(), map.frame).map(Arc::new);
         let known = known.expect("a map with a similarity has three nodes");
-        let radio = networks[application.network.index()].link.technology.ieee802154();
+        let radio = networks[application.network.index()].technology.ieee802154();
         let radio = &radio.expect("the scenario was checked").radio;
         let stations = match &application.algorithm.task {
             Task::Search(search) => {
@@ -102,14 +97,14 @@ impl Prepared {
 /// Runs a simulation of `stations`, and returns what each leaves behind.
 fn run<S: sextant_sim::Application, R>(
     setup: Setup,
-    stations: OwnApplications<S>,
+    stations: Applications<S>,
     into_record: fn(S) -> R,
     observer: &mut impl Observer,
-) -> Result<(Survey, OwnApplications<R>), RunError> {
-    let simulation = Simulation::with_own(setup, stations)?;
-    let (survey, OwnApplications { nodes, robots, sinks }) = simulation.run_own(observer);
+) -> Result<(Survey, Applications<R>), RunError> {
+    let simulation = Simulation::with(setup, stations)?;
+    let (survey, Applications { nodes, robots, sinks }) = simulation.run_own(observer);
     let records = |stations: Vec<S>| stations.into_iter().map(into_record).collect();
-    let records = OwnApplications { nodes: records(nodes), robots: records(robots), sinks: records(sinks) };
+    let records = Applications { nodes: records(nodes), robots: records(robots), sinks: records(sinks) };
     Ok((survey, records))
 }
 

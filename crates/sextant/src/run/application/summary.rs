@@ -6,7 +6,7 @@ use std::time::Duration;
 use sextant_apps::source_seeking::SeekRecord;
 use sextant_apps::target_search::{MessageCounts, SearchRecord};
 use sextant_kernel::SimTime;
-use sextant_sim::{Estimate, OwnApplications, Survey};
+use sextant_sim::{Applications, Estimate, Survey};
 
 use super::maps::GivenMap;
 use super::score::{self, Scored};
@@ -93,7 +93,7 @@ fn targets(scenario: &Scenario, application: &Application, witness: &Witness) ->
 
 fn of_search(
     summary: ApplicationSummary,
-    records: &OwnApplications<SearchRecord>,
+    records: &Applications<SearchRecord>,
     targets: Vec<ApplicationTarget>,
 ) -> ApplicationSummary {
     let times: Option<Vec<f64>> = targets.iter().map(|target| target.captured_s).collect();
@@ -140,7 +140,7 @@ fn of_seeking(
     scenario: &Scenario,
     application: &Application,
     summary: ApplicationSummary,
-    records: &OwnApplications<SeekRecord>,
+    records: &Applications<SeekRecord>,
     witness: &Witness,
 ) -> ApplicationSummary {
     let (field, level) = application.algorithm.sought().expect("it seeks the source of a field");

@@ -7,6 +7,7 @@ use sextant_kernel::NodeId;
 use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
 use sextant_recording::{FileRecorder, GridPlane, Level, PlacedNode};
 
+use crate::mapping::MapLogs;
 use crate::run::distributed::messages_of_nodes;
 use crate::run::error::RunError;
 use crate::run::evaluation;
@@ -79,7 +80,7 @@ fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
 /// Records the likelihood of each chosen node, on the plane through its maximum.
 fn record_likelihoods(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &NamedMap) -> Result<(), RunError> {
     let MapEnd { scenario, simulated: Simulated { survey, .. }, watch, .. } = end;
-    let logs = evaluation::logs(scenario, survey);
+    let logs = MapLogs::from(&survey.logs);
     let log = logs.of(named);
     let fit = match end.learned() {
         Some(Learned::Profile(fit)) => Some(fit),

@@ -172,9 +172,9 @@ impl RunObserver for RunRecorder {
 fn set_sensitivities(recorder: &mut FileRecorder, scenario: &Scenario) {
     for (i, network) in scenario.surveyed().into_iter().enumerate() {
         let network = &scenario.networks()[network.index()];
-        if let Some(links) = network.link.technology.ieee802154() {
+        if network.technology.antennas().is_none() {
             let other = (i > 0).then(|| network.name.as_deref().unwrap_or_default());
-            recorder.set_sensitivity(other, links.radio.sensitivity());
+            recorder.set_sensitivity(other, network.technology.sensitivity());
         }
     }
 }

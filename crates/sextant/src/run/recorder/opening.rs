@@ -48,9 +48,9 @@ fn logs(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), Recordin
         recorder.networks(&names)?;
     }
     for (i, network) in surveyed.iter().enumerate() {
-        if let Some(links) = network.link.technology.ieee80211ad() {
+        if let Some(antennas) = network.technology.antennas() {
             let other = network.name.as_deref().filter(|_| i > 0);
-            recorder.sectors(other, &links.antennas.robot_sectors())?;
+            recorder.sectors(other, antennas.robot_sectors())?;
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::csma::{self, Outcome};
 use sextant_mac::frame::DataFrame;
 
-use super::Network;
+use super::Links;
 use crate::link::ieee802154::frame_queue::QueuedFrame;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::link::payloads::Content;
@@ -14,20 +14,20 @@ use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 use crate::service::upcall::Upcall;
 
-impl Network {
+impl Links {
     /// Takes a frame to send.
-    pub(crate) fn offer(
+    pub(super) fn take_frame(
         &mut self,
         station: StationId,
         to: Destination,
         payload: Payload<'_>,
         scene: &mut Scene,
     ) -> Result<FrameId, SendError> {
-        if !self.has(station) || !self.macs[station.index()].is_transmitter() {
+        if !self.ledger.has(station) || !self.macs[station.index()].is_transmitter() {
             return Err(SendError::ReceivesOnly);
         }
         if let Destination::Station(to) = to
-            && (to == station || to.index() >= self.stacks.len() || !self.has(to))
+            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
         {
             return Err(SendError::NoSuchStation(to));
         }
@@ -45,8 +45,8 @@ impl Network {
                 }
             }
         };
-        let counts = u64::from(scene.now >= self.counted_from);
-        let packets = &mut self.packets[station.index()];
+        let counts = u64::from(scene.now >= self.ledger.counted_from);
+        let packets = &mut self.ledger.packets[station.index()];
         packets.offered += counts;
         scene.offered += 1;
         let stack = &mut self.stacks[station.index()];
@@ -130,11 +130,11 @@ impl Network {
     }
 
     fn count(&mut self, station: StationId, frame: QueuedFrame, report: csma::Report, outcome: FrameOutcome) {
-        if frame.offered < self.counted_from {
+        if frame.offered < self.ledger.counted_from {
             return;
         }
         let octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
-        let packets = &mut self.packets[station.index()];
+        let packets = &mut self.ledger.packets[station.index()];
         packets.transmissions += u64::from(report.transmissions);
         packets.assessments += u64::from(report.ccas);
         packets.unacknowledged += u64::from(report.outcome == Outcome::NoAck);

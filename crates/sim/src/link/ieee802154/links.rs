@@ -14,24 +14,29 @@ use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
-use sextant_mac::{EnergySpent, RadioState, RadioStates, csma};
+use sextant_mac::{RadioState, csma};
 
-use super::clock::Clock;
+use super::event::Event;
 use super::frame_queue::QueuedFrame;
-use super::mac::{Mac, NodeMac};
-use super::radio::Radio;
+use super::mac::NodeMac;
+use super::settings::Ieee802154;
 use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, Transmission};
-use crate::event::ieee802154::Event;
+use crate::event::Event as EngineEvent;
+use crate::link::LinkEvent;
+use crate::link::clock::Clock;
+use crate::link::ledger::Ledger;
+use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
+use crate::link::settings::Placement;
 use crate::observer::{HeardFrame, Observer};
 use crate::purpose;
 use crate::scene::Scene;
-use crate::service::delays::Delays;
 use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
-use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::packets::NetworkRecord;
+use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
 use crate::station::Kind;
 use sending::data_frame;
@@ -39,26 +44,8 @@ use sending::data_frame;
 /// PAN of the first network; the others follow.
 const FIRST_PAN: u16 = 0x5E87;
 
-/// What a network of IEEE 802.15.4 needs.
-pub(crate) struct Settings<'a> {
-    pub(crate) network: NetworkId,
-    pub(crate) radio: &'a Radio,
-    pub(crate) mac: &'a Mac,
-    pub(crate) radio_states: RadioStates,
-    /// Number of the air of its band.
-    pub(crate) air: usize,
-    /// Number of the first station's receiver there.
-    pub(crate) first_receiver: u32,
-    /// The state machine of the station that sends beacons, if one does.
-    pub(crate) coordinator: Option<(StationId, Coordinator)>,
-    /// Whether the time from offer to reception of each frame is kept.
-    pub(crate) keeps_delays: bool,
-    /// Whether each station is in the network; `None` if all are.
-    pub(crate) members: Option<Vec<bool>>,
-}
-
 /// A network of IEEE 802.15.4: the links of all its stations.
-pub(crate) struct Network {
+pub(crate) struct Links {
     pan: u16,
     radios: Radios,
     macs: Vec<NodeMac>,
@@ -71,15 +58,7 @@ pub(crate) struct Network {
     beacon: Option<Transmission>,
     queue_frames: usize,
     payloads: Payloads,
-    packets: Vec<Packets>,
-    /// By station, if there are sinks.
-    delays: Vec<Delays>,
-    /// Number of frames that were delivered to each station.
-    deliveries: Vec<u64>,
-    /// Packets that were offered before are not counted.
-    counted_from: SimTime,
-    members: Option<Vec<bool>>,
-    radio_states: RadioStates,
+    ledger: Ledger,
     arrivals: Vec<Arrival>,
     told: Vec<HeardFrame>,
     mpdu: Vec<u8>,
@@ -97,10 +76,12 @@ pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationI
     scene_seed.bits(purpose::SEQUENCE, place).to_be_bytes()[0]
 }
 
-impl Network {
-    /// The links of all stations of `scene`; `hears` tells whose application looks at what is delivered to it.
-    pub(crate) fn new(settings: Settings<'_>, scene: &Scene, hears: Vec<bool>) -> Self {
-        let Settings { network, radio, mac, radio_states, air, first_receiver, .. } = settings;
+impl Links {
+    /// The links of all stations of `scene`.
+    pub(super) fn new(settings: &Ieee802154, placement: Placement, scene: &Scene) -> Self {
+        let Ieee802154 { radio, mac, .. } = settings;
+        let ledger = Ledger::new(&placement, scene.roll);
+        let Placement { network, air, first_receiver, hears, coordinator, .. } = placement;
         let phy = radio.phy();
         let pan = pan(network);
         let stations = || scene.roll.stations();
@@ -129,30 +110,16 @@ impl Network {
             stacks: stations().map(stack).collect(),
             responders: stations().map(|station| Responder::new(phy, pan, Address::of(station))).collect(),
             hears,
-            coordinator: settings.coordinator,
+            coordinator,
             beacon: None,
             queue_frames: mac.csma().queue_frames().into(),
             payloads: Payloads::default(),
-            packets: vec![Packets::default(); scene.roll.len()],
-            delays: vec![Delays::default(); if settings.keeps_delays { scene.roll.len() } else { 0 }],
-            deliveries: vec![0; scene.roll.len()],
-            counted_from: SimTime::ZERO,
-            members: settings.members,
-            radio_states,
+            ledger,
             arrivals: Vec::new(),
             told: Vec::new(),
             mpdu: Vec::with_capacity(127),
             payload: 0..0,
         }
-    }
-
-    /// The network starts to work at a station.
-    pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
-        if !self.has(station) {
-            return;
-        }
-        self.stacks[station.index()].listening = self.listens_at_rest(station, scene);
-        self.transceiver(station, scene).tune();
     }
 
     /// Whether what a station hears at rest is looked at, without a command to listen.
@@ -165,32 +132,45 @@ impl Network {
         }
     }
 
-    /// Starts the schedule of beacons, if there is one.
-    pub(crate) fn begin_beacons(&mut self, scene: &mut Scene) {
-        if let Some((station, _)) = self.coordinator {
-            self.schedule(station, Duration::ZERO, Event::BeaconDue, scene);
+    fn stop_listening(&mut self, station: StationId, scene: &mut Scene) {
+        let listening = self.listens_at_rest(station, scene);
+        let stack = &mut self.stacks[station.index()];
+        stack.listening = listening;
+        stack.leaving = false;
+        self.transceiver(station, scene).tune();
+    }
+
+    fn transceiver<'a>(&'a mut self, station: StationId, scene: &'a mut Scene) -> Transceiver<'a> {
+        let stack = &mut self.stacks[station.index()];
+        Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false }
+    }
+
+    fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) -> EventKey {
+        scene.after(span, EngineEvent::Link(station, self.radios.network, LinkEvent::Ieee802154(event)))
+    }
+}
+
+impl NetworkLinks for Links {
+    type Event = Event;
+
+    fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        if !self.ledger.has(station) {
+            return;
         }
+        self.stacks[station.index()].listening = self.listens_at_rest(station, scene);
+        self.transceiver(station, scene).tune();
     }
 
-    /// Packets count that are offered from this instant on.
-    pub(crate) fn count_from(&mut self, instant: SimTime) {
-        self.counted_from = instant;
+    fn count_from(&mut self, instant: SimTime) {
+        self.ledger.counted_from = instant;
     }
 
-    /// Energy counts from now on.
-    pub(crate) fn restart_meters(&mut self, now: SimTime) {
+    fn restart_meters(&mut self, now: SimTime) {
         self.stacks.iter_mut().for_each(|stack| stack.meter.restart(now));
     }
 
-    /// Handles an event of a station's link.
     #[inline]
-    pub(crate) fn handle(
-        &mut self,
-        station: StationId,
-        event: Event,
-        scene: &mut Scene,
-        observer: &mut impl Observer,
-    ) {
+    fn handle(&mut self, station: StationId, event: Event, scene: &mut Scene, observer: &mut impl Observer) {
         match event {
             Event::Csma(event) => self.handle_csma(station, event, scene, observer),
             Event::CcaEnded => {
@@ -214,8 +194,7 @@ impl Network {
         }
     }
 
-    /// A station listens for `span` from now, instead of what is left of an earlier time to listen.
-    pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+    fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
         let over = self.schedule(station, span, Event::ListeningOver, scene);
         let stack = &mut self.stacks[station.index()];
         stack.listening = true;
@@ -226,41 +205,27 @@ impl Network {
         self.transceiver(station, scene).tune();
     }
 
-    fn stop_listening(&mut self, station: StationId, scene: &mut Scene) {
-        let listening = self.listens_at_rest(station, scene);
-        let stack = &mut self.stacks[station.index()];
-        stack.listening = listening;
-        stack.leaving = false;
-        self.transceiver(station, scene).tune();
-    }
-
-    /// A station moves differently from now on.
-    pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
+    fn moves(&self, station: StationId, scene: &mut Scene) {
         let motion = &scene.motions[station.index()];
         scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
     }
 
-    /// The frame that was received last.
-    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
         (std::mem::take(&mut self.mpdu), self.payload.clone())
     }
 
-    /// Gives the buffer of [`Network::take_payload`] back.
-    pub(crate) fn give_back(&mut self, mpdu: Vec<u8>) {
+    fn give_back(&mut self, mpdu: Vec<u8>) {
         self.mpdu = mpdu;
     }
 
-    /// Counts what is still to be sent, and returns the packets and the energy of each station.
-    pub(crate) fn finish(mut self, now: SimTime) -> NetworkRecord {
-        let mut energy = Vec::with_capacity(self.stacks.len());
+    fn finish(mut self, now: SimTime) -> NetworkRecord {
+        let mut spent = Vec::with_capacity(self.stacks.len());
         for (i, stack) in self.stacks.iter_mut().enumerate() {
             let state = stack.state();
             stack.meter.enter(state, now);
-            let is_member = self.members.as_ref().is_none_or(|members| members[i]);
-            let spent = stack.meter.spent(&self.radio_states, stack.tx_power);
-            energy.push(if is_member { spent } else { EnergySpent::default() });
-            let packets = &mut self.packets[i];
-            let counts = |frame: &QueuedFrame| frame.offered >= self.counted_from;
+            spent.push(stack.meter.spent(&self.ledger.radio_states, stack.tx_power));
+            let packets = &mut self.ledger.packets[i];
+            let counts = |frame: &QueuedFrame| frame.offered >= self.ledger.counted_from;
             packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;
             if let Some(frame) = stack.frame.filter(counts) {
                 // A frame that was received counts so, even if its acknowledgement is still under way.
@@ -276,21 +241,30 @@ impl Network {
                 }
             }
         }
-        NetworkRecord { packets: self.packets, energy, deliveries: self.deliveries, delays: self.delays }
+        self.ledger.close(spent)
     }
 
-    /// Whether a station is in the network.
-    pub(super) fn has(&self, station: StationId) -> bool {
-        self.members.as_ref().is_none_or(|members| members[station.index()])
+    fn begin_schedule(&mut self, scene: &mut Scene) {
+        if let Some((station, _)) = self.coordinator {
+            self.schedule(station, Duration::ZERO, Event::BeaconDue, scene);
+        }
     }
 
-    fn transceiver<'a>(&'a mut self, station: StationId, scene: &'a mut Scene) -> Transceiver<'a> {
-        let stack = &mut self.stacks[station.index()];
-        Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false }
+    fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        self.take_frame(station, to, payload, scene)
     }
 
-    fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) -> EventKey {
-        let event = crate::event::link::LinkEvent::Ieee802154(event);
-        scene.after(span, crate::event::Event::Link(station, self.radios.network, event))
+    fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.turn_off(station, scene);
+    }
+
+    fn ends_frame(&self, station: StationId, event: Event) -> bool {
+        self.is_end_of_frame(station, event)
     }
 }

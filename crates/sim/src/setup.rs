@@ -2,49 +2,27 @@
 
 use std::time::Duration;
 
-use sextant_kernel::{NodeId, Seed};
+use sextant_kernel::Seed;
 
 use crate::applications::robot::Robot;
-use crate::applications::traffic::TrafficPlan;
-use crate::engine::NetworkSetup;
 use crate::faults::Faults;
+use crate::network::Network;
 use crate::service::network_id::NetworkId;
-use crate::station::Sink;
+use crate::station::{Roll, Sink};
 use crate::world::World;
 
-/// A network and the traffic in it.
-#[derive(Clone)]
-pub struct BusyNetwork {
-    /// Its name, if the scenario has several.
-    pub name: Option<String>,
-    /// The network.
-    pub link: NetworkSetup,
-    /// Traffic of the nodes.
-    pub traffic: TrafficPlan,
-    /// Whether each node is in the network; `None` if all nodes are.
-    pub nodes: Option<Vec<bool>>,
-}
-
-impl BusyNetwork {
-    /// Whether a node is in the network.
-    #[must_use]
-    pub fn has(&self, node: NodeId) -> bool {
-        self.nodes.as_ref().is_none_or(|nodes| nodes[node.index()])
-    }
-}
-
-/// Everything that a simulation needs.
+/// Everything that a simulation needs: the world, its stations and their networks.
 #[derive(Clone)]
 pub struct Setup {
     /// The world.
     pub world: World,
     /// The networks: at least one.
-    pub networks: Vec<BusyNetwork>,
+    pub networks: Vec<Network>,
     /// The robots.
     pub robots: Vec<Robot>,
     /// The fixed sinks.
     pub sinks: Vec<Sink>,
-    /// When the simulation ends; `None` if when the last robot has finished.
+    /// When the simulation ends; `None` if when the tasks of all applications are done.
     pub duration: Option<Duration>,
     /// What goes wrong.
     pub faults: Faults,
@@ -72,7 +50,27 @@ impl Setup {
     /// # Panics
     /// If there is no network.
     #[must_use]
-    pub fn network(&self) -> &BusyNetwork {
+    pub fn network(&self) -> &Network {
         self.networks.first().expect("a setup has a network")
+    }
+
+    /// How many stations of each kind there are.
+    pub(crate) fn roll(&self) -> Roll {
+        Roll { nodes: self.world.nodes.len(), robots: self.robots.len(), sinks: self.sinks.len() }
+    }
+
+    /// Whether each station is in the network `id`; `None` if all are.
+    pub(crate) fn members(&self, id: NetworkId) -> Option<Vec<bool>> {
+        let network = &self.networks[id.index()];
+        let robots = self.robots.iter().map(|robot| robot.body.networks.contains(&id));
+        let is_all = network.members.is_none()
+            && robots.clone().all(|is_in| is_in)
+            && self.sinks.iter().all(|sink| sink.networks.is_none());
+        if is_all {
+            return None;
+        }
+        let nodes = network.members.clone().unwrap_or_else(|| vec![true; self.world.nodes.len()]);
+        let sinks = self.sinks.iter().map(|sink| sink.is_in(id));
+        Some(nodes.into_iter().chain(robots).chain(sinks).collect())
     }
 }

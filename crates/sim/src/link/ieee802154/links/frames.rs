@@ -3,7 +3,7 @@
 use sextant_channel::Dbm;
 use sextant_kernel::StationId;
 
-use super::Network;
+use super::Links;
 use crate::air::{Arrival, Transmission};
 use crate::link::collectors::tell_collectors;
 use crate::observer::{FrameOnAir, Observer};
@@ -30,7 +30,7 @@ impl Fate {
     }
 }
 
-impl Network {
+impl Links {
     /// What became of a transmission at the stations that it `is_for`.
     pub(super) fn fate(
         &self,

@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::frame::{Frame, FrameBody};
 use sextant_mac::responder::Verdict;
 
-use super::Network;
+use super::Links;
 use crate::air::Arrival;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::observer::Observer;
@@ -13,7 +13,7 @@ use crate::service::outcome::FrameOutcome;
 use crate::service::report::Destination;
 use crate::service::upcall::Upcall;
 
-impl Network {
+impl Links {
     /// A data frame ends: finds its outcome, and delivers it.
     pub(super) fn end_frame(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
         let stack = &mut self.stacks[station.index()];
@@ -27,8 +27,8 @@ impl Network {
         let stack = &mut self.stacks[station.index()];
         if fate.outcome == FrameOutcome::Received
             && stack.outcome != FrameOutcome::Received
-            && frame.offered >= self.counted_from
-            && let Some(delays) = self.delays.get_mut(station.index())
+            && frame.offered >= self.ledger.counted_from
+            && let Some(delays) = self.ledger.delays.get_mut(station.index())
         {
             delays.add(scene.now - frame.offered);
         }
@@ -42,7 +42,7 @@ impl Network {
             self.tell_frame(&transmission, fate, scene, observer);
         }
         if is_heard {
-            self.deliver(frame.offered >= self.counted_from, scene);
+            self.deliver(frame.offered >= self.ledger.counted_from, scene);
         }
     }
 
@@ -75,7 +75,7 @@ impl Network {
             if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
                 let end = mpdu.len() - 2;
                 self.payload = end - octets..end;
-                self.deliveries[station.index()] += u64::from(counts);
+                self.ledger.deliveries[station.index()] += u64::from(counts);
                 let (sequence, power) = (frame.sequence, arrival.power);
                 scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });
             }

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorTable};
 use sextant_kernel::{Seed, SettingError, StationId};
-use sextant_mac::dmg::{SectorLayout, SweepSettings};
+use sextant_mac::dmg::SectorLayout;
 
 use crate::air::Mount;
 use crate::purpose;
@@ -76,6 +76,10 @@ pub struct Antennas {
     /// The tilts (rad).
     tilts_rad: Vec<f64>,
     robots: Arc<Antenna>,
+    /// The sectors of one sweep of a node.
+    node_layout: SectorLayout,
+    /// The sectors of one sweep of a robot.
+    robot_layout: SectorLayout,
     headings: HeadingsConfig,
     misalignment_loss: f64,
 }
@@ -86,29 +90,32 @@ impl Antennas {
     /// # Errors
     /// If a value is invalid, a file has a flaw, or a sweep of a robot has more sectors than frames can name.
     pub fn read(config: &AntennasConfig, folder: &Path) -> Result<Self, SettingError> {
-        let antenna = |key: &str, config| -> Result<Arc<Antenna>, SettingError> {
+        let antenna = |key: &str, config| -> Result<(Arc<Antenna>, SectorLayout), SettingError> {
             let antenna = Antenna::read(config, folder).map_err(|error| error.within(key))?;
-            layout(&antenna).map_err(|error| error.within(key))?;
-            Ok(Arc::new(antenna))
+            let layout = layout(&antenna).map_err(|error| error.within(key))?;
+            Ok((Arc::new(antenna), layout))
         };
-        let nodes = antenna("nodes", &config.nodes)?;
+        let (nodes, node_layout) = antenna("nodes", &config.nodes)?;
         if nodes.sweeps() > 1 {
             let found = "a steered antenna";
             return Err(SettingError::new("nodes.sectors.vertical", found, "\"array\": nodes answer with one sweep"));
         }
         let nodes = tilted(config, &nodes)?;
         let tilts_rad = config.node_tilts_deg.iter().map(|deg| deg.to_radians()).collect();
-        let robots = antenna("robots", &config.robots)?;
+        let (robots, robot_layout) = antenna("robots", &config.robots)?;
         let misalignment_loss = SettingError::in_range("misalignment_loss", config.misalignment_loss, 0.0, 1.0)?;
-        Ok(Self { nodes, tilts_rad, robots, headings: config.node_headings, misalignment_loss })
+        let headings = config.node_headings;
+        Ok(Self { nodes, tilts_rad, robots, node_layout, robot_layout, headings, misalignment_loss })
     }
 
-    /// Whether nodes can answer sweeps in this way.
-    ///
-    /// # Errors
-    /// If the sectors of a node do not fit in a slot.
-    pub fn check_answers(&self, sweep: &SweepSettings) -> Result<(), SettingError> {
-        sweep.check_responder(&layout(self.nodes())?)
+    /// The sectors of one sweep of a node, by DMG antenna.
+    pub(super) fn node_layout(&self) -> SectorLayout {
+        self.node_layout
+    }
+
+    /// The sectors of one sweep of a robot or a sink, by DMG antenna.
+    pub(super) fn robot_layout(&self) -> SectorLayout {
+        self.robot_layout
     }
 
     /// The antenna of each node.
@@ -125,7 +132,7 @@ impl Antennas {
 
     /// The directions of the sectors of a robot, in the world.
     #[must_use]
-    pub fn robot_sectors(&self) -> SectorTable {
+    pub fn robot_sectors(&self) -> &SectorTable {
         self.robots.sectors()
     }
 
@@ -245,7 +252,7 @@ fn tilted(config: &AntennasConfig, level: &Arc<Antenna>) -> Result<Vec<Arc<Anten
 ///
 /// # Errors
 /// If there are more than frames can name.
-pub(super) fn layout(antenna: &Antenna) -> Result<SectorLayout, SettingError> {
+fn layout(antenna: &Antenna) -> Result<SectorLayout, SettingError> {
     let mut counts = Vec::new();
     for sector in antenna.sectors_of_sweep(0) {
         let dmg_antenna = usize::from(antenna.address(sector).dmg_antenna);

@@ -6,13 +6,13 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::frame::Frame;
 use sextant_mac::{csma, responder};
 
-use super::Network;
+use super::Links;
 use crate::link::ieee802154::transceiver::Transceiver;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 
-impl Network {
+impl Links {
     /// Handles an event of an acknowledgement that `station` sends.
     pub(super) fn handle_responder(
         &mut self,

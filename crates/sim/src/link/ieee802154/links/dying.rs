@@ -3,13 +3,13 @@
 use sextant_kernel::StationId;
 use sextant_mac::{RadioState, csma, responder};
 
-use super::Network;
-use crate::event::ieee802154::Event;
+use super::Links;
+use crate::link::ieee802154::Event;
 use crate::scene::Scene;
 
-impl Network {
+impl Links {
     /// A station dies: its radio is off from now on, or from the end of the frame on air.
-    pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {
+    pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
         let stack = &mut self.stacks[station.index()];
         if stack.transmission.is_some() || stack.acknowledgement.is_some() {
             return;
@@ -24,7 +24,7 @@ impl Network {
     }
 
     /// Whether an event is the end of the frame that a station has on air.
-    pub(crate) fn ends_frame(&self, station: StationId, event: Event) -> bool {
+    pub(super) fn is_end_of_frame(&self, station: StationId, event: Event) -> bool {
         let stack = &self.stacks[station.index()];
         match event {
             Event::Csma(csma::Event::TransmissionEnded) => stack.transmission.is_some(),

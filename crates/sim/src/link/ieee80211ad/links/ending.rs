@@ -4,7 +4,7 @@ use sextant_channel::Db;
 use sextant_kernel::StationId;
 use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
 
-use super::Network;
+use super::Links;
 use crate::air::Transmission;
 use crate::link::collectors::tell_collectors;
 use crate::link::ieee80211ad::stack::{Role, Task};
@@ -14,7 +14,7 @@ use crate::service::outcome::FrameOutcome;
 use crate::service::sweep::Announcement;
 use crate::service::upcall::Upcall;
 
-impl Network {
+impl Links {
     /// A frame ends: finds its outcome, and passes it to the machines that have received it.
     pub(super) fn end_frame(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
         let (transmission, frame) =
@@ -36,7 +36,7 @@ impl Network {
             self.tell_frame(&transmission, &frame, scene, observer);
         }
         for i in 0..self.arrivals.len() {
-            if self.arrivals[i].outcome == FrameOutcome::Received && self.has(self.arrivals[i].station) {
+            if self.arrivals[i].outcome == FrameOutcome::Received && self.ledger.has(self.arrivals[i].station) {
                 self.receive(i, station, &frame, scene);
             }
         }
@@ -83,7 +83,7 @@ impl Network {
 
     /// Counts an answer that begins or has ended.
     pub(super) fn note_answer(&mut self, station: StationId, report: ResponderReport, scene: &mut Scene) {
-        let (stack, packets) = (&mut self.stacks[station.index()], &mut self.packets[station.index()]);
+        let (stack, packets) = (&mut self.stacks[station.index()], &mut self.ledger.packets[station.index()]);
         match report {
             ResponderReport::Heard(_) => {
                 (stack.outcome, stack.frames) = (FrameOutcome::WORST, 0);

@@ -5,14 +5,14 @@ use sextant_mac::coordinator;
 use sextant_mac::device;
 use sextant_mac::frame::{Frame, FrameBody};
 
-use super::Network;
-use crate::event::ieee802154::Event;
+use super::Links;
+use crate::link::ieee802154::Event;
 use crate::link::ieee802154::transceiver::{Beaconing, Transceiver};
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 
-impl Network {
+impl Links {
     /// A beacon is due one turnaround from now. The schedule of beacons never stops. The coordinator sends the beacons
     /// that are due while it listens, and opens no superframe after the end of its time at a stop.
     pub(super) fn prepare_beacon(&mut self, scene: &mut Scene) {
@@ -22,7 +22,7 @@ impl Network {
         let is_free = !self.responders[station.index()].is_responding() && !coordinator.is_sending();
         let stack = &mut self.stacks[station.index()];
         let listens = stack.listening && !stack.leaving;
-        let event = crate::event::link::LinkEvent::Ieee802154(Event::BeaconDue);
+        let event = crate::link::LinkEvent::Ieee802154(Event::BeaconDue);
         scene.after(interval, crate::event::Event::Link(station, self.radios.network, event));
         if listens && is_free {
             let transceiver = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };

@@ -4,14 +4,14 @@ use sextant_channel::Milliwatts;
 use sextant_kernel::StationId;
 use sextant_mac::dmg::{Access, InitiatorReport, SweepPurpose, TxSector};
 
-use super::{Gathered, Network, read};
+use super::{Gathered, Links, read};
 use crate::link::ieee80211ad::stack::{Role, Task};
 use crate::purpose;
 use crate::scene::Scene;
 use crate::service::sweep::SweepKind;
 use crate::service::upcall::Upcall;
 
-impl Network {
+impl Links {
     /// Lets a station go on with what it has to send, if neither of its machines is busy: with what its responder made it
     /// put off, then the sweep that its application asked for, then the broadcasts that wait.
     pub(super) fn proceed(&mut self, station: StationId, scene: &mut Scene) {
@@ -78,7 +78,7 @@ impl Network {
         if let Task::Sweep(_) = task {
             self.gather(station, scene);
         }
-        self.packets[station.index()].transmissions += u64::from(report.frames);
+        self.ledger.packets[station.index()].transmissions += u64::from(report.frames);
         let tilt = self.stacks[station.index()].tilt + 1;
         if tilt < self.antennas.of(self.roll.kind(station)).sweeps() {
             self.set_tilt(station, tilt);
@@ -88,11 +88,11 @@ impl Network {
         self.stacks[station.index()].task = None;
         match task {
             Task::Sweep(_) => {
-                let packets = &mut self.packets[station.index()];
+                let packets = &mut self.ledger.packets[station.index()];
                 packets.sent += 1;
                 packets.received += 1;
                 let answers = self.sweeps.get(&station).map_or(0, |gathered| gathered.answers.len());
-                self.deliveries[station.index()] += answers as u64;
+                self.ledger.deliveries[station.index()] += answers as u64;
                 scene.upcalls.push(Upcall::Swept { station });
             }
             Task::Broadcast(broadcast) => self.end_broadcast(station, broadcast, scene),

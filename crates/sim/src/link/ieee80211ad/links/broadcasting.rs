@@ -4,9 +4,10 @@ use sextant_channel::Db;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::{MAX_BEACON_PAYLOAD_OCTETS, TxSector, beacon_octets, beacon_payload_octets};
 
-use super::Network;
+use super::Links;
 use crate::link::ieee80211ad::broadcast::Broadcast;
 use crate::link::ieee80211ad::stack::Task;
+use crate::link::links::NetworkLinks;
 use crate::scene::Scene;
 use crate::service::outcome::FrameOutcome;
 use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
@@ -15,16 +16,16 @@ use crate::service::upcall::Upcall;
 /// Broadcasts of a station that wait beside the one under way.
 const QUEUE_FRAMES: usize = 64;
 
-impl Network {
+impl Links {
     /// Takes a payload to send to all.
-    pub(crate) fn offer(
+    pub(super) fn take_frame(
         &mut self,
         station: StationId,
         to: Destination,
         payload: Payload<'_>,
         scene: &mut Scene,
     ) -> Result<FrameId, SendError> {
-        if !self.has(station) {
+        if !self.ledger.has(station) {
             return Err(SendError::ReceivesOnly);
         }
         if let Destination::Station(to) = to {
@@ -32,7 +33,7 @@ impl Network {
         }
         let payload_octets = payload_octets(payload)?;
         scene.offered += 1;
-        let packets = &mut self.packets[station.index()];
+        let packets = &mut self.ledger.packets[station.index()];
         packets.offered += 1;
         let stack = &mut self.stacks[station.index()];
         let id = FrameId(stack.broadcasts);
@@ -55,7 +56,7 @@ impl Network {
         let Broadcast { id, content, payload_octets, offered, frames, outcome } = broadcast;
         self.payloads.release(content);
         self.stacks[station.index()].reached.clear();
-        let packets = &mut self.packets[station.index()];
+        let packets = &mut self.ledger.packets[station.index()];
         packets.count_sent(outcome);
         if outcome == FrameOutcome::Received {
             packets.octets_received += u64::from(payload_octets);
@@ -74,7 +75,7 @@ impl Network {
         broadcast.frames += 1;
         if outcome == FrameOutcome::Received
             && broadcast.outcome != outcome
-            && let Some(delays) = self.delays.get_mut(station.index())
+            && let Some(delays) = self.ledger.delays.get_mut(station.index())
         {
             delays.add(now - broadcast.offered);
         }
@@ -100,22 +101,10 @@ impl Network {
         let reached = &mut self.stacks[sender.index()].reached;
         if let Err(at) = reached.binary_search(&station) {
             reached.insert(at, station);
-            self.deliveries[station.index()] += 1;
+            self.ledger.deliveries[station.index()] += 1;
         }
         let (power, snr) = (arrival.power, Some(snr));
         scene.upcalls.push(Upcall::Delivered { station, from: sender, sequence, power, sector, snr });
-    }
-
-    /// The payload that was received last, and where it is.
-    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, std::ops::Range<usize>) {
-        let payload = std::mem::take(&mut self.payload);
-        let all = 0..payload.len();
-        (payload, all)
-    }
-
-    /// Gives the buffer of [`Network::take_payload`] back.
-    pub(crate) fn give_back(&mut self, payload: Vec<u8>) {
-        self.payload = payload;
     }
 }
 
