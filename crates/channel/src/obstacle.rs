@@ -98,12 +98,11 @@ impl Obstacle {
             (None, Some(alpha)) => SettingError::not_negative("absorption_per_m", alpha)?,
             (None, None) if config.loss_db.is_some() => 0.0,
             (None, None) => {
-                let allowed = format!("one of {}; or give `absorption_per_m` or `loss_db`", Material::names());
-                return Err(SettingError::new("material", "absent", allowed));
+                let needed = format!("one of {}; or give `absorption_per_m` or `loss_db`", Material::names());
+                return Err(SettingError::missing("material", needed));
             }
-            (Some(material), Some(alpha)) => {
-                let found = format!("{alpha} beside material {:?}", material.name);
-                return Err(SettingError::new("absorption_per_m", found, "either `material` or `absorption_per_m`"));
+            (Some(_), Some(_)) => {
+                return Err(SettingError::conflict("absorption_per_m", "`material`", "set one of them"));
             }
         };
         let loss_db = config.loss_db.unwrap_or(0.0);

@@ -30,7 +30,7 @@ pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
 pub use random::{Purpose, Seed, Stream};
 pub use robot::RobotId;
-pub use setting::SettingError;
+pub use setting::{SettingError, SettingProblem};
 pub use station::StationId;
 pub use time::SimTime;
 pub use watch::{Interrupted, Unreported, Unwatched, Watch, Work};

@@ -31,8 +31,8 @@ pub(super) fn read(config: &CodeBookConfig, files: &Files) -> Result<CodeBook, S
             parse(&text).map_err(|flaw| error(format!("`{}`, {}", path.display(), flaw.found), flaw.allowed))?
         }
         (Some(_), ..) => {
-            let allowed = "either `file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
-            return Err(SettingError::new("file", "beside a grid", allowed));
+            let with = "`azimuths_deg`, `elevations_deg` or `sectors`";
+            return Err(SettingError::conflict("file", with, "set either the file or the grid"));
         }
         (None, Some(azimuths), Some(elevations), Some(sectors)) => CodeBook::written(azimuths, elevations, sectors)?,
         (None, azimuths, elevations, _) => {
@@ -41,8 +41,8 @@ pub(super) fn read(config: &CodeBookConfig, files: &Files) -> Result<CodeBook, S
                 (_, None) => "elevations_deg",
                 _ => "sectors",
             };
-            let allowed = "`file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
-            return Err(SettingError::new(key, "absent", allowed));
+            let needed = "`file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
+            return Err(SettingError::missing(key, needed));
         }
     };
     book.with_gains(config)

@@ -59,14 +59,13 @@ impl Mesh {
                     .and_then(|surface| Self::new(surface, "file"))
             }
             (None, Some(vertices), Some(triangles)) => Self::new(Surface { vertices, triangles }, "triangles"),
-            (Some(_), _, _) => Err(SettingError::new(
-                "file",
-                "beside `vertices_m` or `triangles`",
-                "either `file` or `vertices_m` and `triangles`",
-            )),
-            (None, None, _) => Err(SettingError::new("vertices_m", "absent", "a list of places, or `file`")),
+            (Some(_), _, _) => {
+                let remedy = "set either `file`, or `vertices_m` and `triangles`";
+                Err(SettingError::conflict("file", "`vertices_m` or `triangles`", remedy))
+            }
+            (None, None, _) => Err(SettingError::missing("vertices_m", "a list of places, or `file`")),
             (None, Some(_), None) => {
-                Err(SettingError::new("triangles", "absent", "a list of triangles, three vertex indices each"))
+                Err(SettingError::missing("triangles", "a list of triangles, three vertex indices each"))
             }
         }
     }

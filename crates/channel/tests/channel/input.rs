@@ -101,7 +101,7 @@ fn a_mesh_that_is_not_closed_is_rejected() {
     assert_flaw(mesh("triangles = []"), "shape.mesh.triangles", "volume of 0");
     // Both sides of one triangle: closed, but flat.
     assert_flaw(mesh("triangles = [[0, 1, 2], [0, 2, 1]]"), "shape.mesh.triangles", "volume of 0");
-    assert_flaw(mesh("file = \"a.obj\""), "shape.mesh.file", "beside");
+    assert_flaw(mesh("file = \"a.obj\""), "shape.mesh.file", "conflicts with");
     assert_flaw(
         obstacle(&format!("material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}}}")),
         "shape.mesh.triangles",

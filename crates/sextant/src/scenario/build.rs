@@ -61,13 +61,12 @@ pub(super) fn check(
         errors.take("", checked)
     });
     if !config.has_traffic() && config.distributed_mapping.is_none() && config.applications.is_empty() {
-        let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
-        errors.refuse(&SettingError::new("robots", "none", allowed));
+        let needed = "at least one robot, or `duration_s` to end a simulation without robots";
+        errors.refuse(&SettingError::missing("robots", needed));
     }
     if has_no_receiver(config) {
-        let allowed = "at least one sink in `[[sinks]]`, or a robot that surveys: without either nobody receives the \
-                       packets, and there is nothing to tell";
-        errors.refuse(&SettingError::new("sinks", "none, and no robot surveys", allowed));
+        let needed = "at least one sink in `[[sinks]]`, or a robot that surveys, to receive the packets";
+        errors.refuse(&SettingError::missing("sinks", needed));
     }
     let warm_up = check_warm_up(config, errors);
     let maps = check_maps(&config.maps, &known, errors);
@@ -143,13 +142,17 @@ fn check_interferers(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Vec<In
 /// What is left out of the counts at the start.
 fn check_warm_up(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Duration {
     let Some(warm_up_s) = config.warm_up_s else { return Duration::ZERO };
-    let refusal = |allowed: &str| Err(SettingError::new("warm_up_s", warm_up_s, allowed));
     let has_sweeps = NetworkTables::all(config).iter().any(NetworkTables::sweeps_sectors);
     let checked = match config.duration_s {
-        None => refusal("no key without `duration_s`: a survey counts from its start"),
-        Some(_) if has_sweeps => refusal("no key with `mac.sector_sweep`: all sweeps count"),
+        None => {
+            let remedy = "set `duration_s` or remove it, because a survey counts from its start";
+            Err(SettingError::conflict("warm_up_s", "a scenario without `duration_s`", remedy))
+        }
+        Some(_) if has_sweeps => {
+            Err(SettingError::conflict("warm_up_s", "`mac.sector_sweep`", "remove it, because all sweeps count"))
+        }
         Some(duration_s) if !(warm_up_s >= 0.0 && warm_up_s < duration_s) => {
-            refusal(&format!("0 to less than `duration_s`, {duration_s}"))
+            Err(SettingError::new("warm_up_s", warm_up_s, format!("0 to less than `duration_s`, {duration_s}")))
         }
         Some(_) => Ok(Duration::from_secs_f64(warm_up_s)),
     };

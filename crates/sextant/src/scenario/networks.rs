@@ -158,8 +158,8 @@ impl<'a> NetworkTables<'a> {
             });
         });
         if !self.sweeps_sectors() && (self.antenna.is_own || self.is_alone && self.antenna.value.is_some()) {
-            let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
-            errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
+            let with = "this `mac`: only `mac.sector_sweep` has antennas with sectors";
+            errors.refuse(&SettingError::conflict(&self.antenna.key, with, "remove the table"));
         }
         Some(CheckedLinks { channel: channel?, technology: technology.ok()? })
     }
@@ -197,8 +197,8 @@ impl<'a> NetworkTables<'a> {
         let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));
         let traffic = match self.traffic.value {
             Some(_) if self.sweeps_sectors() && (self.is_alone || self.traffic.is_own) => {
-                let allowed = "no table: nodes answer sector sweeps, and send nothing else";
-                errors.take("", Err(SettingError::new(&self.traffic.key, "a table", allowed)))
+                let remedy = "remove the table, because nodes answer sector sweeps and send nothing else";
+                errors.take("", Err(SettingError::conflict(&self.traffic.key, "`mac.sector_sweep`", remedy)))
             }
             _ if self.sweeps_sectors() => silent(),
             Some(traffic) => {
@@ -230,7 +230,7 @@ impl<'a> NetworkTables<'a> {
 
     fn missing(&self, table: &str) -> SettingError {
         let place = self.name.map_or(String::new(), |name| format!("networks.{name}."));
-        SettingError::new(format!("{place}{table}"), "no such table", format!("a table `[{place}{table}]`"))
+        SettingError::missing_table(format!("{place}{table}"))
     }
 }
 

@@ -100,7 +100,7 @@ mod tests {
 
     fn parsed(text: &str) -> Result<Trace, String> {
         let node = |name: &str| PlacedNode { name: name.into(), position: Position::ORIGIN };
-        parse(text, "trace.csv", &[node("a"), node("b")]).map_err(|error| error.found)
+        parse(text, "trace.csv", &[node("a"), node("b")]).map_err(|error| error.found().to_owned())
     }
 
     #[test]

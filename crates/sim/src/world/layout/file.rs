@@ -97,7 +97,7 @@ mod tests {
 
     fn parse(text: &str) -> Result<Vec<PlacedNode>, String> {
         let config = CsvConfig { file: "nodes.csv".into() };
-        config.parse(text, &ObstacleField::default()).map_err(|error| error.found)
+        config.parse(text, &ObstacleField::default()).map_err(|error| error.found().to_owned())
     }
 
     #[test]
