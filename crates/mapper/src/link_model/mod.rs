@@ -21,11 +21,13 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use crate::log_facts::heights::check_z_range;
+use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
+use crate::posterior::{FitState, Verdict};
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
 use fit::Found;
 use hearing::Hearing;
@@ -36,7 +38,7 @@ use outages::Outages;
 use posterior::{Evidence, Grid, Posterior};
 pub(crate) use predict::{Placed, Predictor};
 pub use receiver::Receiver;
-use window::Window;
+use window::{Bounds, Window};
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,11 +123,6 @@ impl LinkFit {
 const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
 /// Heights of stops that differ by less than this share of the reach are level, as far as a step of a grid goes.
 const LEVEL: f64 = 0.025;
-/// A posterior whose variance is more than this share of that before anything was heard says nothing.
-const NO_EVIDENCE: f64 = 0.8;
-/// A node with at least this probability within a step of the end of the window is at its edge.
-const AT_EDGE: f64 = 0.2;
-
 impl LinkModel {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "link-model";
@@ -196,7 +193,8 @@ impl LinkModel {
             })
             .collect();
         for (node, (estimate, vertices)) in links.nodes.iter().zip(located?) {
-            let concern = estimate.concern.or((!settled).then_some(Concern::Unsettled));
+            // A law that is assumed where the log does not tell it has a reach.
+            let concern = FitState { is_reach_known: true, is_settled: settled }.concern(estimate.concern);
             map.estimates[node.node().index()] = Some(Estimate { concern, ..estimate });
             map.vertices_evaluated += vertices;
         }
@@ -279,24 +277,19 @@ impl Fitted<'_> {
         evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
     }
 
+    /// What the window says of a posterior on `grid`, which spans all of it.
     fn concern(&self, node: &NodeLinks, grid: &Grid, posterior: &Posterior) -> Option<Concern> {
-        let variance_m2 = posterior.covariance[0][0] + posterior.covariance[1][1];
-        if variance_m2 > NO_EVIDENCE * posterior.prior_variance_m2 {
-            return Some(Concern::NoEvidence);
+        let Bounds { low, high } = self.window.of(node);
+        let area = SearchBox { low, high, is_guessed: self.window.is_guessed() };
+        let mut verdict = Verdict::default();
+        let mut highest_at_edge = f64::NEG_INFINITY;
+        for (&vertex, (log_density, log_likelihood)) in grid.vertices.iter().zip(grid.logarithms(posterior)) {
+            verdict.take_dense(log_density, log_likelihood);
+            if area.is_at_edge(vertex, grid.step_m) {
+                highest_at_edge = highest_at_edge.max(log_density + log_likelihood);
+            }
         }
-        let bounds = self.window.of(node);
-        let is_near_edge = |place: Position| {
-            let at: [f64; 3] = place.into();
-            (0..2).any(|axis| at[axis] - bounds.low[axis] < grid.step_m || bounds.high[axis] - at[axis] < grid.step_m)
-        };
-        let at_edge: f64 = grid
-            .vertices
-            .iter()
-            .zip(&posterior.shares)
-            .filter(|(vertex, _)| is_near_edge(**vertex))
-            .map(|(_, share)| share)
-            .sum();
-        (at_edge > AT_EDGE).then_some(Concern::AtEdge)
+        verdict.concern(highest_at_edge)
     }
 }
 
