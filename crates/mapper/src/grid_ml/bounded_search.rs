@@ -31,7 +31,7 @@ impl<'a, S: Sink> BoundedSink<'a, S> {
     pub(crate) fn concern(&self) -> Option<Concern> {
         let count = |axis: usize| self.lattice.span(axis, self.within.low[axis], self.within.high[axis]).0.len();
         let vertices: f64 = (0..3).map(|axis| count(axis) as f64).product();
-        self.verdict.among(vertices).concern(self.highest_at_edge)
+        self.verdict.among(vertices).concern(self.verdict.highest() - self.highest_at_edge)
     }
 }
 

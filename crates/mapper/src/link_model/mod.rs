@@ -256,7 +256,7 @@ impl Fitted<'_> {
         self.weigh(&mut evidence, &coarse, &second);
         let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
         let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
-        let concern = self.concern(node, &coarse, &second);
+        let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
         let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
         let Posterior { mean, covariance, highest, .. } = posterior;
         let estimate = Estimate {
@@ -277,19 +277,20 @@ impl Fitted<'_> {
         evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
     }
 
-    /// What the window says of a posterior on `grid`, which spans all of it.
-    fn concern(&self, node: &NodeLinks, grid: &Grid, posterior: &Posterior) -> Option<Concern> {
+    /// What the window says of a posterior. The coarse grid spans all of the window, and the fine one its likely part.
+    fn concern(&self, node: &NodeLinks, [coarse, fine]: [(&Grid, &Posterior); 2]) -> Option<Concern> {
+        let mut verdict = Verdict::default();
+        let (grid, posterior) = coarse;
+        for (log_density, log_likelihood) in grid.logarithms(posterior) {
+            verdict.take_dense(log_density, log_likelihood);
+        }
         let Bounds { low, high } = self.window.of(node);
         let area = SearchBox { low, high, is_guessed: self.window.is_guessed() };
-        let mut verdict = Verdict::default();
-        let mut highest_at_edge = f64::NEG_INFINITY;
-        for (&vertex, (log_density, log_likelihood)) in grid.vertices.iter().zip(grid.logarithms(posterior)) {
-            verdict.take_dense(log_density, log_likelihood);
-            if area.is_at_edge(vertex, grid.step_m) {
-                highest_at_edge = highest_at_edge.max(log_density + log_likelihood);
-            }
-        }
-        verdict.concern(highest_at_edge)
+        let (grid, posterior) = fine;
+        let shares = || grid.vertices.iter().zip(posterior.shares.iter().copied());
+        let highest = shares().map(|(_, share)| share).fold(0.0, f64::max);
+        let at_edge = shares().filter(|(vertex, _)| area.is_at_edge(**vertex, grid.step_m));
+        verdict.concern(libm::log(highest / at_edge.map(|(_, share)| share).fold(0.0, f64::max)))
     }
 }
 

@@ -71,15 +71,15 @@ impl Verdict {
         libm::exp(log_evidence - self.log_likelihood / self.after)
     }
 
-    /// The concern about a posterior. `highest_at_edge` is its highest logarithm of a density at an end of the area that is
-    /// guessed.
-    pub(crate) fn concern(&self, highest_at_edge: f64) -> Option<Concern> {
+    /// The concern about a posterior whose highest logarithm of a density, at those ends of the area that are guessed, is
+    /// `edge_below` less than the highest of all; infinite where no end is near.
+    pub(crate) fn concern(&self, edge_below: f64) -> Option<Concern> {
         if self.after <= 0.0 {
             None
         } else if self.left() >= LEFT {
             Some(Concern::NoEvidence)
         } else {
-            (highest_at_edge >= self.highest - LIKELY).then_some(Concern::AtEdge)
+            (edge_below <= LIKELY).then_some(Concern::AtEdge)
         }
     }
 }
@@ -118,7 +118,7 @@ mod tests {
                 edge = edge.max(value);
             }
         }
-        verdict.concern(edge)
+        verdict.concern(verdict.highest() - edge)
     }
 
     #[test]
@@ -153,7 +153,7 @@ mod tests {
         let mut verdict = Verdict::default();
         (0..100).for_each(|i| verdict.take_dense(-0.3 * f64::from(i), -5.0));
         assert!((verdict.left() - 1.0).abs() < 1e-12);
-        assert_eq!(verdict.concern(f64::NEG_INFINITY), Some(Concern::NoEvidence));
+        assert_eq!(verdict.concern(f64::INFINITY), Some(Concern::NoEvidence));
     }
 
     #[test]

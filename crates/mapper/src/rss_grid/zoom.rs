@@ -119,5 +119,5 @@ fn of_box(found: &[(Position, f64)], within: &SearchBox, steps: [f64; 3]) -> Opt
     found.iter().for_each(|&(_, value)| verdict.take(value));
     let widest_m = steps.into_iter().fold(0.0, f64::max);
     let at_edge = found.iter().filter(|(place, _)| within.is_at_edge(*place, 0.6 * widest_m));
-    verdict.concern(at_edge.map(|&(_, value)| value).fold(f64::NEG_INFINITY, f64::max))
+    verdict.concern(verdict.highest() - at_edge.map(|&(_, value)| value).fold(f64::NEG_INFINITY, f64::max))
 }

@@ -261,6 +261,6 @@ impl Scratch {
                 highest_at_cut = value;
             }
         }
-        verdict.among(self.window.vertices_in(bounds)).concern(highest_at_cut)
+        verdict.among(self.window.vertices_in(bounds)).concern(verdict.highest() - highest_at_cut)
     }
 }

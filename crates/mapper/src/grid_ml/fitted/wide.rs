@@ -135,7 +135,7 @@ impl WideSearch<'_> {
         let at_edge = found.places.iter().filter(|(place, _)| within.is_at_edge(*place, self.step_m));
         let highest_at_edge = at_edge.map(|&(place, _)| log_likelihood(place)).fold(f64::NEG_INFINITY, f64::max);
         // The scan holds places of the whole box, and the grid the likeliest.
-        let concern = verdict.concern(highest_at_edge - most + verdict.highest());
+        let concern = verdict.concern(most - highest_at_edge);
         Some(Estimate { concern, ..found.estimate(self.kind, (best, most)) })
     }
 
