@@ -96,12 +96,12 @@ pub fn scenarios() -> PathBuf {
 /// If the scenario is invalid.
 pub fn simulated((family, file, set): &Shipped, seed: u64) -> Result<KnownLog, String> {
     let set: Vec<String> = set.iter().map(|flag| (*flag).to_owned()).collect();
-    let scenario = Scenario::load(&scenarios().join(file), &set, Some(seed));
+    let scenario = Scenario::load_with(scenarios().join(file), &set, Some(seed));
     let scenario = scenario.map_err(|errors| format!("{family}: {errors}"))?;
     let simulator = Simulator::new(&scenario).map_err(|error| format!("{family}: {error}"))?;
     let survey = simulator.run(&mut Unobserved).survey;
     let truth = scenario.world().nodes.iter().map(|node| Some(node.position)).collect();
-    Ok(KnownLog { family: (*family).to_owned(), name: format!("{family}-{seed}"), log: survey.log, truth })
+    Ok(KnownLog { family: (*family).to_owned(), name: format!("{family}-{seed}"), log: survey.log().clone(), truth })
 }
 
 #[cfg(test)]

@@ -97,7 +97,8 @@ pub use polygon::Polygon;
 pub use position::Position;
 pub use power::{Db, Dbm, Milliwatts};
 pub use reception::{
-    Contact, Drive, LogError, Reception, ReceptionLog, ReceptionLogBuilder, Receptions, ReceptionsIter, Stop,
+    Contact, Drive, LogError, NetworkLog, NetworkLogs, Reception, ReceptionLog, ReceptionLogBuilder, Receptions,
+    ReceptionsIter, Stop,
 };
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};

@@ -3,6 +3,7 @@
 mod builder;
 mod columns;
 mod drive;
+mod network_logs;
 mod view;
 
 use std::borrow::Cow;
@@ -13,6 +14,7 @@ use crate::{Position, SectorTable};
 pub use builder::ReceptionLogBuilder;
 use columns::Columns;
 pub use drive::Drive;
+pub use network_logs::{NetworkLog, NetworkLogs};
 pub use view::{Receptions, ReceptionsIter};
 
 /// A place where a robot listened for a while.

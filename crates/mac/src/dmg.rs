@@ -38,5 +38,7 @@ pub use initiator::{Access, Answer, Initiator, InitiatorOutcome, InitiatorReport
 pub use port::{Aim, Event, Radio};
 pub use responder::{HeardSweep, Responder, ResponderOutcome, ResponderReport};
 pub use sector::{MAX_ANTENNA_SECTORS, MAX_ANTENNAS, MAX_SECTORS, SectorLayout, TxSector};
-pub use settings::{Abft, AbftConfig, Contention, ContentionConfig, CsmaFeedbackConfig, SweepConfig, SweepSettings};
+pub use settings::{
+    Abft, AbftConfig, AnswerSettings, Contention, ContentionConfig, CsmaFeedbackConfig, SweepConfig, SweepSettings,
+};
 pub use snr_report::SnrReport;

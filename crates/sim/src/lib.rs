@@ -3,7 +3,7 @@
 //! A **station** is a node, a robot or a sink. It has a place or a motion, a link to each network that it is in, and
 //! one [`Application`]. The **air** of a band carries signals to the receivers in reach. A **link** is the protocol
 //! stack of a station: it sends the frames that applications give to it, and delivers what was received. The
-//! [`Engine`] has the only event loop; traffic, neighbour discovery and surveys are applications on it. Robots act on
+//! engine has the only event loop; traffic, neighbour discovery and surveys are applications on it. Robots act on
 //! what they believe by their [`Odometry`]; the air, the obstacles and the range sensors know the truth.
 //! In the world there may be targets, which move without a radio, and scalar fields: sensors of nodes detect and sample
 //! them, and tell their applications.
@@ -11,8 +11,7 @@
 //! Goes in: a [`Setup`] (world, networks with their channel, radios, channel access and traffic, robots, sinks,
 //! seed). Comes out: a [`Survey`]: what the robots heard and where, and the outcomes of the packets. An [`Observer`]
 //! watches while it runs. [`discover`] finds what the nodes hear of each other over the same air, before any robot
-//! moves. Own applications of nodes run in [`Simulation::with_nodes`], those of all stations in
-//! [`Simulation::with_own`] or, without a scenario, on an [`Engine`].
+//! moves. Own applications of nodes, and of robots and sinks, run in [`Simulation::with`].
 //!
 //! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
 //! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
@@ -25,8 +24,8 @@
 //! use sextant_kernel::{Seed, SettingError, StationId};
 //! use sextant_mac::{Phy, RadioStates, csma::CsmaSettings};
 //! use sextant_sim::{
-//!     Application, Delivery, Destination, Engine, EngineSetup, Faults, Ieee802154, Mac, NetworkId, NetworkSetup, Payload, Port,
-//!     Radio, RadioConfig, ReceptionModel, Technology, Unobserved, World, layout::PlacedNode,
+//!     Application, Applications, Delivery, Destination, Faults, Ieee802154, Mac, Network, NetworkId, Payload, Port,
+//!     Radio, RadioConfig, ReceptionModel, Setup, Simulation, Technology, TrafficPlan, Unobserved, World, layout::PlacedNode,
 //! };
 //!
 //! enum Station {
@@ -73,18 +72,21 @@
 //!     reception: ReceptionModel::Ber,
 //!     mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
 //! };
-//! let network = NetworkSetup {
+//! let network = Network {
+//!     name: None,
 //!     channel: ChannelConfig::default().try_into()?,
 //!     technology: Technology::Ieee802154(links),
 //!     radio_states: RadioStates::cc2420(),
+//!     traffic: TrafficPlan::silent(2),
 //!     members: None,
 //! };
 //! let world = World { nodes: vec![node(0.0), node(3.0)], ..World::default() };
 //! let (robots, sinks, networks) = (vec![], vec![], vec![network]);
-//! let setup = EngineSetup { world, robots, sinks, networks, duration: None, faults: Faults::default(), seed: Seed(1) };
-//! let ended = Engine::new(setup, vec![Station::Asks(None), Station::Answers(451)])?.run(&mut Unobserved);
-//! assert!(matches!(ended.applications[0], Station::Asks(Some(451))));
-//! assert_eq!(ended.networks[0].packets[1].received, 1);
+//! let setup = Setup { world, robots, sinks, networks, duration: None, faults: Faults::default(), seed: Seed(1) };
+//! let stations = Applications::of_nodes(vec![Station::Asks(None), Station::Answers(451)]);
+//! let (survey, stations) = Simulation::with(setup, stations)?.run_own(&mut Unobserved);
+//! assert!(matches!(stations.nodes[0], Station::Asks(Some(451))));
+//! assert_eq!(survey.networks[0].packets[1].received, 1);
 //! # Ok::<(), SettingError>(())
 //! ```
 
@@ -97,12 +99,14 @@ mod event;
 mod faults;
 mod link;
 mod model;
+mod network;
 mod observer;
 mod outcome;
 mod purpose;
 mod scene;
 mod sensing;
 mod service;
+mod setup;
 mod simulation;
 mod station;
 mod world;
@@ -117,12 +121,16 @@ pub use applications::traffic::{
     GroupConfig, Next, OnceConfig, PeriodicConfig, PoissonConfig, SaturatedConfig, SilentConfig, TraceConfig,
     Traffic, TrafficConfig, TrafficPlan,
 };
-pub use engine::{EndPose, Ended, Engine, EngineSetup, NetworkSetup};
+pub use engine::EndPose;
 pub use event::Timer;
 pub use faults::{Death, DeathsConfig, Faults, FaultsConfig, LyingAnchorsConfig};
-pub use link::ieee80211ad::{Antennas, AntennasConfig, DmgRadio, HeadingsConfig};
+pub use link::antennas::{Antennas, AntennasConfig, HeadingsConfig};
+pub use link::ieee80211ad::DmgRadio;
 pub use link::ieee802154::{Mac, Radio};
-pub use link::{Ieee80211ad, Ieee802154, MacConfig, RadioConfig, RadioGroupConfig, Technology};
+pub use link::{
+    FrameFormat, Ieee80211ad, Ieee802154, LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig, Technology,
+};
+pub use network::Network;
 pub use observer::{FrameOnAir, HeardFrame, Observer, Progress, Unobserved};
 pub use outcome::{RobotRecord, Survey};
 pub use service::delays::{DelayCount, Delays};
@@ -134,10 +142,9 @@ pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};
 pub use service::sweep::{Announcement, SweepAnswer, SweepError, SweepKind};
-pub use simulation::Simulation;
+pub use setup::Setup;
 pub use simulation::discovery::{Discovered, Discovery, DiscoveryConfig, DiscoveryError, Round, discover};
-pub use simulation::own::OwnApplications;
-pub use simulation::setup::{BusyNetwork, Setup};
+pub use simulation::{Applications, Simulation};
 pub use station::{
     Kind, Listening, Odometry, OdometryConfig, Pose, RobotBody, RobotConfig, RoleConfig, Sink, SinkConfig,
 };

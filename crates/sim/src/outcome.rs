@@ -1,23 +1,20 @@
 //! The result of a simulation.
 
-use sextant_channel::ReceptionLog;
+use sextant_channel::{NetworkLogs, ReceptionLog};
 use sextant_kernel::SimTime;
 use sextant_mac::EnergySpent;
 
 use crate::applications::controller::Ending;
 use crate::engine::EndPose;
 use crate::faults::Death;
-use crate::service::network_id::NetworkId;
 use crate::service::packets::{NetworkRecord, Packets};
 use crate::service::sensed::Sensations;
 
 /// The result of a simulation: everything that robots heard, and the outcomes of the packets.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    /// The log of the robots in the first network that they survey: everything that a mapper may know.
-    pub log: ReceptionLog,
-    /// Their logs in the other networks that they survey.
-    pub other_logs: Vec<(NetworkId, ReceptionLog)>,
+    /// The logs of the robots in the networks that they survey: everything that a mapper may know.
+    pub logs: NetworkLogs,
     /// A record of each robot.
     pub robots: Vec<RobotRecord>,
     /// The outcomes of the packets.
@@ -36,6 +33,14 @@ pub struct Survey {
     pub events: u64,
     /// Whether an observer ended the simulation early.
     pub interrupted: bool,
+}
+
+impl Survey {
+    /// The log of the robots in the first network that they survey.
+    #[must_use]
+    pub fn log(&self) -> &ReceptionLog {
+        self.logs.first()
+    }
 }
 
 /// The record of a robot.

@@ -1,42 +1,46 @@
-//! Surveys, studies of traffic and own applications: every scenario runs as one of these.
+//! Simulations: surveys, studies of traffic and own applications. Every scenario runs as one of these.
 
+mod applications;
 pub(crate) mod discovery;
-pub(crate) mod own;
-pub(crate) mod setup;
 mod stations;
 
 use std::sync::Arc;
 use std::time::Duration;
 
+use sextant_channel::{NetworkLog, NetworkLogs};
 use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::EnergySpent;
 
 use crate::application::Application;
 use crate::applications::journey::{Journey, JourneyRecord};
 use crate::applications::node_traffic::NodeTraffic;
-use crate::applications::robot::{Robot, RobotTask};
+use crate::applications::robot::RobotTask;
 use crate::applications::source::Source;
 use crate::applications::standard::Standard;
-use crate::engine::{Ended, Engine, EngineSetup, Extras};
-use crate::link::ieee802154::Clock;
+use crate::engine::{Ended, Engine, Extras};
 use crate::observer::{Observer, Told};
 use crate::outcome::{RobotRecord, Survey};
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
-use crate::station::{Kind, RobotBody, Roll};
-use own::OwnApplications;
-use setup::{BusyNetwork, Setup};
-use stations::{Stations, too_many};
+use crate::setup::Setup;
+use crate::station::{Kind, Roll};
+pub use applications::Applications;
+use stations::Stations;
 
-/// A simulation that runs once, to its end. Its nodes have applications of the type `N`; its robots and sinks have
-/// them too in [`Simulation::with_own`].
+/// A simulation that runs once, to its end. Its nodes have applications of the type `N`, and its robots and sinks may.
 pub struct Simulation<N: Application = NodeTraffic> {
     engine: Engine<Standard<N>>,
     roll: Roll,
     /// Names of the robots.
     robots: Vec<String>,
     /// The networks that robots survey; the first one if no robot surveys.
-    surveyed: Vec<NetworkId>,
+    surveyed: Vec<SurveyedNetwork>,
+}
+
+/// A network that robots survey.
+struct SurveyedNetwork {
+    id: NetworkId,
+    name: Option<String>,
 }
 
 impl Simulation {
@@ -46,111 +50,86 @@ impl Simulation {
     /// If the frames are too small for the addresses, there are several robots but frames are sent to one of them,
     /// or the superframes do not fit the world, robots and traffic.
     pub fn new(setup: Setup) -> Result<Self, SettingError> {
-        let seed = setup.seed;
-        Self::with_applications(setup, Vec::new(), Vec::new(), |stations, networks| {
-            let mut sources: Vec<Vec<Source>> = vec![Vec::new(); stations.roll.nodes];
-            for (id, network) in (0..=u8::MAX).map(NetworkId).zip(networks) {
-                stations.check_frames(id, network)?;
-                for (node, sources) in sources.iter_mut().enumerate() {
-                    let node = NodeId::from_index(node);
-                    let Some(traffic) = network.traffic.of(node).filter(|_| network.has(node)) else { continue };
-                    let to = stations.destination(id, traffic, node)?;
-                    let clock = match network.link.technology.ieee802154() {
-                        Some(settings) => settings.radio.clock(seed, id, node),
-                        None => Clock::default(),
-                    };
-                    sources.push(Source::new(id, Arc::new(traffic.clone()), to).with_clock(clock));
-                }
+        let stations = Stations::of(&setup);
+        let mut sources: Vec<Vec<Source>> = vec![Vec::new(); stations.roll.nodes];
+        for (id, network) in (0..=u8::MAX).map(NetworkId).zip(&setup.networks) {
+            stations.check_frames(id, network)?;
+            for (node, sources) in sources.iter_mut().enumerate() {
+                let node = NodeId::from_index(node);
+                let Some(traffic) = network.traffic.of(node).filter(|_| network.has(node)) else { continue };
+                let to = stations.destination(id, traffic, node)?;
+                let clock = network.technology.settings().clock(setup.seed, id, node);
+                sources.push(Source::new(id, Arc::new(traffic.clone()), to).with_clock(clock));
             }
-            Ok(sources.into_iter().map(NodeTraffic::new).collect())
-        })
-    }
-
-    /// Runs until the last robot has finished, or the time is over, or the observer ends the simulation.
-    pub fn run(self, observer: &mut impl Observer) -> Survey {
-        self.run_told(observer).0
+        }
+        let nodes = sources.into_iter().map(NodeTraffic::new).collect();
+        Self::with_all(setup, Applications::of_nodes(nodes))
     }
 }
 
 impl<N: Application> Simulation<N> {
-    /// The same, with a start that is left out of the counts: see [`Engine::with_warm_up`].
+    /// A simulation, ready to run, whose nodes have these applications, and its robots and sinks if they are there: one for
+    /// each robot whose task is [`RobotTask::Own`], and one for each sink or none. They send what they want, so there is
+    /// no other traffic.
+    ///
+    /// # Errors
+    /// If the traffic of a node is not silent, or a network has superframes in which an own application of a robot or a
+    /// sink could not send, or the superframes do not fit the world and the robots.
+    ///
+    /// # Panics
+    /// If there is not one application for each of these stations.
+    pub fn with(setup: Setup, applications: Applications<N>) -> Result<Self, SettingError> {
+        applications.check(&setup)?;
+        Self::with_all(setup, applications)
+    }
+
+    /// The same, with a start that is left out of the counts: packets that are offered before the end of the warm-up, and
+    /// the energy that radios use until then. Sector sweeps all count.
     #[must_use]
     pub fn with_warm_up(self, warm_up: Duration) -> Self {
         Self { engine: self.engine.with_warm_up(warm_up), ..self }
     }
 
-    /// A simulation, ready to run, whose nodes have these applications, in the order of the nodes. They send what they
-    /// want, so there is no other traffic.
-    ///
-    /// # Errors
-    /// If the traffic of a node is not silent, or the superframes do not fit the world and the robots.
-    ///
-    /// # Panics
-    /// If there is not one application for each node.
-    pub fn with_nodes(setup: Setup, nodes: Vec<N>) -> Result<Self, SettingError> {
-        assert_eq!(nodes.len(), setup.world.nodes.len(), "one application for each node");
-        Self::with_applications(setup, Vec::new(), Vec::new(), |stations, networks| {
-            networks.iter().try_for_each(|network| refuse_traffic(network, stations.roll.nodes))?;
-            Ok(nodes)
-        })
-    }
-
-    /// A simulation with the applications of nodes that `nodes` makes for these stations and networks, and these own
-    /// applications of robots that wait for one, and of sinks, if they have any.
-    fn with_applications(
-        setup: Setup,
-        own_robots: Vec<N>,
-        own_sinks: Vec<N>,
-        nodes: impl FnOnce(&Stations<'_>, &[BusyNetwork]) -> Result<Vec<N>, SettingError>,
-    ) -> Result<Self, SettingError> {
-        let surveyed = setup.surveyed();
-        let Setup { world, networks, robots, sinks, duration, faults, seed } = setup;
-        let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
-        if networks.is_empty() {
-            return Err(SettingError::new("networks", "empty", "at least one network"));
-        }
-        if networks.len() > 256 {
-            return Err(too_many(networks.len()));
-        }
-        let stations = Stations { world: &world, robots: &robots, sinks: &sinks, roll };
-        let nodes = nodes(&stations, &networks)?;
-        stations.check_mobile_anchors(&networks)?;
-        let coordinator = stations.coordinator(&networks, seed)?;
-        let links = networks.into_iter().enumerate().map(|(i, network)| stations.joined(i, network)).collect();
-        let bodies: Vec<RobotBody> = robots.iter().map(|robot| robot.body.clone()).collect();
-        let names = bodies.iter().map(|body| body.name.clone()).collect();
-        let (mut own_robots, mut own_sinks) = (own_robots.into_iter(), own_sinks.into_iter());
-        let mut applications: Vec<_> = nodes.into_iter().map(Standard::Own).collect();
-        for (i, Robot { body, task }) in robots.into_iter().enumerate() {
-            let journey = match task {
-                RobotTask::Survey(controller) => Journey::of_survey(body, controller, roll.nodes),
+    fn with_all(mut setup: Setup, own: Applications<N>) -> Result<Self, SettingError> {
+        let roll = setup.roll();
+        let stations = Stations::of(&setup);
+        stations.check_mobile_anchors()?;
+        let coordinator = stations.coordinator()?;
+        let name = |id: NetworkId| setup.networks.get(id.index()).and_then(|network| network.name.clone());
+        let surveyed = setup.surveyed().into_iter().map(|id| SurveyedNetwork { id, name: name(id) }).collect();
+        let names = setup.robots.iter().map(|robot| robot.body.name.clone()).collect();
+        let (mut own_robots, mut own_sinks) = (own.robots.into_iter(), own.sinks.into_iter());
+        let mut applications: Vec<_> = own.nodes.into_iter().map(Standard::Own).collect();
+        for (i, robot) in setup.robots.iter_mut().enumerate() {
+            let body = robot.body.clone();
+            applications.push(match std::mem::replace(&mut robot.task, RobotTask::Own) {
+                RobotTask::Survey(controller) => {
+                    Standard::Robot(Box::new(Journey::of_survey(body, controller, roll.nodes)))
+                }
                 RobotTask::MobileAnchor { controller, broadcast } => {
-                    Journey::of_mobile_anchor(body, controller, broadcast, roll.nodes)
+                    Standard::Robot(Box::new(Journey::of_mobile_anchor(body, controller, broadcast, roll.nodes)))
                 }
-                RobotTask::Own => {
-                    let own = own_robots.next().ok_or_else(|| without_application(i))?;
-                    applications.push(Standard::Own(own));
-                    continue;
-                }
-            };
-            applications.push(Standard::Robot(Box::new(journey)));
+                RobotTask::Own => Standard::Own(own_robots.next().ok_or_else(|| without_application(i))?),
+            });
         }
-        applications.extend(sinks.iter().map(|_| own_sinks.next().map_or(Standard::Sink, Standard::Own)));
-        let setup = EngineSetup { world, robots: bodies, sinks, networks: links, duration, faults, seed };
-        let extras = Extras { first_packet: 0, channel_seed: seed, coordinator };
-        Ok(Self { engine: Engine::with(setup, applications, extras)?, roll, robots: names, surveyed })
+        applications.extend(setup.sinks.iter().map(|_| own_sinks.next().map_or(Standard::Sink, Standard::Own)));
+        let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator };
+        Ok(Self { engine: Engine::new(setup, applications, extras)?, roll, robots: names, surveyed })
     }
 
     /// Runs until the tasks of all robots and nodes are done, or the time is over, or the observer ends the simulation.
-    /// Returns also what is left of the applications of the nodes.
-    pub fn run_nodes(self, observer: &mut impl Observer) -> (Survey, Vec<N>) {
-        let (survey, own) = self.run_told(observer);
-        (survey, own.nodes)
+    pub fn run(self, observer: &mut impl Observer) -> Survey {
+        self.run_told(observer).0
+    }
+
+    /// The same, and returns also what is left of the own applications.
+    pub fn run_own(self, observer: &mut impl Observer) -> (Survey, Applications<N>) {
+        self.run_told(observer)
     }
 
     /// The same for any observer: one engine for all, compiled once for each type of applications and not wherever an
     /// observer is declared.
-    fn run_told(self, observer: &mut dyn Observer) -> (Survey, OwnApplications<N>) {
+    fn run_told(self, observer: &mut dyn Observer) -> (Survey, Applications<N>) {
         let observer = &mut Told::new(observer);
         let Self { engine, roll, robots: names, surveyed } = self;
         let Ended {
@@ -165,8 +144,7 @@ impl<N: Application> Simulation<N> {
             deaths,
             interrupted,
         } = engine.run(observer);
-        let mut own =
-            OwnApplications { nodes: Vec::with_capacity(roll.nodes), robots: Vec::new(), sinks: Vec::new() };
+        let mut own = Applications::of_nodes(Vec::with_capacity(roll.nodes));
         let mut journeys = Vec::new();
         for (station, application) in roll.stations().zip(applications) {
             match (application, roll.kind(station)) {
@@ -197,11 +175,14 @@ impl<N: Application> Simulation<N> {
             network.energy[..roll.nodes].iter().for_each(|&spent| energy += spent);
             packets += network.packets[..roll.nodes].iter().copied().sum();
         }
-        let mut logs = (0..=u8::MAX).map(NetworkId).zip(logs).filter(|(network, _)| surveyed.contains(network));
-        let (_, log) = logs.next().expect("a network is surveyed");
-        let other_logs = logs.collect();
-        let survey =
-            Survey { log, other_logs, robots, packets, energy, networks, sensed, deaths, end, events, interrupted };
+        let mut logs: Vec<_> = logs.into_iter().map(Some).collect();
+        let mut surveyed = surveyed.into_iter().map(|SurveyedNetwork { id, name }| NetworkLog {
+            network: name,
+            log: logs[id.index()].take().expect("each network is surveyed once"),
+        });
+        let first = surveyed.next().expect("a network is surveyed");
+        let logs = NetworkLogs::new(first, surveyed.collect());
+        let survey = Survey { logs, robots, packets, energy, networks, sensed, deaths, end, events, interrupted };
         (survey, own)
     }
 }
@@ -210,16 +191,4 @@ impl<N: Application> Simulation<N> {
 fn without_application(robot: usize) -> SettingError {
     let found = "a robot without a controller, among nodes that have applications alone";
     SettingError::new(format!("robots[{robot}]"), found, "a controller, or an own application")
-}
-
-/// Refuses traffic of nodes that have applications of their own.
-fn refuse_traffic(network: &BusyNetwork, nodes: usize) -> Result<(), SettingError> {
-    let members = (0..nodes).map(NodeId::from_index).filter(|&node| network.has(node));
-    let Some(traffic) = members.filter_map(|node| network.traffic.of(node)).find(|traffic| !traffic.is_silent())
-    else {
-        return Ok(());
-    };
-    let key = network.name.as_ref().map_or_else(|| "traffic".to_owned(), |name| format!("networks.{name}.traffic"));
-    let allowed = "`silent = {}`: nodes with applications of their own send what these say";
-    Err(SettingError::new(key, format!("`{}`", traffic.key()), allowed))
 }

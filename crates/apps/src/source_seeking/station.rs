@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use sextant_channel::Dbm;
 use sextant_kernel::NodeId;
-use sextant_sim::{Application, Delivery, DriveEnd, NetworkId, OwnApplications, Port, RobotBody, Sensed, Timer};
+use sextant_sim::{Application, Applications, Delivery, DriveEnd, NetworkId, Port, RobotBody, Sensed, Timer};
 
 use super::node::SeekNode;
 use super::record::SeekRecord;
@@ -41,7 +41,7 @@ pub struct SeekTeam<'a> {
 impl SourceSeeking {
     /// The applications of all stations, which know `map`.
     #[must_use]
-    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SeekTeam<'_>) -> OwnApplications<SeekStation> {
+    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SeekTeam<'_>) -> Applications<SeekStation> {
         let SeekTeam { nodes, robots, sinks, network, tx_power } = team;
         let node = |node: usize| {
             let node = SeekNode::new(network, map.place(NodeId::from_index(node)), tx_power);
@@ -51,7 +51,7 @@ impl SourceSeeking {
             let robot = SeekRobot::new(Arc::clone(self), Arc::clone(map), network, body.speed_m_per_s);
             SeekStation::Robot(Box::new(robot))
         };
-        OwnApplications {
+        Applications {
             nodes: (0..nodes).map(node).collect(),
             robots: robots.iter().map(robot).collect(),
             sinks: (0..sinks).map(|_| SeekStation::Sink).collect(),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use sextant_kernel::NodeId;
 use sextant_sim::{
-    Application, Delivery, DriveEnd, NetworkId, OwnApplications, Port, Radio, RobotBody, SendReport, Sensed, Timer,
+    Application, Applications, Delivery, DriveEnd, NetworkId, Port, Radio, RobotBody, SendReport, Sensed, Timer,
 };
 
 use super::node::{NodeSearchRecord, SearchNode};
@@ -60,11 +60,7 @@ pub struct SearchTeam<'a> {
 impl TargetSearch {
     /// The applications of all stations, which know `map`.
     #[must_use]
-    pub fn stations(
-        self: &Arc<Self>,
-        map: &Arc<NavigationMap>,
-        team: SearchTeam<'_>,
-    ) -> OwnApplications<SearchStation> {
+    pub fn stations(self: &Arc<Self>, map: &Arc<NavigationMap>, team: SearchTeam<'_>) -> Applications<SearchStation> {
         let SearchTeam { nodes, robots, sinks, targets, network, radio, duration } = team;
         let node = |node: usize| {
             let place = map.place(NodeId::from_index(node));
@@ -76,7 +72,7 @@ impl TargetSearch {
                 SearchRobot::new(Arc::clone(self), Arc::clone(map), network, (body, robots.len()), targets, duration);
             SearchStation::Robot(Box::new(robot))
         };
-        OwnApplications {
+        Applications {
             nodes: (0..nodes).map(node).collect(),
             robots: robots.iter().map(robot).collect(),
             sinks: (0..sinks).map(|_| SearchStation::Sink(Box::new(SearchSink::new(network)))).collect(),

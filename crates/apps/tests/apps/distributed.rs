@@ -15,9 +15,9 @@ use sextant_mac::csma::CsmaSettings;
 use sextant_mac::dmg::SweepConfig;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Antennas, AntennasConfig, BusyNetwork, DmgRadio, Faults, Ieee80211ad, Ieee802154, Mac, NetworkId, NetworkSetup,
-    Observer, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, SilentConfig, Simulation,
-    Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
+    Antennas, AntennasConfig, Applications, DmgRadio, Faults, Ieee80211ad, Ieee802154, Mac, Network, NetworkId,
+    Observer, Radio, ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Setup, Simulation, Technology,
+    TrafficPlan, Unobserved, World,
 };
 
 /// Reach of the radios (m).
@@ -86,12 +86,11 @@ impl Scene {
         let text = format!("tx_power_dbm = {power_dbm}\nsensitivity_dbm = -60.0");
         let radio: sextant_sim::RadioConfig = toml::from_str(&text).expect("a radio");
         if self.has_sectors {
-            Technology::Ieee80211ad(Box::new(Ieee80211ad {
-                radio: DmgRadio::try_from(radio).expect("good levels"),
-                reception: ReceptionModel::SirThreshold { least: 2.0 },
-                sweep: SweepConfig::default().try_into().expect("good settings"),
-                antennas: self.antennas(),
-            }))
+            let radio = DmgRadio::try_from(radio).expect("good levels");
+            let sweep = SweepConfig::default().try_into().expect("good settings");
+            let reception = ReceptionModel::SirThreshold { least: 2.0 };
+            let links = Ieee80211ad::new(radio, reception, sweep, self.antennas()).expect("sectors that fit");
+            Technology::Ieee80211ad(Box::new(links))
         } else {
             Technology::Ieee802154(Ieee802154 {
                 radio: Radio::try_from(radio).expect("good levels"),
@@ -108,17 +107,17 @@ impl Scene {
         let node = |(i, &position): (usize, &Position)| PlacedNode { name: format!("n{i}"), position };
         let channel: ChannelConfig =
             toml::from_str("path_loss.log_distance = { exponent = 2.0 }").expect("a channel");
-        let link = NetworkSetup {
+        let network = Network {
+            name: None,
             channel: channel.try_into().expect("a good channel"),
             technology: self.technology(),
             radio_states: RadioStates::mmwave_60_ghz(),
+            traffic: TrafficPlan::silent(places.len()),
             members: None,
         };
-        let silent = Traffic::try_from(TrafficConfig::Silent(SilentConfig {})).expect("no traffic");
-        let traffic = TrafficPlan::all(silent, places.len());
         let setup = Setup {
             world: World { nodes: places.iter().enumerate().map(node).collect(), ..World::default() },
-            networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+            networks: vec![network],
             robots: self.robot(&settings).into_iter().collect(),
             sinks: Vec::new(),
             duration: None,
@@ -132,9 +131,9 @@ impl Scene {
             let anchor = (i % self.anchor_every == 0 && i < self.side * self.side).then_some(believed);
             MappingNode::new(Arc::clone(&settings), NetworkId(0), antenna, anchor)
         };
-        let nodes = places.iter().enumerate().map(node).collect();
-        let (_, nodes) = Simulation::with_nodes(setup, nodes).expect("a good setup").run_nodes(observer);
-        nodes.into_iter().map(MappingNode::into_record).collect()
+        let nodes = Applications::of_nodes(places.iter().enumerate().map(node).collect());
+        let (_, own) = Simulation::with(setup, nodes).expect("a good setup").run_own(observer);
+        own.nodes.into_iter().map(MappingNode::into_record).collect()
     }
 
     fn robot(&self, settings: &Arc<DistributedMapping>) -> Option<Robot> {
@@ -155,8 +154,9 @@ impl Scene {
         let surroundings =
             Surroundings { obstacles: &obstacles, start, radius_m: body.radius_m, seed: Seed(1), robot: 0 };
         let controller = sextant_apps::ControllerConfig::Waypoints(waypoints).build(&surroundings).expect("a path");
-        let sectors = self.antennas().robot_sectors();
-        let broadcast = MobileAnchor::new(Arc::clone(settings), self.has_sectors.then_some((&sectors, 8)));
+        let antennas = self.antennas();
+        let sectors = self.has_sectors.then_some((antennas.robot_sectors(), 8));
+        let broadcast = MobileAnchor::new(Arc::clone(settings), sectors);
         let task = RobotTask::MobileAnchor { controller, broadcast: Box::new(broadcast) };
         Some(Robot { body, task })
     }

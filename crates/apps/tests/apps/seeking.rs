@@ -13,9 +13,9 @@ use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, Estimate, Faults, Field, FieldConfig, FieldSensorConfig, Ieee802154, Listening, Mac, NetworkId,
-    NetworkSetup, Observer, Odometry, Radio, ReceptionModel, Robot, RobotBody, RobotTask, Sensors, SensorsConfig,
-    Setup, SilentConfig, Simulation, Technology, Traffic, TrafficConfig, TrafficPlan, World,
+    Estimate, Faults, Field, FieldConfig, FieldSensorConfig, Ieee802154, Listening, Mac, Network, NetworkId,
+    Observer, Odometry, Radio, ReceptionModel, Robot, RobotBody, RobotTask, Sensors, SensorsConfig, Setup,
+    Simulation, Technology, TrafficPlan, World,
 };
 
 use crate::world;
@@ -100,12 +100,13 @@ impl Scene {
         (0..).map(place).filter(|&place| self.obstacles.distance_m(place) > 0.0).take(self.nodes).collect()
     }
 
-    fn link() -> NetworkSetup {
+    fn network(nodes: usize) -> Network {
         let channel: ChannelConfig =
             toml::from_str("environment = \"suburban\"\nmax_range_m = 10.0").expect("a channel");
         let radio: sextant_sim::RadioConfig =
             toml::from_str("tx_power_dbm = -50.0\nsensitivity_dbm = -90.0").expect("a radio");
-        NetworkSetup {
+        Network {
+            name: None,
             channel: channel.try_into().expect("a good channel"),
             technology: Technology::Ieee802154(Ieee802154 {
                 radio: Radio::try_from(radio).expect("good levels"),
@@ -113,6 +114,7 @@ impl Scene {
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
             radio_states: RadioStates::cc2420(),
+            traffic: TrafficPlan::silent(nodes),
             members: None,
         }
     }
@@ -159,8 +161,6 @@ impl Scene {
             tx_power: Dbm(-50.0),
         };
         let own = Arc::new(settings(&fields)).stations(&Arc::new(map), team);
-        let silent = Traffic::try_from(TrafficConfig::Silent(SilentConfig {})).expect("no traffic");
-        let traffic = TrafficPlan::all(silent, places.len());
         let node = |(i, position): (usize, Position)| PlacedNode { name: format!("n{i}"), position };
         let setup = Setup {
             world: World {
@@ -170,7 +170,7 @@ impl Scene {
                 sensors: Sensors::try_from(sensors).expect("good sensors"),
                 ..World::default()
             },
-            networks: vec![BusyNetwork { name: None, link: Self::link(), traffic, nodes: None }],
+            networks: vec![Self::network(self.nodes)],
             robots: vec![Robot { body, task: RobotTask::Own }],
             sinks: Vec::new(),
             duration: Some(Duration::from_secs_f64(self.duration_s)),
@@ -178,7 +178,7 @@ impl Scene {
             seed: Seed(self.seed),
         };
         let mut watch = Watch::default();
-        let (_, mut own) = Simulation::with_own(setup, own).expect("a good setup").run_own(&mut watch);
+        let (_, mut own) = Simulation::with(setup, own).expect("a good setup").run_own(&mut watch);
         let Some(SeekRecord::Robot(record)) = own.robots.pop().map(|robot| robot.into_record()) else {
             panic!("a robot")
         };

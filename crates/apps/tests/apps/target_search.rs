@@ -15,9 +15,9 @@ use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    BusyNetwork, Estimate, Faults, Ieee802154, Mac, NetworkId, NetworkSetup, Observer, Radio, RadioConfig,
-    ReceptionModel, Robot, RobotBody, RobotConfig, RobotTask, Sensors, SensorsConfig, Setup, SilentConfig,
-    Simulation, Sink, TargetConfig, TargetId, Technology, Traffic, TrafficConfig, TrafficPlan, World, WorldConfig,
+    Estimate, Faults, Ieee802154, Mac, Network, NetworkId, Observer, Radio, RadioConfig, ReceptionModel, Robot,
+    RobotBody, RobotConfig, RobotTask, Sensors, SensorsConfig, Setup, Simulation, Sink, TargetConfig, TargetId,
+    Technology, TrafficPlan, World, WorldConfig,
 };
 
 /// Nodes on a lattice of 1 m, each moved a little, and a sink at the corner.
@@ -127,7 +127,8 @@ impl Scene {
         let search = Arc::new(search.expect("good settings"));
         let channel: ChannelConfig =
             toml::from_str("path_loss.log_distance = { exponent = 2.0 }").expect("a channel");
-        let link = NetworkSetup {
+        let network = Network {
+            name: None,
             channel: channel.try_into().expect("a good channel"),
             technology: Technology::Ieee802154(Ieee802154 {
                 radio: radio.clone(),
@@ -135,6 +136,7 @@ impl Scene {
                 mac: Mac::CsmaUnslotted(CsmaSettings::default().with_receiver_on()),
             }),
             radio_states: RadioStates::cc2420(),
+            traffic: TrafficPlan::silent(world.nodes.len()),
             members: None,
         };
         let body = |(i, text): (usize, &&str)| {
@@ -146,8 +148,6 @@ impl Scene {
         let places = world.nodes.iter().map(|node| Some((self.map)(node.position))).collect();
         let map = Arc::new(NavigationMap::new(places, self.frame).expect("a map"));
         let duration = Duration::from_secs(self.seconds);
-        let silent = Traffic::try_from(TrafficConfig::Silent(SilentConfig {})).expect("no traffic");
-        let traffic = TrafficPlan::all(silent, world.nodes.len());
         let own = search.stations(
             &map,
             SearchTeam {
@@ -163,7 +163,7 @@ impl Scene {
         let robot = |body| Robot { body, task: RobotTask::Own };
         let setup = Setup {
             world,
-            networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+            networks: vec![network],
             robots: bodies.into_iter().map(robot).collect(),
             sinks: vec![Sink { name: "sink".into(), position: Position::new(-0.5, -0.5, 0.0), networks: None }],
             duration: Some(duration),
@@ -171,7 +171,7 @@ impl Scene {
             seed: Seed(self.seed),
         };
         let mut watch = Watch::default();
-        let (_, own) = Simulation::with_own(setup, own).expect("a good setup").run_own(&mut watch);
+        let (_, own) = Simulation::with(setup, own).expect("a good setup").run_own(&mut watch);
         let (mut robots, mut nodes, mut sinks) = (Vec::new(), MessageCounts::default(), MessageCounts::default());
         let stations = own.nodes.into_iter().chain(own.robots).chain(own.sinks);
         for record in stations.map(SearchStation::into_record) {

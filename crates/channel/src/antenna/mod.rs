@@ -96,6 +96,7 @@ pub struct Antenna {
     quasi_omni: Db,
     greatest: Db,
     ripple_db: f64,
+    table: SectorTable,
 }
 
 #[derive(Clone, Debug)]
@@ -108,7 +109,7 @@ enum Beams {
 impl Default for Antenna {
     /// 0 dBi in all directions.
     fn default() -> Self {
-        Self { beams: Beams::Omnidirectional(Db(0.0)), quasi_omni: Db(0.0), greatest: Db(0.0), ripple_db: 0.0 }
+        Self::omnidirectional(Db(0.0))
     }
 }
 
@@ -130,8 +131,7 @@ impl Antenna {
         match config {
             AntennaConfig::Omnidirectional(config) => {
                 let gain = gain("gain_dbi", config.gain_dbi).map_err(|error| error.within("omnidirectional"))?;
-                let beams = Beams::Omnidirectional(gain);
-                Ok(Self { beams, quasi_omni: gain, greatest: gain, ripple_db: 0.0 })
+                Ok(Self::omnidirectional(gain))
             }
             AntennaConfig::Sectors(config) => Sectors::try_from(config)
                 .and_then(|sectors| {
@@ -150,11 +150,22 @@ impl Antenna {
         }
     }
 
+    /// The same gain in all directions.
+    fn omnidirectional(gain: Db) -> Self {
+        let beams = Beams::Omnidirectional(gain);
+        Self { beams, quasi_omni: gain, greatest: gain, ripple_db: 0.0, table: SectorTable::default() }
+    }
+
     fn new(beams: Beams, greatest_dbi: f64, quasi_omni_dbi: f64, ripple_db: f64) -> Result<Self, SettingError> {
         let quasi_omni = gain("quasi_omni_gain_dbi", quasi_omni_dbi)?;
         let ripple_db = SettingError::in_range("gain_ripple_db", ripple_db, 0.0, 20.0)?;
         let greatest = Db((greatest_dbi + RIPPLE_LIMIT * ripple_db).max(quasi_omni.0));
-        Ok(Self { beams, quasi_omni, greatest, ripple_db })
+        let table = match &beams {
+            Beams::Omnidirectional(_) => SectorTable::default(),
+            Beams::Sectors(sectors) => sectors.table()?,
+            Beams::CodeBook(book) => book.table(),
+        };
+        Ok(Self { beams, quasi_omni, greatest, ripple_db, table })
     }
 
     /// Number of sectors over all rings, 1 to 255; an omnidirectional antenna has one.
@@ -290,12 +301,8 @@ impl Antenna {
     /// The directions of each sector in the frame of the antenna, by its number: those where it is the best. For a code
     /// book, each is the smallest interval of azimuth and elevation that has them all. None without sectors.
     #[must_use]
-    pub fn sectors(&self) -> SectorTable {
-        match &self.beams {
-            Beams::Omnidirectional(_) => SectorTable::default(),
-            Beams::Sectors(sectors) => sectors.table.clone(),
-            Beams::CodeBook(book) => book.table(),
-        }
+    pub fn sectors(&self) -> &SectorTable {
+        &self.table
     }
 }
 

@@ -76,7 +76,7 @@ pub(super) struct Sectors {
     pub(super) per_ring: u8,
     pub(super) rings: u8,
     pub(super) vertical: Vertical,
-    pub(super) table: SectorTable,
+    directions: EvenSectorsConfig,
 }
 
 impl TryFrom<&AntennaSectorsConfig> for Sectors {
@@ -111,12 +111,19 @@ impl TryFrom<&AntennaSectorsConfig> for Sectors {
             None => None,
         };
         let beams = built.into_iter().map(|(_, beam)| peak.map_or(beam, |dbi| beam.with_peak(dbi))).collect();
-        let table = SectorTable::try_from(EvenSectorsConfig {
+        let directions = EvenSectorsConfig {
             azimuth_sectors: per_ring,
             first_azimuth_deg: config.first_azimuth_deg,
             elevations_deg: elevation_intervals(&config.elevations_deg, vertical_width_deg),
-        })?;
-        Ok(Self { pattern, beams, per_ring, rings, vertical: config.vertical, table })
+        };
+        Ok(Self { pattern, beams, per_ring, rings, vertical: config.vertical, directions })
+    }
+}
+
+impl Sectors {
+    /// The directions of each sector.
+    pub(super) fn table(&self) -> Result<SectorTable, SettingError> {
+        SectorTable::try_from(self.directions.clone())
     }
 }
 

@@ -2,7 +2,7 @@
 //! of the initiator that it heard best, and sweeps its own sectors with that choice.
 
 use sextant_channel::Db;
-use sextant_kernel::{SettingError, SimTime};
+use sextant_kernel::SimTime;
 
 use super::address::MacAddress;
 use super::alarm::Alarm;
@@ -10,7 +10,7 @@ use super::backoff::{Backoff, Carrier};
 use super::frame::{BeamRefinement, SectorFeedback, SweepBody, SweepFrame};
 use super::port::{Aim, Event, Radio};
 use super::sector::{SectorLayout, TxSector};
-use super::settings::{Contention, SweepSettings};
+use super::settings::{AnswerSettings, Contention, SweepSettings};
 use super::snr_report::SnrReport;
 use super::timing::{
     AIR_PROPAGATION, MAX_SLS_RETRIES, MBIFS, SSW_ACK_TIMEOUT, SSW_AIRTIME, SSW_FEEDBACK_AIRTIME, duration_field,
@@ -121,23 +121,20 @@ pub struct Responder {
 }
 
 impl Responder {
-    /// A station with this address and these sectors that listens.
-    ///
-    /// # Errors
-    /// If the sectors do not fit in a slot of the A-BFT.
-    pub fn new(address: MacAddress, layout: SectorLayout, settings: SweepSettings) -> Result<Self, SettingError> {
-        settings.check_responder(&layout)?;
-        Ok(Self {
+    /// A responder at `address` that answers in this way.
+    #[must_use]
+    pub fn new(address: MacAddress, answers: AnswerSettings) -> Self {
+        Self {
             address,
-            layout,
-            settings,
+            layout: answers.layout(),
+            settings: answers.sweep(),
             state: State::Listening,
             carrier: Carrier::default(),
             alarm: Alarm::default(),
             acknowledged: None,
             failed: 0,
             skip: 0,
-        })
+        }
     }
 
     /// Whether a sweep is heard or answered.

@@ -146,12 +146,42 @@ pub struct SweepSettings {
     longest_answer: Duration,
 }
 
+/// How a responder answers sweeps: settings of sector sweeps that its own sectors fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnswerSettings {
+    sweep: SweepSettings,
+    layout: SectorLayout,
+}
+
+impl AnswerSettings {
+    /// The settings of sector sweeps; their longest answer is that of the responder.
+    #[must_use]
+    pub const fn sweep(&self) -> SweepSettings {
+        self.sweep
+    }
+
+    /// The sectors of the responder.
+    #[must_use]
+    pub const fn layout(&self) -> SectorLayout {
+        self.layout
+    }
+}
+
 impl SweepSettings {
     /// The same for responders whose sweep lasts `span` at most. An initiator hears only those of its frames that point
     /// at it, so it must expect one after so long a silence.
     #[must_use]
     pub const fn with_longest_answer(self, span: Duration) -> Self {
         Self { longest_answer: span, ..self }
+    }
+
+    /// These settings for responders whose antenna has the sectors of `layout`.
+    ///
+    /// # Errors
+    /// If the sectors do not fit in a slot.
+    pub fn answers(self, layout: SectorLayout) -> Result<AnswerSettings, SettingError> {
+        self.check_responder(&layout)?;
+        Ok(AnswerSettings { sweep: self.with_longest_answer(layout.sweep_duration()), layout })
     }
 
     /// The longest sweep of a responder; zero if not known.
@@ -193,7 +223,7 @@ impl SweepSettings {
     ///
     /// # Errors
     /// If its sweep does not fit in a slot of the A-BFT.
-    pub fn check_responder(&self, layout: &SectorLayout) -> Result<(), SettingError> {
+    fn check_responder(&self, layout: &SectorLayout) -> Result<(), SettingError> {
         let Contention::Abft(abft) = self.contention else { return Ok(()) };
         let key = "contention.abft.frames_per_slot";
         if layout.total() > u16::from(abft.frames_per_slot) {
@@ -302,7 +332,7 @@ mod tests {
         let settings = SweepSettings::try_from(config).expect("good settings");
         let refused = |sectors: &[u8]| {
             let layout = SectorLayout::new(sectors).expect("a good layout");
-            settings.check_responder(&layout).err().map(|error| error.key)
+            settings.answers(layout).err().map(|error| error.key)
         };
         assert_eq!(refused(&[8]), None);
         assert_eq!(refused(&[9]).as_deref(), Some("contention.abft.frames_per_slot"));

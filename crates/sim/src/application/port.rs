@@ -142,7 +142,7 @@ impl Port<'_> {
     /// Whether the links of a network sweep sectors.
     #[must_use]
     pub fn has_sectors(&self, network: NetworkId) -> bool {
-        self.model.networks[network.index()].has_sectors()
+        self.model.networks[network.index()].sweeps_sectors()
     }
 
     /// Number of sectors of the station's antenna in a network, all rings and tilts together; `None` if it has none, or the

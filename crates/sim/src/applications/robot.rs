@@ -26,7 +26,7 @@ pub enum RobotTask {
         /// What it sends.
         broadcast: Box<dyn Broadcast>,
     },
-    /// An application of its own says what it does: see [`Simulation::with_own`](crate::Simulation::with_own).
+    /// An application of its own says what it does: see [`Simulation::with`](crate::Simulation::with).
     Own,
 }
 

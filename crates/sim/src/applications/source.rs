@@ -7,7 +7,7 @@ use sextant_kernel::SimTime;
 use super::traffic::{Next, Traffic};
 use crate::application::{Application, Port};
 use crate::event::Timer;
-use crate::link::ieee802154::Clock;
+use crate::link::clock::Clock;
 use crate::service::network_id::NetworkId;
 use crate::service::report::{Destination, Payload, SendReport};
 

@@ -4,12 +4,9 @@ use std::time::Duration;
 
 use sextant_channel::{Channel, Db, Dbm};
 use sextant_kernel::{Seed, SettingError};
-use sextant_mac::Phy;
 
-use super::interference::power_in_band;
-use super::setup::NetworkSetup;
-use crate::air::{AirSettings, ReceptionModel};
-use crate::link::{Ieee802154, Technology};
+use crate::air::AirSettings;
+use crate::network::Network;
 use crate::purpose;
 use crate::world::World;
 
@@ -22,18 +19,19 @@ const PACKETS_OF_A_BAND: u64 = 1 << 44;
 /// The networks of each band, in the order of their first networks.
 ///
 /// # Errors
-/// If networks that share a band have different channels.
-pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, SettingError> {
+/// If networks that share a band have different channels, or one of them has sector sweeps.
+pub(super) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingError> {
     let mut bands: Vec<Vec<usize>> = Vec::new();
     for (i, network) in networks.iter().enumerate() {
+        let settings = network.technology.settings();
         let shares =
-            |band: &&mut Vec<usize>| networks[band[0]].technology.spectrum() == network.technology.spectrum();
+            |band: &&mut Vec<usize>| networks[band[0]].technology.settings().spectrum() == settings.spectrum();
         match bands.iter_mut().find(shares) {
             None => bands.push(vec![i]),
             Some(band) => {
-                if matches!(network.technology, Technology::Ieee80211ad(_)) {
-                    let found = format!("sector sweeps on the radio channel of network {}", band[0]);
-                    let allowed = "a radio channel of its own for each network with sector sweeps";
+                if let Some(what) = settings.unshared() {
+                    let found = format!("{what} on the radio channel of network {}", band[0]);
+                    let allowed = format!("a radio channel of its own for each network with {what}");
                     return Err(SettingError::new(format!("networks[{i}].radio.channel"), found, allowed));
                 }
                 if networks[band[0]].channel != network.channel {
@@ -49,60 +47,47 @@ pub(super) fn bands(networks: &[NetworkSetup]) -> Result<Vec<Vec<usize>>, Settin
     Ok(bands)
 }
 
-/// Refuses bit errors of another physical layer than that of which they are known.
-pub(super) fn check_reception(networks: &[NetworkSetup]) -> Result<(), SettingError> {
-    for (i, network) in networks.iter().enumerate() {
-        let (reception, radio) = match &network.technology {
-            Technology::Ieee802154(Ieee802154 { radio, reception, .. }) if radio.phy() != Phy::Oqpsk2450 => {
-                (reception, format!("a radio with `phy = \"{}\"`", radio.phy().name()))
-            }
-            Technology::Ieee802154(_) => continue,
-            Technology::Ieee80211ad(settings) => (&settings.reception, "sector sweeps".to_owned()),
-        };
-        if *reception == ReceptionModel::Ber {
-            let found = format!("set for {radio}");
-            let allowed = "only `phy = \"oqpsk2450\"`, whose bit error rate is known; \
-                           with others `reception.sinr_threshold`, `reception.sir_threshold` or `reception.overlap`";
-            let refusal = SettingError::new("reception.ber", found, allowed);
-            return Err(if i == 0 { refusal } else { refusal.within(format!("networks[{i}]")) });
-        }
-    }
-    Ok(())
-}
-
 /// Refuses settings of links that do not fit together.
-pub(super) fn check_links(networks: &[NetworkSetup]) -> Result<(), SettingError> {
-    for (i, network) in networks.iter().enumerate() {
-        let Some(links) = network.technology.ieee802154() else { continue };
-        links.check().map_err(|error| if i == 0 { error } else { error.within(format!("networks[{i}]")) })?;
-    }
-    Ok(())
+pub(super) fn check_links(networks: &[Network]) -> Result<(), SettingError> {
+    networks.iter().enumerate().try_for_each(|(i, network)| {
+        let checked = network.technology.settings().check();
+        checked.map_err(|error| if i == 0 { error } else { error.within(format!("networks[{i}]")) })
+    })
 }
 
-/// The air of the band number `band`, which `networks` share.
-pub(super) fn air(
-    networks: &[&NetworkSetup],
-    band: usize,
-    world: &World,
-    channel_seed: Seed,
-    seed: Seed,
-    (first_packet, message_loss): (u64, f64),
-) -> AirSettings {
-    let channel_seed =
-        if band == 0 { channel_seed } else { Seed(channel_seed.bits(purpose::BAND, [band as u64, 0, 0])) };
-    let technologies = || networks.iter().map(|network| &network.technology);
-    AirSettings {
-        channel: Channel::new(networks[0].channel, world.obstacles.clone(), channel_seed),
-        power: Dbm(technologies().map(|technology| technology.greatest_tx_power().0).fold(f64::MIN, f64::max)),
-        noise: Dbm((world.interferers.iter())
-            .filter_map(|interferer| power_in_band(interferer, &networks[0].technology))
-            .fold(f64::MIN, |greatest, power| greatest.max(power.0))),
-        gain: Db(technologies().map(|technology| technology.greatest_gain().0).fold(0.0, f64::max)),
-        floor: Dbm(technologies().map(|technology| technology.noise_floor().0).fold(f64::MAX, f64::min))
-            - NEGLECTED_BELOW_NOISE,
-        sensing: technologies().map(Technology::carrier_sense).max().unwrap_or(Duration::ZERO),
-        first_packet: first_packet + band as u64 * PACKETS_OF_A_BAND,
-        message_loss,
-        seed,
+/// What all bands have in common.
+pub(super) struct Bands<'a> {
+    pub(super) world: &'a World,
+    pub(super) channel_seed: Seed,
+    pub(super) seed: Seed,
+    /// Number of the first packet of the first band.
+    pub(super) first_packet: u64,
+    /// Probability that a frame is lost, whatever its power.
+    pub(super) message_loss: f64,
+}
+
+impl Bands<'_> {
+    /// The air of the band number `band`, which `networks` share.
+    pub(super) fn air(&self, band: usize, networks: &[&Network]) -> AirSettings {
+        let channel_seed = match band {
+            0 => self.channel_seed,
+            _ => Seed(self.channel_seed.bits(purpose::BAND, [band as u64, 0, 0])),
+        };
+        let settings = || networks.iter().map(|network| network.technology.settings());
+        let first = networks[0].technology.settings();
+        AirSettings {
+            channel: Channel::new(networks[0].channel, self.world.obstacles.clone(), channel_seed),
+            power: Dbm(settings().map(|settings| settings.greatest_tx_power().0).fold(f64::MIN, f64::max)),
+            noise: Dbm((self.world.interferers.iter())
+                .filter_map(|interferer| first.power_of(interferer))
+                .fold(f64::MIN, |greatest, power| greatest.max(power.0))),
+            gain: Db(settings().map(|settings| settings.greatest_gain().0).fold(0.0, f64::max)),
+            floor: Dbm(settings().map(|settings| settings.noise_floor().0).fold(f64::MAX, f64::min))
+                - NEGLECTED_BELOW_NOISE,
+            sensing: settings().map(|settings| settings.carrier_sense()).max().unwrap_or(Duration::ZERO),
+            first_packet: self.first_packet + band as u64 * PACKETS_OF_A_BAND,
+            message_loss: self.message_loss,
+            seed: self.seed,
+        }
     }
 }

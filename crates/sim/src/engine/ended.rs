@@ -10,27 +10,27 @@ use crate::station::Pose;
 
 /// What an engine leaves behind.
 #[derive(Debug)]
-pub struct Ended<A> {
+pub(crate) struct Ended<A> {
     /// The applications, by station.
-    pub applications: Vec<A>,
+    pub(crate) applications: Vec<A>,
     /// What the robots wrote into the log of each network.
-    pub logs: Vec<ReceptionLog>,
+    pub(crate) logs: Vec<ReceptionLog>,
     /// Length of the path of each robot (m).
-    pub path_lengths_m: Vec<f64>,
+    pub(crate) path_lengths_m: Vec<f64>,
     /// Where each robot is at the end.
-    pub end_poses: Vec<EndPose>,
+    pub(crate) end_poses: Vec<EndPose>,
     /// What became of the packets in each network, and of the energy.
-    pub networks: Vec<NetworkRecord>,
+    pub(crate) networks: Vec<NetworkRecord>,
     /// When it ended.
-    pub end: SimTime,
+    pub(crate) end: SimTime,
     /// Number of events.
-    pub events: u64,
+    pub(crate) events: u64,
     /// What the sensors of the nodes said.
-    pub sensed: Sensations,
+    pub(crate) sensed: Sensations,
     /// The nodes that died, in the order of their deaths.
-    pub deaths: Vec<Death>,
+    pub(crate) deaths: Vec<Death>,
     /// Whether the observer ended it.
-    pub interrupted: bool,
+    pub(crate) interrupted: bool,
 }
 
 /// Where a robot is at the end of a simulation.

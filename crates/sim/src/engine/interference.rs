@@ -4,10 +4,9 @@ use std::time::Duration;
 
 use sextant_kernel::{SimTime, StationId};
 
-use super::setup::NetworkSetup;
 use crate::air::Burst;
 use crate::event::Event;
-use crate::link::Technology;
+use crate::network::Network;
 use crate::scene::Scene;
 use crate::world::interferer::Interferer;
 
@@ -28,23 +27,17 @@ pub(super) struct Noise {
 }
 
 /// The noises of all interferers in all bands.
-pub(super) fn noises(interferers: &[Interferer], networks: &[NetworkSetup], bands: &[Vec<usize>]) -> Vec<Noise> {
+pub(super) fn noises(interferers: &[Interferer], networks: &[Network], bands: &[Vec<usize>]) -> Vec<Noise> {
     let mut noises = Vec::new();
     for (number, interferer) in (0_u32..).zip(interferers) {
         for (air, band) in bands.iter().enumerate() {
-            let Some(power) = power_in_band(interferer, &networks[band[0]].technology) else { continue };
+            let Some(power) = networks[band[0]].technology.settings().power_of(interferer) else { continue };
             let source = StationId(u32::MAX - number);
             let burst = Burst { source, position: interferer.position(), power };
             noises.push(Noise { interferer: interferer.clone(), air, burst, until: SimTime::ZERO, packet: 0 });
         }
     }
     noises
-}
-
-/// Power of an interferer in the channel of a network, if there is any.
-pub(super) fn power_in_band(interferer: &Interferer, technology: &Technology) -> Option<sextant_channel::Dbm> {
-    let radio = &technology.ieee802154()?.radio;
-    interferer.power_in(radio.phy().center_mhz(radio.channel()), radio.phy().bandwidth_mhz())
 }
 
 impl Noise {

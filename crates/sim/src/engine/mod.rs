@@ -5,23 +5,22 @@ mod dying;
 mod ended;
 mod interference;
 mod sensing;
-mod setup;
 
 use std::time::Duration;
 
-use sextant_kernel::{EventQueue, Seed, SettingError, SimTime, StationId};
+use sextant_channel::SectorTable;
+use sextant_kernel::{EventQueue, NodeId, Seed, SettingError, SimTime, StationId};
 use sextant_mac::coordinator::Coordinator;
 
 use crate::air::Air;
 use crate::application::{Application, Port};
 use crate::event::Event;
 use crate::faults::{Death, Faults};
-use crate::link::ieee80211ad;
-use crate::link::ieee802154::{self, Mac};
-use crate::link::network::Network;
-use crate::link::{Ieee802154, Technology};
+use crate::link::antennas::Antennas;
+use crate::link::settings::Placement;
 use crate::model::log::Logs;
 use crate::model::{Model, Vehicle};
+use crate::network::Network;
 use crate::observer::{Observer, Progress};
 use crate::scene::Scene;
 use crate::sensing::Sensing;
@@ -29,18 +28,20 @@ use crate::service::delivery::{Delivery, DriveEnd};
 use crate::service::network_id::NetworkId;
 use crate::service::sensed::Sensations;
 use crate::service::upcall::Upcall;
-use crate::station::{Motion, Roll};
+use crate::setup::Setup;
+use crate::station::Motion;
 
+use bands::Bands;
 use interference::Noise;
 
-pub use ended::{EndPose, Ended};
-pub use setup::{EngineSetup, NetworkSetup};
+pub use ended::EndPose;
+pub(crate) use ended::Ended;
 
 /// Events between two looks at whether to go on.
 const LOOK: u64 = 1000;
 
 /// The engine: it runs once, to its end. `A` is the application of each station.
-pub struct Engine<A> {
+pub(crate) struct Engine<A> {
     model: Model,
     applications: Vec<A>,
     logs: Logs,
@@ -58,6 +59,18 @@ pub struct Engine<A> {
     deaths: Vec<Death>,
 }
 
+/// The number of each of `count` networks.
+///
+/// # Errors
+/// If there is none, or more than numbers.
+fn network_ids(count: usize) -> Result<Vec<NetworkId>, SettingError> {
+    match u8::try_from(count.wrapping_sub(1)) {
+        Ok(last) => Ok((0..=last).map(NetworkId).collect()),
+        Err(_) if count == 0 => Err(SettingError::new("networks", "empty", "at least one network")),
+        Err(_) => Err(SettingError::new("networks", count, "at most 256 networks")),
+    }
+}
+
 /// What only some runs need.
 pub(crate) struct Extras {
     /// Number of the first packet of the first network.
@@ -68,37 +81,22 @@ pub(crate) struct Extras {
     pub(crate) coordinator: Option<(StationId, Coordinator)>,
 }
 
-/// Refuses superframes in networks of stations with own applications.
-pub(crate) fn refuse_beacons<'a>(networks: impl IntoIterator<Item = &'a NetworkSetup>) -> Result<(), SettingError> {
-    let mac = |network: &'a NetworkSetup| network.technology.ieee802154().map(|settings| &settings.mac);
-    if networks.into_iter().any(|network| matches!(mac(network), Some(Mac::BeaconEnabled(_)))) {
-        let found = "set for stations with own applications, none of which sends beacons";
-        return Err(SettingError::new("mac.beacon_enabled", found, "`mac.csma_unslotted`"));
-    }
-    Ok(())
-}
-
 impl<A: Application> Engine<A> {
-    /// An engine with an application for each station: nodes come first, then robots, then sinks.
+    /// An engine with an application for each station: nodes come first, then robots, then sinks. What the robots of the
+    /// setup are there for is in their applications.
     ///
     /// # Errors
-    /// If networks in one band have different channels, the reception model of a network is not that of its physical
-    /// layer, or its channel access needs beacons: no station sends any.
+    /// If networks in one band have different channels, or the settings of a network do not fit together.
     ///
     /// # Panics
     /// If the number of applications is not that of the stations.
-    pub fn new(setup: EngineSetup, applications: Vec<A>) -> Result<Self, SettingError> {
-        refuse_beacons(&setup.networks)?;
-        let extras = Extras { first_packet: 0, channel_seed: setup.seed, coordinator: None };
-        Self::with(setup, applications, extras)
-    }
-
-    pub(crate) fn with(setup: EngineSetup, applications: Vec<A>, extras: Extras) -> Result<Self, SettingError> {
-        let EngineSetup { world, robots, sinks, networks, duration, faults, seed } = setup;
-        let roll = Roll { nodes: world.nodes.len(), robots: robots.len(), sinks: sinks.len() };
+    pub(crate) fn new(setup: Setup, applications: Vec<A>, extras: Extras) -> Result<Self, SettingError> {
+        let roll = setup.roll();
         assert_eq!(applications.len(), roll.len(), "one application for each station");
+        let ids = network_ids(setup.networks.len())?;
+        let Setup { world, robots, sinks, networks, .. } = &setup;
         let places = world.nodes.iter().map(|node| node.position);
-        let motions: Vec<Motion> = (places.chain(robots.iter().map(|robot| robot.start)))
+        let motions: Vec<Motion> = (places.chain(robots.iter().map(|robot| robot.body.start)))
             .chain(sinks.iter().map(|sink| sink.position))
             .map(Motion::standing)
             .collect();
@@ -108,98 +106,75 @@ impl<A: Application> Engine<A> {
             airs: Vec::new(),
             motions,
             roll,
-            seed,
+            seed: setup.seed,
             offered: 0,
             upcalls: Vec::new(),
         };
         let hears: Vec<bool> = applications.iter().map(Application::hears).collect();
         let Extras { first_packet, channel_seed, mut coordinator } = extras;
-        bands::check_reception(&networks)?;
-        bands::check_links(&networks)?;
+        bands::check_links(networks)?;
         for carrier_ghz in networks.iter().filter_map(|network| network.channel.carrier_ghz()) {
             world.obstacles.check_carrier(carrier_ghz).map_err(|error| error.within("world"))?;
         }
-        let bands = bands::bands(&networks)?;
-        let noises = interference::noises(&world.interferers, &networks, &bands);
+        let bands = bands::bands(networks)?;
+        let noises = interference::noises(&world.interferers, networks, &bands);
         if noises.len() > usize::from(u16::MAX) {
             let found = format!("a list of {}", world.interferers.len());
             return Err(SettingError::new("interferers", found, "at most 65535, over all radio channels"));
         }
         let fixed = world.nodes.iter().map(|node| node.position).chain(sinks.iter().map(|sink| sink.position));
+        let message_loss = setup.faults.message_loss();
+        let all = Bands { world, channel_seed, seed: setup.seed, first_packet, message_loss };
         for (i, band) in bands.iter().enumerate() {
-            let in_band: Vec<&NetworkSetup> = band.iter().map(|&network| &networks[network]).collect();
-            let packets = (first_packet, faults.message_loss());
-            let settings = bands::air(&in_band, i, &world, channel_seed, seed, packets);
-            scene.airs.push(Air::new(settings, fixed.clone(), roll));
+            let in_band: Vec<&Network> = band.iter().map(|&network| &networks[network]).collect();
+            scene.airs.push(Air::new(all.air(i, &in_band), fixed.clone(), roll));
         }
         let mut links = Vec::with_capacity(networks.len());
-        for (i, network) in networks.iter().enumerate() {
-            let id = u8::try_from(i).map(NetworkId);
-            let id = id.map_err(|_| SettingError::new("networks", networks.len(), "at most 256"))?;
-            let air = bands.iter().position(|band| band.contains(&i)).expect("each network is in a band");
-            // Sweeps are for all stations, whatever their applications.
-            let audience = match network.technology {
-                Technology::Ieee802154(_) => hears.clone(),
-                Technology::Ieee80211ad(_) => vec![true; roll.len()],
+        for (network, id) in networks.iter().zip(ids) {
+            let settings = network.technology.settings();
+            let air = bands.iter().position(|band| band.contains(&id.index())).expect("each network is in a band");
+            let audience = if settings.always_receives() { vec![true; roll.len()] } else { hears.clone() };
+            let rules = (0..roll.nodes).map(|node| settings.rule_of(NodeId::from_index(node)));
+            let rules = rules.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
+            let first_receiver = scene.airs[air].add_receivers(settings.reception_rules(), rules, &audience);
+            let placement = Placement {
+                network: id,
+                radio_states: network.radio_states.clone(),
+                air,
+                first_receiver,
+                members: setup.members(id),
+                hears: hears.clone(),
+                coordinator: coordinator.take_if(|_| id == NetworkId::default()),
             };
-            let nodes = (0..roll.nodes).map(|node| network.technology.rule_of(node));
-            let rules = nodes.chain(std::iter::repeat_n(0, roll.robots + roll.sinks));
-            let first_receiver =
-                scene.airs[air].add_receivers(network.technology.reception_rules(), rules, &audience);
-            let link = match &network.technology {
-                Technology::Ieee802154(Ieee802154 { radio, mac, .. }) => {
-                    let settings = ieee802154::network::Settings {
-                        network: id,
-                        radio,
-                        mac,
-                        radio_states: network.radio_states.clone(),
-                        air,
-                        first_receiver,
-                        coordinator: coordinator.take_if(|_| i == 0),
-                        keeps_delays: roll.sinks > 0,
-                        members: network.members.clone(),
-                    };
-                    Network::Ieee802154(ieee802154::network::Network::new(settings, &scene, hears.clone()))
-                }
-                Technology::Ieee80211ad(links) => {
-                    let settings = ieee80211ad::network::Settings {
-                        network: id,
-                        links,
-                        radio_states: network.radio_states.clone(),
-                        air,
-                        first_receiver,
-                        members: network.members.clone(),
-                    };
-                    Network::Ieee80211ad(ieee80211ad::network::Network::new(settings, &mut scene, hears.clone()))
-                }
-            };
-            links.push(link);
+            links.push(settings.links(placement, &mut scene));
         }
+        let sectors = networks.iter().map(|network| network.technology.antennas());
+        let sectors = sectors.map(|antennas| antennas.map(Antennas::robot_sectors).filter(|table| !table.is_empty()));
+        let logs = Logs::new(sectors.map(Option::<&SectorTable>::cloned), roll.nodes);
         let senses: Vec<bool> = applications[..roll.nodes].iter().map(Application::senses).collect();
-        let sensing = Sensing::new(&world, &senses, &scene);
-        let vehicles = robots.into_iter().map(Vehicle::new).collect();
+        let sensing = Sensing::new(world, &senses, &scene);
         let has_task: Vec<bool> = applications.iter().map(Application::has_task).collect();
         let unfinished = has_task.iter().filter(|&&has_task| has_task).count();
         Ok(Self {
             model: Model {
                 scene,
                 networks: links,
-                world,
-                vehicles,
+                world: setup.world,
+                vehicles: setup.robots.into_iter().map(|robot| Vehicle::new(robot.body)).collect(),
                 sensing,
                 notes: Vec::new(),
                 has_task,
                 unfinished,
             },
             applications,
-            logs: Logs::new(networks.len(), roll.nodes),
-            end: duration.map(|duration| SimTime::ZERO + duration),
+            logs,
+            end: setup.duration.map(|duration| SimTime::ZERO + duration),
             noises,
             warm_up: Duration::ZERO,
             ends_with_tasks: unfinished > 0,
             events: 0,
             sensed: Sensations::default(),
-            faults,
+            faults: setup.faults,
             dead: Vec::new(),
             deaths: Vec::new(),
         })
@@ -208,12 +183,12 @@ impl<A: Application> Engine<A> {
     /// The same, with a start that is left out of the counts: packets that are offered before the end of the warm-up, and
     /// the energy that radios use until then. Sector sweeps all count.
     #[must_use]
-    pub fn with_warm_up(self, warm_up: Duration) -> Self {
+    pub(crate) fn with_warm_up(self, warm_up: Duration) -> Self {
         Self { warm_up, ..self }
     }
 
     /// Runs until all tasks are done, the time is over, nothing is left to happen, or the observer ends it.
-    pub fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
+    pub(crate) fn run(mut self, observer: &mut impl Observer) -> Ended<A> {
         self.begin(observer);
         let mut interrupted = false;
         while !(interrupted || self.ends_with_tasks && self.model.unfinished == 0) {
@@ -381,14 +356,9 @@ impl<A: Application> Engine<A> {
             }
         };
         let end_poses = self.model.vehicles.iter().enumerate().map(end_pose).collect();
-        let logs = self.logs.build(&names, &robots).into_iter().zip(&self.model.networks);
-        let logs = logs.map(|(log, network)| match network.robot_sectors() {
-            None => log,
-            Some(sectors) => log.with_sectors(sectors).expect("robots log sectors of their antenna"),
-        });
         Ended {
             applications: self.applications,
-            logs: logs.collect(),
+            logs: self.logs.build(&names, &robots),
             path_lengths_m: self.model.vehicles.iter().map(|vehicle| vehicle.path_length_m).collect(),
             end_poses,
             networks: self.model.networks.into_iter().map(|network| network.finish(now)).collect(),

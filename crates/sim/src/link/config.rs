@@ -2,11 +2,14 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use sextant_kernel::SettingError;
 use sextant_mac::Phy;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::dmg::SweepConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 
+use super::antennas::AntennasConfig;
+use crate::air::ReceptionConfig;
 use crate::world::layout::NodesOfGroup;
 
 /// The radios of all stations, as written in a scenario.
@@ -115,5 +118,55 @@ pub enum MacConfig {
 impl Default for MacConfig {
     fn default() -> Self {
         Self::CsmaUnslotted(CsmaConfig::default())
+    }
+}
+
+impl MacConfig {
+    /// Whether the links sweep sectors. They have antennas then, and nodes send no traffic.
+    #[must_use]
+    pub fn sweeps_sectors(&self) -> bool {
+        matches!(self, Self::SectorSweep(_))
+    }
+}
+
+/// The tables of a scenario about the links of a network.
+#[derive(Clone, Copy, Debug)]
+pub struct LinkConfig<'a> {
+    /// The radios.
+    pub radio: Option<&'a RadioConfig>,
+    /// How nodes share the channel.
+    pub mac: &'a MacConfig,
+    /// When a frame that arrives is received.
+    pub reception: Option<&'a ReceptionConfig>,
+    /// The antennas, with sector sweeps.
+    pub antenna: Option<&'a AntennasConfig>,
+}
+
+/// What is wrong with a table of [`LinkConfig`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinkError {
+    /// A table is missing.
+    #[error("the table `[{0}]` is missing")]
+    Missing(&'static str),
+    /// A setting is invalid.
+    #[error("[{table}]: {error}")]
+    Invalid {
+        /// The table.
+        table: &'static str,
+        /// What is wrong, with a key below the table.
+        error: SettingError,
+    },
+}
+
+impl LinkError {
+    /// The value; an error is noted as one in `table`.
+    pub(super) fn take<T>(table: &'static str, result: Result<T, SettingError>, errors: &mut Vec<Self>) -> Option<T> {
+        result.map_err(|error| errors.push(Self::Invalid { table, error })).ok()
+    }
+
+    /// Notes that `table` is missing.
+    pub(super) fn missing<T>(table: &'static str, errors: &mut Vec<Self>) -> Option<T> {
+        errors.push(Self::Missing(table));
+        None
     }
 }

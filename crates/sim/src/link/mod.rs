@@ -1,14 +1,37 @@
-//! Links: how stations of a network send to each other. Each technology is a folder; the rest of the simulator knows
-//! what all have in common.
+//! Links: how stations of a network send to each other. Each technology is a folder, and a line in
+//! [`technology`]; the rest of the simulator knows what all have in common.
 
+pub(crate) mod antennas;
+mod capture;
+pub(crate) mod clock;
 mod collectors;
 mod config;
+pub(crate) mod coordinator;
 pub(crate) mod ieee80211ad;
 pub(crate) mod ieee802154;
-pub(crate) mod network;
+mod ledger;
+pub(crate) mod links;
 mod payloads;
+pub(crate) mod settings;
 mod technology;
 
-pub use config::{MacConfig, RadioConfig, RadioGroupConfig};
+use sextant_kernel::SettingError;
+
+use crate::air::ReceptionModel;
+pub use capture::FrameFormat;
+pub use config::{LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig};
 pub use ieee80211ad::Ieee80211ad;
-pub use technology::{Ieee802154, Technology};
+pub use ieee802154::Ieee802154;
+pub use technology::Technology;
+pub(crate) use technology::{LinkEvent, Links};
+
+/// Refuses bit errors of another physical layer, that of `radio`, than that of which they are known.
+fn refuse_bit_errors(reception: ReceptionModel, radio: &str) -> Result<(), SettingError> {
+    if reception != ReceptionModel::Ber {
+        return Ok(());
+    }
+    let found = format!("set for {radio}");
+    let allowed = "only `phy = \"oqpsk2450\"`, whose bit error rate is known; \
+                   with others `reception.sinr_threshold`, `reception.sir_threshold` or `reception.overlap`";
+    Err(SettingError::new("reception.ber", found, allowed))
+}

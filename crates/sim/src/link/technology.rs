@@ -1,189 +1,233 @@
 //! The technologies of links.
 
+use std::ops::Range;
+use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::SettingError;
-use sextant_mac::dmg::timing::PREAMBLE;
-use sextant_mac::{Band, oqpsk};
+use sextant_kernel::{SimTime, StationId};
+use sextant_mac::{Class, MessageEnergy, RadioStates};
 
-use super::ieee80211ad::Ieee80211ad;
-use super::ieee802154::{Levels, Mac, Radio};
-use crate::air::{CarrierThresholds, ReceptionModel, ReceptionRules};
+use super::antennas::Antennas;
+use super::capture::FrameFormat;
+use super::config::{LinkConfig, LinkError, MacConfig};
+use super::ieee80211ad::{self, Ieee80211ad};
+use super::ieee802154::{self, Ieee802154};
+use super::links::NetworkLinks;
+use super::settings::LinkSettings;
+use crate::observer::Observer;
+use crate::scene::Scene;
+use crate::service::packets::NetworkRecord;
+use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
+use crate::world::layout::PlacedNode;
 
-/// Minimum ratio of signal to interference and noise at which a radio of IEEE 802.15.4 locks on to a frame.
-const LOCK_THRESHOLD: Db = Db(-5.0);
-
-/// The same for the control PHY of IEEE 802.11ad: its sensitivity of -78 dBm over a noise of -71.5 dBm.
-const DMG_LOCK_THRESHOLD: Db = Db(-6.5);
-
-/// The technology of the links of a network, with its settings.
-#[derive(Clone, Debug)]
-pub enum Technology {
-    /// IEEE 802.15.4.
-    Ieee802154(Ieee802154),
-    /// Sector sweeps of IEEE 802.11ad.
-    Ieee80211ad(Box<Ieee80211ad>),
-}
-
-/// Links of IEEE 802.15.4.
-#[derive(Clone, Debug)]
-pub struct Ieee802154 {
-    /// The radios.
-    pub radio: Radio,
-    /// The rule that decides whether a frame is received.
-    pub reception: ReceptionModel,
-    /// Channel access of the nodes.
-    pub mac: Mac,
-}
-
-impl Ieee802154 {
-    /// Refuses clocks that drift where nodes follow beacons.
-    ///
-    /// # Errors
-    /// If there are both, with a key below the network.
-    pub fn check(&self) -> Result<(), SettingError> {
-        if self.radio.has_drift() && matches!(self.mac, Mac::BeaconEnabled(_)) {
-            let allowed = "0 with `mac.beacon_enabled`: nodes take over the clock of the coordinator";
-            return Err(SettingError::new("radio.clock_ppm", "not 0, for all nodes or a group", allowed));
+/// Makes the enums of all technologies: of their settings, of the links of a network, and of events. Each technology is
+/// one line: the channel access of a scenario that chooses it, its name, its settings, its folder.
+macro_rules! technologies {
+    ($d:tt $($(#[$doc:meta])+ $mac:pat => $name:ident($settings:ty) in $folder:ident;)+) => {
+        /// The technology of the links of a network, with its settings.
+        #[derive(Clone, Debug)]
+        pub enum Technology {
+            $($(#[$doc])+ $name($settings),)+
         }
-        Ok(())
-    }
+
+        /// The links of a network, of any technology.
+        pub(crate) enum Links {
+            $($(#[$doc])+ $name($folder::Links),)+
+        }
+
+        /// An event of a link.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum LinkEvent {
+            $($(#[$doc])+ $name($folder::Event),)+
+        }
+
+        /// Asks the links of whatever technology: no call is indirect.
+        macro_rules! ask {
+            ($d links:expr, $d of:ident => $d question:expr) => {
+                match $d links { $(Links::$name($d of) => $d question,)+ }
+            };
+        }
+
+        impl Technology {
+            /// The technology that a scenario describes, with the antenna files in `folder`. Groups of nodes are looked up in
+            /// `nodes`; they are not part of it if the nodes are not known.
+            ///
+            /// # Errors
+            /// All that is wrong with its tables.
+            pub fn read(config: &LinkConfig<'_>, nodes: Option<&[PlacedNode]>, folder: &Path) -> Result<Self, Vec<LinkError>> {
+                match config.mac {
+                    $($mac => <$folder::Settings>::read(config, nodes, folder).map(|settings| Self::$name(settings.into())),)+
+                }
+            }
+
+            pub(crate) fn settings(&self) -> &dyn LinkSettings {
+                match self {
+                    $(Self::$name(settings) => { let settings: &$folder::Settings = settings; settings })+
+                }
+            }
+
+            pub(crate) fn settings_mut(&mut self) -> &mut dyn LinkSettings {
+                match self {
+                    $(Self::$name(settings) => { let settings: &mut $folder::Settings = settings; settings })+
+                }
+            }
+        }
+
+        impl LinkEvent {
+            /// Class of the event among those of the same instant.
+            #[inline]
+            pub(crate) const fn class(self) -> Class {
+                match self { $(Self::$name(event) => event.class(),)+ }
+            }
+        }
+
+        impl Links {
+            /// Handles an event of a station's link.
+            #[inline]
+            pub(crate) fn handle(&mut self, station: StationId, event: LinkEvent, scene: &mut Scene, observer: &mut impl Observer) {
+                match (self, event) {
+                    $((Self::$name(links), LinkEvent::$name(event)) => links.handle(station, event, scene, observer),)+
+                    _ => unreachable!("a network has events of its own technology"),
+                }
+            }
+
+            /// Whether an event is the end of the frame that a station has on air.
+            pub(crate) fn ends_frame(&self, station: StationId, event: LinkEvent) -> bool {
+                match (self, event) {
+                    $((Self::$name(links), LinkEvent::$name(event)) => links.ends_frame(station, event),)+
+                    _ => unreachable!("a network has events of its own technology"),
+                }
+            }
+        }
+    };
 }
 
-/// A part of the radio spectrum: networks that share it disturb each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Spectrum {
-    /// A channel of a band of IEEE 802.15.4.
-    Ieee802154(Band, u8),
-    /// A channel of IEEE 802.11ad.
-    Ieee80211ad(u8),
+technologies! {$
+    /// IEEE 802.15.4.
+    MacConfig::CsmaUnslotted(_) | MacConfig::BeaconEnabled(_) => Ieee802154(Ieee802154) in ieee802154;
+    /// Sector sweeps of IEEE 802.11ad.
+    MacConfig::SectorSweep(_) => Ieee80211ad(Box<Ieee80211ad>) in ieee80211ad;
 }
 
 impl Technology {
-    /// The settings of IEEE 802.15.4, if that is the technology.
-    #[must_use]
-    pub fn ieee802154(&self) -> Option<&Ieee802154> {
-        match self {
-            Self::Ieee802154(settings) => Some(settings),
-            Self::Ieee80211ad(_) => None,
-        }
-    }
-
-    /// The same, to change them.
-    pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
-        match self {
-            Self::Ieee802154(settings) => Some(settings),
-            Self::Ieee80211ad(_) => None,
-        }
-    }
-
-    /// The settings of IEEE 802.11ad, if that is the technology.
-    #[must_use]
-    pub fn ieee80211ad(&self) -> Option<&Ieee80211ad> {
-        match self {
-            Self::Ieee802154(_) => None,
-            Self::Ieee80211ad(settings) => Some(settings),
-        }
-    }
-
-    /// Transmit power, without antennas.
+    /// Transmit power, without antennas; but for groups of nodes.
     #[must_use]
     pub fn tx_power(&self) -> Dbm {
-        match self {
-            Self::Ieee802154(settings) => settings.radio.tx_power(),
-            Self::Ieee80211ad(settings) => settings.radio.tx_power(),
-        }
+        self.settings().tx_power()
     }
 
-    /// The greatest transmit power of any station, without antennas.
-    pub(crate) fn greatest_tx_power(&self) -> Dbm {
-        match self {
-            Self::Ieee802154(settings) => settings.radio.greatest_tx_power(),
-            Self::Ieee80211ad(settings) => settings.radio.tx_power(),
-        }
-    }
-
-    /// Minimum power of a frame that can be received.
+    /// Minimum power of a frame that can be received; but for groups of nodes.
     #[must_use]
     pub fn sensitivity(&self) -> Dbm {
-        match self {
-            Self::Ieee802154(settings) => settings.radio.sensitivity(),
-            Self::Ieee80211ad(settings) => settings.radio.sensitivity(),
-        }
+        self.settings().sensitivity()
     }
 
-    /// The part of the spectrum that it uses.
-    pub(crate) fn spectrum(&self) -> Spectrum {
-        match self {
-            Self::Ieee802154(Ieee802154 { radio, .. }) => Spectrum::Ieee802154(radio.phy().band(), radio.channel()),
-            Self::Ieee80211ad(settings) => Spectrum::Ieee80211ad(settings.radio.channel()),
-        }
+    /// The antennas with sectors, which sweep them; `None` if all antennas are omnidirectional.
+    #[must_use]
+    pub fn antennas(&self) -> Option<&Antennas> {
+        self.settings().antennas()
     }
 
-    /// Largest gain of both antennas of a link together.
-    pub(crate) fn greatest_gain(&self) -> Db {
-        match self {
-            Self::Ieee802154(_) => Db(0.0),
-            Self::Ieee80211ad(settings) => settings.antennas.greatest_gain(),
-        }
+    /// Gain of both antennas of a link together where the best sector points along it, in the weaker direction of a sweep.
+    #[must_use]
+    pub fn link_gain(&self) -> Db {
+        self.settings().link_gain()
     }
 
-    /// Least noise in the bandwidth of the receivers.
-    pub(crate) fn noise_floor(&self) -> Dbm {
-        match self {
-            Self::Ieee802154(settings) => settings.radio.least_noise_floor(),
-            Self::Ieee80211ad(settings) => settings.radio.noise_floor(),
-        }
+    /// Whether nodes wait for the beacons of a coordinator before they send.
+    #[must_use]
+    pub fn has_coordinator(&self) -> bool {
+        self.settings().has_coordinator()
     }
 
-    /// How far back carrier sense looks; zero if radios say when the carrier changes.
-    pub(crate) fn carrier_sense(&self) -> Duration {
-        match self {
-            Self::Ieee802154(settings) => settings.radio.phy().cca(),
-            Self::Ieee80211ad(_) => Duration::ZERO,
-        }
+    /// How its frames are written into a capture.
+    #[must_use]
+    pub fn frame_format(&self) -> FrameFormat {
+        self.settings().frame_format()
     }
 
-    /// Number of the rules of a node's receiver among [`Technology::reception_rules`]; those of robots and sinks are the
-    /// first ones.
-    pub(crate) fn rule_of(&self, node: usize) -> u16 {
-        match self {
-            Self::Ieee802154(settings) => settings.radio.level_of(node),
-            Self::Ieee80211ad(_) => 0,
-        }
+    /// Size of the frame to all that carries a payload of this size (octets).
+    #[must_use]
+    pub fn frame_octets(&self, payload_octets: u16) -> u16 {
+        self.settings().frame_octets(payload_octets)
     }
 
-    /// The rules of its receivers.
-    pub(crate) fn reception_rules(&self) -> Vec<ReceptionRules> {
-        match self {
-            Self::Ieee802154(Ieee802154 { radio, reception, .. }) => {
-                let rules = |levels: &Levels| ReceptionRules {
-                    model: *reception,
-                    sensitivity: levels.sensitivity.to_milliwatts(),
-                    noise: levels.noise_floor.to_milliwatts(),
-                    lock: LOCK_THRESHOLD.to_factor(),
-                    carrier: None,
-                    preamble: radio.phy().synchronisation_header() - radio.phy().octet(),
-                    bit_rate_hz: radio.phy().bit_rate_per_s(),
-                    bit_error_rate: oqpsk::bit_error_rate,
-                };
-                radio.all_levels().map(rules).collect()
-            }
-            Self::Ieee80211ad(settings) => vec![ReceptionRules {
-                model: settings.reception,
-                sensitivity: settings.radio.sensitivity().to_milliwatts(),
-                noise: settings.radio.noise_floor().to_milliwatts(),
-                lock: DMG_LOCK_THRESHOLD.to_factor(),
-                carrier: Some(CarrierThresholds {
-                    signal: settings.radio.cca_threshold().to_milliwatts(),
-                    energy: settings.radio.energy_threshold().to_milliwatts(),
-                }),
-                preamble: PREAMBLE,
-                // No bit errors are worked out: their rate is not known, and such settings are refused.
-                bit_rate_hz: 0.0,
-                bit_error_rate: |_| 0.0,
-            }],
-        }
+    /// Energy to send and to receive a frame of this size (octets); `None` if no frame is so long.
+    #[must_use]
+    pub fn frame_energy(&self, states: &RadioStates, frame_octets: u16) -> Option<MessageEnergy> {
+        let airtime = self.settings().airtime(frame_octets)?;
+        Some(MessageEnergy::of_airtime(states, self.tx_power(), airtime))
+    }
+}
+
+/// The questions of [`NetworkLinks`], to the links of whatever technology.
+impl Links {
+    pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        ask!(self, links => links.begin(station, scene));
+    }
+
+    pub(crate) fn begin_schedule(&mut self, scene: &mut Scene) {
+        ask!(self, links => links.begin_schedule(scene));
+    }
+
+    pub(crate) fn count_from(&mut self, instant: SimTime) {
+        ask!(self, links => links.count_from(instant));
+    }
+
+    pub(crate) fn restart_meters(&mut self, now: SimTime) {
+        ask!(self, links => links.restart_meters(now));
+    }
+
+    #[inline]
+    pub(crate) fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        ask!(self, links => links.offer(station, to, payload, scene))
+    }
+
+    pub(crate) fn sweeps_sectors(&self) -> bool {
+        ask!(self, links => links.sweeps_sectors())
+    }
+
+    pub(crate) fn sectors(&self, station: StationId) -> Option<u8> {
+        ask!(self, links => links.sectors(station))
+    }
+
+    pub(crate) fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {
+        ask!(self, links => links.sweep(station, kind, scene))
+    }
+
+    pub(crate) fn take_answers(&mut self, station: StationId) -> Vec<SweepAnswer> {
+        ask!(self, links => links.take_answers(station))
+    }
+
+    pub(crate) fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+        ask!(self, links => links.listen(station, span, scene));
+    }
+
+    pub(crate) fn die(&mut self, station: StationId, scene: &mut Scene) {
+        ask!(self, links => links.die(station, scene));
+    }
+
+    pub(crate) fn moves(&self, station: StationId, scene: &mut Scene) {
+        ask!(self, links => links.moves(station, scene));
+    }
+
+    pub(crate) fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+        ask!(self, links => links.take_payload())
+    }
+
+    pub(crate) fn give_back(&mut self, frame: Vec<u8>) {
+        ask!(self, links => links.give_back(frame));
+    }
+
+    pub(crate) fn finish(self, now: SimTime) -> NetworkRecord {
+        ask!(self, links => links.finish(now))
     }
 }

@@ -1,7 +1,6 @@
 //! What robots heard and met, as it grows.
 
-use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
-use sextant_kernel::NodeId;
+use sextant_channel::{Contact, Reception, ReceptionLog, ReceptionLogBuilder, SectorTable, Stop};
 
 use crate::service::network_id::NetworkId;
 
@@ -20,11 +19,14 @@ pub(crate) struct Logs {
 struct Log {
     stops: Vec<Stop>,
     receptions: ReceptionLogBuilder,
+    /// The sectors of the robots' antenna, if it has any.
+    sectors: Option<SectorTable>,
 }
 
 impl Logs {
-    pub(crate) fn new(networks: usize, nodes: usize) -> Self {
-        let networks = (0..networks).map(|_| Log::default()).collect();
+    /// Empty logs of as many networks as there are `sectors`: those of the robots' antenna in each.
+    pub(crate) fn new(sectors: impl Iterator<Item = Option<SectorTable>>, nodes: usize) -> Self {
+        let networks = sectors.map(|sectors| Log { sectors, ..Log::default() }).collect();
         Self { networks, heard: vec![false; nodes], ..Self::default() }
     }
 
@@ -42,7 +44,7 @@ impl Logs {
         tell: impl FnOnce(u32, &Stop, &[Reception]),
     ) {
         let log = &mut self.networks[network.index()];
-        let index = NodeId::from_index(log.stops.len()).0;
+        let index = u32::try_from(log.stops.len()).expect("less than 2^32 stops");
         for reception in &mut receptions {
             reception.stop = index;
             let known = &mut self.heard[reception.node.index()];
@@ -56,13 +58,17 @@ impl Logs {
     /// The whole log of each network, of nodes and robots with these names.
     ///
     /// # Panics
-    /// If a robot logged a node twice at a stop.
+    /// If a robot logged a node twice at a stop, or a sector that its antenna does not have.
     pub(crate) fn build(self, nodes: &[String], robots: &[String]) -> Vec<ReceptionLog> {
         let contacts = self.contacts;
-        let build = |Log { stops, receptions }: Log| {
+        let build = |Log { stops, receptions, sectors }: Log| {
             let log = receptions.build(nodes.to_vec(), stops, contacts.clone());
             let log = log.expect("a robot logs each node at most once a stop");
-            log.with_robots(robots.to_vec()).expect("each stop and contact is of a robot")
+            let log = log.with_robots(robots.to_vec()).expect("each stop and contact is of a robot");
+            match sectors {
+                None => log,
+                Some(sectors) => log.with_sectors(sectors).expect("robots log sectors of their antenna"),
+            }
         };
         self.networks.into_iter().map(build).collect()
     }

@@ -7,7 +7,7 @@ mod vehicle;
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{RobotId, StationId};
 
-use crate::link::network::Network;
+use crate::link::Links;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::sensing::Sensing;
@@ -23,7 +23,7 @@ pub(crate) use vehicle::Vehicle;
 /// What the commands of applications act on: everything but the applications themselves.
 pub(crate) struct Model {
     pub(crate) scene: Scene,
-    pub(crate) networks: Vec<Network>,
+    pub(crate) networks: Vec<Links>,
     pub(crate) world: World,
     pub(crate) vehicles: Vec<Vehicle>,
     pub(crate) sensing: Sensing,

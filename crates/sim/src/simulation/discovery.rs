@@ -9,19 +9,18 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Link, NeighbourLog};
 use sextant_kernel::{Interrupted, NodeId, Seed, SettingError, SimTime, StationId, Watch, Work};
 use sextant_mac::EnergySpent;
-use sextant_mac::frame::DataFrame;
 
-use super::setup::Setup;
 use crate::applications::hello::{Announcer, Heard, Hello, Says};
 use crate::applications::source::Source;
 use crate::applications::traffic::{PeriodicConfig, Traffic, TrafficConfig};
-use crate::engine::{Ended, Engine, EngineSetup, Extras};
-use crate::link::ieee802154::{Mac, network::pan};
+use crate::engine::{Ended, Engine, Extras};
+use crate::link::settings::FrameSize;
 use crate::observer::{Observer, Progress};
 use crate::purpose;
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
 use crate::service::report::Destination;
+use crate::setup::Setup;
 use crate::world::World;
 
 /// The network whose radios discover each other.
@@ -147,13 +146,11 @@ fn work(senders: usize, nodes: usize, packets: u32) -> Work {
 fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engine<Hello>, SettingError> {
     let nodes = setup.world.nodes.len();
     let last = StationId::from_index(nodes.saturating_sub(1));
-    let mut network = setup.networks[NETWORK.index()].link.clone();
-    let sweeps = network.technology.ieee80211ad().is_some();
-    if !sweeps {
-        DataFrame::broadcast(pan(NETWORK), last)
-            .filler(discovery.traffic.mpdu_octets())
-            .map_err(|error| error.within("discovery"))?;
-    }
+    let mut network = setup.networks[NETWORK.index()].clone();
+    let sweeps = network.technology.antennas().is_some();
+    let mpdu_octets = discovery.traffic.mpdu_octets();
+    let hello = FrameSize { network: NETWORK, from: last, mpdu_octets, acknowledged: false };
+    network.technology.settings().check_frame(hello).map_err(|error| error.within("discovery"))?;
     let (number, sends) = match round {
         Round::Neighbours => {
             network.channel = discovery.range_m.map_or(network.channel, |range_m| network.channel.within_m(range_m));
@@ -168,9 +165,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         }
     };
     network.members = None;
-    if let Some(settings) = network.technology.ieee802154_mut() {
-        settings.mac = Mac::CsmaUnslotted(settings.mac.csma().with_receiver_on());
-    }
+    network.technology.settings_mut().listen_always();
     let seed = Seed(setup.seed.bits(purpose::DISCOVERY, [number, 0, 0]));
     let (traffic, limit) = (Arc::new(discovery.traffic.clone()), u64::from(discovery.packets));
     let says = |sends: bool| match (sends, sweeps) {
@@ -180,7 +175,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
     };
     let applications = sends.into_iter().map(|sends| Hello::new(says(sends))).collect();
     let extras = Extras { first_packet: FIRST_PACKET * (number + 1), channel_seed: setup.seed, coordinator: None };
-    let setup = EngineSetup {
+    let setup = Setup {
         // Targets and fields are there from the start of the survey.
         world: World { targets: Vec::new(), fields: Vec::new(), ..setup.world.clone() },
         robots: Vec::new(),
@@ -190,7 +185,7 @@ fn engine(setup: &Setup, discovery: &Discovery, round: Round<'_>) -> Result<Engi
         faults: setup.faults.without_deaths(),
         seed,
     };
-    Engine::with(setup, applications, extras)
+    Engine::new(setup, applications, extras)
 }
 
 fn gathered(ended: Ended<Hello>, nodes: usize) -> Discovered {

@@ -9,11 +9,11 @@ use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Deafness, Delivery, Destination, Ended, Engine, EngineSetup, FrameId, FrameOutcome, NetworkId,
-    Packets, Payload, Port, ReceptionConfig, SendOutcome, SendReport, ThresholdConfig, Timer,
+    Application, Deafness, Delivery, Destination, FrameId, FrameOutcome, NetworkId, Packets, Payload, Port,
+    ReceptionConfig, SendOutcome, SendReport, Setup, ThresholdConfig, Timer,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::on_air::OnAir;
 use crate::scripted::{NETWORK, Scripted};
 
@@ -36,8 +36,8 @@ fn report(to: Destination, outcome: SendOutcome, transmissions: u32) -> SendRepo
 fn line(applications: Vec<Scripted>, csma: CsmaConfig) -> (Ended<Scripted>, OnAir) {
     let places = network::grid(applications.len(), 1);
     let mut on_air = OnAir::default();
-    let engine = Engine::new(network::engine(&places, network::link(1.0, csma), 3), applications);
-    (engine.expect("good settings").run(&mut on_air), on_air)
+    let setup = network::engine(&places, network::link(1.0, csma), 3);
+    (network::run_watched(setup, applications, &mut on_air), on_air)
 }
 
 #[test]
@@ -155,8 +155,8 @@ fn an_acknowledgement_has_no_address_so_that_only_its_sequence_number_tells_for_
         let sender = |payload| Scripted::listener().and_sends(Duration::ZERO, to(0), payload);
         let stations = vec![Scripted::listener(), sender(b"n"), sender(b"f")];
         let mut on_air = OnAir::default();
-        let engine = Engine::new(network::engine(&places, link.clone(), seed), stations).expect("good settings");
-        let ended = engine.run(&mut on_air);
+        let setup = network::engine(&places, link.clone(), seed);
+        let ended = network::run_watched(setup, stations, &mut on_air);
         let [listener, near, far] = &ended.applications[..] else { panic!("three stations") };
         assert_eq!(near.reports, [(at(1440), report(to(0), SendOutcome::Acknowledged, 1))]);
         let [first, second, ..] = on_air.0[..] else { panic!("two frames") };
@@ -228,8 +228,8 @@ impl Application for Role {
 /// Report of a node that sends to a robot beside it, which listens in this window (us); when the robot got the frame,
 /// and when it was told that its time to listen was over (us).
 fn to_a_robot(from_us: u64, to_us: u64) -> (SendReport, u64, Vec<u64>, Vec<u64>) {
-    let setup = EngineSetup {
-        robots: vec![network::body("robot", Position::new(1.0, 0.0, 0.0))],
+    let setup = Setup {
+        robots: network::own_robots([network::body("robot", Position::new(1.0, 0.0, 0.0))]),
         ..network::engine(&[Position::ORIGIN], network::link(1.0, network::prompt()), 3)
     };
     let robot = Role::Robot {

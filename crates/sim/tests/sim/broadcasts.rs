@@ -8,12 +8,12 @@ use sextant_kernel::{SimTime, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{SweepBody, SweepConfig, SweepFrame, beacon_payload};
 use sextant_sim::{
-    Antennas, Application, Delivery, Destination, DmgRadio, Ended, Engine, EngineSetup, FrameId, FrameOnAir,
-    FrameOutcome, Ieee80211ad, NetworkSetup, Observer, Packets, Payload, Port, RadioConfig, ReceptionModel,
-    SendError, SendOutcome, SendReport, Sink, SweepAnswer, SweepError, SweepKind, Technology, Timer,
+    Antennas, Application, Delivery, Destination, DmgRadio, FrameId, FrameOnAir, FrameOutcome, Ieee80211ad, Network,
+    Observer, Packets, Payload, Port, RadioConfig, ReceptionModel, SendError, SendOutcome, SendReport, Setup, Sink,
+    SweepAnswer, SweepError, SweepKind, Technology, Timer, TrafficPlan,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::scripted::NETWORK;
 
 /// AIFS of best effort (ns).
@@ -32,7 +32,7 @@ pub(crate) const EIGHT: &str = "nodes.sectors = { azimuth_sectors = 8, boresight
 const OMNIDIRECTIONAL: &str = "nodes.omnidirectional = {}\nrobots.omnidirectional = {}";
 
 /// A network in which 0 dBi reach 7 m, without shadowing; overlapping frames are lost.
-pub(crate) fn link(antennas: &str) -> NetworkSetup {
+pub(crate) fn link(antennas: &str) -> Network {
     let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
     let channel = ChannelConfig {
         environment: None,
@@ -40,16 +40,17 @@ pub(crate) fn link(antennas: &str) -> NetworkSetup {
         ..ChannelConfig::default()
     };
     let radio = RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
-    let links = Ieee80211ad {
-        radio: DmgRadio::try_from(radio).expect("good levels"),
-        reception: ReceptionModel::Overlap,
-        sweep: SweepConfig::default().try_into().expect("good settings"),
-        antennas: Antennas::read(&toml::from_str(antennas).expect("antennas"), Path::new("")).expect("good antennas"),
-    };
-    NetworkSetup {
+    let radio = DmgRadio::try_from(radio).expect("good levels");
+    let sweep = SweepConfig::default().try_into().expect("good settings");
+    let antennas =
+        Antennas::read(&toml::from_str(antennas).expect("antennas"), Path::new("")).expect("good antennas");
+    let links = Ieee80211ad::new(radio, ReceptionModel::Overlap, sweep, antennas).expect("sectors that fit");
+    Network {
+        name: None,
         channel: channel.try_into().expect("a good channel"),
         technology: Technology::Ieee80211ad(Box::new(links)),
         radio_states: RadioStates::mmwave_60_ghz(),
+        traffic: TrafficPlan::silent(0),
         members: None,
     }
 }
@@ -178,14 +179,14 @@ impl Observer for OnAir {
     }
 }
 
-fn run(setup: EngineSetup, speakers: Vec<Speaker>) -> (Ended<Speaker>, OnAir) {
+fn run(setup: Setup, speakers: Vec<Speaker>) -> (Ended<Speaker>, OnAir) {
     let mut on_air = OnAir::default();
-    let ended = Engine::new(setup, speakers).expect("good settings").run(&mut on_air);
+    let ended = network::run_watched(setup, speakers, &mut on_air);
     (ended, on_air)
 }
 
 /// Nodes at these places (m).
-fn nodes(antennas: &str, places: &[[f64; 3]], seed: u64) -> EngineSetup {
+fn nodes(antennas: &str, places: &[[f64; 3]], seed: u64) -> Setup {
     let places: Vec<Position> = places.iter().copied().map(Position::from).collect();
     network::engine(&places, link(antennas), seed)
 }
@@ -390,7 +391,7 @@ fn a_node_that_answers_a_sweep_puts_its_broadcast_off() {
     for (seed, at_us) in (0..30).flat_map(|seed| [(seed, 900), (seed, 1000), (seed, 1100)]) {
         // So near that each hears the other from every sector.
         let mut setup = nodes(EIGHT, &[[0.2, 0.0, 0.0]], seed);
-        setup.robots = vec![network::body("robot", Position::ORIGIN)];
+        setup.robots = network::own_robots([network::body("robot", Position::ORIGIN)]);
         let node = Speaker::default().and_broadcasts(at_us, &[5; 20]);
         let (ended, on_air) = run(setup, vec![node, Speaker::default().and(1000, Deed::Sweep)]);
         let [node, robot] = &ended.applications[..] else { panic!("two stations") };
@@ -423,7 +424,7 @@ fn a_node_that_answers_a_sweep_puts_its_broadcast_off() {
 #[test]
 fn a_sweep_waits_for_the_broadcast_under_way_and_goes_before_those_in_the_queue() {
     let mut setup = nodes(EIGHT, &[[1.0, 0.0, 0.0]], 1);
-    setup.robots = vec![network::body("robot", Position::ORIGIN)];
+    setup.robots = network::own_robots([network::body("robot", Position::ORIGIN)]);
     let robot = Speaker::default()
         .and_broadcasts(1000, &[1; 20])
         .and_broadcasts(1000, &[2; 20])
@@ -466,7 +467,7 @@ fn a_steered_antenna_broadcasts_at_each_of_its_tilts() {
     let steered = "nodes.omnidirectional = {}\n\
                    robots.sectors = { azimuth_sectors = 4, elevations_deg = [-60, 0, 60], vertical = 'steered', boresight_gain_dbi = 6 }";
     let mut setup = nodes(steered, &[[1.0, 0.0, 1.7]], 1);
-    setup.robots = vec![network::body("robot", Position::ORIGIN)];
+    setup.robots = network::own_robots([network::body("robot", Position::ORIGIN)]);
     let robot = Speaker::default().and_broadcasts(0, &[1; 20]);
     let (ended, on_air) = run(setup, vec![Speaker::default(), robot]);
     assert_eq!(on_air.of(1).len(), 12);

@@ -11,13 +11,12 @@ use sextant_channel::{
 use sextant_kernel::SimTime;
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ended, Ending, Engine,
-    EngineSetup, Faults, FrameOnAir, FrameOutcome, Listening, Mac, NetworkId, Observer, Payload, PeriodicConfig,
-    Port, Pose, Robot, RobotBody, RobotCommand, RobotTask, Setup, Simulation, Situation, Timer, TrafficConfig,
-    Unobserved,
+    Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ending, Faults, FrameOnAir,
+    FrameOutcome, Listening, Mac, Network, NetworkId, Observer, Payload, PeriodicConfig, Port, Pose, Robot,
+    RobotBody, RobotCommand, RobotTask, Setup, Simulation, Situation, Timer, TrafficConfig, TrafficPlan, Unobserved,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 
 const NETWORK: NetworkId = NetworkId(0);
 
@@ -202,19 +201,19 @@ impl Scene {
         let mut setup = network::setup(&places, 0.0, hard_range(), traffic, 3);
         setup.world.obstacles = self.obstacles;
         applications.push(Station::Robot(self.driver));
-        let mut link = setup.networks.remove(0).link;
+        let mut link = setup.networks.remove(0);
         let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
         network::ieee802154(&mut link).mac = Mac::CsmaUnslotted(csma.try_into().expect("good settings"));
-        let setup = EngineSetup {
+        let setup = Setup {
             world: setup.world,
-            robots: vec![self.robot],
+            robots: network::own_robots([self.robot]),
             sinks: Vec::new(),
-            networks: vec![link],
+            networks: vec![Network { traffic: TrafficPlan::silent(places.len()), ..link }],
             duration: Some(self.end),
             faults: Faults::default(),
             seed: setup.seed,
         };
-        let ended = Engine::new(setup, applications).expect("good settings").run(observer);
+        let ended = network::run_watched(setup, applications, observer);
         let driver = match ended.applications.last() {
             Some(Station::Robot(driver)) => driver.clone(),
             _ => panic!("the robot is the last station"),
@@ -272,7 +271,7 @@ fn a_robot_drives_a_circle_and_a_straight_line() {
         assert!((found - expected).abs() < 1e-8, "{ends:?}");
     }
     assert!(driver.ends.iter().all(|(_, end)| *end == DriveEnd::Arrived));
-    assert!((ended.path_lengths_m[0] - ends[2]).abs() < 1e-8);
+    assert!((ended.robots[0].path_length_m - ends[2]).abs() < 1e-8);
     // It looked back along the diagonal, and turned by a quarter on the spot.
     assert!((driver.poses[4].heading_rad - (-0.75 * PI + FRAC_PI_2)).abs() < 1e-9);
 }
@@ -291,8 +290,8 @@ fn a_robot_on_an_arc_stops_in_front_of_an_obstacle() {
     assert_near(contact, [4.0, place.y_m, 0.0], 3e-3);
     assert!(contact.x_m >= 4.0 - 1e-9 - 5e-4, "{contact} on the wall");
     let driven_m = 5.0 * turn_rad;
-    assert!((0.0..4e-3).contains(&(driven_m - ended.path_lengths_m[0])), "{:?}", ended.path_lengths_m);
-    assert!((time.as_secs_f64() - ended.path_lengths_m[0]).abs() < 1e-6);
+    assert!((0.0..4e-3).contains(&(driven_m - ended.robots[0].path_length_m)), "{:?}", ended.robots[0].path_length_m);
+    assert!((time.as_secs_f64() - ended.robots[0].path_length_m).abs() < 1e-6);
     // An arc that turns away in time passes the wall.
     let tight = Command::Arc { length_m: 3.7 * FRAC_PI_2, turn_rad: FRAC_PI_2 };
     let (driver, _) = Scene { obstacles: field(vec![wall()]), ..Scene::of(&[tight]) }.run(&mut Unobserved);
@@ -331,7 +330,7 @@ fn a_robot_that_halts_is_where_it_was_at_that_time() {
         // Only the way back ends by itself.
         let [(end, DriveEnd::Arrived)] = driver.ends[..] else { panic!("{:?}", driver.ends) };
         assert!((end.as_secs_f64() - 2.5 - back_m).abs() < 1e-8);
-        assert!((ended.path_lengths_m[0] - 2.5 - back_m).abs() < 1e-9);
+        assert!((ended.robots[0].path_length_m - 2.5 - back_m).abs() < 1e-9);
         assert_near(trace.moved[trace.moved.len() - 1].1, [0.0; 3], 1e-9);
         assert!((driver.poses[1].heading_rad - heading_rad).abs() < 1e-9);
         // Nothing is told of the rest of an arc that was halted.
@@ -342,7 +341,7 @@ fn a_robot_that_halts_is_where_it_was_at_that_time() {
         Scene { obstacles: field(vec![wall()]), ..Scene::of(&[Command::Straight(Position::new(9.0, 0.0, 0.0))]) };
     scene.driver.halts = Halting::At(Duration::from_secs(1));
     let (driver, ended) = scene.run(&mut Unobserved);
-    assert_eq!((driver.ends.len(), ended.logs[0].contacts().len()), (0, 0));
+    assert_eq!((driver.ends.len(), ended.log().contacts().len()), (0, 0));
     assert_near(driver.poses[1].position, [1.0, 0.0, 0.0], 1e-9);
 }
 
@@ -351,7 +350,7 @@ fn what_a_robot_has_driven_at_the_end_of_the_simulation_counts() {
     let arc = Command::Arc { length_m: 10.0, turn_rad: 4.0 };
     let mut trace = Trace::default();
     let (driver, ended) = Scene { end: Duration::from_millis(2500), ..Scene::of(&[arc]) }.run(&mut trace);
-    assert!((ended.path_lengths_m[0] - 2.5).abs() < 1e-9 && driver.ends.is_empty());
+    assert!((ended.robots[0].path_length_m - 2.5).abs() < 1e-9 && driver.ends.is_empty());
     let (time, pose) = trace.curved[trace.curved.len() - 1];
     assert_eq!(time, at(2.5));
     assert_near(pose.position, [2.5 * 1_f64.sin(), 2.5 * (1.0 - 1_f64.cos()), 0.0], 1e-9);
@@ -435,7 +434,7 @@ fn a_robot_halts_when_it_hears_a_node() {
     // A frame of 20 octets takes 832 us.
     let halted_m = first.as_secs_f64() + 832e-6;
     assert_near(driver.poses[1].position, [halted_m, 0.0, 0.0], 1e-8);
-    assert!((ended.path_lengths_m[0] - halted_m).abs() < 1e-8 && driver.ends.is_empty());
+    assert!((ended.robots[0].path_length_m - halted_m).abs() < 1e-8 && driver.ends.is_empty());
 }
 
 /// The outcomes of the frames that the robot sent.
@@ -507,7 +506,7 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
     setup.world.obstacles = field(vec![wall()]);
     setup.robots = vec![Robot { body, task: RobotTask::Survey(Box::new(Bend(0))) }];
     let survey = Simulation::new(setup).expect("good settings").run(&mut Unobserved);
-    let stops = survey.log.stops();
+    let stops = survey.log().stops();
     // Half a circle of radius 2 m around (0, 2) in 6.28 s: three slots, at 30, 90 and 150 degrees. Then a stop of 2 s.
     // Then 3.75 m in one slot.
     let slot = 2.0 * PI / 3.0;
@@ -525,9 +524,9 @@ fn a_survey_listens_in_equal_slots_while_it_drives() {
         assert_near(stop.position, place, 1e-6);
     }
     assert!((survey.robots[0].path_length_m - 2.0 * PI - 3.749).abs() < 1e-6);
-    assert_eq!((survey.log.contacts().len(), survey.robots[0].stops), (1, 5));
+    assert_eq!((survey.log().contacts().len(), survey.robots[0].stops), (1, 5));
     // The node is always within 5 m, and sends every 0.1 s.
-    let received: u32 = survey.log.receptions().iter().map(|reception| reception.received).sum();
+    let received: u32 = survey.log().receptions().iter().map(|reception| reception.received).sum();
     let span_s = survey.end.as_secs_f64();
     assert!((f64::from(received) - span_s / 0.1).abs() < 8.0, "{received} in {span_s} s");
     assert_eq!(survey.robots[0].packets, [received]);
@@ -548,7 +547,7 @@ fn a_drive_shorter_than_a_slot_is_driven_without_listening() {
     let mut setup = network::setup(&[Position::new(0.0, 2.0, 0.0)], 0.0, hard_range(), traffic, 5);
     setup.robots = vec![robot];
     let survey = Simulation::new(setup).expect("good settings").run(&mut Unobserved);
-    let stops: Vec<(SimTime, f64)> = survey.log.stops().iter().map(|stop| (stop.time, stop.position.x_m)).collect();
+    let stops: Vec<(SimTime, f64)> = survey.log().stops().iter().map(|stop| (stop.time, stop.position.x_m)).collect();
     // 1.5 s of driving, a stop of 2 s, two slots of 2 s on the way of 4 m, a stop.
     assert_eq!(stops, [(at(1.5), 1.5), (at(3.5), 2.5), (at(5.5), 4.5), (at(7.5), 5.5)]);
 }

@@ -7,12 +7,12 @@ use sextant_kernel::{NodeId, Seed, SimTime};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Application, AtEnd, Death, DeathsConfig, Delivery, Destination, Ended, EngineSetup, Faults, FaultsConfig,
-    LyingAnchorsConfig, NetworkId, Payload, Port, Sensed, Sensors, SensorsConfig, TargetConfig, TargetMotionConfig,
+    Application, AtEnd, Death, DeathsConfig, Delivery, Destination, Faults, FaultsConfig, LyingAnchorsConfig,
+    NetworkId, Payload, Port, Sensed, Sensors, SensorsConfig, Setup, TargetConfig, TargetMotionConfig,
     TargetSensorConfig, Timer, WaypointsConfig, World,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 
 /// Sends a frame to all each `interval`, or answers each frame, or only listens.
 #[derive(Default)]
@@ -94,7 +94,7 @@ fn run(faults: &FaultsConfig, duration_s: Option<f64>, stations: Vec<Station>) -
     let nodes = nodes(stations.len());
     let faults = faults.build(&nodes, Seed(3)).expect("good faults");
     let csma = CsmaConfig { queue_frames: 1, ..network::prompt() };
-    let setup = EngineSetup {
+    let setup = Setup {
         faults,
         duration: duration_s.map(Duration::from_secs_f64),
         ..network::engine(&network::cluster(nodes.len()), network::link(10.0, csma), 3)
@@ -211,7 +211,7 @@ fn the_sensors_of_a_dead_node_are_silent() {
         nodes: nodes.clone(),
         ..World::default()
     };
-    let setup = EngineSetup {
+    let setup = Setup {
         world,
         faults: death_of_n1(5.0).build(&nodes, Seed(1)).expect("good faults"),
         duration: Some(Duration::from_secs(10)),

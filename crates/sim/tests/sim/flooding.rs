@@ -6,9 +6,9 @@ use proptest::prelude::*;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_mac::csma::CsmaConfig;
-use sextant_sim::{Application, Delivery, Destination, Ended, Engine, Packets, Payload, Port, Timer};
+use sextant_sim::{Application, Delivery, Destination, Packets, Payload, Port, Timer};
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::on_air::OnAir;
 use crate::scripted::NETWORK;
 
@@ -93,9 +93,9 @@ fn flood(places: &[Position], range_m: f64) -> (Ended<Flooder>, OnAir) {
     let mut nodes: Vec<Flooder> = places.iter().map(|_| Flooder::default()).collect();
     nodes[0].starts = Some(Message { origin: 0, number: 7, hops: 0 });
     let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
-    let engine = Engine::new(network::engine(places, network::link(range_m, csma), 11), nodes);
+    let setup = network::engine(places, network::link(range_m, csma), 11);
     let mut on_air = OnAir::default();
-    let ended = engine.expect("good settings").run(&mut on_air);
+    let ended = network::run_watched(setup, nodes, &mut on_air);
     (ended, on_air)
 }
 

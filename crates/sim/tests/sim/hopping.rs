@@ -53,7 +53,7 @@ fn received(listen: Duration) -> Received {
     let channel = ChannelConfig { shadowing: Some(shadowing), max_range_m: Some(4.0), ..ChannelConfig::default() };
     let setup = network::setup(&nodes, -40.0, channel, traffic, 3);
     let setup = network::with(setup, |network| {
-        network::ieee802154(&mut network.link).reception = ReceptionModel::SinrThreshold { least: 2.0 }
+        network::ieee802154(network).reception = ReceptionModel::SinrThreshold { least: 2.0 }
     });
     let sink = |(i, &position): (usize, &Position)| Sink { name: format!("sink{i}"), position, networks: None };
     let mut robot = network::tour(places.clone(), 0.0, listen);
@@ -62,7 +62,7 @@ fn received(listen: Duration) -> Received {
     let mut air = Air::default();
     let survey = Simulation::new(setup).expect("good settings").run(&mut air);
     let mut counts = Received::default();
-    for (i, stop) in survey.log.stops().iter().enumerate() {
+    for (i, stop) in survey.log().stops().iter().enumerate() {
         let (from, to) = (stop.time, stop.time + listen);
         let is_across = |start: SimTime, end: SimTime| start < from && end > from || start < to && end > to;
         for (start, end, heard) in air.0.iter().filter(|(start, end, _)| *end > from && *start < to) {

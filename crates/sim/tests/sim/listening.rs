@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::Position;
-use sextant_sim::{Application, Delivery, Destination, EngineSetup, NetworkId, Payload, Port, Sink, Timer};
+use sextant_sim::{Application, Delivery, Destination, NetworkId, Payload, Port, Setup, Sink, Timer};
 
 use crate::network;
 use crate::scripted::NETWORK;
@@ -62,8 +62,8 @@ impl Application for Station {
 /// (ticks), all with the same commands.
 fn listen(commands: &[(u32, u32)]) -> [(Vec<u8>, Vec<u64>); 3] {
     let beside = Position::new(1.0, 0.0, 0.0);
-    let setup = EngineSetup {
-        robots: vec![network::body("robot", beside)],
+    let setup = Setup {
+        robots: network::own_robots([network::body("robot", beside)]),
         sinks: vec![Sink { name: "sink".into(), position: beside, networks: None }],
         ..network::engine(&[Position::ORIGIN, beside], network::link(2.0, network::prompt()), 1)
     };

@@ -7,11 +7,10 @@ use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, DriveEnd, Driving, Ended, EngineSetup, NetworkId, Payload, Port, SendOutcome,
-    SendReport,
+    Application, Delivery, Destination, DriveEnd, Driving, NetworkId, Payload, Port, SendOutcome, SendReport, Setup,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::scripted::NETWORK;
 
 const LISTEN: Duration = Duration::from_secs(2);
@@ -155,8 +154,10 @@ impl Application for Robot {
 
 /// Two robots at these places, in a world without nodes.
 fn meet(places: [Position; 2], csma: CsmaConfig, seed: u64) -> Ended<Robot> {
-    let setup = EngineSetup {
-        robots: ["ada", "bob"].into_iter().zip(places).map(|(name, start)| network::body(name, start)).collect(),
+    let setup = Setup {
+        robots: network::own_robots(
+            ["ada", "bob"].into_iter().zip(places).map(|(name, start)| network::body(name, start)),
+        ),
         ..network::engine(&[], network::link(20.0, csma), seed)
     };
     network::run(setup, vec![Robot::new(1, true), Robot::new(0, false)])
@@ -170,9 +171,9 @@ fn micros(at: SimTime) -> u64 {
 fn two_robots_agree_on_the_place_halfway_and_meet_there() {
     let ended = meet([Position::ORIGIN, Position::new(6.0, 8.0, 0.0)], CsmaConfig::default(), 8);
     let halfway = Position::new(3.0, 4.0, 0.0);
-    for (robot, path_length_m) in ended.applications.iter().zip(&ended.path_lengths_m) {
+    for (robot, record) in ended.applications.iter().zip(&ended.robots) {
         assert_eq!(robot.meeting, Some(halfway));
-        assert!(robot.has_arrived && (path_length_m - 5.0).abs() < 1e-9);
+        assert!(robot.has_arrived && (record.path_length_m - 5.0).abs() < 1e-9);
         assert!(robot.reports.iter().all(|(_, report)| report.outcome == SendOutcome::Acknowledged));
     }
     let messages = |robot: &Robot| robot.received.iter().map(|&(_, message)| message).collect::<Vec<_>>();
@@ -217,7 +218,7 @@ fn robots_out_of_range_of_each_other_stay_where_they_are() {
     let [(_, report)] = first.reports[..] else { panic!("one report, not {:?}", first.reports) };
     assert_eq!((report.outcome, report.transmissions), (SendOutcome::NoAcknowledgement, 4));
     assert!(second.received.is_empty() && second.reports.is_empty());
-    assert_eq!(ended.path_lengths_m, [0.0, 0.0]);
+    assert!(ended.robots.iter().all(|robot| robot.path_length_m == 0.0));
     assert_eq!((micros(ended.end), ended.networks[0].packets[0].out_of_range), (2_000_000, 1));
 }
 

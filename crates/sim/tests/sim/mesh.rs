@@ -8,11 +8,11 @@ use sextant_channel::Position;
 use sextant_kernel::{Purpose, Seed, SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, Ended, Engine, FrameId, NetworkId, Observer, Packets, Payload, Port,
-    ReceptionConfig, ReceptionModel, SendError, SendOutcome, SendReport, ThresholdConfig, Timer, Unobserved,
+    Application, Delivery, Destination, FrameId, NetworkId, Observer, Packets, Payload, Port, ReceptionConfig,
+    ReceptionModel, SendError, SendOutcome, SendReport, ThresholdConfig, Timer, Unobserved,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::on_air::{OnAir, Span};
 use crate::scripted::NETWORK;
 
@@ -116,7 +116,7 @@ fn mesh(reception: ReceptionModel, seed: u64, observer: &mut impl Observer) -> E
     let writers = (0..places.len()).map(writer).collect();
     let mut link = network::link(RANGE_M, csma);
     network::ieee802154(&mut link).reception = reception;
-    Engine::new(network::engine(&places, link, seed), writers).expect("good settings").run(observer)
+    network::run_watched(network::engine(&places, link, seed), writers, observer)
 }
 
 /// Whether the acknowledgement of a frame of another station, with the same sequence number as the frame of `from`, ends

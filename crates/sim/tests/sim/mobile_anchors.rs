@@ -5,8 +5,8 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
 use sextant_sim::{
-    Application, Broadcast, BusyNetwork, Delivery, Ending, Faults, Listening, PeriodicConfig, Port, Pose, Robot,
-    RobotBody, Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
+    Application, Applications, Broadcast, Delivery, Ending, Faults, Listening, Network, PeriodicConfig, Port, Pose,
+    Robot, RobotBody, Setup, SilentConfig, Simulation, Survey, TrafficConfig, Unobserved, World,
 };
 
 use crate::{broadcasts, network};
@@ -62,7 +62,7 @@ fn setup(broadcast: Option<Box<dyn Broadcast>>, listening: Listening, traffic: T
     let link = network::link(10.0, network::prompt());
     let nodes = network::nodes(&places);
     Setup {
-        networks: vec![BusyNetwork { name: None, link, traffic: network::plan(traffic, places.len()), nodes: None }],
+        networks: vec![Network { traffic: network::plan(traffic, places.len()), ..link }],
         world: World { nodes, ..World::default() },
         robots: vec![robot],
         sinks: Vec::new(),
@@ -77,8 +77,10 @@ const SILENT: TrafficConfig = TrafficConfig::Silent(SilentConfig {});
 fn run(stops_left: u32, listening: Listening) -> (Survey, Vec<Ear>) {
     let setup = setup(Some(Box::new(Place { stops_left })), listening, SILENT);
     assert!(setup.surveyed().len() == 1 && !setup.robots[0].is_surveying());
-    let simulation = Simulation::with_nodes(setup, vec![Ear::default(), Ear::default()]).expect("good settings");
-    simulation.run_nodes(&mut Unobserved)
+    let simulation =
+        Simulation::with(setup, Applications::of_nodes(vec![Ear::default(), Ear::default()])).expect("good settings");
+    let (survey, Applications { nodes, .. }) = simulation.run_own(&mut Unobserved);
+    (survey, nodes)
 }
 
 /// The instants of `heard`, in hundredths of a second, and the places.
@@ -96,7 +98,7 @@ fn a_mobile_anchor_sends_its_place_twice_a_stop_in_equal_intervals_and_logs_no_s
     let robot = &survey.robots[0];
     assert_eq!((robot.stops, robot.ending, &robot.packets[..]), (2, Some(Ending::Complete), &[0, 0][..]));
     assert_eq!(survey.end, SimTime::ZERO + Duration::from_secs(6));
-    assert!(survey.log.stops().is_empty() && survey.other_logs.is_empty());
+    assert!(survey.log().stops().is_empty() && survey.logs.iter().count() == 1);
     let sent = survey.networks[0].packets[2];
     assert_eq!((sent.offered, sent.received), (4, 4));
 }
@@ -134,7 +136,10 @@ fn traffic_beside_applications_of_nodes_is_refused() {
     let refused = |name: Option<&str>| {
         let mut setup = setup(None, Listening::AtStops, TrafficConfig::Periodic(periodic.clone()));
         setup.networks[0].name = name.map(str::to_owned);
-        Simulation::with_nodes(setup, vec![Ear::default(), Ear::default()]).err().expect("refused").key
+        Simulation::with(setup, Applications::of_nodes(vec![Ear::default(), Ear::default()]))
+            .err()
+            .expect("refused")
+            .key
     };
     assert_eq!(refused(None), "traffic");
     assert_eq!(refused(Some("ground")), "networks.ground.traffic");
@@ -155,9 +160,10 @@ fn frames_to_a_robot_do_not_go_to_a_mobile_anchor() {
 #[test]
 fn a_mobile_anchor_with_sectors_sends_from_each_of_them_and_the_best_one_points_at_the_node() {
     let mut setup = setup(Some(Box::new(Place { stops_left: 9 })), Listening::AtStops, SILENT);
-    setup.networks[0].link = broadcasts::link(broadcasts::EIGHT);
-    let simulation = Simulation::with_nodes(setup, vec![Ear::default(), Ear::default()]).expect("good settings");
-    let (survey, nodes) = simulation.run_nodes(&mut Unobserved);
+    setup.networks[0] = broadcasts::link(broadcasts::EIGHT);
+    let simulation =
+        Simulation::with(setup, Applications::of_nodes(vec![Ear::default(), Ear::default()])).expect("good settings");
+    let (survey, Applications { nodes, .. }) = simulation.run_own(&mut Unobserved);
     let best_at = |x_m: f64| {
         let frames =
             nodes[0].heard.iter().zip(&nodes[0].sectors).filter(|((_, place), _)| (place - x_m).abs() < 1e-9);
@@ -171,5 +177,5 @@ fn a_mobile_anchor_with_sectors_sends_from_each_of_them_and_the_best_one_points_
     let sent = survey.networks[0].packets[2];
     // Two stops, two broadcasts each, of eight frames.
     assert_eq!((sent.offered, sent.received, sent.transmissions), (4, 4, 32));
-    assert!(survey.log.stops().is_empty());
+    assert!(survey.log().stops().is_empty());
 }

@@ -3,14 +3,15 @@
 use std::time::Duration;
 
 use sextant_channel::{ChannelConfig, LogDistanceConfig, PathLossConfig, Position};
-use sextant_kernel::Seed;
+use sextant_kernel::{Seed, SettingError};
 use sextant_mac::csma::{CsmaConfig, CsmaSettings};
 use sextant_mac::{Phy, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
-    Application, BusyNetwork, CommandOutcome, Controller, Ended, Ending, Engine, EngineSetup, Faults, Ieee802154,
-    Listening, Mac, NetworkId, NetworkSetup, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody,
-    RobotCommand, RobotTask, Setup, Situation, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved, World,
+    Application, Applications, CommandOutcome, Controller, Ending, Faults, Ieee802154, Listening, Mac, Network,
+    NetworkId, Observer, Odometry, Packets, Radio, RadioConfig, ReceptionModel, Robot, RobotBody, RobotCommand,
+    RobotTask, Setup, Simulation, Situation, Survey, Technology, Traffic, TrafficConfig, TrafficPlan, Unobserved,
+    World,
 };
 
 /// Drives to each place and listens there, or in front of the obstacle that blocks it.
@@ -92,7 +93,8 @@ pub(crate) fn setup(
     traffic: TrafficConfig,
     seed: u64,
 ) -> Setup {
-    let link = NetworkSetup {
+    let network = Network {
+        name: None,
         channel: channel.try_into().expect("good settings"),
         technology: Technology::Ieee802154(Ieee802154 {
             radio: Radio::try_from(radio(tx_power_dbm)).expect("good settings"),
@@ -100,11 +102,12 @@ pub(crate) fn setup(
             mac: Mac::CsmaUnslotted(CsmaSettings::default()),
         }),
         radio_states: RadioStates::cc2420(),
+        traffic: plan(traffic, places.len()),
         members: None,
     };
     Setup {
         world: World { nodes: nodes(places), ..World::default() },
-        networks: vec![BusyNetwork { name: None, link, traffic: plan(traffic, places.len()), nodes: None }],
+        networks: vec![network],
         robots: Vec::new(),
         sinks: Vec::new(),
         duration: None,
@@ -119,13 +122,13 @@ pub(crate) fn plan(traffic: TrafficConfig, nodes: usize) -> TrafficPlan {
 }
 
 /// The same with changes to its network.
-pub(crate) fn with(mut setup: Setup, change: impl FnOnce(&mut BusyNetwork)) -> Setup {
+pub(crate) fn with(mut setup: Setup, change: impl FnOnce(&mut Network)) -> Setup {
     change(&mut setup.networks[0]);
     setup
 }
 
 /// The settings of IEEE 802.15.4 of a network.
-pub(crate) fn ieee802154(link: &mut NetworkSetup) -> &mut Ieee802154 {
+pub(crate) fn ieee802154(link: &mut Network) -> &mut Ieee802154 {
     link.technology.ieee802154_mut().expect("a network of IEEE 802.15.4")
 }
 
@@ -143,8 +146,8 @@ pub(crate) fn prompt() -> CsmaConfig {
 }
 
 /// A network in which stations within `range_m` of each other hear each other, without shadowing, and others do not.
-/// Overlapping frames are lost.
-pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> NetworkSetup {
+/// Overlapping frames are lost. Its nodes send nothing by themselves.
+pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> Network {
     let law = LogDistanceConfig { exponent: Some(2.0), ..LogDistanceConfig::default() };
     let channel = ChannelConfig {
         environment: None,
@@ -152,7 +155,8 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> NetworkSetup {
         max_range_m: Some(range_m),
         ..ChannelConfig::default()
     };
-    NetworkSetup {
+    Network {
+        name: None,
         channel: channel.try_into().expect("good settings"),
         technology: Technology::Ieee802154(Ieee802154 {
             radio: Radio::try_from(radio(0.0)).expect("good settings"),
@@ -160,13 +164,14 @@ pub(crate) fn link(range_m: f64, csma: CsmaConfig) -> NetworkSetup {
             mac: Mac::CsmaUnslotted(csma.try_into().expect("good settings")),
         }),
         radio_states: RadioStates::cc2420(),
+        traffic: TrafficPlan::silent(0),
         members: None,
     }
 }
 
 /// Nodes at `places`, without obstacles, robots and sinks, in one network, until nothing is left to happen.
-pub(crate) fn engine(places: &[Position], link: NetworkSetup, seed: u64) -> EngineSetup {
-    EngineSetup {
+pub(crate) fn engine(places: &[Position], link: Network, seed: u64) -> Setup {
+    Setup {
         world: World { nodes: nodes(places), ..World::default() },
         robots: Vec::new(),
         sinks: Vec::new(),
@@ -198,7 +203,47 @@ pub(crate) fn grid(columns: usize, rows: usize) -> Vec<Position> {
     (0..columns * rows).map(|i| Position::new((i % columns) as f64, (i / columns) as f64, 0.0)).collect()
 }
 
-/// Runs an engine to its end, without an observer.
-pub(crate) fn run<A: Application>(setup: EngineSetup, applications: Vec<A>) -> Ended<A> {
-    Engine::new(setup, applications).expect("good settings").run(&mut Unobserved)
+/// Robots with these bodies and applications of their own.
+pub(crate) fn own_robots(bodies: impl IntoIterator<Item = RobotBody>) -> Vec<Robot> {
+    bodies.into_iter().map(|body| Robot { body, task: RobotTask::Own }).collect()
+}
+
+/// What a simulation leaves behind, with the applications of all stations in one list.
+pub(crate) struct Ended<A> {
+    pub(crate) applications: Vec<A>,
+    pub(crate) survey: Survey,
+}
+
+impl<A> std::ops::Deref for Ended<A> {
+    type Target = Survey;
+
+    fn deref(&self) -> &Survey {
+        &self.survey
+    }
+}
+
+/// A simulation with an application for each station: nodes first, then robots, then sinks.
+pub(crate) fn simulation<A: Application>(
+    setup: Setup,
+    mut applications: Vec<A>,
+) -> Result<Simulation<A>, SettingError> {
+    let mut robots = applications.split_off(setup.world.nodes.len());
+    let sinks = robots.split_off(setup.robots.len());
+    Simulation::with(setup, Applications { nodes: applications, robots, sinks })
+}
+
+/// Runs a simulation to its end.
+pub(crate) fn run_watched<A: Application>(
+    setup: Setup,
+    applications: Vec<A>,
+    observer: &mut impl Observer,
+) -> Ended<A> {
+    let (survey, Applications { nodes, robots, sinks }) =
+        simulation(setup, applications).expect("good settings").run_own(observer);
+    Ended { applications: nodes.into_iter().chain(robots).chain(sinks).collect(), survey }
+}
+
+/// Runs a simulation to its end, without an observer.
+pub(crate) fn run<A: Application>(setup: Setup, applications: Vec<A>) -> Ended<A> {
+    run_watched(setup, applications, &mut Unobserved)
 }

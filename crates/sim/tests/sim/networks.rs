@@ -7,11 +7,11 @@ use sextant_kernel::StationId;
 use sextant_mac::csma::CsmaConfig;
 use sextant_mac::superframe::BeaconEnabledConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, Ended, Engine, EngineSetup, FrameOutcome, MacConfig, NetworkId, Packets,
-    Payload, Port, Radio, RadioConfig, SendOutcome, SendReport, Timer,
+    Application, Delivery, Destination, FrameOutcome, MacConfig, NetworkId, Packets, Payload, Port, Radio,
+    RadioConfig, RobotBody, SendOutcome, SendReport, Setup, Sink, Timer,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::on_air::OnAir;
 use crate::scripted::Scripted;
 
@@ -19,7 +19,7 @@ const FIRST: NetworkId = NetworkId(0);
 const SECOND: NetworkId = NetworkId(1);
 
 /// Two networks of the same stations, with this range and on these radio channels.
-fn two_networks(places: &[Position], range_m: f64, csma: CsmaConfig, channels: [u8; 2], seed: u64) -> EngineSetup {
+fn two_networks(places: &[Position], range_m: f64, csma: CsmaConfig, channels: [u8; 2], seed: u64) -> Setup {
     let link = network::link(range_m, csma);
     let on = |channel| {
         let mut link = link.clone();
@@ -27,7 +27,7 @@ fn two_networks(places: &[Position], range_m: f64, csma: CsmaConfig, channels: [
         network::ieee802154(&mut link).radio = Radio::try_from(config).expect("a channel of the band");
         link
     };
-    EngineSetup { networks: channels.map(on).into(), ..network::engine(places, link.clone(), seed) }
+    Setup { networks: channels.map(on).into(), ..network::engine(places, link.clone(), seed) }
 }
 
 /// Sends to one station through one network at random times, and notes what it receives.
@@ -128,7 +128,7 @@ fn at_once(channels: [u8; 2]) -> (Ended<Scripted>, OnAir) {
         Scripted::listener().and_sends(Duration::ZERO, to(2), b"2").through(SECOND),
     ];
     let mut on_air = OnAir::default();
-    let ended = Engine::new(setup, stations).expect("good settings").run(&mut on_air);
+    let ended = network::run_watched(setup, stations, &mut on_air);
     (ended, on_air)
 }
 
@@ -180,9 +180,10 @@ fn two_radios_of_one_station_are_in_each_others_way_on_one_channel() {
 #[test]
 fn channel_access_by_beacons_is_refused_for_own_applications() {
     let mut setup = two_networks(&[Position::ORIGIN], 10.0, network::prompt(), [11, 12], 1);
+    setup.sinks = vec![Sink { name: "sink".into(), position: Position::ORIGIN, networks: None }];
     let beacons = MacConfig::BeaconEnabled(BeaconEnabledConfig::default());
     network::ieee802154(&mut setup.networks[1]).mac = beacons.try_into().expect("good settings");
-    let refusal = Engine::new(setup, vec![Scripted::listener()]).err();
+    let refusal = network::simulation(setup, vec![Scripted::listener(), Scripted::listener()]).err();
     assert_eq!(refusal.map(|error| error.key).as_deref(), Some("mac.beacon_enabled"));
 }
 
@@ -202,8 +203,11 @@ fn a_frame_to_all_counts_and_arrives_in_its_own_network_only() {
 #[test]
 fn a_robot_that_listens_in_another_network_on_the_channel_does_not_hear_a_frame_to_all() {
     for (listens_in, received) in [(SECOND, 1), (FIRST, 0)] {
-        let setup = EngineSetup {
-            robots: vec![network::body("robot", Position::new(1.0, 0.0, 0.0))],
+        let setup = Setup {
+            robots: network::own_robots([RobotBody {
+                networks: vec![FIRST, SECOND],
+                ..network::body("robot", Position::new(1.0, 0.0, 0.0))
+            }]),
             ..two_networks(&[Position::ORIGIN], 10.0, network::prompt(), [11, 11], 1)
         };
         let sender = Scripted::deaf().and_sends(Duration::ZERO, Destination::All, b"all").through(SECOND);

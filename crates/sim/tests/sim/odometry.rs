@@ -83,7 +83,7 @@ const EXACT: OdometryConfig = OdometryConfig {
 fn a_robot_with_exact_odometry_believes_the_truth() {
     let (survey, trace) = survey(setup(squares(), EXACT, 1));
     assert!(trace.belief.is_empty());
-    let places: Vec<Position> = survey.log.stops().iter().map(|stop| stop.position).collect();
+    let places: Vec<Position> = survey.log().stops().iter().map(|stop| stop.position).collect();
     let ends: Vec<Position> = trace.truth[1..].chunks(2).map(|drive| drive[1].1).collect();
     assert_eq!(places, ends);
     assert!((survey.robots[0].path_length_m - 32.0).abs() < 1e-12);
@@ -95,10 +95,10 @@ fn the_log_holds_what_the_robot_believes_and_the_observer_sees_the_truth() {
     let (with_error, trace) = survey(setup(squares(), OdometryConfig { scale_error, ..EXACT }, 1));
     let (exact, _) = survey(setup(squares(), EXACT, 1));
     // The robot believes, and its clock says, that all is as planned.
-    assert_eq!(with_error.log.stops(), exact.log.stops());
+    assert_eq!(with_error.log().stops(), exact.log().stops());
     assert_eq!(with_error.end, exact.end);
     // It is at larger squares, so it hears something else.
-    assert_ne!(with_error.log, exact.log);
+    assert_ne!(with_error.log(), exact.log());
     assert!((with_error.robots[0].path_length_m - 1.05 * 32.0).abs() < 1e-9);
     assert_eq!(trace.truth.len(), trace.belief.len());
     for ((time, truth), (believed_at, belief)) in trace.truth.iter().zip(&trace.belief) {
@@ -138,7 +138,7 @@ fn noise_is_drawn_by_the_seed_with_the_given_variance() {
     let (first, trace) = survey(setup(way(), noise, 1));
     let (again, same) = survey(setup(way(), noise, 1));
     let (_, other) = survey(setup(way(), noise, 2));
-    assert_eq!(first.log, again.log);
+    assert_eq!(first.log(), again.log());
     assert_eq!(trace.truth, same.truth);
     assert_ne!(trace.truth, other.truth);
     // A turn of 5 degrees, of which the middle would be told too, is nine standard deviations away.
@@ -153,7 +153,7 @@ fn noise_is_drawn_by_the_seed_with_the_given_variance() {
     assert!(mean.abs() < 5.0 * 0.04 / n.sqrt() + 1e-4, "mean {mean}");
     assert!((deviation / 0.04 - 1.0).abs() < 5.0 / (2.0 * n).sqrt(), "deviation {deviation}");
     // What the robot believes has no noise.
-    assert!(first.log.stops().iter().all(|stop| stop.position.y_m.abs() < 1e-9));
+    assert!(first.log().stops().iter().all(|stop| stop.position.y_m.abs() < 1e-9));
 }
 
 /// Measures how far the wall is along x, drives there until it is blocked, back home, and to the wall again.
@@ -202,11 +202,11 @@ fn range_sensors_measure_from_the_true_place_and_contacts_are_logged_where_the_r
     setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, Path::new("")).expect("a good wall")]);
     let (survey, trace) = survey(setup);
     // The hull touches the wall at x = 6.75 m, 5.4 m by odometry; the wall is 0.25 m ahead of the robot's centre.
-    let [first, second] = survey.log.contacts() else { panic!("{:?}", survey.log.contacts()) };
+    let [first, second] = survey.log().contacts() else { panic!("{:?}", survey.log().contacts()) };
     for contact in [first, second] {
         assert_near(contact.position, [5.4 + 0.25, 0.0, 0.0], 2e-3);
     }
     assert_near(trace.end(), [6.749, 0.0, 0.0], 1e-6);
-    assert_near(survey.log.stops()[0].position, [6.749 / 1.25, 0.0, 0.0], 1e-6);
+    assert_near(survey.log().stops()[0].position, [6.749 / 1.25, 0.0, 0.0], 1e-6);
     assert!((survey.robots[0].path_length_m - 3.0 * 6.749).abs() < 1e-6);
 }

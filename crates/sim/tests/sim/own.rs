@@ -10,7 +10,7 @@ use sextant_channel::Position;
 use sextant_kernel::Seed;
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    BusyNetwork, Faults, NetworkId, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World,
+    Faults, Network, NetworkId, Robot, RobotBody, RobotTask, Setup, SilentConfig, Sink, TrafficConfig, World,
 };
 
 use crate::network;
@@ -34,7 +34,7 @@ fn setup(world: World, robots: &[[f64; 3]], sinks: &[[f64; 3]], duration_s: f64,
     };
     Setup {
         world,
-        networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+        networks: vec![Network { traffic, ..link }],
         robots: robots.iter().enumerate().map(body).map(|body| Robot { body, task: RobotTask::Own }).collect(),
         sinks: sinks.iter().enumerate().map(sink).collect(),
         duration: Some(Duration::from_secs_f64(duration_s)),

@@ -5,16 +5,16 @@ use std::time::Duration;
 use sextant_kernel::{SettingError, SimTime, StationId};
 use sextant_mac::Phy;
 use sextant_sim::{
-    Destination, Ended, Engine, EngineSetup, FrameOutcome, Radio, RadioConfig, ReceptionConfig, ReceptionModel,
-    SendOutcome, ThresholdConfig,
+    Destination, FrameOutcome, Radio, RadioConfig, ReceptionConfig, ReceptionModel, SendOutcome, Setup,
+    ThresholdConfig,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::on_air::OnAir;
 use crate::scripted::Scripted;
 
 /// Two nodes in range of each other with these radios.
-fn setup(phy: Phy, reception: ReceptionModel) -> EngineSetup {
+fn setup(phy: Phy, reception: ReceptionModel) -> Setup {
     let radio = Radio::try_from(RadioConfig { phy, ..network::radio(0.0) }).expect("good settings");
     let mut link = network::link(10.0, network::prompt());
     let settings = network::ieee802154(&mut link);
@@ -26,8 +26,7 @@ fn setup(phy: Phy, reception: ReceptionModel) -> EngineSetup {
 fn carry(phy: Phy, reception: ReceptionModel, payload: &[u8]) -> (Ended<Scripted>, OnAir) {
     let sender = Scripted::listener().and_sends(Duration::ZERO, Destination::Station(StationId(1)), payload);
     let mut on_air = OnAir::default();
-    let engine = Engine::new(setup(phy, reception), vec![sender, Scripted::listener()]).expect("good settings");
-    (engine.run(&mut on_air), on_air)
+    (network::run_watched(setup(phy, reception), vec![sender, Scripted::listener()], &mut on_air), on_air)
 }
 
 #[test]
@@ -74,7 +73,7 @@ fn a_frame_of_20_octets_takes_as_long_as_its_bits_and_its_header() {
 
 #[test]
 fn bit_errors_are_refused_for_physical_layers_other_than_that_of_their_rate() {
-    let refusal = |setup: EngineSetup| Engine::new(setup, vec![Scripted::listener(); 2]).err();
+    let refusal = |setup: Setup| network::simulation(setup, vec![Scripted::listener(); 2]).err();
     for phy in Phy::ALL {
         let found = refusal(setup(phy, ReceptionModel::Ber));
         if phy == Phy::Oqpsk2450 {

@@ -5,9 +5,9 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::StationId;
 use sextant_mac::csma::CsmaConfig;
-use sextant_sim::{Destination, Ended, FrameId, Packets, SendError, SendOutcome};
+use sextant_sim::{Destination, FrameId, Packets, SendError, SendOutcome};
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::scripted::Scripted;
 
 const SENDER: StationId = StationId(0);

@@ -7,10 +7,10 @@ use proptest::prelude::*;
 use sextant_channel::{BoxConfig, Dbm, Obstacle, ObstacleConfig, ObstacleField, Position, Reception, ShapeConfig};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_sim::{
-    Application, Delivery, Destination, DriveEnd, Driving, Ended, EngineSetup, NetworkId, Payload, Port, Timer, World,
+    Application, Delivery, Destination, DriveEnd, Driving, NetworkId, Payload, Port, Setup, Timer, World,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::scripted::NETWORK;
 
 const STEP_M: f64 = 1.0;
@@ -182,9 +182,9 @@ impl Application for Station {
 /// A search from the origin among nodes at `places`.
 fn seek(places: &[Position], obstacles: Vec<Obstacle>) -> (Ended<Station>, Seeker) {
     let link = network::link(50.0, network::prompt());
-    let setup = EngineSetup {
+    let setup = Setup {
         world: World { nodes: network::nodes(places), obstacles: ObstacleField::new(obstacles), ..World::default() },
-        robots: vec![network::body("seeker", Position::ORIGIN)],
+        robots: network::own_robots([network::body("seeker", Position::ORIGIN)]),
         ..network::engine(&[], link, 4)
     };
     let mut stations: Vec<Station> = places.iter().map(|_| Station::Caller).collect();
@@ -202,9 +202,9 @@ fn a_robot_ends_at_the_place_of_its_grid_that_is_nearest_to_a_single_node() {
     assert_eq!(seeker.best.map(|(node, _)| node), Some(0));
     // The start, five steps and a sixth in vain, three steps and a fourth in vain, and the other three directions.
     assert_eq!(seeker.stops, 1 + 5 + 1 + 3 + 1 + 3);
-    assert_eq!(ended.logs[0].stops().len(), 14);
+    assert_eq!(ended.log().stops().len(), 14);
     // Eight steps, and five in vain there and back.
-    assert!((ended.path_lengths_m[0] - (8.0 + 2.0 * 5.0)).abs() < 1e-9);
+    assert!((ended.robots[0].path_length_m - (8.0 + 2.0 * 5.0)).abs() < 1e-9);
     // 14 times 0.6 s and 18 m at 0.5 m/s.
     assert!((ended.end.as_secs_f64() - (14.0 * 0.6 + 36.0)).abs() < 1e-6);
 }
@@ -235,7 +235,7 @@ fn a_robot_goes_along_a_wall_that_is_in_its_way() {
     };
     let (ended, seeker) = seek(&[Position::new(4.2, 4.1, 0.0)], vec![wall.try_into().expect("a wall")]);
     assert_eq!(seeker.base, Position::new(4.0, 4.0, 0.0));
-    assert_eq!(ended.logs[0].contacts().len(), 1);
+    assert_eq!(ended.log().contacts().len(), 1);
 }
 
 proptest! {

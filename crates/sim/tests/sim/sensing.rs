@@ -11,11 +11,11 @@ use std::time::Duration;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_kernel::{NodeId, Seed, SimTime};
 use sextant_sim::{
-    Application, AtEnd, Ended, Engine, EngineSetup, Faults, Observer, Port, Sensed, Sensors, SensorsConfig, Target,
-    TargetConfig, TargetId, TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
+    Application, AtEnd, Faults, Observer, Port, Sensed, Sensors, SensorsConfig, Setup, Target, TargetConfig,
+    TargetId, TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 
 /// A node that writes down what its sensors say.
 #[derive(Clone, Debug, Default)]
@@ -97,16 +97,16 @@ fn run<A: Application>(
     seed: u64,
     observer: &mut impl Observer,
 ) -> Ended<A> {
-    let setup = EngineSetup {
+    let setup = Setup {
         world,
         robots: Vec::new(),
         sinks: Vec::new(),
-        networks: Vec::new(),
+        networks: vec![network::link(1.0, network::prompt())],
         duration: Some(Duration::from_secs_f64(duration_s)),
         faults: Faults::default(),
         seed: Seed(seed),
     };
-    Engine::new(setup, applications).expect("good settings").run(observer)
+    network::run_watched(setup, applications, observer)
 }
 
 /// What all nodes of `world` sense in `duration_s`.

@@ -60,7 +60,7 @@ fn periodic(interval_s: f64) -> TrafficConfig {
 fn setup(nodes: usize, mac: BeaconEnabledConfig, traffic: TrafficConfig, seed: u64) -> Setup {
     let setup = network::setup(&network::cluster(nodes), -20.0, ChannelConfig::default(), traffic, seed);
     let mac = Mac::BeaconEnabled(BeaconEnabled::try_from(mac).expect("good settings"));
-    let setup = network::with(setup, |network| network::ieee802154(&mut network.link).mac = mac);
+    let setup = network::with(setup, |network| network::ieee802154(network).mac = mac);
     Setup { robots: vec![robot(vec![Position::ORIGIN], Duration::from_millis(250))], ..setup }
 }
 
@@ -153,7 +153,7 @@ fn every_frame_is_on_the_backoff_grid_and_inside_a_superframe() {
     let places = (0..6).map(|i| Position::new(0.2 * f64::from(i), 0.0, 0.0)).collect();
     setup.robots = vec![robot(places, Duration::from_millis(600))];
     let (survey, frames) = run(setup);
-    assert_eq!(survey.log.stops().len(), 6);
+    assert_eq!(survey.log().stops().len(), 6);
     let slot = 1920;
     let mut seen = [0; 2];
     for frame in frames.iter().filter(|frame| frame.kind == 1) {
@@ -202,7 +202,7 @@ fn acknowledgements_start_on_the_first_boundary_that_is_a_turnaround_away() {
 #[test]
 fn nodes_that_hear_no_beacon_stay_silent() {
     let mut setup = setup(3, orders(3, 2), periodic(0.1), 1);
-    setup.networks[0].link.channel = setup.networks[0].link.channel.within_m(5.0);
+    setup.networks[0].channel = setup.networks[0].channel.within_m(5.0);
     setup.world.nodes[2].position = Position::new(-30.0, 0.0, 0.0);
     // Node 2 hears at most the neighbour of node 1; the robot goes to node 2 last.
     let places = vec![Position::ORIGIN, Position::new(-29.0, 0.0, 0.0)];
@@ -215,7 +215,7 @@ fn nodes_that_hear_no_beacon_stay_silent() {
         assert!(of(node).count() >= 3 && of(node).all(|frame| frame.end < 700_000));
     }
     assert!(survey.end > drive && survey.packets.pending > 0);
-    let heard: Vec<_> = survey.log.receptions().iter().map(|r| (r.node.0, r.stop)).collect();
+    let heard: Vec<_> = survey.log().receptions().iter().map(|r| (r.node.0, r.stop)).collect();
     assert_eq!(heard, [(0, 0), (1, 0), (2, 1)]);
 }
 
@@ -234,8 +234,7 @@ fn a_node_follows_beacons_through_a_short_drive_and_searches_after_a_long_one() 
         setup.robots = vec![robot(places, Duration::from_millis(500))];
         // One watt while receiving, nothing else: joules are seconds.
         let watt = CustomRadioConfig { supply_v: 1.0, tx_ma: 0.0, rx_ma: 1000.0, idle_ma: 0.0, sleep_ma: 0.0 };
-        setup.networks[0].link.radio_states =
-            RadioStates::try_from(EnergyConfig::Custom(watt)).expect("good currents");
+        setup.networks[0].radio_states = RadioStates::try_from(EnergyConfig::Custom(watt)).expect("good currents");
         let (survey, _) = run(setup);
         // Also the turnaround and two backoff periods for its frame, and the wake-up for the beacon at which the robot has
         // finished.
@@ -278,15 +277,15 @@ fn every_packet_is_counted_once_and_the_same_seed_gives_the_same_survey() {
         for (i, node) in setup.world.nodes.iter_mut().enumerate() {
             node.position = Position::new((i % 6) as f64, (i / 6) as f64, 0.0);
         }
-        setup.networks[0].link.channel = setup.networks[0].link.channel.within_m(3.0);
-        network::ieee802154(&mut setup.networks[0].link).reception = ReceptionModel::SinrThreshold { least: 2.0 };
+        setup.networks[0].channel = setup.networks[0].channel.within_m(3.0);
+        network::ieee802154(&mut setup.networks[0]).reception = ReceptionModel::SinrThreshold { least: 2.0 };
         let places = (0..6).map(|i| Position::new(f64::from(i), 2.5, 0.0)).collect();
         setup.robots = vec![robot(places, Duration::from_secs(1))];
         run(setup).0
     };
     let (first, again, other) = (survey(1), survey(1), survey(2));
-    assert_eq!((&first.log, first.packets, first.events), (&again.log, again.packets, again.events));
-    assert_ne!(first.log, other.log);
+    assert_eq!((first.log(), first.packets, first.events), (again.log(), again.packets, again.events));
+    assert_ne!(first.log(), other.log());
     let p = first.packets;
     assert_eq!(network::ended(&p), p.offered, "{p:?}");
     assert!(p.received > 100 && p.lost_queue > 0, "{p:?}");

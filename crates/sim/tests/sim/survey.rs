@@ -33,7 +33,7 @@ fn setup(places: &[Position], robot: Robot, seed: u64) -> Setup {
     });
     let setup = network::setup(places, -50.0, channel, traffic, seed);
     let setup = network::with(setup, |network| {
-        network::ieee802154(&mut network.link).reception = ReceptionModel::SinrThreshold { least: 2.0 }
+        network::ieee802154(network).reception = ReceptionModel::SinrThreshold { least: 2.0 }
     });
     Setup { robots: vec![robot], ..setup }
 }
@@ -54,9 +54,8 @@ fn every_packet_is_counted_once() {
     for model in [ReceptionModel::Overlap, ReceptionModel::SinrThreshold { least: 2.0 }, ReceptionModel::Ber] {
         let stops = (0..12).map(|i| Position::new(f64::from(i), 0.5 * f64::from(i), 0.0)).collect();
         let robot = tour(stops, Duration::from_secs(1));
-        let setup = network::with(setup(&field_of(12), robot, 5), |network| {
-            network::ieee802154(&mut network.link).reception = model
-        });
+        let setup =
+            network::with(setup(&field_of(12), robot, 5), |network| network::ieee802154(network).reception = model);
         let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
         let p = survey.packets;
         assert_eq!(network::ended(&p), p.offered, "{p:?}");
@@ -69,9 +68,9 @@ fn every_packet_is_counted_once() {
 #[test]
 fn the_same_seed_gives_the_same_survey_and_another_seed_a_different_one() {
     let (first, again, other) = (survey(1), survey(1), survey(2));
-    assert_eq!(first.log, again.log);
+    assert_eq!(first.log(), again.log());
     assert_eq!((first.packets, first.events, first.end), (again.packets, again.events, again.end));
-    assert_ne!(first.log, other.log);
+    assert_ne!(first.log(), other.log());
 }
 
 #[test]
@@ -148,9 +147,9 @@ fn a_robot_stops_in_front_of_an_obstacle_and_reports_the_contact() {
     setup.world.obstacles =
         ObstacleField::new(vec![Obstacle::read(wall, std::path::Path::new("")).expect("a good wall")]);
     let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
-    let [contact] = survey.log.contacts() else { panic!("one contact, not {:?}", survey.log.contacts()) };
+    let [contact] = survey.log().contacts() else { panic!("one contact, not {:?}", survey.log().contacts()) };
     assert!(contact.position.distance_m(Position::new(4.0, 0.0, 0.0)) < 1e-6, "{contact:?}");
-    let [stop] = survey.log.stops() else { panic!("one stop") };
+    let [stop] = survey.log().stops() else { panic!("one stop") };
     assert!((stop.position.x_m - 3.75).abs() < 2e-3, "{stop:?}");
     assert!((survey.robots[0].path_length_m - 3.75).abs() < 2e-3);
     assert_eq!(survey.robots[0].ending, Some(Ending::Complete));
@@ -184,7 +183,7 @@ fn an_observer_can_end_a_simulation_and_the_log_is_kept() {
     let robot = tour(stops, Duration::from_secs(1));
     let survey = Simulation::new(setup(&field_of(4), robot, 1)).unwrap().run(&mut observer);
     assert!(survey.interrupted);
-    assert_eq!(survey.log.stops().len(), 3);
+    assert_eq!(survey.log().stops().len(), 3);
     // Stops at 0, 1 and 2 m, one second of listening each and one of driving between them.
     assert_eq!(observer.0, [1, 3, 5].map(|s| SimTime::ZERO + Duration::from_secs(s)));
     assert_eq!(survey.robots[0].ending, None);
@@ -210,11 +209,12 @@ fn a_second_robot_does_not_change_what_the_first_hears() {
         setup.robots.push(second);
         let both = Simulation::new(setup).unwrap().run(&mut Unobserved);
         assert_eq!(both.robots[0], alone.robots[0]);
-        assert_eq!(both.log.stops().len(), 16);
-        let of_first: Vec<u32> = (0..16).filter(|&stop| both.log.stops()[stop as usize].position.y_m < 2.0).collect();
+        assert_eq!(both.log().stops().len(), 16);
+        let of_first: Vec<u32> =
+            (0..16).filter(|&stop| both.log().stops()[stop as usize].position.y_m < 2.0).collect();
         let receptions = |survey: &Survey, stops: &[u32]| -> Vec<_> {
             let at = |stop: u32| stops.iter().position(|&other| other == stop);
-            let log = survey.log.receptions().iter();
+            let log = survey.log().receptions().iter();
             let mut found: Vec<_> =
                 log.filter_map(|r| Some((at(r.stop)?, r.node, r.received, r.sent, r.rssi_dbm))).collect();
             found.sort_by_key(|&(stop, node, ..)| (stop, node));
@@ -224,9 +224,9 @@ fn a_second_robot_does_not_change_what_the_first_hears() {
         assert_eq!(receptions(&both, &of_first), receptions(&alone, &all));
         // The log is the union: each stop belongs to one robot, at the place where it listened.
         let heard: u64 = both.robots.iter().flat_map(|robot| &robot.packets).map(|&n| u64::from(n)).sum();
-        assert!(heard >= both.log.receptions().len() as u64 && both.robots[1].packets.iter().sum::<u32>() > 0);
-        for reception in both.log.receptions().iter() {
-            let stop = both.log.stops()[reception.stop as usize].position;
+        assert!(heard >= both.log().receptions().len() as u64 && both.robots[1].packets.iter().sum::<u32>() > 0);
+        for reception in both.log().receptions().iter() {
+            let stop = both.log().stops()[reception.stop as usize].position;
             let node = Position::new(f64::from(reception.node.0 % 9), f64::from(reception.node.0 / 9), 0.0);
             assert!(stop.distance_m(node) <= 10.0);
             // At most five packets, 0.4 s apart, in a slot of 1.7 s.
@@ -270,13 +270,13 @@ fn a_reception_counts_the_packets_received_and_those_sent_from_the_first_to_the_
     let places = (0..4).map(|i| Position::new(2.0 * f64::from(i), 1.0, 0.0)).collect();
     let mut setup = setup(&field_of(3), tour(places, listen), 9);
     // Shadowing takes about one packet in six at the longest distances.
-    network::ieee802154(&mut setup.networks[0].link).radio = Radio::try_from(network::radio(-65.0)).unwrap();
+    network::ieee802154(&mut setup.networks[0]).radio = Radio::try_from(network::radio(-65.0)).unwrap();
     let mut air = Air::default();
     let survey = Simulation::new(setup).unwrap().run(&mut air);
     assert_eq!(survey.packets.lost_channel_access, 0, "each sequence number was on air");
     let mut with_gaps = 0;
-    for reception in &survey.log.receptions() {
-        let from = survey.log.stops()[reception.stop as usize].time;
+    for reception in &survey.log().receptions() {
+        let from = survey.log().stops()[reception.stop as usize].time;
         let of_slot =
             air.0.iter().filter(|(source, end, _)| *source == reception.node && *end > from && *end <= from + listen);
         let heard: Vec<bool> = of_slot.map(|&(_, _, heard)| heard).collect();

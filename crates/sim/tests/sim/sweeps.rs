@@ -11,9 +11,9 @@ use sextant_kernel::{NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
 use sextant_sim::{
-    Antennas, AntennasConfig, BusyNetwork, DeathsConfig, DiscoveryConfig, DmgRadio, Faults, FaultsConfig, FrameOnAir,
-    FrameOutcome, HeadingsConfig, Ieee80211ad, NetworkSetup, Observer, ReceptionModel, Round, Setup, SilentConfig,
-    Simulation, Survey, Technology, TrafficConfig, Unobserved, World, discover,
+    Antennas, AntennasConfig, DeathsConfig, DiscoveryConfig, DmgRadio, Faults, FaultsConfig, FrameOnAir,
+    FrameOutcome, HeadingsConfig, Ieee80211ad, Network, Observer, ReceptionModel, Round, Setup, Simulation, Survey,
+    Technology, TrafficPlan, Unobserved, World, discover,
 };
 
 use crate::network;
@@ -62,33 +62,37 @@ impl Scene {
             path_loss: Some(PathLossConfig::LogDistance(law)),
             ..ChannelConfig::default()
         };
-        let config = SweepConfig { contention: self.contention, ..SweepConfig::default() };
-        let radio =
-            sextant_sim::RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
-        let links = Ieee80211ad {
-            radio: DmgRadio::try_from(radio).expect("good levels"),
-            reception: self.reception,
-            sweep: config.try_into().expect("good settings"),
-            antennas: Antennas::read(&antennas, Path::new("")).expect("good antennas"),
-        };
-        let link = NetworkSetup {
+        let network = Network {
+            name: None,
             channel: channel.try_into().expect("a good channel"),
-            technology: Technology::Ieee80211ad(Box::new(links)),
+            technology: self.technology(&antennas),
             radio_states: RadioStates::mmwave_60_ghz(),
+            traffic: TrafficPlan::silent(self.places.len()),
             members: None,
         };
-        let traffic = network::plan(TrafficConfig::Silent(SilentConfig {}), self.places.len());
         let mut robot = network::tour(vec![Position::ORIGIN], 0.1, Duration::from_millis(100));
         robot.body.sweeps_per_stop = self.sweeps;
         Setup {
             world: World { nodes: network::nodes(&self.places), ..World::default() },
-            networks: vec![BusyNetwork { name: None, link, traffic, nodes: None }],
+            networks: vec![network],
             robots: vec![robot],
             sinks: Vec::new(),
             duration: None,
             faults: Faults::default(),
             seed: Seed(self.seed),
         }
+    }
+
+    /// Sector sweeps with these antennas.
+    fn technology(&self, antennas: &AntennasConfig) -> Technology {
+        let sweep = SweepConfig { contention: self.contention, ..SweepConfig::default() };
+        let radio =
+            sextant_sim::RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
+        let radio = DmgRadio::try_from(radio).expect("good levels");
+        let antennas = Antennas::read(antennas, Path::new("")).expect("good antennas");
+        let sweep = sweep.try_into().expect("good settings");
+        let links = Ieee80211ad::new(radio, self.reception, sweep, antennas).expect("sectors that fit");
+        Technology::Ieee80211ad(Box::new(links))
     }
 
     fn run(&self, observer: &mut impl Observer) -> Survey {
@@ -115,7 +119,7 @@ impl Observer for OnAir {
 }
 
 fn receptions(survey: &Survey, node: u32) -> Vec<Reception> {
-    survey.log.of(NodeId(node)).to_vec()
+    survey.log().of(NodeId(node)).to_vec()
 }
 
 #[test]
@@ -144,7 +148,7 @@ fn a_lone_node_answers_after_its_backoff_with_the_sector_that_points_at_it() {
     let power_dbm = -60.0 + 20.0 * (7.0_f64 / 4.0).log10() - 3.01 * (2.0_f64 * 10.0 / 22.5).powi(2);
     assert!((snr_db - (power_dbm + 71.5)).abs() <= 0.13, "{snr_db} dB, not {}", power_dbm + 71.5);
     assert_eq!(survey.networks[0].packets[0].received, 1);
-    assert!(survey.log.sectors().is_some_and(|table| table.len() == 16));
+    assert!(survey.log().sectors().is_some_and(|table| table.len() == 16));
 }
 
 #[test]
@@ -154,7 +158,7 @@ fn every_sweep_of_a_stop_is_answered_by_a_lone_node() {
     let [Reception { received: 7, sent: 7, sector: Some(0), .. }] = receptions(&survey, 0)[..] else {
         panic!("{:?}", receptions(&survey, 0))
     };
-    assert_eq!((survey.log.stops().len(), survey.networks[0].packets[1].sent), (1, 7));
+    assert_eq!((survey.log().stops().len(), survey.networks[0].packets[1].sent), (1, 7));
     // The stop lasts as long as it should.
     assert_eq!(survey.end.as_nanos(), 100_000_000);
 }
@@ -199,7 +203,7 @@ fn the_same_scene_gives_the_same_survey() {
         (0..30).map(|i| Position::new(1.0 + 0.15 * f64::from(i), 0.3 * f64::from(i % 7), 0.0)).collect();
     let scene = Scene { sweeps: 3, ..Scene::of(places) };
     let (first, second) = (scene.run(&mut Unobserved), scene.run(&mut OnAir::default()));
-    assert_eq!(first.log, second.log);
+    assert_eq!(first.log(), second.log());
     assert_eq!(first.packets, second.packets);
     assert!(first.packets.received > 30, "{:?}", first.packets);
 }
@@ -241,7 +245,7 @@ fn behind_a_screen_the_best_sector_points_at_the_wall_that_reflects() {
             "path_loss.log_distance.exponent = 2.0\nreflections.loss_db = 1.0\nshadowing.sigma_db = 0.0",
         )
         .expect("a channel");
-        setup.networks[0].link.channel = channel.try_into().expect("a good channel");
+        setup.networks[0].channel = channel.try_into().expect("a good channel");
         let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
         receptions(&survey, 0).first().map(|reception| reception.sector)
     };
@@ -261,12 +265,7 @@ fn a_sector_of_any_ring_of_an_array_has_its_number_in_the_log() {
          robots.sectors = { azimuth_sectors = 4, elevations_deg = [-80, -40, 0, 40, 80], boresight_gain_dbi = 9 }",
     )
     .expect("antennas");
-    match &mut setup.networks[0].link.technology {
-        Technology::Ieee80211ad(links) => {
-            links.antennas = Antennas::read(&antennas, Path::new("")).expect("good antennas");
-        }
-        Technology::Ieee802154(_) => panic!("a network of IEEE 802.11ad"),
-    }
+    setup.networks[0].technology = scene.technology(&antennas);
     let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
     assert_eq!(receptions(&survey, 0).first().map(|reception| reception.sector), Some(Some(16)));
 }
@@ -313,16 +312,16 @@ fn the_answer_of_a_raised_antenna_is_heard_with_its_gain_in_that_direction() {
     // The robot stands 0.7 m above the node, 2 m away.
     let place = Position::new(2.0, 0.0, -0.7);
     let rssi_dbm = |tilt_deg: f64| {
-        let mut setup = Scene::of(vec![place]).setup();
+        let scene = Scene::of(vec![place]);
+        let mut setup = scene.setup();
         let text = format!(
             "nodes.sectors = {{ azimuth_sectors = 8, vertical_width_deg = 40, pattern.elliptical = {{}} }}\n\
              robots.sectors = {{ azimuth_sectors = 16, boresight_gain_dbi = 0.0 }}\n\
              node_headings = \"aligned\"\nnode_tilts_deg = [{tilt_deg}]"
         );
-        let antennas = Antennas::read(&toml::from_str(&text).expect("antennas"), Path::new("")).expect("antennas");
-        let antenna = antennas.nodes().clone();
-        let Technology::Ieee80211ad(links) = &mut setup.networks[0].link.technology else { panic!("sweeps") };
-        links.antennas = antennas;
+        let technology = scene.technology(&toml::from_str(&text).expect("antennas"));
+        let antenna = technology.antennas().expect("sectors").nodes().clone();
+        setup.networks[0].technology = technology;
         let survey = Simulation::new(setup).expect("a good setup").run(&mut Unobserved);
         let length = place.distance_m(Position::ORIGIN);
         let direction = Position::new(-2.0 / length, 0.0, 0.7 / length);

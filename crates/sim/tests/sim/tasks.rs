@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sextant_channel::Position;
-use sextant_sim::{Application, EngineSetup, Port, Timer};
+use sextant_sim::{Application, Port, Setup, Timer};
 
 use crate::network;
 
@@ -49,7 +49,7 @@ fn worker(has_task: bool, finishes_ms: &[u64]) -> Worker {
 /// When an engine with these workers ends (ms).
 fn end_ms(workers: Vec<Worker>, duration: Option<Duration>) -> u64 {
     let places = vec![Position::ORIGIN; workers.len()];
-    let setup = EngineSetup { duration, ..network::engine(&places, network::link(1.0, network::prompt()), 1) };
+    let setup = Setup { duration, ..network::engine(&places, network::link(1.0, network::prompt()), 1) };
     let ended = network::run(setup, workers);
     assert!(!ended.interrupted);
     ended.end.as_nanos() / 1_000_000

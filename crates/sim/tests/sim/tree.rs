@@ -9,11 +9,11 @@ use sextant_channel::{Dbm, Position};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
-    Application, Delivery, Destination, Ended, EngineSetup, NetworkId, Packets, Payload, Port, SendOutcome,
-    SendReport, Sink, Timer,
+    Application, Delivery, Destination, NetworkId, Packets, Payload, Port, SendOutcome, SendReport, Setup, Sink,
+    Timer,
 };
 
-use crate::network;
+use crate::network::{self, Ended};
 use crate::scripted::NETWORK;
 
 /// Beacons of stations that are equally many hops from the sink fall into one round.
@@ -187,7 +187,7 @@ fn collect(places: &[Position], range_m: f64, gap: Duration, seed: u64) -> Ended
     let mut stations: Vec<Station> = places.iter().zip(0..).map(branch).collect();
     stations.push(Station::Root(Vec::new()));
     let csma = CsmaConfig { rx_on_when_idle: true, ..CsmaConfig::default() };
-    let setup = EngineSetup {
+    let setup = Setup {
         sinks: vec![Sink { name: "sink".into(), position: Position::new(-1.0, 0.0, 0.0), networks: None }],
         ..network::engine(places, network::link(range_m, csma), seed)
     };

@@ -270,7 +270,7 @@ fn a_sweep_for_one_station_is_repeated_ten_times_and_its_feedback_too() {
 #[test]
 fn the_full_procedure_of_64_and_8_sectors_takes_1206_958_us() {
     let mut robot = Bench::new(ContentionConfig::Csma, &[64]);
-    let mut sensor = Responder::new(SENSOR, layout(&[8]), SweepSettings::default()).expect("no slots");
+    let mut sensor = Responder::new(SENSOR, SweepSettings::default().answers(layout(&[8])).expect("no slots"));
     let mut radio = Script::new(&[]);
     robot.start(SweepPurpose::Train { responder: SENSOR, layout: layout(&[8]) }, Access::AtOnce);
     // Who sends and who receives is clear at every instant; everything is decoded.

@@ -30,7 +30,7 @@ impl Bench {
 
     fn with(config: SweepConfig, draws: &[u32]) -> Self {
         let settings = SweepSettings::try_from(config).expect("good settings");
-        let machine = Responder::new(SENSOR, layout(&[8]), settings).expect("the sectors fit");
+        let machine = Responder::new(SENSOR, settings.answers(layout(&[8])).expect("the sectors fit"));
         Self { machine, radio: Script::new(draws), reports: Vec::new() }
     }
 
@@ -375,5 +375,5 @@ fn a_sensor_whose_sectors_do_not_fit_in_a_slot_is_rejected() {
     };
     let settings = SweepSettings::try_from(config).expect("good settings");
     assert!(matches!(settings.contention(), Contention::Abft(_)));
-    assert!(Responder::new(SENSOR, layout(&[8]), settings).is_err());
+    assert!(settings.answers(layout(&[8])).is_err());
 }

@@ -108,7 +108,8 @@ impl Medium {
     pub(crate) fn new(sensors: usize, settings: SweepSettings) -> Self {
         let layout = |sectors| SectorLayout::new(&[sectors]).expect("a good layout");
         let address = |station| MacAddress::of(StationId::from_index(station));
-        let sensor = |station| Responder::new(address(station), layout(SECTORS), settings).expect("the sectors fit");
+        let sensor =
+            |station| Responder::new(address(station), settings.answers(layout(SECTORS)).expect("the sectors fit"));
         Self {
             robot: Initiator::new(address(0), layout(1), settings),
             sensors: (1..=sensors).map(sensor).collect(),

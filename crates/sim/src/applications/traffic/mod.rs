@@ -60,6 +60,17 @@ impl TryFrom<TrafficConfig> for Traffic {
 }
 
 impl Traffic {
+    /// No frames.
+    pub(super) fn silent() -> Self {
+        Self {
+            key: "traffic.silent".to_owned(),
+            mpdu_octets: 0,
+            acknowledged: false,
+            to: None,
+            schedule: Schedule::Silent,
+        }
+    }
+
     /// Length of each frame, or of the largest one, header and frame check sequence included (octets).
     #[must_use]
     pub fn mpdu_octets(&self) -> u8 {

@@ -29,6 +29,12 @@ impl TrafficPlan {
         Self { groups: vec![Group { name: None, traffic }], group_of: vec![Some(0); nodes] }
     }
 
+    /// None of `nodes` nodes sends anything.
+    #[must_use]
+    pub fn silent(nodes: usize) -> Self {
+        Self::all(Traffic::silent(), nodes)
+    }
+
     /// The plan as `config` says; paths are relative to `folder`. Keys of errors stand in the table of the traffic.
     ///
     /// # Errors

@@ -1,16 +1,18 @@
 //! IEEE 802.15.4: all that knows this technology.
 
-mod clock;
+mod event;
 mod frame_queue;
+mod links;
 mod mac;
-pub(crate) mod network;
 mod plan;
 mod radio;
+mod settings;
 mod stack;
 mod transceiver;
 
-pub(crate) use clock::Clock;
+pub(crate) use event::Event;
+pub(super) use links::Links;
 pub use mac::Mac;
-pub(crate) use plan::{Demand, Post, coordinator};
-pub(crate) use radio::Levels;
 pub use radio::Radio;
+pub use settings::Ieee802154;
+pub(super) use settings::Ieee802154 as Settings;

@@ -1,55 +1,34 @@
 //! The coordinator of a network with beacons, checked against world, robots, sinks and traffic.
 
-use std::time::Duration;
-
-use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_kernel::{NodeId, SettingError};
 use sextant_mac::Phy;
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::{Address, Endpoint};
 use sextant_mac::superframe::BeaconEnabled;
 
+use super::links::{first_sequence, pan};
 use super::mac::short_address;
-use super::network::{first_sequence, pan};
-use crate::service::network_id::NetworkId;
+use crate::link::coordinator::{Coordination, Demand};
 
 /// The key of the table of the settings.
 const KEY: &str = "mac.beacon_enabled";
 
-/// The station that sends beacons.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Post {
-    pub(crate) station: StationId,
-    /// Number of the robot that it is, and how long that listens at a stop; `None` if it always listens.
-    pub(crate) listen: Option<(usize, Duration)>,
-}
-
-/// Frames that the nodes send.
-#[derive(Clone, Debug)]
-pub(crate) struct Demand {
-    /// Key of the table that says so.
-    pub(crate) key: String,
-    pub(crate) mpdu_octets: u8,
-    pub(crate) acknowledged: bool,
-}
-
-/// The coordinator of `network` at `post`, for nodes with these `names` that send frames as `demands` say.
+/// The coordinator of a network, at its post, for its nodes and what they send.
 ///
 /// # Errors
 /// If a guaranteed slot is of a node that is not there or has no short address, a frame does not fit in its slot or in
 /// the contention access period, or the station listens for less than the beacon interval.
-pub(crate) fn coordinator<'a>(
+pub(super) fn coordinator(
     settings: &BeaconEnabled,
     phy: Phy,
-    (network, seed): (NetworkId, Seed),
-    post: Post,
-    names: impl Iterator<Item = &'a str> + Clone,
-    demands: &[Demand],
+    coordination: &Coordination<'_>,
 ) -> Result<Coordinator, SettingError> {
+    let &Coordination { network, seed, post, nodes, demands } = coordination;
     let devices = (settings.gts().iter().enumerate())
         .map(|(i, gts)| {
             let refusal =
                 |allowed| SettingError::new(format!("{KEY}.gts[{i}].node"), format!("`{}`", gts.node), allowed);
-            let node = names.clone().position(|name| name == gts.node);
+            let node = nodes.iter().position(|node| node.name == gts.node);
             let node = node.ok_or_else(|| refusal("the name of a node"))?;
             short_address(NodeId::from_index(node).into())
                 .ok_or_else(|| refusal("one of the nodes that have a short address"))

@@ -4,7 +4,7 @@ use sextant_channel::{Db, Dbm};
 use sextant_kernel::{NodeId, Seed, SettingError};
 use sextant_mac::{Phy, oqpsk};
 
-use super::clock::Clock;
+use crate::link::clock::Clock;
 use crate::link::config::{RadioConfig, RadioGroupConfig};
 use crate::purpose;
 use crate::service::network_id::NetworkId;
@@ -175,8 +175,8 @@ impl Radio {
     }
 
     /// Number of a node among [`Radio::all_levels`].
-    pub(crate) fn level_of(&self, node: usize) -> u16 {
-        self.group_of.get(node).copied().flatten().map_or(0, |group| group + 1)
+    pub(crate) fn level_of(&self, node: NodeId) -> u16 {
+        self.group_of.get(node.index()).copied().flatten().map_or(0, |group| group + 1)
     }
 
     /// Those of the stations in no group, such as robots and sinks.
@@ -263,7 +263,7 @@ mod tests {
             (radio.greatest_tx_power(), radio.least_noise_floor()),
             (Dbm(10.0), oqpsk::noise_floor(Dbm(-100.0)))
         );
-        assert_eq!([0, 1, 2].map(|node| radio.level_of(node)), [2, 1, 2]);
+        assert_eq!([0, 1, 2].map(|node| radio.level_of(NodeId(node))), [2, 1, 2]);
         assert!(!radio.has_drift());
     }
 

@@ -4,10 +4,10 @@ use sextant_channel::{Dbm, Milliwatts};
 use sextant_kernel::{EventKey, SimTime, StationId};
 use sextant_mac::{EnergyMeter, RadioState};
 
-use super::clock::Clock;
 use super::frame_queue::{QueuedFrame, Waiting};
 use super::radio::Levels;
 use crate::air::Transmission;
+use crate::link::clock::Clock;
 use crate::service::outcome::{Deafness, FrameOutcome};
 
 /// The state of one station's link, apart from its channel access machine.

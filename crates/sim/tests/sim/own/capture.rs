@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{
-    Application, AtEnd, Estimate, FieldId, Observer, Odometry, OdometryConfig, OwnApplications, Port, Robot,
-    RobotBody, Sensed, Setup, Simulation, TargetId, Timer, World,
+    Application, Applications, AtEnd, Estimate, FieldId, Observer, Odometry, OdometryConfig, Port, Robot, RobotBody,
+    Sensed, Setup, Simulation, TargetId, Timer, World,
 };
 
 use super::setup;
@@ -91,21 +91,21 @@ fn hunter(tries_s: &[f64], reach_m: f64) -> Station {
     Station::Hunter { tries_s: tries_s.to_vec(), reach_m, found: Vec::new(), drives_to: None }
 }
 
-fn hunt(setup: Setup, robot: Station) -> (OwnApplications<Station>, Notebook) {
+fn hunt(setup: Setup, robot: Station) -> (Applications<Station>, Notebook) {
     let nodes = vec![Station::Watcher(Vec::new()); setup.world.nodes.len()];
-    let own = OwnApplications { nodes, robots: vec![robot], sinks: Vec::new() };
+    let own = Applications { nodes, robots: vec![robot], sinks: Vec::new() };
     let mut notebook = Notebook::default();
-    let simulation = Simulation::with_own(setup, own).expect("good settings");
+    let simulation = Simulation::with(setup, own).expect("good settings");
     let (_, own) = simulation.run_own(&mut notebook);
     (own, notebook)
 }
 
-fn heard(own: &OwnApplications<Station>, node: usize) -> &[(f64, Sensed)] {
+fn heard(own: &Applications<Station>, node: usize) -> &[(f64, Sensed)] {
     let Station::Watcher(heard) = &own.nodes[node] else { panic!("a node watches") };
     heard
 }
 
-fn found(own: &OwnApplications<Station>) -> &[Vec<TargetId>] {
+fn found(own: &Applications<Station>) -> &[Vec<TargetId>] {
     let Station::Hunter { found, .. } = &own.robots[0] else { panic!("the robot hunts") };
     found
 }
@@ -247,10 +247,10 @@ impl Application for Thinker {
 
 #[test]
 fn an_observer_is_told_what_an_application_works_out() {
-    let own = OwnApplications { nodes: Vec::new(), robots: vec![Thinker], sinks: Vec::new() };
+    let own = Applications { nodes: Vec::new(), robots: vec![Thinker], sinks: Vec::new() };
     let setup = setup(World::default(), &[[0.0; 3]], &[], 60.0, 1);
     let mut notebook = Notebook::default();
-    Simulation::with_own(setup, own).expect("good settings").run_own(&mut notebook);
+    Simulation::with(setup, own).expect("good settings").run_own(&mut notebook);
     let robot = StationId(0);
     let at = |time, thought| (robot, seconds(time), thought);
     let [a, b, c] = THOUGHTS;

@@ -6,7 +6,7 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::{SimTime, StationId};
 use sextant_sim::{
-    Application, Delivery, Destination, DriveEnd, Driving, NetworkId, OwnApplications, Payload, Port, SendOutcome,
+    Application, Applications, Delivery, Destination, DriveEnd, Driving, NetworkId, Payload, Port, SendOutcome,
     SendReport, Simulation, Survey, Timer, Unobserved, World,
 };
 
@@ -138,13 +138,13 @@ impl Application for Station {
 }
 
 /// A lattice of 6 by 6 nodes 4 m apart, and a robot that polls them for a minute.
-fn poll(seed: u64) -> (Survey, OwnApplications<Station>, Vec<Position>) {
+fn poll(seed: u64) -> (Survey, Applications<Station>, Vec<Position>) {
     let places: Vec<Position> = network::grid(6, 6).into_iter().map(|place| place * 4.0).collect();
     let world = World { nodes: network::nodes(&places), ..World::default() };
     let setup = setup(world, &[[3.0, 9.0, 0.0]], &[], 60.2, seed);
     let nodes = vec![Station::Node { asked: Vec::new(), reports: Vec::new() }; places.len()];
-    let own = OwnApplications { nodes, robots: vec![Station::Robot(Driver::default())], sinks: Vec::new() };
-    let (survey, own) = Simulation::with_own(setup, own).expect("good settings").run_own(&mut Unobserved);
+    let own = Applications { nodes, robots: vec![Station::Robot(Driver::default())], sinks: Vec::new() };
+    let (survey, own) = Simulation::with(setup, own).expect("good settings").run_own(&mut Unobserved);
     (survey, own, places)
 }
 
@@ -191,7 +191,7 @@ fn a_robot_polls_the_nodes_around_it_while_it_drives() {
     assert!((record.path_length_m - 60.2).abs() < 1e-6, "{} m", record.path_length_m);
     assert_eq!((record.stops, record.ending, record.end), (0, None, None));
     assert!(record.name == "robot-0" && record.packets == vec![0; places.len()]);
-    assert!(survey.log.stops().is_empty());
+    assert!(survey.log().stops().is_empty());
 }
 
 #[test]
@@ -247,17 +247,17 @@ impl Application for Relay {
 
 /// Nodes 8 m apart, each in reach of its neighbours alone, between a robot and a sink; stations are numbered as in a
 /// simulation.
-fn chain(change: impl FnOnce(&mut OwnApplications<Relay>)) -> OwnApplications<Relay> {
+fn chain(change: impl FnOnce(&mut Applications<Relay>)) -> Applications<Relay> {
     let places: Vec<Position> = (1..5).map(|i| Position::new(8.0 * f64::from(i), 0.0, 0.0)).collect();
     let world = World { nodes: network::nodes(&places), ..World::default() };
-    let mut own = OwnApplications {
+    let mut own = Applications {
         nodes: vec![Relay::default(); 4],
         robots: vec![Relay::default()],
         sinks: vec![Relay::default()],
     };
     change(&mut own);
     let setup = setup(world, &[[0.0; 3]], &[[40.0, 0.0, 0.0]], 30.0, 2);
-    Simulation::with_own(setup, own).expect("good settings").run_own(&mut Unobserved).1
+    Simulation::with(setup, own).expect("good settings").run_own(&mut Unobserved).1
 }
 
 const ROBOT: StationId = StationId(4);

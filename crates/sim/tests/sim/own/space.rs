@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
 use sextant_sim::{
-    Application, Delivery, Destination, DriveEnd, Driving, Odometry, OdometryConfig, OwnApplications, Payload, Port,
+    Application, Applications, Delivery, Destination, DriveEnd, Driving, Odometry, OdometryConfig, Payload, Port,
     Robot, RobotBody, Setup, Simulation, Survey, Timer, Unobserved, World,
 };
 
@@ -84,8 +84,8 @@ impl Application for Station {
 
 fn fly(setup: Setup, flyer: Flyer) -> (Survey, Flyer) {
     let nodes = vec![Station::Caller; setup.world.nodes.len()];
-    let own = OwnApplications { nodes, robots: vec![Station::Flyer(flyer)], sinks: Vec::new() };
-    let (survey, own) = Simulation::with_own(setup, own).expect("good settings").run_own(&mut Unobserved);
+    let own = Applications { nodes, robots: vec![Station::Flyer(flyer)], sinks: Vec::new() };
+    let (survey, own) = Simulation::with(setup, own).expect("good settings").run_own(&mut Unobserved);
     match own.robots.into_iter().next() {
         Some(Station::Flyer(flyer)) => (survey, flyer),
         robot => panic!("a robot flies: {robot:?}"),

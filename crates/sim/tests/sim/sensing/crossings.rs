@@ -10,7 +10,7 @@ use super::{Watcher, run, seconds, watched, way, world};
 const FIRST: TargetId = TargetId(0);
 
 /// What node `node` senses, with its time (s).
-fn sensed_by(ended: &sextant_sim::Ended<Watcher>, node: usize) -> Vec<(f64, Sensed)> {
+fn sensed_by(ended: &crate::network::Ended<Watcher>, node: usize) -> Vec<(f64, Sensed)> {
     ended.applications[node].sensed.iter().map(|&(time, sensed)| (time.as_secs_f64(), sensed)).collect()
 }
 

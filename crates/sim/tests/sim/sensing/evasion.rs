@@ -7,7 +7,7 @@ use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::Seed;
 use sextant_sim::layout::{Region, RegionConfig};
 use sextant_sim::{
-    Application, EngineSetup, EvadeConfig, Leg, Odometry, OdometryConfig, Port, RandomWalkConfig, RobotBody,
+    Application, EvadeConfig, Leg, Odometry, OdometryConfig, Port, RandomWalkConfig, RobotBody, Setup,
     StraightConfig, Target, TargetMotionConfig, TurnConfig, World,
 };
 
@@ -156,17 +156,17 @@ fn a_target_flees_from_the_true_place_of_a_robot() {
             EvadeConfig { speed_m_per_s: 0.01, sight_m: 5.5, decide_s: 0.1, ..evade([10.0, 0.0, 0.0], region) };
         let world = World { targets: vec![target(&config, &none)], ..World::default() };
         let body = RobotBody { odometry, speed_m_per_s: 1.0, ..network::body("chaser", Position::ORIGIN) };
-        let setup = EngineSetup {
+        let setup = Setup {
             world,
-            robots: vec![body],
+            robots: network::own_robots([body]),
             sinks: Vec::new(),
-            networks: Vec::new(),
+            networks: vec![network::link(1.0, network::prompt())],
             duration: Some(Duration::from_secs(60)),
             faults: Default::default(),
             seed: Seed(1),
         };
         let mut notebook = Notebook::default();
-        sextant_sim::Engine::new(setup, vec![Straight]).expect("good settings").run(&mut notebook);
+        network::run_watched(setup, vec![Straight], &mut notebook);
         let places: Vec<Position> = notebook.moved.iter().map(|&(.., place)| place).collect();
         let last = places.len() - 1;
         let step = places[last] - places[last - 100];

@@ -1,0 +1,51 @@
+//! The logs of the networks that robots surveyed.
+
+use sextant_channel::{NetworkLog, NetworkLogs, ReceptionLog};
+use sextant_mapper::{Knowledge, Mapper};
+
+use crate::scenario::NamedMap;
+
+/// The logs of the networks that robots surveyed, at least one. The name of a network is empty if it has none.
+#[derive(Clone, Debug)]
+pub struct MapLogs<'a> {
+    logs: Vec<(&'a str, &'a ReceptionLog)>,
+}
+
+impl<'a> From<&'a NetworkLogs> for MapLogs<'a> {
+    fn from(logs: &'a NetworkLogs) -> Self {
+        let named = |of: &'a NetworkLog| (of.network.as_deref().unwrap_or_default(), &of.log);
+        Self { logs: logs.iter().map(named).collect() }
+    }
+}
+
+impl<'a> MapLogs<'a> {
+    /// The log of the first network and its name, if it has one, and those of the others.
+    pub fn new(
+        (name, first): (Option<&'a str>, &'a ReceptionLog),
+        others: impl IntoIterator<Item = (&'a str, &'a ReceptionLog)>,
+    ) -> Self {
+        Self { logs: std::iter::once((name.unwrap_or_default(), first)).chain(others).collect() }
+    }
+
+    /// The log of the network of `map`. For a joint map it is that of its first network. A log that is alone is that of
+    /// any network.
+    #[must_use]
+    pub fn of(&self, map: &NamedMap) -> &'a ReceptionLog {
+        let name = match &map.mapper {
+            Mapper::Joint(joint) => joint.networks().next(),
+            _ => map.network.as_deref(),
+        };
+        name.and_then(|name| self.named(name)).unwrap_or(self.logs[0].1)
+    }
+
+    /// The log of the network `name`.
+    pub(super) fn named(&self, name: &str) -> Option<&'a ReceptionLog> {
+        self.logs.iter().find(|(other, _)| *other == name).map(|(_, log)| *log)
+    }
+
+    /// What `map` may know of the logs.
+    #[must_use]
+    pub fn knowledge<'b>(&'b self, map: &NamedMap) -> Knowledge<'b> {
+        Knowledge { logs: &self.logs, ..Knowledge::from(self.of(map)) }
+    }
+}

@@ -1,0 +1,69 @@
+//! The maps of a scenario.
+
+use sextant_kernel::SettingError;
+use sextant_mapper::{KnowledgeKind, MapConfig, Mapper};
+use sextant_sim::RoleConfig;
+
+use super::config::ScenarioConfig;
+use super::errors::Errors;
+use super::known_networks::KnownNetworks;
+
+/// A map to compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedMap {
+    /// Its name in tables and recordings; unique in the scenario.
+    pub name: String,
+    /// The network whose log is mapped; the first surveyed one if absent. Joint maps name their networks themselves.
+    pub network: Option<String>,
+    /// The algorithm with its settings.
+    pub mapper: Mapper,
+}
+
+/// The maps to compute; absent channel settings are taken from the networks of the maps, where they are known.
+pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors<'_>) -> Vec<NamedMap> {
+    let mut maps: Vec<NamedMap> = Vec::new();
+    for (i, config) in configs.iter().enumerate() {
+        let table = format!("maps[{i}]");
+        let mut config = config.clone();
+        if errors.take(&table, networks.complete(&mut config)).is_none() {
+            continue;
+        }
+        let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
+        // A setting may only be absent because the network that should say it is invalid.
+        if mapper.is_err() && !networks.are_known() && !errors.found.is_empty() {
+            continue;
+        }
+        let Some(mapper) = errors.take(&table, mapper) else {
+            continue;
+        };
+        let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
+        check_name(&name, &table, &maps, errors);
+        maps.push(NamedMap { name, network: config.network, mapper });
+    }
+    maps
+}
+
+/// Refuses maps of what robots heard, if no robot surveys.
+pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[NamedMap], errors: &mut Errors<'_>) {
+    if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
+        return;
+    }
+    let of_log = |map: &&NamedMap| map.mapper.uses().contains(&KnowledgeKind::RobotReceptions);
+    if let Some(map) = maps.iter().find(of_log) {
+        let allowed = format!("a robot that surveys: the map `{}` is made from what robots hear", map.name);
+        errors.refuse(&SettingError::new("robots", "no surveying robot", allowed));
+    }
+}
+
+/// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
+pub(super) fn check_name(name: &str, table: &str, others: &[NamedMap], errors: &mut Errors<'_>) {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    if name.is_empty() || !name.chars().all(is_plain) {
+        let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";
+        errors.refuse(&SettingError::new("name", format!("`{name}`"), allowed).within(table));
+    }
+    if others.iter().any(|map| map.name == name) {
+        let found = format!("`{name}`, the name of an earlier map");
+        errors.refuse(&SettingError::new("name", found, "a unique name").within(table));
+    }
+}

@@ -1,0 +1,325 @@
+//! A network of IEEE 802.11ad: the links of all its stations.
+
+mod broadcasting;
+mod dying;
+mod ending;
+mod sweeping;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::ops::Range;
+use std::time::Duration;
+
+use sextant_channel::Milliwatts;
+use sextant_kernel::{SimTime, StationId};
+use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorLayout};
+
+use super::event::Event;
+use super::settings::Ieee80211ad;
+use super::stack::{RadioStack, Role, Stack};
+use super::transceiver::{Radios, Transceiver};
+use crate::air::{Arrival, CarrierChange};
+use crate::event::Event as EngineEvent;
+use crate::link::LinkEvent;
+use crate::link::antennas::Antennas;
+use crate::link::ledger::Ledger;
+use crate::link::links::NetworkLinks;
+use crate::link::payloads::Payloads;
+use crate::link::settings::Placement;
+use crate::observer::{HeardFrame, Observer};
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packets::{NetworkRecord, Packets};
+use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
+use crate::service::upcall::Upcall;
+use crate::station::Roll;
+
+/// A network of IEEE 802.11ad: the links of all its stations.
+pub(crate) struct Links {
+    radios: Radios,
+    antennas: Antennas,
+    roll: Roll,
+    stacks: Vec<Stack>,
+    /// The sweeps under way, and those that wait for the end of a broadcast, by station.
+    sweeps: BTreeMap<StationId, Gathered>,
+    /// Sweeps of each station so far.
+    swept: Vec<u64>,
+    /// Whether the application of a station looks at what it hears.
+    hears: Vec<bool>,
+    ledger: Ledger,
+    arrivals: Vec<Arrival>,
+    changes: Vec<CarrierChange>,
+    told: Vec<HeardFrame>,
+    octets: Vec<u8>,
+    /// Whether a broadcast was ever offered.
+    has_broadcasts: bool,
+    /// The payloads of the broadcasts that wait or are under way.
+    payloads: Payloads,
+    /// The payload of the frame that was received last.
+    payload: Vec<u8>,
+}
+
+/// What a station has gathered by the sweep under way.
+#[derive(Debug, Default)]
+struct Gathered {
+    /// The best answer of each station so far, from earlier tilts of a steered antenna.
+    answers: BTreeMap<StationId, SweepAnswer>,
+    /// The greatest power of a frame of each station in the sweep of this tilt.
+    powers: BTreeMap<StationId, Milliwatts>,
+}
+
+impl Links {
+    /// The links of all stations of `scene`.
+    pub(super) fn new(settings: &Ieee80211ad, placement: Placement, scene: &mut Scene) -> Self {
+        let Ieee80211ad { radio, answers, antennas, .. } = settings;
+        let roll = scene.roll;
+        let ledger = Ledger::new(&placement, roll);
+        let Placement { network, air, first_receiver, hears, .. } = placement;
+        let radios = Radios { network, power: radio.tx_power(), air, first_receiver };
+        for station in roll.stations() {
+            let mount = antennas.mount(&roll, station, scene.seed);
+            scene.airs[air].mount(radios.receiver(station), mount);
+        }
+        let stack = |station: StationId| {
+            let address = MacAddress::of(station);
+            let layout = if roll.is_node(station) { antennas.node_layout() } else { antennas.robot_layout() };
+            Stack {
+                initiator: Initiator::new(address, layout, answers.sweep()),
+                // Only nodes answer.
+                responder: Responder::new(address, *answers),
+                radio: RadioStack::new(),
+                task: None,
+                next_sweep: None,
+                waiting: VecDeque::new(),
+                broadcasts: 0,
+                reached: Vec::new(),
+                tilt: 0,
+                first_sectors: first_sectors(&layout),
+                listening_over: None,
+                outcome: FrameOutcome::WORST,
+                frames: 0,
+            }
+        };
+        Self {
+            radios,
+            antennas: antennas.clone(),
+            roll,
+            stacks: roll.stations().map(stack).collect(),
+            sweeps: BTreeMap::new(),
+            swept: vec![0; roll.len()],
+            hears,
+            ledger,
+            arrivals: Vec::new(),
+            changes: Vec::new(),
+            told: Vec::new(),
+            octets: Vec::with_capacity(32),
+            has_broadcasts: false,
+            payloads: Payloads::default(),
+            payload: Vec::new(),
+        }
+    }
+
+    /// Whether frames of other stations go to the machine that sweeps: that of a robot or sink, or one that is busy.
+    fn has_initiator(&self, station: StationId) -> bool {
+        !self.roll.is_node(station) || self.stacks[station.index()].initiator.is_busy()
+    }
+
+    fn transceiver<'a>(
+        &'a mut self,
+        station: StationId,
+        role: Role,
+        scene: &'a mut Scene,
+    ) -> (Transceiver<'a>, &'a mut Initiator, &'a mut Responder) {
+        let Stack { initiator, responder, radio, first_sectors, .. } = &mut self.stacks[station.index()];
+        let transceiver =
+            Transceiver { radios: &self.radios, stack: radio, scene, station, role, first_sectors: *first_sectors };
+        (transceiver, initiator, responder)
+    }
+
+    fn handle_initiator(&mut self, station: StationId, event: dmg::Event, scene: &mut Scene) {
+        let now = scene.now;
+        self.forget_timer(station, Role::Initiator, event);
+        let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
+        if let Some(report) = initiator.handle(now, event, &mut radio) {
+            self.end_sweep(station, report, scene);
+        }
+    }
+
+    fn handle_responder(&mut self, station: StationId, event: dmg::Event, scene: &mut Scene) {
+        let now = scene.now;
+        self.forget_timer(station, Role::Responder, event);
+        let (mut radio, _, responder) = self.transceiver(station, Role::Responder, scene);
+        if let Some(report) = responder.handle(now, event, &mut radio) {
+            self.note_answer(station, report, scene);
+        }
+        self.proceed(station, scene);
+    }
+
+    /// A timer that is due is not pending any more.
+    fn forget_timer(&mut self, station: StationId, role: Role, event: dmg::Event) {
+        if matches!(event, dmg::Event::TransmitReady | dmg::Event::WaitExpired) {
+            self.stacks[station.index()].radio.timers[role as usize] = None;
+        }
+    }
+
+    /// Tells the machines how the carrier has changed. What they do then may change it again.
+    fn tell_carrier(&mut self, scene: &mut Scene) {
+        loop {
+            let mut changes = std::mem::take(&mut self.changes);
+            scene.airs[self.radios.air].take_carrier_changes(&mut changes);
+            for &CarrierChange { station, is_busy } in &changes {
+                let event = if is_busy { dmg::Event::CarrierBusy } else { dmg::Event::CarrierIdle };
+                self.handle_initiator(station, event, scene);
+                if self.roll.is_node(station) {
+                    self.handle_responder(station, event, scene);
+                }
+            }
+            let is_over = changes.is_empty();
+            self.changes = changes;
+            if is_over {
+                return;
+            }
+        }
+    }
+}
+
+impl NetworkLinks for Links {
+    type Event = Event;
+
+    fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        if self.ledger.has(station) {
+            self.transceiver(station, Role::Responder, scene).0.tune();
+        }
+    }
+
+    fn handle(&mut self, station: StationId, event: Event, scene: &mut Scene, observer: &mut impl Observer) {
+        match event {
+            Event::InitiatorReady => self.handle_initiator(station, dmg::Event::TransmitReady, scene),
+            Event::InitiatorWaited => self.handle_initiator(station, dmg::Event::WaitExpired, scene),
+            Event::ResponderReady => self.handle_responder(station, dmg::Event::TransmitReady, scene),
+            Event::ResponderWaited => self.handle_responder(station, dmg::Event::WaitExpired, scene),
+            Event::InitiatorTransmitted => {
+                self.end_frame(station, scene, observer);
+                self.handle_initiator(station, dmg::Event::TransmissionEnded, scene);
+            }
+            Event::ResponderTransmitted => {
+                self.end_frame(station, scene, observer);
+                self.handle_responder(station, dmg::Event::TransmissionEnded, scene);
+            }
+            Event::ListeningOver => {
+                self.stacks[station.index()].listening_over = None;
+                scene.upcalls.push(Upcall::Listened { station });
+            }
+        }
+        self.tell_carrier(scene);
+    }
+
+    fn sweep(&mut self, station: StationId, kind: SweepKind, scene: &mut Scene) -> Result<(), SweepError> {
+        if !self.ledger.has(station) {
+            return Err(SweepError::NoSectors);
+        }
+        let stack = &mut self.stacks[station.index()];
+        if self.sweeps.contains_key(&station) || stack.responder.is_busy() {
+            return Err(SweepError::Busy);
+        }
+        stack.next_sweep = Some(kind);
+        scene.offered += 1;
+        self.swept[station.index()] += 1;
+        self.ledger.packets[station.index()].offered += 1;
+        self.sweeps.insert(station, Gathered::default());
+        self.proceed(station, scene);
+        self.tell_carrier(scene);
+        Ok(())
+    }
+
+    fn take_answers(&mut self, station: StationId) -> Vec<SweepAnswer> {
+        let gathered = self.sweeps.remove(&station);
+        gathered.map_or_else(Vec::new, |gathered| gathered.answers.into_values().collect())
+    }
+
+    fn sectors(&self, station: StationId) -> Option<u8> {
+        let antenna = self.antennas.of(self.roll.kind(station));
+        (!antenna.is_omnidirectional()).then(|| antenna.sector_count())
+    }
+
+    fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+        let event = LinkEvent::Ieee80211ad(Event::ListeningOver);
+        let over = scene.after(span, EngineEvent::Link(station, self.radios.network, event));
+        if let Some(earlier) = self.stacks[station.index()].listening_over.replace(over) {
+            scene.queue.cancel(earlier);
+        }
+    }
+
+    fn moves(&self, station: StationId, scene: &mut Scene) {
+        let motion = &scene.motions[station.index()];
+        scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
+    }
+
+    fn finish(mut self, now: SimTime) -> NetworkRecord {
+        let mut spent = Vec::with_capacity(self.stacks.len());
+        for (i, stack) in self.stacks.iter_mut().enumerate() {
+            let state = stack.radio.state;
+            stack.radio.meter.enter(state, now);
+            spent.push(stack.radio.meter.spent(&self.ledger.radio_states, self.radios.power));
+            let Packets { offered, received, lost_collision, lost_channel_access, lost_signal, .. } =
+                self.ledger.packets[i];
+            let Packets { out_of_range, not_listened, lost_queue, .. } = self.ledger.packets[i];
+            let ended = received + lost_collision + lost_channel_access + lost_signal + out_of_range + not_listened;
+            self.ledger.packets[i].pending = offered - ended - lost_queue;
+        }
+        self.ledger.close(spent)
+    }
+
+    fn sweeps_sectors(&self) -> bool {
+        true
+    }
+
+    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+        let payload = std::mem::take(&mut self.payload);
+        let all = 0..payload.len();
+        (payload, all)
+    }
+
+    fn give_back(&mut self, payload: Vec<u8>) {
+        self.payload = payload;
+    }
+
+    fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        self.take_frame(station, to, payload, scene)
+    }
+
+    fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.turn_off(station, scene);
+    }
+
+    fn ends_frame(&self, station: StationId, event: Event) -> bool {
+        self.is_end_of_frame(station, event)
+    }
+}
+
+/// Number of the first sector of each DMG antenna among those of a sweep.
+fn first_sectors(layout: &SectorLayout) -> [u8; 4] {
+    let mut first = [0; 4];
+    for index in (0..layout.total()).rev() {
+        first[usize::from(layout.sector(index).antenna)] = u8::try_from(index).expect("at most 128 sectors");
+    }
+    first
+}
+
+/// What an answer says to the station that swept; `sector` is the number of its sector that the answer names, if it has
+/// sectors.
+fn read(answer: &Answer, sector: Option<u8>, rssi: Milliwatts, from: StationId) -> SweepAnswer {
+    SweepAnswer {
+        from,
+        sector,
+        snr: answer.select_snr.snr(),
+        rssi: rssi.to_dbm(),
+        node_sector: answer.responder_sector.sector,
+    }
+}

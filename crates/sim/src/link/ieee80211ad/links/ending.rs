@@ -1,0 +1,149 @@
+//! The end of a frame: who has received it, and what became of the answer that it belongs to.
+
+use sextant_channel::Db;
+use sextant_kernel::StationId;
+use sextant_mac::dmg::{ResponderOutcome, ResponderReport, SweepBody, SweepFrame};
+
+use super::Links;
+use crate::air::Transmission;
+use crate::link::collectors::tell_collectors;
+use crate::link::ieee80211ad::stack::{Role, Task};
+use crate::observer::{FrameOnAir, Observer};
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::sweep::Announcement;
+use crate::service::upcall::Upcall;
+
+impl Links {
+    /// A frame ends: finds its outcome, and passes it to the machines that have received it.
+    pub(super) fn end_frame(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
+        let (transmission, frame) =
+            self.stacks[station.index()].radio.on_air.take().expect("only a frame on air ends");
+        scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        match frame.body {
+            SweepBody::Rss { .. } => {
+                let outcome = self.outcome(&transmission, &frame, scene);
+                let stack = &mut self.stacks[station.index()];
+                stack.outcome = stack.outcome.max(outcome);
+                stack.frames += 1;
+            }
+            SweepBody::Beacon { .. } => {
+                self.note_beacon(station, self.outcome(&transmission, &frame, scene), scene.now);
+            }
+            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } => {}
+        }
+        if observer.wants_frames() {
+            self.tell_frame(&transmission, &frame, scene, observer);
+        }
+        for i in 0..self.arrivals.len() {
+            if self.arrivals[i].outcome == FrameOutcome::Received && self.ledger.has(self.arrivals[i].station) {
+                self.receive(i, station, &frame, scene);
+            }
+        }
+    }
+
+    /// The station of arrival number `i` has received a frame of `sender`.
+    fn receive(&mut self, i: usize, sender: StationId, frame: &SweepFrame, scene: &mut Scene) {
+        let arrival = self.arrivals[i];
+        let (now, station) = (scene.now, arrival.station);
+        let sinr = Db(10.0 * libm::log10(arrival.sinr));
+        match frame.body {
+            SweepBody::Rss { .. } => {
+                if let Some(gathered) = self.sweeps.get_mut(&station) {
+                    let power = gathered.powers.entry(sender).or_insert(arrival.power);
+                    power.0 = power.0.max(arrival.power.0);
+                }
+            }
+            SweepBody::Iss { sector, rx_antennas: 0, .. } if self.hears[station.index()] => {
+                let sector = self.stacks[sender.index()].sector_number(sector);
+                let (network, rssi) = (self.radios.network, arrival.power.to_dbm());
+                let announcement = Announcement { network, from: sender, sector, snr: sinr, rssi };
+                scene.upcalls.push(Upcall::Announced { station, announcement });
+            }
+            SweepBody::Beacon { sector, sequence, .. } if self.hears[station.index()] => {
+                self.deliver(i, sender, (sector, sequence), sinr, scene);
+            }
+            SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Beacon { .. } => {
+            }
+        }
+        if self.has_initiator(station) {
+            let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
+            if let Some(report) = initiator.receive(now, frame, sinr, &mut radio) {
+                self.end_sweep(station, report, scene);
+            }
+        }
+        if self.roll.is_node(station) {
+            let (mut radio, _, responder) = self.transceiver(station, Role::Responder, scene);
+            if let Some(report) = responder.receive(now, frame, sinr, &mut radio) {
+                self.note_answer(station, report, scene);
+            }
+            self.give_way(station, scene);
+        }
+    }
+
+    /// Counts an answer that begins or has ended.
+    pub(super) fn note_answer(&mut self, station: StationId, report: ResponderReport, scene: &mut Scene) {
+        let (stack, packets) = (&mut self.stacks[station.index()], &mut self.ledger.packets[station.index()]);
+        match report {
+            ResponderReport::Heard(_) => {
+                (stack.outcome, stack.frames) = (FrameOutcome::WORST, 0);
+                packets.offered += 1;
+                scene.offered += 1;
+            }
+            ResponderReport::Answered { outcome, sweeps, .. } => {
+                packets.transmissions += std::mem::take(&mut stack.frames);
+                packets.channel_access_failures += u64::from(outcome == ResponderOutcome::WindowOver);
+                packets.unacknowledged += u64::from(outcome == ResponderOutcome::NoFeedback);
+                if sweeps == 0 {
+                    packets.lost_channel_access += 1;
+                    return;
+                }
+                packets.count_sent(stack.outcome);
+            }
+        }
+    }
+
+    /// Whether a frame is for a station: a beacon is for those whose applications hear.
+    fn is_for(&self, frame: &SweepFrame, station: StationId) -> bool {
+        match frame.body {
+            SweepBody::Beacon { .. } => self.hears[station.index()],
+            _ => frame.to.station().is_none_or(|to| to == station),
+        }
+    }
+
+    /// The outcome of a frame at the station that it is for, or the best one if it is for several.
+    fn outcome(&self, transmission: &Transmission, frame: &SweepFrame, scene: &Scene) -> FrameOutcome {
+        let arrivals = self.arrivals.iter().filter(|arrival| self.is_for(frame, arrival.station));
+        let missed = || scene.airs[self.radios.air].missed(transmission);
+        arrivals.map(|arrival| arrival.outcome).max().unwrap_or_else(missed)
+    }
+
+    /// Tells the observer of a frame that ends now.
+    fn tell_frame(
+        &mut self,
+        transmission: &Transmission,
+        frame: &SweepFrame,
+        scene: &Scene,
+        observer: &mut impl Observer,
+    ) {
+        let payload = match (frame.body, &self.stacks[transmission.source().index()].task) {
+            (SweepBody::Beacon { .. }, Some(Task::Broadcast(broadcast))) => broadcast.payload(&self.payloads),
+            _ => &[],
+        };
+        frame.write(payload, &mut self.octets);
+        let outcome = self.outcome(transmission, frame, scene);
+        let is_best = |station, found| found == outcome && self.is_for(frame, station);
+        let best = self.arrivals.iter().find(|arrival| is_best(arrival.station, arrival.outcome));
+        tell_collectors(&self.arrivals, &scene.roll, &mut self.told);
+        observer.framed(FrameOnAir {
+            network: self.radios.network,
+            start: transmission.start(),
+            airtime: scene.now - transmission.start(),
+            source: transmission.source(),
+            bytes: &self.octets,
+            outcome,
+            power: best.map(|arrival| arrival.power.to_dbm()),
+            heard: &self.told,
+        });
+    }
+}

@@ -1,0 +1,127 @@
+//! Sweeping: a station sweeps its sectors, at each of its tilts, and gathers the answers, or broadcasts a payload.
+
+use sextant_channel::Milliwatts;
+use sextant_kernel::StationId;
+use sextant_mac::dmg::{Access, InitiatorReport, SweepPurpose, TxSector};
+
+use super::{Gathered, Links, read};
+use crate::link::ieee80211ad::stack::{Role, Task};
+use crate::purpose;
+use crate::scene::Scene;
+use crate::service::sweep::SweepKind;
+use crate::service::upcall::Upcall;
+
+impl Links {
+    /// Lets a station go on with what it has to send, if neither of its machines is busy: with what its responder made it
+    /// put off, then the sweep that its application asked for, then the broadcasts that wait.
+    pub(super) fn proceed(&mut self, station: StationId, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        if stack.initiator.is_busy() || stack.responder.is_busy() {
+            return;
+        }
+        if stack.task.is_none() {
+            let sweep = stack.next_sweep.take().map(Task::Sweep);
+            stack.task = sweep.or_else(|| stack.waiting.pop_front().map(Task::Broadcast));
+            if stack.task.is_some() {
+                self.set_tilt(station, 0);
+            }
+        }
+        if let Some(task) = self.stacks[station.index()].task {
+            self.start(station, task, scene);
+        }
+    }
+
+    /// The responder of a station has heard something: a sweep to answer goes before what the station has to send.
+    pub(super) fn give_way(&mut self, station: StationId, scene: &mut Scene) {
+        if self.stacks[station.index()].responder.is_busy() {
+            let (mut radio, initiator, _) = self.transceiver(station, Role::Initiator, scene);
+            initiator.withdraw(&mut radio);
+        } else {
+            self.proceed(station, scene);
+        }
+    }
+
+    /// The next sweep is that of tilt number `tilt`. One comes after the other, and after the last one the first.
+    fn set_tilt(&mut self, station: StationId, tilt: u8) {
+        let antenna = self.antennas.of(self.roll.kind(station));
+        let per_sweep = antenna.sector_count() / antenna.sweeps();
+        let stack = &mut self.stacks[station.index()];
+        stack.first_sectors = stack.first_sectors.map(|first| first - stack.tilt * per_sweep + tilt * per_sweep);
+        stack.tilt = tilt;
+    }
+
+    /// Begins the sweep of one tilt.
+    fn start(&mut self, station: StationId, task: Task, scene: &mut Scene) {
+        // Whoever alone speaks first needs no contention.
+        let is_alone = self.roll.robots + self.roll.sinks == 1 && !self.has_broadcasts;
+        let (purpose, access) = match task {
+            Task::Sweep(SweepKind::Gather) if is_alone => (SweepPurpose::Gather, Access::AtOnce),
+            Task::Sweep(SweepKind::Gather) => (SweepPurpose::Gather, Access::Contend),
+            Task::Sweep(SweepKind::Announce) => (SweepPurpose::Announce, Access::Contend),
+            Task::Broadcast(broadcast) => {
+                let (sequence, payload_octets) = (broadcast.sequence(), broadcast.payload_octets);
+                (SweepPurpose::Broadcast { sequence, payload_octets }, Access::Contend)
+            }
+        };
+        let now = scene.now;
+        let (mut radio, initiator, responder) = self.transceiver(station, Role::Initiator, scene);
+        if let Task::Broadcast(_) = task {
+            // The initiator of a node hears no frames while it is idle, but its responder does.
+            initiator.is_claimed_until(now, responder.claimed_until());
+        }
+        initiator.start(now, purpose, access, &mut radio);
+    }
+
+    /// The sweep of one tilt is over.
+    pub(super) fn end_sweep(&mut self, station: StationId, report: InitiatorReport, scene: &mut Scene) {
+        let task = self.stacks[station.index()].task.expect("a sweep is under way");
+        if let Task::Sweep(_) = task {
+            self.gather(station, scene);
+        }
+        self.ledger.packets[station.index()].transmissions += u64::from(report.frames);
+        let tilt = self.stacks[station.index()].tilt + 1;
+        if tilt < self.antennas.of(self.roll.kind(station)).sweeps() {
+            self.set_tilt(station, tilt);
+            self.start(station, task, scene);
+            return;
+        }
+        self.stacks[station.index()].task = None;
+        match task {
+            Task::Sweep(_) => {
+                let packets = &mut self.ledger.packets[station.index()];
+                packets.sent += 1;
+                packets.received += 1;
+                let answers = self.sweeps.get(&station).map_or(0, |gathered| gathered.answers.len());
+                self.ledger.deliveries[station.index()] += answers as u64;
+                scene.upcalls.push(Upcall::Swept { station });
+            }
+            Task::Broadcast(broadcast) => self.end_broadcast(station, broadcast, scene),
+        }
+        self.proceed(station, scene);
+    }
+
+    /// Keeps the answers to the sweep of this tilt: of each station, the answer with the best sector.
+    fn gather(&mut self, station: StationId, scene: &Scene) {
+        let loss = self.antennas.misalignment_loss();
+        let has_sectors = !self.antennas.of(self.roll.kind(station)).is_omnidirectional();
+        let Some(Gathered { answers, powers }) = self.sweeps.get_mut(&station) else { return };
+        let stack = &self.stacks[station.index()];
+        for answer in stack.initiator.answers() {
+            let Some(from) = answer.responder.station() else { continue };
+            let draw =
+                [u64::from(station.0) << 32 | u64::from(from.0), self.swept[station.index()], stack.tilt.into()];
+            if loss > 0.0 && scene.seed.uniform(purpose::MISALIGNMENT, draw) < loss {
+                continue;
+            }
+            let TxSector { antenna, sector } = answer.select;
+            let Some(first) = stack.first_sectors.get(usize::from(antenna)) else { continue };
+            let rssi = powers.get(&from).copied().unwrap_or(Milliwatts(0.0));
+            let found = read(answer, has_sectors.then_some(first + sector), rssi, from);
+            let best = answers.entry(from).or_insert(found);
+            if found.snr > best.snr {
+                *best = found;
+            }
+        }
+        powers.clear();
+    }
+}

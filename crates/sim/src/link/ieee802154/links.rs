@@ -1,0 +1,270 @@
+//! A network of IEEE 802.15.4: the links of all its stations.
+
+mod acknowledging;
+mod beacons;
+mod dying;
+mod frames;
+mod receiving;
+mod sending;
+
+use std::ops::Range;
+use std::time::Duration;
+
+use sextant_kernel::{EventKey, NodeId, SimTime, StationId};
+use sextant_mac::coordinator::Coordinator;
+use sextant_mac::frame::Address;
+use sextant_mac::responder::Responder;
+use sextant_mac::{RadioState, csma};
+
+use super::event::Event;
+use super::frame_queue::QueuedFrame;
+use super::mac::NodeMac;
+use super::settings::Ieee802154;
+use super::stack::Stack;
+use super::transceiver::{Radios, Transceiver};
+use crate::air::{Arrival, Transmission};
+use crate::event::Event as EngineEvent;
+use crate::link::LinkEvent;
+use crate::link::clock::Clock;
+use crate::link::ledger::Ledger;
+use crate::link::links::NetworkLinks;
+use crate::link::payloads::Payloads;
+use crate::link::settings::Placement;
+use crate::observer::{HeardFrame, Observer};
+use crate::purpose;
+use crate::scene::Scene;
+use crate::service::network_id::NetworkId;
+use crate::service::outcome::FrameOutcome;
+use crate::service::packets::NetworkRecord;
+use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::upcall::Upcall;
+use crate::station::Kind;
+use sending::data_frame;
+
+/// PAN of the first network; the others follow.
+const FIRST_PAN: u16 = 0x5E87;
+
+/// A network of IEEE 802.15.4: the links of all its stations.
+pub(crate) struct Links {
+    pan: u16,
+    radios: Radios,
+    macs: Vec<NodeMac>,
+    stacks: Vec<Stack>,
+    responders: Vec<Responder>,
+    /// Whether the application of a station looks at what is delivered to it.
+    hears: Vec<bool>,
+    coordinator: Option<(StationId, Coordinator)>,
+    /// The beacon that is on air.
+    beacon: Option<Transmission>,
+    queue_frames: usize,
+    payloads: Payloads,
+    ledger: Ledger,
+    arrivals: Vec<Arrival>,
+    told: Vec<HeardFrame>,
+    mpdu: Vec<u8>,
+    payload: Range<usize>,
+}
+
+/// PAN of a network.
+pub(crate) fn pan(network: NetworkId) -> u16 {
+    FIRST_PAN + u16::from(network.0)
+}
+
+/// The number before that of the first frame of a station.
+pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationId, network: NetworkId) -> u8 {
+    let place = [station.0.into(), network.0.into(), 0];
+    scene_seed.bits(purpose::SEQUENCE, place).to_be_bytes()[0]
+}
+
+impl Links {
+    /// The links of all stations of `scene`.
+    pub(super) fn new(settings: &Ieee802154, placement: Placement, scene: &Scene) -> Self {
+        let Ieee802154 { radio, mac, .. } = settings;
+        let ledger = Ledger::new(&placement, scene.roll);
+        let Placement { network, air, first_receiver, hears, coordinator, .. } = placement;
+        let phy = radio.phy();
+        let pan = pan(network);
+        let stations = || scene.roll.stations();
+        let is_node = |station| scene.roll.is_node(station);
+        let stack = |station: StationId| {
+            let state = if is_node(station) { mac.initial_state() } else { RadioState::Receive };
+            let (clock, levels) = match scene.roll.kind(station) {
+                Kind::Node(node) => {
+                    let node = NodeId::from_index(node);
+                    (radio.clock(scene.seed, network, node), radio.levels(node))
+                }
+                Kind::Robot(_) | Kind::Sink(_) => (Clock::default(), radio.common_levels()),
+            };
+            let mut stack = Stack::new(state, first_sequence(scene.seed, station, network), clock, levels);
+            if mac.csma().has_idle_turnarounds() {
+                stack.meter = stack.meter.with_fall(phy.turnaround());
+            }
+            stack
+        };
+        Self {
+            pan,
+            radios: Radios { network, phy, air, first_receiver },
+            macs: stations()
+                .map(|station| if is_node(station) { mac.of(station, phy) } else { mac.of_collector(phy) })
+                .collect(),
+            stacks: stations().map(stack).collect(),
+            responders: stations().map(|station| Responder::new(phy, pan, Address::of(station))).collect(),
+            hears,
+            coordinator,
+            beacon: None,
+            queue_frames: mac.csma().queue_frames().into(),
+            payloads: Payloads::default(),
+            ledger,
+            arrivals: Vec::new(),
+            told: Vec::new(),
+            mpdu: Vec::with_capacity(127),
+            payload: 0..0,
+        }
+    }
+
+    /// Whether what a station hears at rest is looked at, without a command to listen.
+    fn listens_at_rest(&self, station: StationId, scene: &Scene) -> bool {
+        match scene.roll.kind(station) {
+            // What a node with superframes hears are beacons.
+            Kind::Node(_) => self.macs[station.index()].follows_beacons() || self.hears[station.index()],
+            Kind::Robot(_) => false,
+            Kind::Sink(_) => true,
+        }
+    }
+
+    fn stop_listening(&mut self, station: StationId, scene: &mut Scene) {
+        let listening = self.listens_at_rest(station, scene);
+        let stack = &mut self.stacks[station.index()];
+        stack.listening = listening;
+        stack.leaving = false;
+        self.transceiver(station, scene).tune();
+    }
+
+    fn transceiver<'a>(&'a mut self, station: StationId, scene: &'a mut Scene) -> Transceiver<'a> {
+        let stack = &mut self.stacks[station.index()];
+        Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false }
+    }
+
+    fn schedule(&self, station: StationId, span: Duration, event: Event, scene: &mut Scene) -> EventKey {
+        scene.after(span, EngineEvent::Link(station, self.radios.network, LinkEvent::Ieee802154(event)))
+    }
+}
+
+impl NetworkLinks for Links {
+    type Event = Event;
+
+    fn begin(&mut self, station: StationId, scene: &mut Scene) {
+        if !self.ledger.has(station) {
+            return;
+        }
+        self.stacks[station.index()].listening = self.listens_at_rest(station, scene);
+        self.transceiver(station, scene).tune();
+    }
+
+    fn count_from(&mut self, instant: SimTime) {
+        self.ledger.counted_from = instant;
+    }
+
+    fn restart_meters(&mut self, now: SimTime) {
+        self.stacks.iter_mut().for_each(|stack| stack.meter.restart(now));
+    }
+
+    #[inline]
+    fn handle(&mut self, station: StationId, event: Event, scene: &mut Scene, observer: &mut impl Observer) {
+        match event {
+            Event::Csma(event) => self.handle_csma(station, event, scene, observer),
+            Event::CcaEnded => {
+                let busy = self.transceiver(station, scene).senses_busy();
+                self.handle_csma(station, csma::Event::CcaEnded { busy }, scene, observer);
+            }
+            Event::Tracking(event) => self.handle_tracking(station, event, scene),
+            Event::Responder(event) => self.handle_responder(station, event, scene, observer),
+            Event::Coordinator(event) => self.handle_coordinator(station, event, scene, observer),
+            Event::BeaconDue => self.prepare_beacon(scene),
+            Event::ActivePartEnded => {}
+            Event::ListeningOver => {
+                let stack = &mut self.stacks[station.index()];
+                stack.listening_over = None;
+                stack.leaving = true;
+            }
+        }
+        if self.stacks[station.index()].leaving && self.may_leave(station, scene.now) {
+            self.stop_listening(station, scene);
+            scene.upcalls.push(Upcall::Listened { station });
+        }
+    }
+
+    fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene) {
+        let over = self.schedule(station, span, Event::ListeningOver, scene);
+        let stack = &mut self.stacks[station.index()];
+        stack.listening = true;
+        stack.leaving = false;
+        if let Some(earlier) = stack.listening_over.replace(over) {
+            scene.queue.cancel(earlier);
+        }
+        self.transceiver(station, scene).tune();
+    }
+
+    fn moves(&self, station: StationId, scene: &mut Scene) {
+        let motion = &scene.motions[station.index()];
+        scene.airs[self.radios.air].moves(self.radios.receiver(station), station, motion);
+    }
+
+    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>) {
+        (std::mem::take(&mut self.mpdu), self.payload.clone())
+    }
+
+    fn give_back(&mut self, mpdu: Vec<u8>) {
+        self.mpdu = mpdu;
+    }
+
+    fn finish(mut self, now: SimTime) -> NetworkRecord {
+        let mut spent = Vec::with_capacity(self.stacks.len());
+        for (i, stack) in self.stacks.iter_mut().enumerate() {
+            let state = stack.state();
+            stack.meter.enter(state, now);
+            spent.push(stack.meter.spent(&self.ledger.radio_states, stack.tx_power));
+            let packets = &mut self.ledger.packets[i];
+            let counts = |frame: &QueuedFrame| frame.offered >= self.ledger.counted_from;
+            packets.pending = stack.waiting.iter().filter(|frame| counts(frame)).count() as u64;
+            if let Some(frame) = stack.frame.filter(counts) {
+                // A frame that was received counts so, even if its acknowledgement is still under way.
+                let station = StationId::from_index(i);
+                let header = data_frame(self.pan, station, frame.to);
+                if stack.outcome == FrameOutcome::Received {
+                    packets.sent += 1;
+                    packets.transmissions += 1;
+                    packets.received += 1;
+                    packets.octets_received += u64::from(frame.mpdu_octets - header.overhead_octets());
+                } else {
+                    packets.pending += 1;
+                }
+            }
+        }
+        self.ledger.close(spent)
+    }
+
+    fn begin_schedule(&mut self, scene: &mut Scene) {
+        if let Some((station, _)) = self.coordinator {
+            self.schedule(station, Duration::ZERO, Event::BeaconDue, scene);
+        }
+    }
+
+    fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        self.take_frame(station, to, payload, scene)
+    }
+
+    fn die(&mut self, station: StationId, scene: &mut Scene) {
+        self.turn_off(station, scene);
+    }
+
+    fn ends_frame(&self, station: StationId, event: Event) -> bool {
+        self.is_end_of_frame(station, event)
+    }
+}

@@ -1,0 +1,35 @@
+//! The links of stations that die.
+
+use sextant_kernel::StationId;
+use sextant_mac::{RadioState, csma, responder};
+
+use super::Links;
+use crate::link::ieee802154::Event;
+use crate::scene::Scene;
+
+impl Links {
+    /// A station dies: its radio is off from now on, or from the end of the frame on air.
+    pub(super) fn turn_off(&mut self, station: StationId, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        if stack.transmission.is_some() || stack.acknowledgement.is_some() {
+            return;
+        }
+        stack.is_dead = true;
+        stack.wanted = RadioState::Sleep;
+        stack.overriding = None;
+        stack.awaits_ack = false;
+        stack.listening = false;
+        stack.leaving = false;
+        self.transceiver(station, scene).tune();
+    }
+
+    /// Whether an event is the end of the frame that a station has on air.
+    pub(super) fn is_end_of_frame(&self, station: StationId, event: Event) -> bool {
+        let stack = &self.stacks[station.index()];
+        match event {
+            Event::Csma(csma::Event::TransmissionEnded) => stack.transmission.is_some(),
+            Event::Responder(responder::Event::TransmissionEnded) => stack.acknowledgement.is_some(),
+            _ => false,
+        }
+    }
+}

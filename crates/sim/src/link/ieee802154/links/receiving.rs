@@ -1,0 +1,85 @@
+//! Receiving: a data frame ends, and is delivered to the stations for which it is.
+
+use sextant_kernel::StationId;
+use sextant_mac::frame::{Frame, FrameBody};
+use sextant_mac::responder::Verdict;
+
+use super::Links;
+use crate::air::Arrival;
+use crate::link::ieee802154::transceiver::Transceiver;
+use crate::observer::Observer;
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::report::Destination;
+use crate::service::upcall::Upcall;
+
+impl Links {
+    /// A data frame ends: finds its outcome, and delivers it.
+    pub(super) fn end_frame(&mut self, station: StationId, scene: &mut Scene, observer: &mut impl Observer) {
+        let stack = &mut self.stacks[station.index()];
+        let transmission = stack.transmission.take().expect("only a frame on air ends");
+        let frame = stack.frame.expect("a frame is under way");
+        scene.airs[self.radios.air].end(scene.now, &transmission, &mut self.arrivals);
+        let fate = match frame.to {
+            Destination::Station(to) => self.fate(&transmission, scene, |station| station == to),
+            Destination::All => self.fate(&transmission, scene, |station| self.hears[station.index()]),
+        };
+        let stack = &mut self.stacks[station.index()];
+        if fate.outcome == FrameOutcome::Received
+            && stack.outcome != FrameOutcome::Received
+            && frame.offered >= self.ledger.counted_from
+            && let Some(delays) = self.ledger.delays.get_mut(station.index())
+        {
+            delays.add(scene.now - frame.offered);
+        }
+        stack.outcome = stack.outcome.max(fate.outcome);
+        let is_heard = self.arrivals.iter().any(|arrival| self.is_delivered(arrival));
+        if !(is_heard || observer.wants_frames()) {
+            return;
+        }
+        self.write_frame(station);
+        if observer.wants_frames() {
+            self.tell_frame(&transmission, fate, scene, observer);
+        }
+        if is_heard {
+            self.deliver(frame.offered >= self.ledger.counted_from, scene);
+        }
+    }
+
+    /// Whether the station of `arrival` looks at the frame.
+    fn is_delivered(&self, arrival: &Arrival) -> bool {
+        arrival.outcome == FrameOutcome::Received && self.hears[arrival.station.index()]
+    }
+
+    /// Delivers the frame in `mpdu` to all stations that have received it and for which it is; `counts` if it was offered
+    /// after the warm-up.
+    fn deliver(&mut self, counts: bool, scene: &mut Scene) {
+        let mpdu = std::mem::take(&mut self.mpdu);
+        let frame = Frame::parse(&mpdu).expect("stations write what they can read");
+        let source = frame.source.and_then(|source| source.address.station());
+        let payload = match frame.body {
+            FrameBody::Data(payload) => Some(payload.len()),
+            _ => None,
+        };
+        for i in 0..self.arrivals.len() {
+            let arrival = self.arrivals[i];
+            if !self.is_delivered(&arrival) {
+                continue;
+            }
+            let station = arrival.station;
+            let gap = self.ack_gap(station, scene.now);
+            let stack = &mut self.stacks[station.index()];
+            stack.answered = source;
+            let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
+            let verdict = self.responders[station.index()].receive_and_respond(&frame, gap, &mut radio);
+            if let (Verdict::Deliver, Some(octets), Some(from)) = (verdict, payload, source) {
+                let end = mpdu.len() - 2;
+                self.payload = end - octets..end;
+                self.ledger.deliveries[station.index()] += u64::from(counts);
+                let (sequence, power) = (frame.sequence, arrival.power);
+                scene.upcalls.push(Upcall::Delivered { station, from, sequence, power, sector: None, snr: None });
+            }
+        }
+        self.mpdu = mpdu;
+    }
+}

@@ -1,0 +1,176 @@
+//! Sending: frames are offered, contend, end, and are counted.
+
+use sextant_kernel::StationId;
+use sextant_mac::csma::{self, Outcome};
+use sextant_mac::frame::DataFrame;
+
+use super::Links;
+use crate::link::ieee802154::frame_queue::QueuedFrame;
+use crate::link::ieee802154::transceiver::Transceiver;
+use crate::link::payloads::Content;
+use crate::observer::Observer;
+use crate::scene::Scene;
+use crate::service::outcome::FrameOutcome;
+use crate::service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
+use crate::service::upcall::Upcall;
+
+impl Links {
+    /// Takes a frame to send.
+    pub(super) fn take_frame(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError> {
+        if !self.ledger.has(station) || !self.macs[station.index()].is_transmitter() {
+            return Err(SendError::ReceivesOnly);
+        }
+        if let Destination::Station(to) = to
+            && (to == station || to.index() >= self.stacks.len() || !self.ledger.has(to))
+        {
+            return Err(SendError::NoSuchStation(to));
+        }
+        let header = self.data_frame(station, to);
+        let mpdu_octets = match payload {
+            Payload::Filler(mpdu_octets) => {
+                debug_assert!(header.filler(mpdu_octets).is_ok(), "sizes of traffic were checked at the start");
+                mpdu_octets
+            }
+            Payload::Octets(octets) => {
+                let allowed = header.max_payload_octets();
+                match u8::try_from(octets.len()) {
+                    Ok(found) if found <= allowed => found + header.overhead_octets(),
+                    _ => return Err(SendError::Oversized { found: octets.len(), allowed: allowed.into() }),
+                }
+            }
+        };
+        let counts = u64::from(scene.now >= self.ledger.counted_from);
+        let packets = &mut self.ledger.packets[station.index()];
+        packets.offered += counts;
+        scene.offered += 1;
+        let stack = &mut self.stacks[station.index()];
+        let id = FrameId(stack.frames);
+        stack.frames = stack.frames.wrapping_add(1);
+        let is_busy = self.macs[station.index()].is_busy();
+        if is_busy && stack.waiting.len() >= self.queue_frames {
+            packets.lost_queue += counts;
+            return Err(SendError::QueueFull(self.queue_frames));
+        }
+        let content = self.payloads.keep(payload);
+        let frame = QueuedFrame { id, to, content, mpdu_octets, offered: scene.now };
+        if is_busy {
+            stack.waiting.push_back(frame);
+        } else {
+            self.start(station, frame, scene);
+        }
+        Ok(id)
+    }
+
+    /// The frame contends for the channel.
+    fn start(&mut self, station: StationId, frame: QueuedFrame, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        stack.sequence = stack.sequence.wrapping_add(1);
+        stack.outcome = FrameOutcome::WORST;
+        stack.frame = Some(frame);
+        let outgoing = csma::OutgoingFrame {
+            mpdu_octets: frame.mpdu_octets,
+            ack_request: frame.to != Destination::All,
+            sequence: stack.sequence,
+        };
+        let now = scene.now;
+        let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };
+        self.macs[station.index()].start(now, outgoing, &mut radio);
+    }
+
+    /// Handles an event of channel access.
+    pub(super) fn handle_csma(
+        &mut self,
+        station: StationId,
+        event: csma::Event,
+        scene: &mut Scene,
+        observer: &mut impl Observer,
+    ) {
+        if event == csma::Event::TransmissionEnded {
+            self.end_frame(station, scene, observer);
+        }
+        let now = scene.now;
+        let stack = &mut self.stacks[station.index()];
+        let awaits_ack = event == csma::Event::ReceiveReady;
+        let mut radio = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack };
+        if let Some(report) = self.macs[station.index()].handle(now, event, &mut radio) {
+            self.end_access(station, report, scene);
+        }
+    }
+
+    /// A frame of `station` has left its MAC: counts it, tells the application, and starts the next one.
+    pub(super) fn end_access(&mut self, station: StationId, report: csma::Report, scene: &mut Scene) {
+        let stack = &mut self.stacks[station.index()];
+        let frame = stack.frame.take().expect("a report is of the frame under way");
+        let next = stack.waiting.pop_front();
+        let outcome = stack.outcome;
+        self.count(station, frame, report, outcome);
+        self.payloads.release(frame.content);
+        let report = SendReport {
+            frame: frame.id,
+            to: frame.to,
+            outcome: match report.outcome {
+                Outcome::Sent => SendOutcome::Sent,
+                Outcome::Acknowledged => SendOutcome::Acknowledged,
+                Outcome::NoAck => SendOutcome::NoAcknowledgement,
+                Outcome::ChannelAccessFailure => SendOutcome::ChannelAccessFailure,
+            },
+            transmissions: report.transmissions,
+            offered: frame.offered,
+        };
+        scene.upcalls.push(Upcall::Sent { station, report });
+        if let Some(next) = next {
+            self.start(station, next, scene);
+        }
+    }
+
+    fn count(&mut self, station: StationId, frame: QueuedFrame, report: csma::Report, outcome: FrameOutcome) {
+        if frame.offered < self.ledger.counted_from {
+            return;
+        }
+        let octets = u64::from(frame.mpdu_octets - self.data_frame(station, frame.to).overhead_octets());
+        let packets = &mut self.ledger.packets[station.index()];
+        packets.transmissions += u64::from(report.transmissions);
+        packets.assessments += u64::from(report.ccas);
+        packets.unacknowledged += u64::from(report.outcome == Outcome::NoAck);
+        packets.channel_access_failures += u64::from(report.outcome == Outcome::ChannelAccessFailure);
+        if report.transmissions == 0 {
+            debug_assert_eq!(report.outcome, Outcome::ChannelAccessFailure);
+            packets.lost_channel_access += 1;
+            return;
+        }
+        packets.count_sent(outcome);
+        if outcome == FrameOutcome::Received {
+            packets.octets_received += octets;
+        }
+    }
+
+    pub(super) fn data_frame(&self, station: StationId, to: Destination) -> DataFrame {
+        data_frame(self.pan, station, to)
+    }
+
+    /// Writes the data frame of `station` that is under way.
+    pub(super) fn write_frame(&mut self, station: StationId) {
+        let stack = &self.stacks[station.index()];
+        let frame = stack.frame.expect("a frame is under way");
+        let header = self.data_frame(station, frame.to);
+        let payload = match frame.content {
+            Content::Filler => header.filler(frame.mpdu_octets).expect("sizes of traffic were checked at the start"),
+            Content::Octets(slot) => self.payloads.octets(slot),
+        };
+        header.write(stack.sequence, payload, &mut self.mpdu);
+    }
+}
+
+/// The header of the data frames of `station` to others of its PAN.
+pub(super) fn data_frame(pan: u16, station: StationId, to: Destination) -> DataFrame {
+    match to {
+        Destination::All => DataFrame::broadcast(pan, station),
+        Destination::Station(to) => DataFrame::unicast(pan, station, to),
+    }
+}

@@ -1,0 +1,194 @@
+//! The settings of the links of a network of IEEE 802.15.4.
+
+use std::path::Path;
+use std::time::Duration;
+
+use sextant_channel::{Db, Dbm};
+use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_mac::coordinator::Coordinator;
+use sextant_mac::frame::DataFrame;
+use sextant_mac::{Band, Phy, oqpsk};
+
+use super::links::{Links, pan};
+use super::plan::coordinator;
+use super::radio::Levels;
+use super::{Mac, Radio};
+use crate::air::{ReceptionModel, ReceptionRules};
+use crate::link::capture::FrameFormat;
+use crate::link::clock::Clock;
+use crate::link::config::{LinkConfig, LinkError};
+use crate::link::coordinator::Coordination;
+use crate::link::settings::{FrameSize, LinkSettings, Placement, Spectrum};
+use crate::link::{self, Technology};
+use crate::scene::Scene;
+use crate::service::network_id::NetworkId;
+use crate::world::interferer::Interferer;
+use crate::world::layout::PlacedNode;
+
+/// Minimum ratio of signal to interference and noise at which a radio locks on to a frame.
+const LOCK_THRESHOLD: Db = Db(-5.0);
+
+/// Links of IEEE 802.15.4.
+#[derive(Clone, Debug)]
+pub struct Ieee802154 {
+    /// The radios.
+    pub radio: Radio,
+    /// The rule that decides whether a frame is received.
+    pub reception: ReceptionModel,
+    /// Channel access of the nodes.
+    pub mac: Mac,
+}
+
+impl Technology {
+    /// The settings of IEEE 802.15.4, if that is the technology.
+    #[must_use]
+    pub fn ieee802154(&self) -> Option<&Ieee802154> {
+        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
+    }
+
+    /// The same, to change them.
+    pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
+        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
+    }
+}
+
+impl Ieee802154 {
+    /// The settings that a scenario describes.
+    pub(in crate::link) fn read(
+        config: &LinkConfig<'_>,
+        nodes: Option<&[PlacedNode]>,
+        _folder: &Path,
+    ) -> Result<Self, Vec<LinkError>> {
+        let mut errors = Vec::new();
+        let radio = match (config.radio, nodes) {
+            (Some(radio), Some(nodes)) => LinkError::take("radio", Radio::new(radio, nodes), &mut errors),
+            (Some(radio), None) => LinkError::take("radio", Radio::try_from(radio.clone()), &mut errors),
+            (None, _) => LinkError::missing("radio", &mut errors),
+        };
+        let mac = LinkError::take("mac", Mac::try_from(config.mac.clone()), &mut errors);
+        let reception = ReceptionModel::try_from(config.reception.copied().unwrap_or_default());
+        let reception = LinkError::take("reception", reception, &mut errors);
+        let (Some(radio), Some(mac), Some(reception)) = (radio, mac, reception) else { return Err(errors) };
+        let settings = Self { radio, reception, mac };
+        settings.check_clocks().map_err(|error| vec![LinkError::Invalid { table: "radio", error }])?;
+        Ok(settings)
+    }
+
+    /// Refuses clocks that drift where nodes follow beacons, with a key below the radio.
+    fn check_clocks(&self) -> Result<(), SettingError> {
+        if self.radio.has_drift() && self.has_coordinator() {
+            let allowed = "0 with `mac.beacon_enabled`: nodes take over the clock of the coordinator";
+            return Err(SettingError::new("clock_ppm", "not 0, for all nodes or a group", allowed));
+        }
+        Ok(())
+    }
+}
+
+impl LinkSettings for Ieee802154 {
+    fn tx_power(&self) -> Dbm {
+        self.radio.tx_power()
+    }
+
+    fn greatest_tx_power(&self) -> Dbm {
+        self.radio.greatest_tx_power()
+    }
+
+    fn sensitivity(&self) -> Dbm {
+        self.radio.sensitivity()
+    }
+
+    fn noise_floor(&self) -> Dbm {
+        self.radio.least_noise_floor()
+    }
+
+    fn spectrum(&self) -> Spectrum {
+        let band = match self.radio.phy().band() {
+            Band::Mhz868 => "868 MHz",
+            Band::Mhz915 => "915 MHz",
+            Band::Mhz2450 => "2450 MHz",
+        };
+        Spectrum { band, channel: self.radio.channel() }
+    }
+
+    fn reception_rules(&self) -> Vec<ReceptionRules> {
+        let phy = self.radio.phy();
+        let rules = |levels: &Levels| ReceptionRules {
+            model: self.reception,
+            sensitivity: levels.sensitivity.to_milliwatts(),
+            noise: levels.noise_floor.to_milliwatts(),
+            lock: LOCK_THRESHOLD.to_factor(),
+            carrier: None,
+            preamble: phy.synchronisation_header() - phy.octet(),
+            bit_rate_hz: phy.bit_rate_per_s(),
+            bit_error_rate: oqpsk::bit_error_rate,
+        };
+        self.radio.all_levels().map(rules).collect()
+    }
+
+    fn rule_of(&self, node: NodeId) -> u16 {
+        self.radio.level_of(node)
+    }
+
+    fn carrier_sense(&self) -> Duration {
+        self.radio.phy().cca()
+    }
+
+    fn power_of(&self, interferer: &Interferer) -> Option<Dbm> {
+        let phy = self.radio.phy();
+        interferer.power_in(phy.center_mhz(self.radio.channel()), phy.bandwidth_mhz())
+    }
+
+    fn check(&self) -> Result<(), SettingError> {
+        let phy = self.radio.phy();
+        if phy != Phy::Oqpsk2450 {
+            link::refuse_bit_errors(self.reception, &format!("a radio with `phy = \"{}\"`", phy.name()))?;
+        }
+        self.check_clocks().map_err(|error| error.within("radio"))
+    }
+
+    fn check_frame(&self, frame: FrameSize) -> Result<(), SettingError> {
+        let FrameSize { network, from, mpdu_octets, acknowledged } = frame;
+        let pan = pan(network);
+        let header = match acknowledged {
+            true => DataFrame::unicast(pan, from, from),
+            false => DataFrame::broadcast(pan, from),
+        };
+        header.filler(mpdu_octets).map(|_| ())
+    }
+
+    fn clock(&self, seed: Seed, network: NetworkId, node: NodeId) -> Clock {
+        self.radio.clock(seed, network, node)
+    }
+
+    fn has_coordinator(&self) -> bool {
+        matches!(self.mac, Mac::BeaconEnabled(_))
+    }
+
+    fn coordinator(&self, coordination: &Coordination<'_>) -> Result<Option<Coordinator>, SettingError> {
+        match &self.mac {
+            Mac::CsmaUnslotted(_) => Ok(None),
+            Mac::BeaconEnabled(beacons) => coordinator(beacons, self.radio.phy(), coordination).map(Some),
+        }
+    }
+
+    fn listen_always(&mut self) {
+        self.mac = Mac::CsmaUnslotted(self.mac.csma().with_receiver_on());
+    }
+
+    fn frame_format(&self) -> FrameFormat {
+        let Self { radio, .. } = self;
+        FrameFormat::Tap { page: radio.phy().page(), channel: radio.channel(), sensitivity: radio.sensitivity() }
+    }
+
+    fn frame_octets(&self, payload_octets: u16) -> u16 {
+        payload_octets + u16::from(DataFrame::broadcast(0, StationId(0)).overhead_octets())
+    }
+
+    fn airtime(&self, frame_octets: u16) -> Option<Duration> {
+        Some(self.radio.phy().airtime(u8::try_from(frame_octets).ok()?))
+    }
+
+    fn links(&self, placement: Placement, scene: &mut Scene) -> link::Links {
+        link::Links::Ieee802154(Links::new(self, placement, scene))
+    }
+}

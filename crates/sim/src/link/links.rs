@@ -1,0 +1,89 @@
+//! What the engine asks of the links of a network while it runs.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use sextant_kernel::{SimTime, StationId};
+
+use crate::observer::Observer;
+use crate::scene::Scene;
+use crate::service::packets::NetworkRecord;
+use crate::service::report::{Destination, FrameId, Payload, SendError};
+use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
+
+/// What the engine asks of the links of a network, that is of the protocol stacks of all its stations.
+pub(crate) trait NetworkLinks {
+    /// An event of a station's link.
+    type Event;
+
+    /// The network starts to work at a station.
+    fn begin(&mut self, station: StationId, scene: &mut Scene);
+
+    /// Starts what the network does by itself, after all stations.
+    fn begin_schedule(&mut self, _scene: &mut Scene) {}
+
+    /// Packets count that are offered from this instant on; without a definition, all count.
+    fn count_from(&mut self, _instant: SimTime) {}
+
+    /// Energy counts from now on; without a definition, from the start.
+    fn restart_meters(&mut self, _now: SimTime) {}
+
+    /// Handles an event of a station's link.
+    fn handle(&mut self, station: StationId, event: Self::Event, scene: &mut Scene, observer: &mut impl Observer);
+
+    /// Takes a frame to send.
+    ///
+    /// # Errors
+    /// If the station cannot send it.
+    fn offer(
+        &mut self,
+        station: StationId,
+        to: Destination,
+        payload: Payload<'_>,
+        scene: &mut Scene,
+    ) -> Result<FrameId, SendError>;
+
+    /// Whether stations sweep sectors.
+    fn sweeps_sectors(&self) -> bool {
+        false
+    }
+
+    /// Number of sectors of the antenna of a station; `None` if it has none.
+    fn sectors(&self, _station: StationId) -> Option<u8> {
+        None
+    }
+
+    /// Begins a sector sweep of a station.
+    ///
+    /// # Errors
+    /// If it has no sectors, or is busy.
+    fn sweep(&mut self, _station: StationId, _kind: SweepKind, _scene: &mut Scene) -> Result<(), SweepError> {
+        Err(SweepError::NoSectors)
+    }
+
+    /// The answers to the sweep of a station that has just ended.
+    fn take_answers(&mut self, _station: StationId) -> Vec<SweepAnswer> {
+        Vec::new()
+    }
+
+    /// A station listens for `span` from now, instead of what is left of an earlier time to listen.
+    fn listen(&mut self, station: StationId, span: Duration, scene: &mut Scene);
+
+    /// A station dies: its radio is off from now on, or from the end of the frame on air.
+    fn die(&mut self, station: StationId, scene: &mut Scene);
+
+    /// Whether an event is the end of the frame that a station has on air.
+    fn ends_frame(&self, station: StationId, event: Self::Event) -> bool;
+
+    /// A station moves differently from now on.
+    fn moves(&self, station: StationId, scene: &mut Scene);
+
+    /// The frame that was received last, and where its payload is.
+    fn take_payload(&mut self) -> (Vec<u8>, Range<usize>);
+
+    /// Gives the buffer of [`take_payload`](Self::take_payload) back.
+    fn give_back(&mut self, frame: Vec<u8>);
+
+    /// What the network leaves behind, by station.
+    fn finish(self, now: SimTime) -> NetworkRecord;
+}

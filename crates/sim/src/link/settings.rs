@@ -1,0 +1,168 @@
+//! What the simulator asks of the settings of a technology, before anything is sent.
+
+use std::time::Duration;
+
+use sextant_channel::{Db, Dbm};
+use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_mac::RadioStates;
+use sextant_mac::coordinator::Coordinator;
+
+use super::Links;
+use super::antennas::Antennas;
+use super::capture::FrameFormat;
+use super::clock::Clock;
+use super::coordinator::Coordination;
+use crate::air::ReceptionRules;
+use crate::scene::Scene;
+use crate::service::network_id::NetworkId;
+use crate::world::interferer::Interferer;
+
+/// Where the links of a network are: what is told to a technology when they are set up.
+#[derive(Clone)]
+pub(crate) struct Placement {
+    pub(crate) network: NetworkId,
+    /// Energy model of the radios.
+    pub(crate) radio_states: RadioStates,
+    /// Number of the air of its band.
+    pub(crate) air: usize,
+    /// Number of the first station's receiver there.
+    pub(crate) first_receiver: u32,
+    /// Whether each station is in the network; `None` if all are.
+    pub(crate) members: Option<Vec<bool>>,
+    /// Whether the application of each station looks at what is delivered to it.
+    pub(crate) hears: Vec<bool>,
+    /// The station that sends beacons, if one does, and its state machine.
+    pub(crate) coordinator: Option<(StationId, Coordinator)>,
+}
+
+/// A part of the radio spectrum: networks that share it disturb each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Spectrum {
+    /// The name of the band.
+    pub(crate) band: &'static str,
+    /// Number of the channel in the band.
+    pub(crate) channel: u8,
+}
+
+/// A frame of a network that a station wants to send.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrameSize {
+    pub(crate) network: NetworkId,
+    pub(crate) from: StationId,
+    /// The whole frame (octets).
+    pub(crate) mpdu_octets: u8,
+    /// Whether it goes to one station, which acknowledges it.
+    pub(crate) acknowledged: bool,
+}
+
+/// What the simulator asks of the settings of a technology. What has a default is right for omnidirectional radios
+/// without a schedule.
+pub(crate) trait LinkSettings {
+    /// Transmit power, without antennas.
+    fn tx_power(&self) -> Dbm;
+
+    /// The greatest transmit power of any station, without antennas.
+    fn greatest_tx_power(&self) -> Dbm {
+        self.tx_power()
+    }
+
+    /// Minimum power of a frame that can be received.
+    fn sensitivity(&self) -> Dbm;
+
+    /// Least noise in the bandwidth of the receivers.
+    fn noise_floor(&self) -> Dbm;
+
+    /// The part of the spectrum that it uses.
+    fn spectrum(&self) -> Spectrum;
+
+    /// Whether networks may share a part of the spectrum; if not, why they do not: what the network has.
+    fn unshared(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// The rules of its receivers.
+    fn reception_rules(&self) -> Vec<ReceptionRules>;
+
+    /// Number of the rules of a node's receiver among the [`reception_rules`](Self::reception_rules); those of robots and
+    /// sinks are the first ones.
+    fn rule_of(&self, _node: NodeId) -> u16 {
+        0
+    }
+
+    /// How far back carrier sense looks; zero if radios say when the carrier changes.
+    fn carrier_sense(&self) -> Duration {
+        Duration::ZERO
+    }
+
+    /// Whether receivers listen for the links themselves, whatever the applications hear.
+    fn always_receives(&self) -> bool {
+        false
+    }
+
+    /// Power of an interferer in its channel, if there is any.
+    fn power_of(&self, _interferer: &Interferer) -> Option<Dbm> {
+        None
+    }
+
+    /// Refuses settings that do not fit together.
+    ///
+    /// # Errors
+    /// With a key below the network.
+    fn check(&self) -> Result<(), SettingError>;
+
+    /// Refuses frames without room for the addresses.
+    ///
+    /// # Errors
+    /// With the key `mpdu_octets`.
+    fn check_frame(&self, _frame: FrameSize) -> Result<(), SettingError> {
+        Ok(())
+    }
+
+    /// The antennas; `None` if all are omnidirectional.
+    fn antennas(&self) -> Option<&Antennas> {
+        None
+    }
+
+    /// The clock of a node.
+    fn clock(&self, _seed: Seed, _network: NetworkId, _node: NodeId) -> Clock {
+        Clock::default()
+    }
+
+    /// Whether nodes wait for the beacons of a coordinator, and all other stations send nothing else.
+    fn has_coordinator(&self) -> bool {
+        false
+    }
+
+    /// The state machine of the station that sends beacons.
+    ///
+    /// # Errors
+    /// If the schedule does not fit the stations and their traffic.
+    fn coordinator(&self, _coordination: &Coordination<'_>) -> Result<Option<Coordinator>, SettingError> {
+        Ok(None)
+    }
+
+    /// The settings before any robot or sink is there: receivers always on, nobody coordinates.
+    fn listen_always(&mut self) {}
+
+    /// How its frames are written into a capture.
+    fn frame_format(&self) -> FrameFormat;
+
+    /// Size of the frame to all that carries a payload of this size (octets).
+    fn frame_octets(&self, payload_octets: u16) -> u16;
+
+    /// Time on air of a frame of this size (octets); `None` if no frame is so long.
+    fn airtime(&self, frame_octets: u16) -> Option<Duration>;
+
+    /// Gain of both antennas of a link together where the best sector points along it, in the weaker direction.
+    fn link_gain(&self) -> Db {
+        self.antennas().map_or(Db(0.0), Antennas::sweep_gain)
+    }
+
+    /// Largest gain of both antennas of a link together.
+    fn greatest_gain(&self) -> Db {
+        self.antennas().map_or(Db(0.0), Antennas::greatest_gain)
+    }
+
+    /// The links of all stations of `scene`.
+    fn links(&self, placement: Placement, scene: &mut Scene) -> Links;
+}

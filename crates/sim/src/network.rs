@@ -1,0 +1,38 @@
+//! Networks: what the links of their stations have in common, checked.
+
+use sextant_channel::ChannelLaw;
+use sextant_kernel::NodeId;
+use sextant_mac::RadioStates;
+
+use crate::applications::traffic::TrafficPlan;
+use crate::link::Technology;
+
+/// A network, checked. It is passed on as it is, from the scenario to the links.
+#[derive(Clone, Debug)]
+pub struct Network {
+    /// Its name, if the scenario has several.
+    pub name: Option<String>,
+    /// The law of the radio channel.
+    pub channel: ChannelLaw,
+    /// The technology of its links, with the settings of radios, antennas and channel access.
+    pub technology: Technology,
+    /// Energy model of the radios.
+    pub radio_states: RadioStates,
+    /// Traffic of the nodes.
+    pub traffic: TrafficPlan,
+    /// Whether each node is in the network; `None` if all nodes are. Robots and sinks name the networks that they are in.
+    pub members: Option<Vec<bool>>,
+}
+
+impl Network {
+    /// Whether a node is in the network.
+    #[must_use]
+    pub fn has(&self, node: NodeId) -> bool {
+        self.members.as_ref().is_none_or(|nodes| nodes[node.index()])
+    }
+
+    /// The key of one of its tables in a scenario.
+    pub(crate) fn key(&self, table: &str) -> String {
+        self.name.as_ref().map_or_else(|| table.to_owned(), |name| format!("networks.{name}.{table}"))
+    }
+}
