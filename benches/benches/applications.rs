@@ -6,22 +6,19 @@ use std::path::Path;
 use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sextant::interrupt::Interrupt;
-use sextant::run::apply;
+use sextant::run::run;
 use sextant::scenario::Scenario;
+use sextant_kernel::Unwatched;
 
 fn applications(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("applications");
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(10));
-    let interrupt = Interrupt::default();
     for file in ["target/case-1", "target/case-2", "target/case-3", "seek/one-source"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenarios/{file}.toml"));
-        let scenario = Scenario::load(&path, &[], None).expect("scenarios of the repository are good");
+        let scenario = Scenario::load(&path).expect("scenarios of the repository are good");
         group.throughput(Throughput::Elements(scenario.world().nodes.len() as u64));
-        for application in scenario.applications() {
-            let run = || apply(&scenario, application, &[], None, &interrupt).expect("a scenario that was checked");
-            group.bench_function(format!("{file}/{}", application.name), |bencher| bencher.iter(|| black_box(run())));
-        }
+        let run = || run(&scenario, &mut (), &Unwatched).expect("a scenario that was checked");
+        group.bench_function(file, |bencher| bencher.iter(|| black_box(run())));
     }
     group.finish();
 }

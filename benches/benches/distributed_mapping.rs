@@ -14,7 +14,7 @@ fn distributed_mapping(criterion: &mut Criterion) {
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(20));
     for name in ["ss-greenhouse", "ss-warehouse", "hs-greenhouse", "improved-greenhouse", "improved-warehouse"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenarios/dmtm/{name}.toml"));
-        let scenario = Scenario::load(&path, &[], None).expect("scenarios of the repository are good");
+        let scenario = Scenario::load(&path).expect("scenarios of the repository are good");
         group.throughput(Throughput::Elements(scenario.world().nodes.len() as u64));
         group.bench_function(name, |bencher| {
             bencher.iter(|| {

@@ -1,4 +1,4 @@
-//! Event queues in the hold model: take the next event, insert it again one gap later. Throughput in events/s.
+//! The event queue in the hold model: take the next event, insert it again one gap later. Throughput in events/s.
 //!
 //! Gaps: `exponential` with a mean of 1 s (no ties); `csma`, the steps of an IEEE 802.15.4 cycle (CCA, turnaround,
 //! frame of 20 octets, backoffs, 1 s to the next), which all lie on a grid of 64 µs and so tie often.
@@ -11,8 +11,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput};
 use rand::RngExt;
 use rand_distr::{Distribution, Exp1};
-use sextant_benches::queue_candidates::{Calendar, Candidate, QuadHeap, Queue, StdHeap};
-use sextant_kernel::{EventQueue, Purpose, Seed, SimTime, StationId};
+use sextant_kernel::{EventKey, EventQueue, Purpose, Rank, Seed, SimTime, StationId};
 
 /// Events popped in one iteration.
 const BATCH: u64 = 10_000;
@@ -71,20 +70,20 @@ impl Load {
     }
 }
 
-struct Hold<'a, Q: Queue<Event>> {
+struct Hold<'a> {
     load: &'a Load,
-    queue: Q,
-    keys: Vec<Q::Key>,
+    queue: EventQueue<Event>,
+    keys: Vec<EventKey>,
     draws: usize,
 }
 
-impl<'a, Q: Queue<Event>> Hold<'a, Q> {
+impl<'a> Hold<'a> {
     /// A queue in its steady state.
     fn new(load: &'a Load) -> Self {
-        let mut queue = Q::default();
+        let mut queue = EventQueue::new();
         let mut push = |(node, &at): (u32, _)| {
             let node = StationId(node);
-            queue.push(at, 0, node, Event { node, class: 0, _data: [0; 4] })
+            queue.push(at, Rank::new(0, node), Event { node, class: 0, _data: [0; 4] })
         };
         let keys = (0..).zip(&load.starts).map(&mut push).collect();
         let mut hold = Self { load, queue, keys, draws: 0 };
@@ -102,20 +101,20 @@ impl<'a, Q: Queue<Event>> Hold<'a, Q> {
             let (now, mut event) = self.queue.pop().expect("as many events as nodes");
             event.class = (event.class + 1) % 6;
             let at = now + self.gap();
-            self.keys[event.node.index()] = self.queue.push(at, event.class, event.node, event);
+            self.keys[event.node.index()] = self.queue.push(at, Rank::new(event.class, event.node), event);
             if let Some(node) = self.load.cancels[self.draws] {
                 let event = self.queue.cancel(self.keys[node.index()]).expect("one event a node");
                 let at = now + self.gap();
-                self.keys[node.index()] = self.queue.push(at, event.class, node, event);
+                self.keys[node.index()] = self.queue.push(at, Rank::new(event.class, node), event);
             }
         }
     }
 }
 
-fn bench_queue<Q: Queue<Event>>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, load: &Load) {
+fn bench_queue(group: &mut BenchmarkGroup<'_, WallTime>, load: &Load) {
     let mut hold = None;
-    group.bench_function(BenchmarkId::new(name, load.pending), |bencher| {
-        let hold = hold.get_or_insert_with(|| Hold::<Q>::new(load));
+    group.bench_function(BenchmarkId::new("kernel", load.pending), |bencher| {
+        let hold = hold.get_or_insert_with(|| Hold::new(load));
         bencher.iter(|| hold.run(black_box(BATCH)));
     });
 }
@@ -134,10 +133,7 @@ fn main() {
             group.throughput(Throughput::Elements(BATCH));
             for pending in [100, 500, 10_000, 1_000_000] {
                 let load = Load::new(gaps, pending, cancelled);
-                bench_queue::<EventQueue<_>>(&mut group, "kernel", &load);
-                bench_queue::<Candidate<_, StdHeap>>(&mut group, "std_heap", &load);
-                bench_queue::<Candidate<_, QuadHeap>>(&mut group, "quad_heap", &load);
-                bench_queue::<Candidate<_, Calendar>>(&mut group, "calendar", &load);
+                bench_queue(&mut group, &load);
             }
         }
     }

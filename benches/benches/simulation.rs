@@ -17,7 +17,7 @@ fn simulation(criterion: &mut Criterion) {
     group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(5));
     for name in ["smoke", "ml-tm/circular", "ml-tm/sparse", "ml-tm/concave"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenarios/{name}.toml"));
-        let scenario = Scenario::load(&path, &[], None).expect("scenarios of the repository are good");
+        let scenario = Scenario::load(&path).expect("scenarios of the repository are good");
         group.throughput(Throughput::Elements(run(&scenario).events));
         group.bench_function(name, |bencher| bencher.iter(|| black_box(run(&scenario))));
     }

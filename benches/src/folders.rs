@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use sextant::robot_log::{self, ReadOptions, RobotLogError};
 use sextant_channel::{LogError, Reception, ReceptionLog};
+use sextant_logs::{self as robot_log, ReadOptions, RobotLogError};
 
 use crate::laws::KnownLog;
 

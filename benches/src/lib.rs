@@ -4,7 +4,6 @@ pub mod estimators;
 pub mod folders;
 pub mod laws;
 pub mod measured;
-pub mod queue_candidates;
 pub mod regret;
 pub mod simulated;
 pub mod workload;

@@ -96,7 +96,7 @@ pub fn scenarios() -> PathBuf {
 /// If the scenario is invalid.
 pub fn simulated((family, file, set): &Shipped, seed: u64) -> Result<KnownLog, String> {
     let set: Vec<String> = set.iter().map(|flag| (*flag).to_owned()).collect();
-    let scenario = Scenario::load(&scenarios().join(file), &set, Some(seed));
+    let scenario = Scenario::load_with(scenarios().join(file), &set, Some(seed));
     let scenario = scenario.map_err(|errors| format!("{family}: {errors}"))?;
     let simulator = Simulator::new(&scenario).map_err(|error| format!("{family}: {error}"))?;
     let survey = simulator.run(&mut Unobserved).survey;

@@ -6,14 +6,11 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-use sextant::diagnostic::Failure;
-use sextant::run::{Discoveries, Simulator, bound_m, evaluate};
+use sextant::run::run;
 use sextant::scenario::Scenario;
 use sextant::sweep::Mean;
 use sextant_kernel::Unwatched;
-use sextant_sim::Unobserved;
 
 /// The measurements of one map, one value for each run.
 #[derive(Default)]
@@ -21,11 +18,6 @@ struct Series {
     error_m: Vec<f64>,
     coverage: Vec<f64>,
     seconds: Vec<f64>,
-}
-
-#[expect(clippy::disallowed_methods, reason = "a stopwatch")]
-fn now() -> Instant {
-    Instant::now()
 }
 
 fn main() -> std::io::Result<()> {
@@ -58,22 +50,15 @@ fn rows(out: &mut impl Write, path: &Path, runs: u64) -> std::io::Result<()> {
     let mut bounds_m: Vec<f64> = Vec::new();
     let other = |error: &dyn std::fmt::Display| std::io::Error::other(error.to_string());
     for seed in 1..=runs {
-        let scenario = Scenario::load(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
-        let failed = |failure: Failure| std::io::Error::other(format!("{failure:?}"));
-        let discoveries = Discoveries::of(&scenario, &Unwatched).map_err(failed)?;
-        let simulator = Simulator::new(&scenario).map_err(|error| other(&error))?;
-        let survey = simulator.run(&mut Unobserved).survey;
-        let bound = bound_m(&scenario, &survey, &Unwatched).expect("nobody interrupts");
-        bounds_m.extend(bound);
-        names = scenario.maps().iter().map(|map| map.name.clone()).collect();
+        let scenario = Scenario::load_with(path, &[], Some(seed)).map_err(|errors| other(&errors))?;
+        let run = run(&scenario, &mut (), &Unwatched).map_err(|error| other(&error))?;
+        bounds_m.extend(run.maps().iter().find_map(|map| map.summary.posterior_bound_m));
+        names = run.maps().iter().map(|map| map.name.clone()).collect();
         series.resize_with(names.len(), Series::default);
-        for (named, series) in scenario.maps().iter().zip(&mut series) {
-            let start = now();
-            let evaluation =
-                evaluate(&scenario, named, (&survey, &discoveries), bound, &Unwatched).map_err(failed)?;
-            series.seconds.push(start.elapsed().as_secs_f64());
-            series.error_m.extend(evaluation.summary.position_error_m.map(|error| error.mean));
-            series.coverage.extend(evaluation.summary.coverage_95);
+        for (map, series) in run.maps().iter().zip(&mut series) {
+            series.seconds.push(map.wall_s);
+            series.error_m.extend(map.summary.position_error_m.map(|error| error.mean));
+            series.coverage.extend(map.summary.coverage_95);
         }
     }
     let scenario = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -2,8 +2,8 @@
 //!
 //! Usage: `large_recording OUT.mcap [NODES]`, by default 35 000 nodes, of which 10⁷ receptions are recorded.
 
-use sextant::recording::FileRecorder;
 use sextant_benches::workload;
+use sextant_recording::FileRecorder;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);

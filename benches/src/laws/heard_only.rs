@@ -1,7 +1,7 @@
 //! A log that has only what was heard, without the packets sent.
 
-use sextant::robot_log::{self, ReadOptions};
 use sextant_kernel::{NodeId, Seed};
+use sextant_logs::{self as robot_log, ReadOptions};
 
 use super::folder::{self, Columns};
 use super::independent_shadowing::usual_dbm;

@@ -24,9 +24,9 @@ mod walls;
 
 use std::path::Path;
 
-use sextant::robot_log::RobotLogError;
 use sextant_channel::{LogError, Position, ReceptionLog};
 use sextant_kernel::Seed;
+use sextant_logs::RobotLogError;
 
 use self::site::Site;
 
@@ -132,7 +132,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("laws-{}", std::process::id()));
         let known = made(&LAWS[0], 3).unwrap();
         write(&known, &folder).unwrap();
-        let read = sextant::robot_log::read(&folder, &sextant::robot_log::ReadOptions::default()).unwrap();
+        let read = sextant_logs::read(&folder, &sextant_logs::ReadOptions::default()).unwrap();
         std::fs::remove_dir_all(&folder).unwrap();
         assert_eq!(read.log.receptions().iter().count(), known.log.receptions().iter().count());
         for (read, made) in read.log.receptions().iter().zip(known.log.receptions().iter()) {

@@ -2,7 +2,8 @@
 
 use sextant_kernel::{Seed, StationId};
 
-use crate::reflection::{Mirror, Ray, ReflectionLaw, direction};
+use crate::mirror::{Mirror, direction};
+use crate::reflection::{Ray, ReflectionLaw};
 use crate::{ChannelLaw, Db, Dbm, Milliwatts, ObstacleField, Position, Shadowing};
 
 /// A radio channel in a world of obstacles: `P_rx = P_tx - L(d) - L_obstacles + X` (thesis eq. 3.15).

@@ -1,74 +1,77 @@
 //! Environments with known path loss and shadowing.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 
 /// An environment with known path loss exponent and shadowing. Those with a carrier have close-in path loss (loss of
 /// free space over the first metre), the others log-distance path loss from a power at 1 m.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 pub enum Environment {
     /// Suburban area: ε = 2.7, σ = 9.6 dB.
-    #[serde(rename = "suburban")]
+    #[cfg_attr(feature = "config", serde(rename = "suburban"))]
     Suburban,
     /// Heavy tree density: ε = 4.6, σ = 10.6 dB.
-    #[serde(rename = "heavy-tree")]
+    #[cfg_attr(feature = "config", serde(rename = "heavy-tree"))]
     HeavyTrees,
     /// Light tree density: ε = 3.6, σ = 8.2 dB.
-    #[serde(rename = "light-tree")]
+    #[cfg_attr(feature = "config", serde(rename = "light-tree"))]
     LightTrees,
     /// Warehouse of chapter 4 of the thesis: 73 GHz, ε = 1.7, σ = 3.2 dB.
-    #[serde(rename = "mmtm-warehouse")]
+    #[cfg_attr(feature = "config", serde(rename = "mmtm-warehouse"))]
     MmtmWarehouse,
     /// Greenhouse of chapter 4 of the thesis: 73 GHz, ε = 2.4, σ = 6.2 dB.
-    #[serde(rename = "mmtm-greenhouse")]
+    #[cfg_attr(feature = "config", serde(rename = "mmtm-greenhouse"))]
     MmtmGreenhouse,
     /// Warehouse of chapter 5 of the thesis: 73 GHz, ε = 1.6, σ = 3.2 dB.
-    #[serde(rename = "dmmtm-warehouse")]
+    #[cfg_attr(feature = "config", serde(rename = "dmmtm-warehouse"))]
     DmmtmWarehouse,
     /// Greenhouse of chapter 5 of the thesis: 73 GHz, ε = 2.4, σ = 6.3 dB.
-    #[serde(rename = "dmmtm-greenhouse")]
+    #[cfg_attr(feature = "config", serde(rename = "dmmtm-greenhouse"))]
     DmmtmGreenhouse,
     /// Indoor office, directional antennas in line of sight: 28 GHz, ε = 1.7, σ = 2.5 dB.
-    #[serde(rename = "office-28-los")]
+    #[cfg_attr(feature = "config", serde(rename = "office-28-los"))]
     Office28Los,
     /// Indoor office, the best direction without line of sight: 28 GHz, ε = 3.0, σ = 10.8 dB.
-    #[serde(rename = "office-28-nlos-best")]
+    #[cfg_attr(feature = "config", serde(rename = "office-28-nlos-best"))]
     Office28NlosBest,
     /// Indoor office, any direction without line of sight: 28 GHz, ε = 4.4, σ = 11.6 dB.
-    #[serde(rename = "office-28-nlos")]
+    #[cfg_attr(feature = "config", serde(rename = "office-28-nlos"))]
     Office28Nlos,
     /// Indoor office, directional antennas in line of sight: 73 GHz, ε = 1.6, σ = 3.2 dB.
-    #[serde(rename = "office-73-los")]
+    #[cfg_attr(feature = "config", serde(rename = "office-73-los"))]
     Office73Los,
     /// Indoor office, the best direction without line of sight: 73 GHz, ε = 3.4, σ = 11.8 dB.
-    #[serde(rename = "office-73-nlos-best")]
+    #[cfg_attr(feature = "config", serde(rename = "office-73-nlos-best"))]
     Office73NlosBest,
     /// Indoor office, any direction without line of sight: 73 GHz, ε = 5.3, σ = 15.6 dB.
-    #[serde(rename = "office-73-nlos")]
+    #[cfg_attr(feature = "config", serde(rename = "office-73-nlos"))]
     Office73Nlos,
     /// Indoor office, omnidirectional, in line of sight: 28 GHz, ε = 1.1, σ = 1.7 dB.
-    #[serde(rename = "office-28-omni-los")]
+    #[cfg_attr(feature = "config", serde(rename = "office-28-omni-los"))]
     Office28OmniLos,
     /// Indoor office, omnidirectional, without line of sight: 28 GHz, ε = 2.7, σ = 9.6 dB.
-    #[serde(rename = "office-28-omni-nlos")]
+    #[cfg_attr(feature = "config", serde(rename = "office-28-omni-nlos"))]
     Office28OmniNlos,
     /// Indoor office, omnidirectional, in line of sight: 73 GHz, ε = 1.3, σ = 1.9 dB.
-    #[serde(rename = "office-73-omni-los")]
+    #[cfg_attr(feature = "config", serde(rename = "office-73-omni-los"))]
     Office73OmniLos,
     /// Indoor office, omnidirectional, without line of sight: 73 GHz, ε = 3.2, σ = 11.3 dB.
-    #[serde(rename = "office-73-omni-nlos")]
+    #[cfg_attr(feature = "config", serde(rename = "office-73-omni-nlos"))]
     Office73OmniNlos,
     /// Streets of Manhattan, omnidirectional, in line of sight: 28 GHz, ε = 2.1, σ = 3.6 dB.
-    #[serde(rename = "manhattan-28-omni-los")]
+    #[cfg_attr(feature = "config", serde(rename = "manhattan-28-omni-los"))]
     Manhattan28OmniLos,
     /// Streets of Manhattan, omnidirectional, without line of sight: 28 GHz, ε = 3.4, σ = 9.7 dB.
-    #[serde(rename = "manhattan-28-omni-nlos")]
+    #[cfg_attr(feature = "config", serde(rename = "manhattan-28-omni-nlos"))]
     Manhattan28OmniNlos,
     /// Streets of Manhattan, omnidirectional, in line of sight: 73 GHz, ε = 2.0, σ = 4.8 dB.
-    #[serde(rename = "manhattan-73-omni-los")]
+    #[cfg_attr(feature = "config", serde(rename = "manhattan-73-omni-los"))]
     Manhattan73OmniLos,
     /// Streets of Manhattan, omnidirectional, without line of sight: 73 GHz, ε = 3.4, σ = 7.9 dB.
-    #[serde(rename = "manhattan-73-omni-nlos")]
+    #[cfg_attr(feature = "config", serde(rename = "manhattan-73-omni-nlos"))]
     Manhattan73OmniNlos,
 }
 

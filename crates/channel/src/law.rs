@@ -1,6 +1,8 @@
 //! The law of a link without obstacles: checked once, and shared by all users of the channel.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -11,29 +13,31 @@ use crate::{
 };
 
 /// The radio channel as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ChannelConfig {
     /// A known environment. The keys of `path_loss` and `shadowing` override it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub environment: Option<Environment>,
     /// Loss with distance; from the environment if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub path_loss: Option<PathLossConfig>,
     /// Shadowing. If absent: that of the environment, per packet; no shadowing without an environment.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub shadowing: Option<ShadowingConfig>,
     /// Hard communication radius (m): the longest possible link, this length included; unlimited if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub max_range_m: Option<f64>,
     /// Reflections, which add power to links; none if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub reflections: Option<ReflectionsConfig>,
     /// Whether obstacles absorb power.
-    #[serde(default = "obstacles_attenuate")]
+    #[cfg_attr(feature = "config", serde(default = "obstacles_attenuate"))]
     pub obstacles_attenuate: bool,
 }
 
+#[cfg(feature = "config")]
 #[inline]
 fn obstacles_attenuate() -> bool {
     true
@@ -145,6 +149,7 @@ impl ChannelLaw {
 
     /// How links are reflected, if they are.
     #[inline]
+    #[cfg(feature = "obstacles")]
     pub(crate) fn reflections(&self) -> Option<&ReflectionLaw> {
         self.reflections.as_ref()
     }

@@ -41,14 +41,21 @@
 mod antenna;
 mod bounds;
 mod cell_grid;
+#[cfg(feature = "obstacles")]
 mod channel;
 mod environment;
+#[cfg(feature = "obstacles")]
 mod field;
 mod gas;
+#[cfg(feature = "obstacles")]
 mod glam;
 mod law;
+#[cfg(feature = "obstacles")]
 mod material;
+#[cfg(feature = "obstacles")]
+mod mirror;
 mod neighbour;
+#[cfg(feature = "obstacles")]
 mod obstacle;
 mod path_loss;
 mod polygon;
@@ -59,8 +66,11 @@ mod reception;
 mod reflection;
 mod sector;
 mod shadowing;
+#[cfg(feature = "obstacles")]
 mod shape;
+#[cfg(feature = "obstacles")]
 mod span;
+#[cfg(feature = "obstacles")]
 mod tree;
 
 pub use antenna::{
@@ -70,13 +80,17 @@ pub use antenna::{
 };
 pub use bounds::Bounds;
 pub use cell_grid::CellGrid;
+#[cfg(feature = "obstacles")]
 pub use channel::Channel;
 pub use environment::Environment;
+#[cfg(feature = "obstacles")]
 pub use field::{Crossing, ObstacleField};
 pub use gas::GasConfig;
 pub use law::{ChannelConfig, ChannelLaw};
+#[cfg(feature = "obstacles")]
 pub use material::Material;
 pub use neighbour::{Anchor, Link, NeighbourError, NeighbourLog};
+#[cfg(feature = "obstacles")]
 pub use obstacle::{Obstacle, ObstacleConfig};
 pub use path_loss::{CloseInConfig, LogDistance, LogDistanceConfig, PathLossConfig};
 pub use polygon::Polygon;
@@ -89,4 +103,5 @@ pub use reception::{
 pub use reflection::{Ray, ReflectionsConfig};
 pub use sector::{EvenSectorsConfig, SectorConfig, SectorTable, Wedge};
 pub use shadowing::{CorrelationConfig, Shadowing, ShadowingConfig, ShadowingLaw, SpatialConfig};
+#[cfg(feature = "obstacles")]
 pub use shape::{BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, PrismConfig, Shape, ShapeConfig};

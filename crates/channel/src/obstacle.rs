@@ -1,7 +1,9 @@
 //! One obstacle: a shape made of a material.
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -9,37 +11,40 @@ use crate::{Db, Material, Position, Shape, ShapeConfig};
 
 /// An obstacle as written in a scenario. At most one of `material` and `absorption_per_m` is given, and at least one of
 /// these and `loss_db`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ObstacleConfig {
     /// Name in messages and pictures.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub name: Option<String>,
     /// Its shape.
     pub shape: ShapeConfig,
     /// Name of a known material.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub material: Option<String>,
     /// Absorption coefficient α of the Lambert-Bouguer law (1/m): 10 α log10(e) = 4.343 α dB per metre.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub absorption_per_m: Option<f64>,
     /// Loss of a link that crosses the obstacle, however thick it is (dB), beside absorption; `inf` lets nothing
     /// through.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub loss_db: Option<f64>,
     /// Whether it fills its space. In a volume that is not solid, such as vegetation, nodes stand and robots drive, and
     /// range sensors do not see it.
-    #[serde(default = "is_solid", skip_serializing_if = "is_true")]
+    #[cfg_attr(feature = "config", serde(default = "is_solid", skip_serializing_if = "is_true"))]
     pub solid: bool,
     /// Loss of a reflection off its faces (dB); that of the channel if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub reflection_loss_db: Option<f64>,
 }
 
+#[cfg(feature = "config")]
 fn is_solid() -> bool {
     true
 }
 
+#[cfg(feature = "config")]
 fn is_true(value: &bool) -> bool {
     *value
 }

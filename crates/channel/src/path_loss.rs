@@ -1,14 +1,17 @@
 //! Mean loss with distance.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::{Db, GasConfig};
 
 /// Path loss as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PathLossConfig {
     /// Log-distance law.
     LogDistance(LogDistanceConfig),
@@ -17,20 +20,21 @@ pub enum PathLossConfig {
 }
 
 /// Close-in path loss as written in a scenario: `L(d) = 20 log10(4 π f / c) + 10 n log10(d)` with d in metres.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CloseInConfig {
     /// Carrier (GHz), 0.1 to 1000. May be absent if the channel names an environment that has one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub carrier_ghz: Option<f64>,
     /// Path loss exponent n: 2 in free space. May be absent if the channel names an environment.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub exponent: Option<f64>,
     /// Distance below which the loss is constant (m). The law is measured from 1 m on.
-    #[serde(default = "default_close_in_distance_m")]
+    #[cfg_attr(feature = "config", serde(default = "default_close_in_distance_m"))]
     pub min_distance_m: f64,
     /// Loss by the gases of the air.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub gas: GasConfig,
 }
 
@@ -54,24 +58,25 @@ fn default_close_in_distance_m() -> f64 {
 pub(crate) const LIGHT_M_PER_S: f64 = 299_792_458.0;
 
 /// Log-distance path loss as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct LogDistanceConfig {
     /// Path loss exponent: 2 in free space. May be absent if the channel names an environment.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub exponent: Option<f64>,
     /// Distance to which `reference_loss_db` refers (m).
-    #[serde(default = "default_reference_distance_m")]
+    #[cfg_attr(feature = "config", serde(default = "default_reference_distance_m"))]
     pub reference_distance_m: f64,
     /// Loss at the reference distance (dB). If it is 0, transmit powers are powers at that distance; 40.05 dB is the
     /// loss of free space over 1 m at 2.4 GHz.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_zero"))]
     pub reference_loss_db: f64,
     /// Distance below which the loss is constant (m).
-    #[serde(default = "default_min_distance_m")]
+    #[cfg_attr(feature = "config", serde(default = "default_min_distance_m"))]
     pub min_distance_m: f64,
     /// Loss in proportion to the distance, on top (dB/km): gases of the air.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "is_zero"))]
     pub gas_db_per_km: f64,
 }
 
@@ -79,6 +84,7 @@ fn default_reference_distance_m() -> f64 {
     1.0
 }
 
+#[cfg(feature = "config")]
 fn is_zero(loss_db: &f64) -> bool {
     loss_db.to_bits() == 0
 }

@@ -3,7 +3,9 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 
 /// A power level (dBm). Two levels do not add: sum [`Milliwatts`] instead.
@@ -12,13 +14,15 @@ use serde::{Deserialize, Serialize};
 /// use sextant_channel::Dbm;
 /// let _ = Dbm(-50.0) + Dbm(-60.0);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(transparent))]
 pub struct Dbm(pub f64);
 
 /// A power ratio (dB): a gain if positive, a loss where a name says so.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(transparent))]
 pub struct Db(pub f64);
 
 /// A power (mW), not negative.

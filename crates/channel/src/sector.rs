@@ -3,15 +3,18 @@
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 /// The directions of one sector, in the frame of the stops and not of the robot: azimuth counterclockwise from x,
 /// elevation up from the horizontal plane. A robot whose antenna turns with it logs the sector in the frame of the
 /// stops.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorConfig {
     /// Identity of the sector in the log, 0 to 255.
     pub sector: u8,
@@ -21,36 +24,40 @@ pub struct SectorConfig {
     /// circle.
     pub azimuth_to_deg: f64,
     /// Lowest elevation (degrees), −90 (straight down) if absent.
-    #[serde(default = "nadir")]
+    #[cfg_attr(feature = "config", serde(default = "nadir"))]
     pub elevation_from_deg: f64,
     /// Highest elevation (degrees), 90 (straight up) if absent.
-    #[serde(default = "zenith")]
+    #[cfg_attr(feature = "config", serde(default = "zenith"))]
     pub elevation_to_deg: f64,
 }
 
 /// Sectors of equal width that fill the circle, in one or more rings: sector `i` of ring `j` is number
 /// `j · azimuth_sectors + i`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct EvenSectorsConfig {
     /// Number of sectors in a ring, 1 or more.
     pub azimuth_sectors: u8,
     /// Azimuth of the middle of sector 0 (degrees), 0 (along x) if absent. The other sectors follow counterclockwise.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub first_azimuth_deg: f64,
     /// Lowest and highest elevation of each ring (degrees); one ring from −90 to 90 if absent.
-    #[serde(default = "one_ring")]
+    #[cfg_attr(feature = "config", serde(default = "one_ring"))]
     pub elevations_deg: Vec<[f64; 2]>,
 }
 
+#[cfg(feature = "config")]
 fn nadir() -> f64 {
     -90.0
 }
 
+#[cfg(feature = "config")]
 fn zenith() -> f64 {
     90.0
 }
 
+#[cfg(feature = "config")]
 fn one_ring() -> Vec<[f64; 2]> {
     vec![[nadir(), zenith()]]
 }

@@ -3,7 +3,9 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, StationId};
 
@@ -11,20 +13,22 @@ use crate::purpose;
 use crate::{Db, Position};
 
 /// Shadowing as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ShadowingConfig {
     /// Standard deviation (dB); 0 for no shadowing. May be absent if the channel names an environment.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sigma_db: Option<f64>,
     /// Which packets and links share one draw.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub correlation: CorrelationConfig,
 }
 
 /// Which packets and links share one draw of shadowing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum CorrelationConfig {
     /// A separate draw for each packet and pair of stations (thesis, chapter 3).
     #[default]
@@ -36,8 +40,9 @@ pub enum CorrelationConfig {
 }
 
 /// Spatial correlation as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SpatialConfig {
     /// Distance over which the correlation falls to 1/e (m).
     pub distance_m: f64,

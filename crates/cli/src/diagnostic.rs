@@ -5,13 +5,20 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, Report};
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
+use sextant::mapping::MapLogError;
+use sextant::run::RunError;
+use sextant::scenario::{ScenarioError, ScenarioErrors};
+use sextant::sweep::{SweepError, TableError};
 use sextant_kernel::Interrupted;
-use sextant_mapper::MapError;
+use sextant_logs::RobotLogError;
+use sextant_recording::RecordingError;
+use sextant_recording::output::OutputError;
+use sextant_thesis::ReproductionError;
 
 /// Why a command failed.
 #[derive(Debug)]
-pub enum Failure {
+pub(crate) enum Failure {
     /// Wrong usage or bad input, with all errors found. Exit code 2.
     BadInput(Vec<Report>),
     /// The input is good, but the work failed. Exit code 1.
@@ -24,29 +31,36 @@ pub enum Failure {
 
 impl Failure {
     /// Bad input, in one sentence.
-    pub fn bad_input(message: impl Into<String>) -> Self {
-        Self::BadInput(vec![Report::new(Plain { message: message.into(), help: None })])
+    pub(crate) fn bad_input(message: impl Into<String>) -> Self {
+        Self::BadInput(vec![Report::new(Message { text: message.into(), help: None, excerpt: None })])
     }
 
     /// Bad input, in one sentence, and how to fix it.
-    pub fn bad_input_with_help(message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self::BadInput(vec![Report::new(Plain { message: message.into(), help: Some(help.into()) })])
+    pub(crate) fn bad_input_with_help(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self::BadInput(vec![Report::new(Message { text: message.into(), help: Some(help.into()), excerpt: None })])
+    }
+
+    /// An error of the library; `is_system_error` if the disk or the system caused it, not the input.
+    fn of(error: &dyn std::error::Error, help: Option<&str>, is_system_error: bool) -> Self {
+        let message = Message { text: error.to_string(), help: help.map(str::to_owned), excerpt: None };
+        let report = Report::new(message);
+        if is_system_error { Self::Failed(report) } else { Self::BadInput(vec![report]) }
     }
 
     /// The work failed, in one sentence.
-    pub fn failed(message: impl Into<String>) -> Self {
-        Self::Failed(Report::new(Plain { message: message.into(), help: None }))
+    pub(crate) fn failed(message: impl Into<String>) -> Self {
+        Self::Failed(Report::new(Message { text: message.into(), help: None, excerpt: None }))
     }
 
     /// The file at `path` could not be written.
     #[must_use]
-    pub fn unwritable(path: &Path, error: &io::Error) -> Self {
+    pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Self {
         Self::failed(format!("`{}` cannot be written: {error}", path.display()))
     }
 
     /// The exit code of the process.
     #[must_use]
-    pub fn exit_code(&self) -> ExitCode {
+    pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::BadInput(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::from(1),
@@ -56,7 +70,7 @@ impl Failure {
     }
 
     /// Prints the message on standard error.
-    pub fn print(&self) {
+    pub(crate) fn print(&self) {
         let text = match self {
             Self::BadInput(reports) => reports.iter().map(render).collect::<String>(),
             Self::Failed(report) => render(report),
@@ -75,13 +89,88 @@ impl From<Interrupted> for Failure {
     }
 }
 
-/// A map cannot be computed.
-impl From<MapError> for Failure {
-    fn from(error: MapError) -> Self {
-        match error {
-            MapError::Interrupted(_) => Self::Interrupted,
-            error => Self::bad_input(error.to_string()),
+/// A scenario is invalid: each error with its place in the file.
+impl From<ScenarioErrors> for Failure {
+    fn from(errors: ScenarioErrors) -> Self {
+        Self::BadInput(errors.errors().iter().map(report).collect())
+    }
+}
+
+/// An error of a scenario as it is printed.
+pub(crate) fn report(error: &ScenarioError) -> Report {
+    let excerpt = error.excerpt().map(|excerpt| {
+        let label = LabeledSpan::new_primary_with_span(Some(excerpt.label.clone()), excerpt.span.clone());
+        Excerpt { source: NamedSource::new(&excerpt.source, excerpt.text.to_string()), label }
+    });
+    Report::new(Message { text: error.to_string(), help: error.advice().map(str::to_owned), excerpt })
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match &error {
+            RunError::Interrupted(_) => Self::Interrupted,
+            _ => Self::of(&error, error.advice(), error.is_system_error()),
         }
+    }
+}
+
+impl From<MapLogError> for Failure {
+    fn from(error: MapLogError) -> Self {
+        match error {
+            MapLogError::Interrupted(_) => Self::Interrupted,
+            MapLogError::Settings(errors) => errors.into(),
+            MapLogError::Recording(error) => error.into(),
+            error => Self::of(&error, None, error.is_system_error()),
+        }
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Interrupted(_) => Self::Interrupted,
+            SweepError::Scenario(errors) => errors.into(),
+            error => Self::of(&error, error.advice(), error.is_system_error()),
+        }
+    }
+}
+
+impl From<TableError> for Failure {
+    fn from(error: TableError) -> Self {
+        Self::of(&error, error.advice().as_deref(), error.is_system_error())
+    }
+}
+
+impl From<ReproductionError> for Failure {
+    fn from(error: ReproductionError) -> Self {
+        match error {
+            ReproductionError::Interrupted(_) => Self::Interrupted,
+            ReproductionError::Scenario(errors) => errors.into(),
+            ReproductionError::Sweep(error) => error.into(),
+            ReproductionError::Run(error) => error.into(),
+            error => Self::of(&error, None, error.is_system_error()),
+        }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Interrupted(_) => Self::Interrupted,
+            error => Self::of(&error, None, error.is_system_error()),
+        }
+    }
+}
+
+impl From<RobotLogError> for Failure {
+    fn from(error: RobotLogError) -> Self {
+        Self::of(&error, None, error.is_system_error())
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::of(&error, None, true)
     }
 }
 
@@ -111,23 +200,40 @@ fn render(report: &Report) -> String {
     }
 }
 
-/// A message without a place in a file.
+/// A message, with its place in a file if it has one.
 #[derive(Debug)]
-struct Plain {
-    message: String,
+struct Message {
+    text: String,
     help: Option<String>,
+    excerpt: Option<Excerpt>,
 }
 
-impl fmt::Display for Plain {
+/// The part of a file that a message is about.
+#[derive(Debug)]
+struct Excerpt {
+    source: NamedSource<String>,
+    label: LabeledSpan,
+}
+
+impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        f.write_str(&self.text)
     }
 }
 
-impl std::error::Error for Plain {}
+impl std::error::Error for Message {}
 
-impl Diagnostic for Plain {
+impl Diagnostic for Message {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
         self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.excerpt.as_ref().map(|excerpt| &excerpt.source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let excerpt = self.excerpt.as_ref()?;
+        Some(Box::new(std::iter::once(excerpt.label.clone())))
     }
 }

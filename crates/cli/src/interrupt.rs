@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// the results to [keep](Self::keep) are written. A second signal ends it at once. [Temporary](Self::temporary) files are
 /// removed in both cases.
 #[derive(Clone, Debug, Default)]
-pub struct Interrupt {
+pub(crate) struct Interrupt {
     is_requested: Arc<AtomicBool>,
     keepers: Arc<AtomicUsize>,
     temporaries: Temporaries,
@@ -31,12 +31,12 @@ pub struct Interrupt {
 /// While it exists, the first signal does not end the process: the work ends by itself.
 #[derive(Debug)]
 #[must_use]
-pub struct Keeper(Arc<AtomicUsize>);
+pub(crate) struct Keeper(Arc<AtomicUsize>);
 
 /// A temporary file, which is removed when this value is dropped or a signal ends the process.
 #[derive(Debug)]
 #[must_use]
-pub struct Temporary {
+pub(crate) struct Temporary {
     path: PathBuf,
     temporaries: Temporaries,
 }
@@ -66,7 +66,7 @@ impl Interrupt {
     ///
     /// # Errors
     /// If the system rejects the handler.
-    pub fn install() -> Result<Self, Failure> {
+    pub(crate) fn install() -> Result<Self, Failure> {
         let interrupt = Self::default();
         let Self { is_requested, keepers, temporaries } = interrupt.clone();
         ctrlc::set_handler(move || {
@@ -92,19 +92,19 @@ impl Interrupt {
 
     /// Whether the work should end.
     #[must_use]
-    pub fn is_requested(&self) -> bool {
+    pub(crate) fn is_requested(&self) -> bool {
         self.is_requested.load(Ordering::Relaxed)
     }
 
     /// Keeps the process alive after the first signal, so that open files can be finished and results written. The
     /// work must check often whether it should end.
-    pub fn keep(&self) -> Keeper {
+    pub(crate) fn keep(&self) -> Keeper {
         self.keepers.fetch_add(1, Ordering::SeqCst);
         Keeper(Arc::clone(&self.keepers))
     }
 
     /// Marks the file at `path`, which may not exist yet, as temporary.
-    pub fn temporary(&self, path: &Path) -> Temporary {
+    pub(crate) fn temporary(&self, path: &Path) -> Temporary {
         self.temporaries.change(|paths| paths.insert(path.to_owned()));
         Temporary { path: path.to_owned(), temporaries: self.temporaries.clone() }
     }

@@ -1,7 +1,13 @@
-//! The program `sextant`.
+//! The program `sextant`: commands, flags, tables on a terminal, signals. The work is done by the library.
+
+mod commands;
+mod diagnostic;
+mod interrupt;
+mod progress;
+mod terminal;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    sextant::commands::main(std::env::args_os())
+    commands::main(std::env::args_os())
 }

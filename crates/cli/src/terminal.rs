@@ -4,23 +4,23 @@ use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressDrawTarget, ProgressStyle};
 use sextant_kernel::{Watch, Work};
 
 use crate::interrupt::Interrupt;
 
 /// A progress bar on standard error. Nothing is drawn if standard error is not a terminal, or with `--quiet`.
 #[derive(Clone, Debug)]
-pub struct Progress(ProgressBar);
+pub(crate) struct ProgressBar(indicatif::ProgressBar);
 
-impl Progress {
+impl ProgressBar {
     /// A bar for `total` steps of `what`.
     #[must_use]
-    pub fn new(what: &'static str, total: u64, quiet: bool) -> Self {
+    pub(crate) fn new(what: &'static str, total: u64, quiet: bool) -> Self {
         let bar = if quiet || !io::stderr().is_terminal() {
-            ProgressBar::hidden()
+            indicatif::ProgressBar::hidden()
         } else {
-            ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr_with_hz(10))
+            indicatif::ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr_with_hz(10))
         };
         let style = ProgressStyle::with_template("{prefix:>10} [{bar:30}] {pos}/{len} {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
@@ -30,13 +30,13 @@ impl Progress {
     }
 
     /// Shows that `done` steps are done, and `note` beside the bar.
-    pub fn set(&self, done: u64, note: String) {
+    pub(crate) fn set(&self, done: u64, note: String) {
         self.0.set_position(done);
         self.0.set_message(note);
     }
 
     /// Removes the bar.
-    pub fn clear(&self) {
+    pub(crate) fn clear(&self) {
         self.0.finish_and_clear();
     }
 }
@@ -47,21 +47,21 @@ const LARGE: f64 = 3e10;
 /// Shows the progress of maps on standard error, and stops them when the user interrupts. Without a terminal it only
 /// prints a line for large work; with `--quiet` it prints nothing.
 #[derive(Debug)]
-pub struct Watcher<'a> {
+pub(crate) struct Watcher<'a> {
     interrupt: &'a Interrupt,
     is_quiet: bool,
-    bar: Mutex<Option<ProgressBar>>,
+    bar: Mutex<Option<indicatif::ProgressBar>>,
 }
 
 impl<'a> Watcher<'a> {
     /// A watcher of work that has not begun.
     #[must_use]
-    pub fn new(interrupt: &'a Interrupt, is_quiet: bool) -> Self {
+    pub(crate) fn new(interrupt: &'a Interrupt, is_quiet: bool) -> Self {
         Self { interrupt, is_quiet, bar: Mutex::default() }
     }
 
     /// Removes the bar.
-    pub fn clear(&self) {
+    pub(crate) fn clear(&self) {
         if let Some(bar) = self.bar.lock().unwrap_or_else(PoisonError::into_inner).take() {
             bar.finish_and_clear();
         }
@@ -75,7 +75,8 @@ impl Watch for Watcher<'_> {
             return;
         }
         if io::stderr().is_terminal() {
-            let bar = ProgressBar::with_draw_target(Some(work.steps), ProgressDrawTarget::stderr_with_hz(10));
+            let bar =
+                indicatif::ProgressBar::with_draw_target(Some(work.steps), ProgressDrawTarget::stderr_with_hz(10));
             let style = ProgressStyle::with_template("{prefix:>10} [{bar:30}] {pos}/{len} {msg}, {eta} left");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
             bar.set_prefix(work.name);

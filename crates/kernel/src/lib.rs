@@ -20,6 +20,7 @@ mod random;
 mod robot;
 mod setting;
 mod station;
+pub mod text;
 mod time;
 mod watch;
 
@@ -30,4 +31,4 @@ pub use robot::RobotId;
 pub use setting::SettingError;
 pub use station::StationId;
 pub use time::SimTime;
-pub use watch::{Interrupted, Unwatched, Watch, Work};
+pub use watch::{Interrupted, Unreported, Unwatched, Watch, Work};

@@ -51,6 +51,20 @@ impl Watch for Unwatched {
     }
 }
 
+/// Work inside work that has its own progress: asks another [`Watch`] whether to go on, and tells it nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct Unreported<'a>(pub &'a dyn Watch);
+
+impl Watch for Unreported<'_> {
+    fn begin(&self, _: Work) {}
+
+    fn advance(&self, _: u64) {}
+
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
+    }
+}
+
 /// The work was ended from outside before it had a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("interrupted")]

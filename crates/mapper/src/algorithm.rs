@@ -1,6 +1,8 @@
 //! The mapping algorithms by name.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Unwatched, Watch};
 
@@ -8,30 +10,35 @@ use crate::{
     ApitConfig, Auto, AutoConfig, Calibration, Centroid, CentroidConfig, Choice, Comparator, DrMdsConfig,
     DvHopConfig, Fit, FittedChannel, FittedMlTm, GaussianProcess, GaussianProcessConfig, JointConfig, JointMlTm,
     Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, LogDistanceConfig, MapError, MdsMapConfig, MlTm,
-    MlTmConfig, MmTm, NtldvHopConfig, ObstacleMlTm, ObstacleUse, PacketCentroid, PacketCentroidConfig, PlacePrior,
-    ProfileConfig, RangingConfig, ReceptionProfile, RssGridConfig, RssMlConfig, RssiCentroidConfig, SelfCalibrated,
-    SelfCalibratedConfig, SmacofConfig, StrongestStop, StrongestStopConfig, TopologyMap, TpmConfig,
-    TriangleCentroidConfig, WeightedCentroidConfig,
+    MlTmConfig, MmTm, NtldvHopConfig, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, RangingConfig,
+    ReceptionProfile, RssGridConfig, RssMlConfig, RssiCentroidConfig, SelfCalibrated, SelfCalibratedConfig,
+    SmacofConfig, StrongestStop, StrongestStopConfig, TopologyMap, TpmConfig, TriangleCentroidConfig,
+    WeightedCentroidConfig,
 };
 
+#[cfg(feature = "obstacles")]
+use crate::{ObstacleMlTm, ObstacleUse};
+
 /// One map to compute from the reception log, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MapConfig {
     /// Name of the map in tables and recordings; the algorithm's name if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub name: Option<String>,
     /// Name of the network whose log is mapped; the first one that robots survey if absent. Joint maps name their networks
     /// themselves.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub network: Option<String>,
     /// How the map is computed.
     pub algorithm: AlgorithmConfig,
 }
 
 /// A mapping algorithm as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum AlgorithmConfig {
     /// Maximum likelihood on a grid.
     MlTm(MlTmConfig),
@@ -138,6 +145,7 @@ pub enum Mapper {
     /// Maximum likelihood on a grid under a profile estimated from the log.
     FittedMlTm(FittedMlTm),
     /// Maximum likelihood under a known channel among known obstacles.
+    #[cfg(feature = "obstacles")]
     ObstacleMlTm(Box<ObstacleMlTm>),
     /// Places, reception curve, efficiency of stops, and obstacles, estimated together from the log alone.
     SelfCalibrated(SelfCalibrated),
@@ -177,7 +185,9 @@ impl Mapper {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::MlTm(_) | Self::FittedMlTm(_) | Self::ObstacleMlTm(_) => MlTm::NAME,
+            Self::MlTm(_) | Self::FittedMlTm(_) => MlTm::NAME,
+            #[cfg(feature = "obstacles")]
+            Self::ObstacleMlTm(_) => MlTm::NAME,
             Self::MmTm(_) => MmTm::NAME,
             Self::Joint(_) => JointMlTm::NAME,
             Self::SelfCalibrated(_) => SelfCalibrated::NAME,
@@ -198,6 +208,7 @@ impl Mapper {
                 used_with(joint.profiles().find(|profile| matches!(profile, ReceptionProfile::Table(_))))
             }
             Self::FittedMlTm(_) => used_with(None),
+            #[cfg(feature = "obstacles")]
             Self::ObstacleMlTm(_) => {
                 &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
             }
@@ -235,11 +246,12 @@ impl Mapper {
             | Self::MmTm(_)
             | Self::Joint(_)
             | Self::FittedMlTm(_)
-            | Self::ObstacleMlTm(_)
             | Self::SelfCalibrated(_)
             | Self::LinkModel(_)
             | Self::PacketCentroid(_)
             | Self::Auto(_) => 0,
+            #[cfg(feature = "obstacles")]
+            Self::ObstacleMlTm(_) => 0,
             Self::Comparator(comparator) => comparator.least_anchors(dimensions),
         }
     }
@@ -279,6 +291,7 @@ impl Mapper {
             Self::FittedMlTm(fitted) => {
                 fitted.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::Profile)))
             }
+            #[cfg(feature = "obstacles")]
             Self::ObstacleMlTm(ml_tm) => {
                 ml_tm.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?, watch).map(|map| (map, None))
             }
@@ -311,6 +324,7 @@ impl TryFrom<AlgorithmConfig> for Mapper {
         match config {
             AlgorithmConfig::MlTm(config) => match config.profile.clone() {
                 ProfileConfig::Fitted(fitted) => FittedMlTm::new(config, fitted).map(Self::FittedMlTm),
+                #[cfg(feature = "obstacles")]
                 ProfileConfig::Channel(channel) if channel.obstacles == ObstacleUse::Known => {
                     ObstacleMlTm::new(config, &channel).map(Box::new).map(Self::ObstacleMlTm)
                 }

@@ -1,7 +1,10 @@
 //! The knowledge that an algorithm is given, and the kinds of knowledge that it uses.
 
+#[cfg(feature = "config")]
 use serde::Serialize;
-use sextant_channel::{Anchor, NeighbourLog, ObstacleField, Position, ReceptionLog};
+#[cfg(feature = "obstacles")]
+use sextant_channel::ObstacleField;
+use sextant_channel::{Anchor, NeighbourLog, Position, ReceptionLog};
 use sextant_kernel::Seed;
 
 use crate::{MapError, PlacePrior};
@@ -21,6 +24,7 @@ pub struct Knowledge<'a> {
     /// The nodes that know their place, by node.
     pub anchors: &'a [Anchor],
     /// The obstacles, if they are known. Only a simulation knows them.
+    #[cfg(feature = "obstacles")]
     pub obstacles: Option<&'a ObstacleField>,
     /// Where nodes can be, if somebody knows it.
     pub prior: Option<&'a PlacePrior>,
@@ -37,6 +41,7 @@ impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
             neighbours: None,
             beacons: None,
             anchors: &[],
+            #[cfg(feature = "obstacles")]
             obstacles: None,
             prior: None,
             seed: Seed(1),
@@ -45,8 +50,9 @@ impl<'a> From<&'a ReceptionLog> for Knowledge<'a> {
 }
 
 /// A kind of knowledge that an algorithm uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "config", derive(Serialize))]
+#[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum KnowledgeKind {
     /// Which packets the robot heard where, and where it was.
     RobotReceptions,
@@ -143,6 +149,7 @@ impl<'a> Knowledge<'a> {
     }
 
     /// The obstacles.
+    #[cfg(feature = "obstacles")]
     pub(crate) fn obstacles(&self, algorithm: &'static str) -> Result<&'a ObstacleField, MapError> {
         self.obstacles.ok_or(MapError::Missing {
             algorithm,

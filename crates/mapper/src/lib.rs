@@ -22,97 +22,69 @@
 //! assert!((place.x_m - 4.0).abs() < 0.5);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Cargo features, all on by default: `config` reads settings and writes results with serde and has their JSON schema;
+//! `obstacles` maps among known obstacles, for which it needs a geometry library. A log is mapped without either.
 
 mod algorithm;
-mod alignment;
 mod auto;
-mod bounded_search;
-mod cells;
 mod comparators;
-mod concern;
-mod directions;
 mod error;
-mod estimate_kind;
-mod findings;
-mod fitted;
-mod fitted_ml_tm;
-mod heights;
-mod isotonic;
-mod joint;
+mod grid_ml;
 mod knowledge;
-pub mod lateration;
-mod lattice;
-mod least_squares;
 mod link_model;
-mod local_posterior;
-mod memory;
+mod log_facts;
 mod metrics;
-mod ml_tm;
-mod mm_tm;
-mod node_evidence;
-mod normal;
-mod obstacle_ml_tm;
-mod orientation;
+mod numerics;
 mod own_place;
-mod packet_centroid;
-mod place_prior;
-mod posterior_bound;
-mod profile;
+mod posterior;
 mod purpose;
-mod reach;
-mod region;
-mod search_box;
-mod sector_errors;
-mod sectors;
+mod ranging;
+mod rss_grid;
 mod self_calibrated;
-mod solver;
-mod surface;
 mod topology_map;
 
 pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper, ProfileSetting};
-pub use alignment::{AlignmentError, Reflection, Similarity};
 pub use auto::{Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Score};
 pub use comparators::{
     Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
-    DvHopConfig, ExtremeConfig, FittedChannel, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength,
-    LandmarksConfig, LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, Ranging,
-    RangingConfig, RssGrid, RssGridConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof,
-    SmacofConfig, StrongestStop, StrongestStopConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig,
-    TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
+    DvHopConfig, ExtremeConfig, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength, LandmarksConfig,
+    LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, PacketCentroid,
+    PacketCentroidConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop,
+    StrongestStopConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
+    WeightedCentroidConfig, lateration,
 };
-pub use concern::Concern;
 pub use error::MapError;
-pub use estimate_kind::{EstimateKind, TieRule};
-pub use fitted::{Fit, Fitted};
-pub use fitted_ml_tm::FittedMlTm;
-pub use heights::{HeightReason, SoughtHeights};
-pub use isotonic::never_rising;
-pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
+#[cfg(feature = "obstacles")]
+pub use grid_ml::ObstacleMlTm;
+pub use grid_ml::{
+    ChannelProfileConfig, CountRule, Fit, Fitted, FittedConfig, FittedMlTm, JointConfig, JointMlTm,
+    JointNetworkConfig, Lattice, MlTm, MlTmConfig, MmTm, ObstacleUse, ProfileConfig, ReceptionProfile, Surface,
+    TableProfile, Trapezoid, TrapezoidConfig, at_least_one,
+};
 pub use knowledge::{Knowledge, KnowledgeKind};
-pub use lattice::Lattice;
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
+pub use log_facts::{
+    HeightReason, SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig,
+    SoughtHeights,
+};
 pub use metrics::{
-    ConnectivityError, MetricError, NeighbourhoodRule, NodeDisplacement, PositionError, RssLinks, SectorDisplacement,
-    SectorDisplacementRule, SectorDistance, connectivity_error, rss_crlb_m, sector_displacement, sector_of,
-    topology_preservation_error,
+    AlignmentError, ConnectivityError, MetricError, NeighbourhoodRule, NodeDisplacement, PositionError, Reflection,
+    RssLinks, SectorDisplacement, SectorDisplacementRule, SectorDistance, Similarity, connectivity_error, rss_crlb_m,
+    sector_displacement, sector_of, topology_preservation_error,
 };
-pub use ml_tm::{CountRule, MlTm, MlTmConfig};
-pub use mm_tm::MmTm;
-pub use obstacle_ml_tm::ObstacleMlTm;
-pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
-pub use own_place::{AnchorSilence, HeardAnchor, HeardSector, OwnEstimate, OwnPlace, OwnPlaceConfig, PlaceModel};
-pub use packet_centroid::{PacketCentroid, PacketCentroidConfig};
-pub use place_prior::{Area, PlacePrior};
-pub use posterior_bound::{TrueModel, posterior_bound_m};
-pub use profile::{
-    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
-    TrapezoidConfig, at_least_one,
+pub use numerics::never_rising;
+pub use own_place::{
+    AnchorSilence, Bearing, DirectionRule, HeardAnchor, HeardSector, OrientationMethod, OwnEstimate, OwnPlace,
+    OwnPlaceConfig, PlaceModel, RingOrientation, UnorientedRing,
 };
-pub use region::Region;
-pub use sectors::{SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig};
+pub use posterior::{
+    Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueModel, posterior_bound_m,
+};
+pub use ranging::{Ranging, RangingConfig};
+pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
 pub use self_calibrated::{
     AbsorptionMap, CalibratedCurve, Calibration, ObstacleClaim, ObstacleKnowledge, SelfCalibrated,
     SelfCalibratedConfig,
 };
-pub use surface::Surface;
-pub use topology_map::{CoordinateFrame, Estimate, TopologyMap};
+pub use topology_map::{CoordinateFrame, TopologyMap};

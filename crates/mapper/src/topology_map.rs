@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
-use crate::{Concern, Reflection, Similarity, SoughtHeights};
+use crate::{Concern, Estimate, Reflection, Similarity, SoughtHeights};
 
 /// The places of the nodes that an algorithm estimated from a reception log.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,24 +33,6 @@ pub enum CoordinateFrame {
     /// Nothing: each part of the map is known up to rotation, reflection and scale. Holds the part that each node
     /// belongs to.
     Relative(Vec<u32>),
-}
-
-/// Where one node is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
-    /// The place (m).
-    pub position: Position,
-    /// Natural logarithm of the highest likelihood on the grid; `None` for an algorithm without a likelihood.
-    pub log_likelihood: Option<f64>,
-    /// Number of vertices with the highest likelihood (within 10⁻⁹ in its logarithm), 1 if there is only one. Always
-    /// 1 for an algorithm without a common grid.
-    pub ties: u32,
-    /// Posterior covariance of x, y, z (m²): present for a posterior mean.
-    pub covariance: Option<[[f64; 3]; 3]>,
-    /// Whether no vertex explains all receptions, so that some were treated as outliers.
-    pub infeasible: bool,
-    /// Why the place is not reliable, if there is a reason.
-    pub concern: Option<Concern>,
 }
 
 impl TopologyMap {

@@ -1,5 +1,7 @@
 //! Observers of a simulation.
 
+mod several;
+
 use std::time::Duration;
 
 use sextant_channel::{Contact, Dbm, Position, Reception, Stop};

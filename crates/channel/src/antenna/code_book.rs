@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -11,41 +13,43 @@ use super::SECTORS_OF_ANTENNA;
 use crate::{Position, SectorConfig, SectorTable};
 
 /// Measured sectors, as written in a scenario: either a file, or the grid and the gains.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CodeBookConfig {
     /// A CSV file with the columns `sector`, `azimuth_deg`, `elevation_deg` and `gain_dbi`, in any order: a row for
     /// each sector and direction of a regular grid.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub file: Option<PathBuf>,
     /// Azimuths of the grid (degrees), ascending in equal steps.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub azimuths_deg: Option<Vec<f64>>,
     /// Elevations of the grid (degrees), ascending in equal steps.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub elevations_deg: Option<Vec<f64>>,
     /// Gains of each sector.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub sectors: Option<Vec<SectorGainsConfig>>,
     /// Gain in directions outside the grid (dBi). If absent, the grid must go all around in azimuth, and the gains at
     /// the lowest and highest elevation hold below and above.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub outside_gain_dbi: Option<f64>,
     /// Greatest gain of any sector (dBi). If absent, that of the measurement. All gains change by the same decibels:
     /// for measurements in relative units.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub boresight_gain_dbi: Option<f64>,
     /// Gain of the quasi-omnidirectional pattern in all directions (dBi).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub quasi_omni_gain_dbi: f64,
     /// Standard deviation of the gain over the sectors and stations (dB), beside what was measured.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub gain_ripple_db: f64,
 }
 
 /// Measured gains of one sector, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SectorGainsConfig {
     /// Identity of the sector on air, 0 to 63.
     pub sector: u8,

@@ -9,7 +9,9 @@ mod sectors;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Seed, SettingError, StationId};
 
@@ -36,8 +38,9 @@ const MOST_SECTORS: u8 = 255;
 const RIPPLE_LIMIT: f64 = 4.0;
 
 /// An antenna as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AntennaConfig {
     /// The same gain in all directions.
     Omnidirectional(OmnidirectionalConfig),
@@ -55,11 +58,12 @@ impl Default for AntennaConfig {
 }
 
 /// An antenna with the same gain in all directions, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OmnidirectionalConfig {
     /// Gain (dBi).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub gain_dbi: f64,
 }
 

@@ -1,23 +1,26 @@
 //! How an antenna is turned in the world.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::Position;
 
 /// How an antenna is turned, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OrientationConfig {
     /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub yaw_deg: f64,
     /// Tilt of the forward axis above the horizontal plane (degrees).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub pitch_deg: f64,
     /// Rotation about the forward axis, the left side up (degrees).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub roll_deg: f64,
 }
 

@@ -2,15 +2,18 @@
 
 use std::f64::consts::PI;
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
 use crate::{Db, Position};
 
 /// The radiation pattern of a beam, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PatternConfig {
     /// The reference antenna of IEEE 802.15.3c: a round beam with a Gaussian main lobe and constant side lobes.
     Ieee802153c(Ieee802153cConfig),
@@ -29,20 +32,22 @@ impl Default for PatternConfig {
 }
 
 /// The reference antenna of IEEE 802.15.3c, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct Ieee802153cConfig {
     /// What the edge of a sector is.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub sector_edge: SectorEdge,
     /// How the main lobe meets the side lobes.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub lobe_edge: LobeEdge,
 }
 
 /// What the edge of a sector is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum SectorEdge {
     /// The half-power width is the width of the sector: neighbours cross 3 dB below the peak.
     #[default]
@@ -52,8 +57,9 @@ pub enum SectorEdge {
 }
 
 /// How the main lobe meets the side lobes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum LobeEdge {
     /// The gain jumps at 1.3 half-power widths from the boresight, as the reference says.
     #[default]
@@ -63,19 +69,21 @@ pub enum LobeEdge {
 }
 
 /// A beam of two widths, as written in a scenario. Its widths are those of the sectors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct EllipticalConfig {}
 
 /// The antenna element of 3GPP TR 38.901, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct Tr38901Config {
     /// Half-power width in azimuth (degrees), 65 if absent.
-    #[serde(default = "element_width_deg")]
+    #[cfg_attr(feature = "config", serde(default = "element_width_deg"))]
     pub azimuth_width_deg: f64,
     /// Half-power width in elevation (degrees), 65 if absent.
-    #[serde(default = "element_width_deg")]
+    #[cfg_attr(feature = "config", serde(default = "element_width_deg"))]
     pub elevation_width_deg: f64,
 }
 
@@ -91,14 +99,15 @@ impl Default for Tr38901Config {
 
 /// A pattern of two gains, as written in a scenario. The gain inside follows from the gain outside, because an antenna
 /// without losses radiates all its power.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct FlatTopConfig {
     /// Which directions are inside.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub beam: FlatBeam,
     /// Gain outside the beam (dBi), at most 0; −10 if absent. `-inf`: nothing is radiated outside.
-    #[serde(default = "outside_gain_dbi")]
+    #[cfg_attr(feature = "config", serde(default = "outside_gain_dbi"))]
     pub outside_gain_dbi: f64,
 }
 
@@ -113,8 +122,9 @@ impl Default for FlatTopConfig {
 }
 
 /// Which directions are inside a flat beam.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum FlatBeam {
     /// An interval of azimuth, and of elevation if the sectors have a vertical width. The beams of a ring do not
     /// overlap.

@@ -1,6 +1,8 @@
 //! Antennas with equal sectors in rings.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -10,51 +12,54 @@ use crate::{EvenSectorsConfig, SectorTable};
 
 /// An antenna with sectors of equal width in azimuth, in one or more rings, as written in a scenario. Sector `i` of
 /// ring `j` is number `j · azimuth_sectors + i`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct AntennaSectorsConfig {
     /// Number of sectors in a ring, 1 to 64.
     pub azimuth_sectors: u8,
     /// Azimuth of the boresight of sector 0 in the frame of the antenna (degrees). The other sectors follow
     /// counterclockwise.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub first_azimuth_deg: f64,
     /// Elevation of the boresights of each ring (degrees), ascending; one horizontal ring if absent.
-    #[serde(default = "one_ring")]
+    #[cfg_attr(feature = "config", serde(default = "one_ring"))]
     pub elevations_deg: Vec<f64>,
     /// Whether all rings are swept at once, or one after the other.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub vertical: Vertical,
     /// Half-power width of a beam in azimuth (degrees), at most 180; if absent, the width of a sector.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub beam_width_deg: Option<f64>,
     /// Width of a beam in elevation (degrees), of patterns that have one of their own; that in azimuth if absent.
     /// It also limits the elevations for which a ring stands on a map. If absent, rings meet half way between their
     /// boresights, and the outermost reach straight up and down.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub vertical_width_deg: Option<f64>,
     /// Radiation pattern of a sector.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub pattern: PatternConfig,
     /// Gain at the boresight of each sector (dBi). If absent, that of the pattern. The shape stays: all gains of the
     /// pattern change by the same decibels.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub boresight_gain_dbi: Option<f64>,
     /// Gain of the quasi-omnidirectional pattern in all directions (dBi).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub quasi_omni_gain_dbi: f64,
     /// Standard deviation of the gain over the sectors (dB): real arrays are not equally good in all directions.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub gain_ripple_db: f64,
 }
 
+#[cfg(feature = "config")]
 fn one_ring() -> Vec<f64> {
     vec![0.0]
 }
 
 /// How an antenna covers several rings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum Vertical {
     /// Each ring is an antenna of its own (vertical antenna array); one sweep covers all, at most 128 sectors.
     #[default]

@@ -1,6 +1,8 @@
 //! Upright boxes.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -11,15 +13,16 @@ use super::{LEAST_SIZE_M, place, size};
 use crate::Position;
 
 /// An upright box, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct BoxConfig {
     /// Middle of the box (m).
     pub center_m: Position,
     /// Length, width and height (m).
     pub size_m: [f64; 3],
     /// Rotation about the vertical axis, counterclockwise seen from above (degrees).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub yaw_deg: f64,
 }
 

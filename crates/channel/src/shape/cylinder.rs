@@ -1,6 +1,8 @@
 //! Upright cylinders.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -10,8 +12,9 @@ use super::{place, thickness};
 use crate::Position;
 
 /// An upright cylinder, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct CylinderConfig {
     /// Middle of the bottom face (m).
     pub base_m: Position,

@@ -1,7 +1,9 @@
 //! Convex hulls of points.
 
 use parry3d_f64::transformation::try_convex_hull;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -12,8 +14,9 @@ use crate::Position;
 use crate::glam::{position, vector};
 
 /// A convex hull, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ConvexConfig {
     /// Points whose hull is the obstacle (m).
     pub points_m: Vec<Position>,

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -19,17 +21,18 @@ use crate::{Bounds, Position};
 /// A closed triangle mesh, as written in a scenario: either a file, or vertices and triangles.
 /// All triangles have the same orientation; those of a cavity have the opposite one. Where parts of the mesh overlap,
 /// they absorb twice, as overlapping obstacles do.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct MeshConfig {
     /// A Wavefront .obj file in metres, z up.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub file: Option<PathBuf>,
     /// Vertices (m).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub vertices_m: Option<Vec<Position>>,
     /// Corners of the triangles, as indices of vertices from 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub triangles: Option<Vec<[u32; 3]>>,
 }
 

@@ -14,7 +14,9 @@ mod triangle;
 
 use std::path::Path;
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -35,8 +37,9 @@ use sweep::ConvexSolid;
 pub(crate) use sweep::Sweep;
 
 /// The shape of an obstacle as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ShapeConfig {
     /// An upright box.
     Box(BoxConfig),

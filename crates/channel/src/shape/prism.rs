@@ -1,6 +1,8 @@
 //! Upright prisms over a convex footprint.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
@@ -11,13 +13,14 @@ use super::thickness;
 use crate::Position;
 
 /// An upright prism, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct PrismConfig {
     /// Corners of the convex footprint in order, clockwise or counterclockwise (m).
     pub corners_m: Vec<[f64; 2]>,
     /// Height of the bottom face (m).
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub bottom_m: f64,
     /// Height of the prism (m).
     pub height_m: f64,

@@ -9,10 +9,10 @@ use crate::diagnostic::Failure;
 
 /// Arguments of `sextant completions`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The shell
     #[arg(value_enum)]
-    pub shell: Shell,
+    pub(crate) shell: Shell,
 }
 
 /// Prints the completion script of the command line `words`.

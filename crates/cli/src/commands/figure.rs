@@ -5,28 +5,29 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::options::PictureFormat;
 use crate::diagnostic::Failure;
-use crate::figure::{self, Figure, FileFormat, Source};
 use crate::interrupt::Interrupt;
-use crate::output::write_file;
-use crate::recording::{self, ORIGIN_METADATA};
-use crate::sweep;
+use sextant::sweep;
+use sextant_figure::{self as figure, Figure, Source};
+use sextant_recording::output::write_file;
+use sextant_recording::{self as recording, ORIGIN_METADATA};
 
 /// Arguments of `sextant figure`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// A recording of `run`, or a CSV table of `sweep`
     #[arg(value_name = "RUN.mcap|TABLE.csv")]
-    pub recording: PathBuf,
+    pub(crate) recording: PathBuf,
     /// The folder for the figures [default: RUN.figures beside the file]. It is created if it does not exist
     #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// The format of the figures
     #[arg(long, value_enum, default_value_t)]
-    pub format: FileFormat,
+    pub(crate) format: PictureFormat,
     /// The measures of a table to draw, as the names of their columns [default: the usual ones]. Only for tables
     #[arg(long, value_name = "COLUMN")]
-    pub column: Vec<String>,
+    pub(crate) column: Vec<String>,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -70,10 +71,11 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
 fn write(figures: &[Figure], arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
     let folder = arguments.out.clone().unwrap_or_else(|| arguments.recording.with_extension("figures"));
     std::fs::create_dir_all(&folder).map_err(|error| Failure::unwritable(&folder, &error))?;
+    let format = arguments.format.into();
     let mut stdout = io::stdout().lock();
     for figure in figures {
-        let file = figure.path(&folder, arguments.format);
-        let bytes = figure.encode(arguments.format).map_err(|error| Failure::unwritable(&file, &error))?;
+        let file = figure.path(&folder, format);
+        let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;
         // Drawing may be stopped at any time, writing may not.
         let _keeper = interrupt.keep();
         if interrupt.is_requested() {

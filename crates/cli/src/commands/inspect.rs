@@ -9,23 +9,23 @@ use serde::Serialize;
 use super::options::Printing;
 use super::reading::Reading;
 use crate::diagnostic::Failure;
-use crate::mapping::Contents;
-use crate::recording::{self, Inspection};
-use crate::robot_log::{self, Source};
+use sextant::mapping::Contents;
+use sextant_logs::{self as robot_log, Source};
+use sextant_recording::{self as recording, Inspection};
 
 /// Arguments of `sextant inspect`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// A recording of `run`; or the log of a robot, as for `map`. Of a log, what is odd in it is told, what that costs, and
     /// what corrects it
     #[arg(value_name = "LOG")]
-    pub log: PathBuf,
+    pub(crate) log: PathBuf,
     /// How results are printed.
     #[command(flatten)]
-    pub printing: Printing,
+    pub(crate) printing: Printing,
     /// How the log of a robot is read.
     #[command(flatten)]
-    pub reading: Reading,
+    pub(crate) reading: Reading,
 }
 
 /// What is inside the log of a robot.

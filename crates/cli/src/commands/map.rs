@@ -4,84 +4,91 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use super::options::{Format, Overrides, Results, Work};
+use super::options::{Format, Overrides, PictureFormat, Results, Work};
 use super::reading::Reading;
 use crate::diagnostic::Failure;
-use crate::figure::{Figure, FileFormat};
 use crate::interrupt::Interrupt;
-use crate::mapping::{self, Input};
-use crate::output::{open_folder, write_file};
-use crate::recording::SCENARIO_ATTACHMENT;
-use crate::robot_log::{self, Names};
-use crate::scenario::{AlgorithmName, MapSettings};
-use crate::summary::Stopwatch;
 use crate::terminal::Watcher;
+use sextant::mapping::{self, Input};
+use sextant::scenario::{AlgorithmName, MapSettings};
+use sextant::summary::Stopwatch;
+use sextant_figure::Figure;
+use sextant_logs::{self as robot_log, Names};
+use sextant_recording::SCENARIO_ATTACHMENT;
+use sextant_recording::output::{open_folder, write_file};
 
 /// Arguments of `sextant map`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// A recording of `run`; or the log of a robot: a folder with stops.csv and receptions.csv or with path.csv and
     /// packets.csv, a table with a row a stop and a column a node, a ROS 2 bag (an MCAP file, or a folder of `ros2 bag record`),
     /// the capture of a sniffer (pcap, pcapng; needs --path), a list of packets (CSV; needs --path) or a path (needs --packets)
     #[arg(value_name = "LOG")]
-    pub log: PathBuf,
+    pub(crate) log: PathBuf,
     /// The probability of a reception as a function of distance: `fitted` (estimated from the log),
     /// trapezoid:p0=0.95,plateau_m=2,range_m=10[,floor=..,ceiling=..], or channel:exponent=..,sigma_db=..,
     /// tx_power_dbm=..,sensitivity_dbm=..[,max_range_m=..]. The default for a recording is that of its scenario; for a
     /// folder it is `fitted`
     #[arg(long, value_name = "PROFILE")]
-    pub profile: Option<String>,
+    pub(crate) profile: Option<String>,
     /// Map the log of this network, if the robots surveyed several; the default is the network that each map names, or the
     /// first one
     #[arg(long, value_name = "NAME")]
-    pub network: Option<String>,
+    pub(crate) network: Option<String>,
     /// Compute one map with this algorithm and its default settings, instead of the maps of the recorded scenario
-    #[arg(long, value_enum, value_name = "ALGORITHM")]
-    pub algorithm: Option<AlgorithmName>,
+    #[arg(long, value_parser = algorithms(), value_name = "ALGORITHM")]
+    pub(crate) algorithm: Option<AlgorithmName>,
     /// Compare the maps with the true positions in this CSV file, with columns node,x_m,y_m,z_m, or node,lat,lon,alt_m if
     /// the log has lat,lon. The default for a recording are the true positions in it
     #[arg(long, value_name = "nodes.csv")]
-    pub truth: Option<PathBuf>,
+    pub(crate) truth: Option<PathBuf>,
     /// Nodes have other names in the log or among the true positions: a CSV file with columns name,alias (a row 0x1005,4101 says
     /// that 4101 is 0x1005). The maps have the names
     #[arg(long, value_name = "names.csv")]
-    pub names: Option<PathBuf>,
+    pub(crate) names: Option<PathBuf>,
     /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order: one a
     /// row with columns x_m,y_m, or a GeoJSON polygon in metres. If the log has lat,lon, so has the file. Only for
     /// algorithms that use it
     #[arg(long, value_name = "FILE|x0,y0,x1,y1", allow_hyphen_values = true)]
-    pub area: Option<String>,
+    pub(crate) area: Option<String>,
     /// Nodes are near the stops: the probability of a place falls with its distance d to the nearest stop as
     /// exp(-d / METRES). Only for algorithms that use it
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
-    pub near_stops: Option<f64>,
+    pub(crate) near_stops: Option<f64>,
     /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern (why a position is
     /// unreliable: at-edge, unsettled or no-evidence), the entries of the covariance, if there is one, and lat,lon, if the
     /// log has them. A name that ends in .geojson gets GeoJSON. Each further map is written to MAP.NAME.csv in the same
     /// folder
     #[arg(long, value_name = "MAP.csv")]
-    pub out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Draw the survey, the maps with the 95 % regions of the nodes, the reception curves against the data, the residual of
     /// each stop and, if true positions are known, the distribution of the errors, to files in this folder. It is created
     /// if it does not exist
     #[arg(long, value_name = "DIR")]
-    pub figure: Option<PathBuf>,
+    pub(crate) figure: Option<PathBuf>,
     /// The format of the figures
     #[arg(long, value_enum, default_value_t, requires = "figure")]
-    pub figure_format: FileFormat,
+    pub(crate) figure_format: PictureFormat,
     /// Settings that override those of the maps.
     #[command(flatten)]
-    pub overrides: Overrides,
+    pub(crate) overrides: Overrides,
     /// Where the results go.
     #[command(flatten)]
-    pub results: Results,
+    pub(crate) results: Results,
     /// How the work is done.
     #[command(flatten)]
-    pub work: Work,
+    pub(crate) work: Work,
     /// How the log of a robot is read. This has headings of its own, which would hold for flags below.
     #[command(flatten)]
-    pub reading: Reading,
+    pub(crate) reading: Reading,
+}
+
+/// The values of `--algorithm`, each with its help.
+fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
+    let value = |algorithm: AlgorithmName| PossibleValue::new(algorithm.name()).help(algorithm.description());
+    PossibleValuesParser::new(AlgorithmName::ALL.map(value)).try_map(|name| name.parse::<AlgorithmName>())
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -116,8 +123,13 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     }
     input.prior =
         mapping::place_prior(arguments.area.as_deref(), arguments.near_stops, input.plane.as_ref(), &settings.maps)?;
-    let drawn = arguments.figure.as_ref().map(|folder| open_folder(folder).and_then(|()| mapping::drawn(&input)));
-    let drawn = drawn.transpose()?;
+    let drawn = match &arguments.figure {
+        Some(folder) => {
+            open_folder(folder)?;
+            Some(mapping::drawn(&input)?)
+        }
+        None => None,
+    };
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let (summary, maps) = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
@@ -150,12 +162,13 @@ fn write_figures(
     arguments: &Arguments,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
+    let format = arguments.figure_format.into();
     for figure in figures {
         if interrupt.is_requested() {
             return Err(Failure::Interrupted);
         }
-        let file = figure.path(folder, arguments.figure_format);
-        let bytes = figure.encode(arguments.figure_format).map_err(|error| Failure::unwritable(&file, &error))?;
+        let file = figure.path(folder, format);
+        let bytes = figure.encode(format).map_err(|error| Failure::unwritable(&file, &error))?;
         write_file(&file, &bytes)?;
         match arguments.results.printing.format {
             Format::Text => writeln!(io::stdout(), "{}", file.display())?,

@@ -1,18 +1,19 @@
 //! The command line: commands, flags and help texts, and the calls into the library.
 
-pub mod check;
-pub mod completions;
-pub mod figure;
-pub mod inspect;
-pub mod man;
-pub mod map;
-pub mod options;
-pub mod reading;
-pub mod recover;
-pub mod reproduce;
-pub mod run;
-pub mod schema;
-pub mod sweep;
+mod check;
+mod completions;
+mod figure;
+mod inspect;
+mod man;
+mod map;
+mod options;
+mod reading;
+mod recover;
+mod reproduce;
+mod run;
+mod schema;
+mod shared_outputs;
+mod sweep;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -26,15 +27,15 @@ use crate::interrupt::Interrupt;
 #[derive(Debug, Parser)]
 #[command(name = "sextant", version, max_term_width = 110)]
 #[command(after_help = "Exit codes: 0 done, 1 failed, 2 usage or bad input, 130 interrupted.")]
-pub struct Cli {
+pub(crate) struct Cli {
     /// The command.
     #[command(subcommand)]
-    pub command: Command,
+    pub(crate) command: Command,
 }
 
 /// A command.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Simulate a scenario, record it, and map the nodes
     Run(run::Arguments),
     /// Map the nodes from a recording of `run` or from the log of a real robot
@@ -60,7 +61,7 @@ pub enum Command {
 }
 
 /// Runs the command line `words`, of which the first is the name of the program.
-pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+pub(crate) fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(words) {
         Ok(cli) => cli,
         Err(error) => {

@@ -8,12 +8,13 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use crate::diagnostic::Failure;
-use crate::scenario::{Scenario, ScenarioErrors};
-use crate::summary::{self, Summary};
+use sextant::scenario::{Scenario, ScenarioErrors};
+use sextant::summary::{self, Summary};
+use sextant_figure::FileFormat;
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub(crate) enum Format {
     /// A table for people
     #[default]
     Text,
@@ -23,10 +24,10 @@ pub enum Format {
 
 /// How results are printed.
 #[derive(Clone, Copy, Debug, Args)]
-pub struct Printing {
+pub(crate) struct Printing {
     /// How results are printed
     #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    pub(crate) format: Format,
 }
 
 impl Printing {
@@ -47,15 +48,34 @@ impl Printing {
     }
 }
 
+/// The format of a picture file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PictureFormat {
+    /// Vector graphics
+    #[default]
+    Svg,
+    /// Pixels, 192 per inch
+    Png,
+}
+
+impl From<PictureFormat> for FileFormat {
+    fn from(format: PictureFormat) -> Self {
+        match format {
+            PictureFormat::Svg => Self::Svg,
+            PictureFormat::Png => Self::Png,
+        }
+    }
+}
+
 /// Where `run` and `map` write their results.
 #[derive(Clone, Debug, Args)]
-pub struct Results {
+pub(crate) struct Results {
     /// Also write the results to this file, as one JSON object
     #[arg(long, value_name = "FILE.json")]
-    pub summary: Option<PathBuf>,
+    pub(crate) summary: Option<PathBuf>,
     /// How results are printed.
     #[command(flatten)]
-    pub printing: Printing,
+    pub(crate) printing: Printing,
 }
 
 impl Results {
@@ -70,13 +90,13 @@ impl Results {
 
 /// Options of long work.
 #[derive(Clone, Copy, Debug, Args)]
-pub struct Work {
+pub(crate) struct Work {
     /// Number of threads [default: one per core]. The results do not depend on it
     #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
+    pub(crate) threads: Option<NonZeroUsize>,
     /// Print no progress bar and no notes
     #[arg(long)]
-    pub quiet: bool,
+    pub(crate) quiet: bool,
 }
 
 impl Work {
@@ -102,11 +122,11 @@ impl Work {
 
 /// Settings that override those of a scenario.
 #[derive(Clone, Debug, Args)]
-pub struct Overrides {
+pub(crate) struct Overrides {
     /// Override a setting: path.to.key=value, for example maps.0.algorithm.ml_tm.grid_step_m=0.5. The value is TOML;
     /// quotes around a text are optional. May be repeated
     #[arg(long, value_name = "K=V", value_parser = setting)]
-    pub set: Vec<String>,
+    pub(crate) set: Vec<String>,
 }
 
 /// Checks the form of a `--set` flag before any file is read.
@@ -119,21 +139,21 @@ fn setting(text: &str) -> Result<String, &'static str> {
 
 /// The scenario to run, and the flags that override it.
 #[derive(Clone, Debug, Args)]
-pub struct ScenarioSource {
+pub(crate) struct ScenarioSource {
     /// The scenario file
     #[arg(value_name = "SCENARIO.toml")]
-    pub scenario: PathBuf,
+    pub(crate) scenario: PathBuf,
     /// Random seed; overrides that of the scenario. In a sweep, the seed of the first run of each cell
     #[arg(long, value_name = "N")]
-    pub seed: Option<u64>,
+    pub(crate) seed: Option<u64>,
     /// Settings that override those of the scenario.
     #[command(flatten)]
-    pub overrides: Overrides,
+    pub(crate) overrides: Overrides,
 }
 
 impl ScenarioSource {
     /// Reads and checks the scenario.
     pub(super) fn load(&self) -> Result<Scenario, ScenarioErrors> {
-        Scenario::load(&self.scenario, &self.overrides.set, self.seed)
+        Scenario::load_with(&self.scenario, &self.overrides.set, self.seed)
     }
 }

@@ -8,24 +8,25 @@ use clap::Args;
 use super::options::Printing;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::recording;
+use sextant_recording::{recover, unfinished_copy};
 
 /// Arguments of `sextant recover`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The broken recording; RUN.mcap.part after a crash
     #[arg(value_name = "BROKEN.mcap")]
-    pub broken: PathBuf,
+    pub(crate) broken: PathBuf,
     /// The recording to write
     #[arg(long, value_name = "GOOD.mcap")]
-    pub out: PathBuf,
+    pub(crate) out: PathBuf,
     /// How results are printed.
     #[command(flatten)]
-    pub printing: Printing,
+    pub(crate) printing: Printing,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
-    let recovery = recording::recover(&arguments.broken, &arguments.out, interrupt)?;
+    let _temporary = interrupt.temporary(&unfinished_copy(&arguments.out));
+    let recovery = recover(&arguments.broken, &arguments.out, interrupt)?;
     let (messages, out) = (recovery.messages, arguments.out.display());
     let text = match &recovery.damage {
         Some(damage) => format!(

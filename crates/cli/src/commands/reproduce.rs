@@ -10,36 +10,38 @@ use serde_json::{Value, json};
 use super::options::{Format, Printing, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::reproduce::{
-    Experiment, Line, Runs, experiments, write_csv, write_figures, write_pictures, write_scenarios,
+use crate::terminal::Watcher;
+use sextant::columns::{Align, columns};
+use sextant::sweep::write_table;
+use sextant_kernel::text::counted;
+use sextant_thesis::{
+    Experiment, Line, ReproductionError, Runs, experiments, write_csv, write_figures, write_pictures, write_scenarios,
 };
-use crate::sweep::write_table;
-use crate::text::{Align, columns, counted};
 
 /// Arguments of `sextant reproduce`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Numbers of tables or figures, as listed by `--list`
     #[arg(value_name = "ID", required_unless_present_any = ["all", "list"])]
-    pub ids: Vec<String>,
+    pub(crate) ids: Vec<String>,
     /// Reproduce all tables and figures
     #[arg(long, conflicts_with = "ids")]
-    pub all: bool,
+    pub(crate) all: bool,
     /// List the tables and figures, and the scenarios that they run
     #[arg(long)]
-    pub list: bool,
+    pub(crate) list: bool,
     /// Runs of each scenario, with the seeds 1, 2, ..
     #[arg(long, value_name = "N", default_value = "10")]
-    pub runs: NonZeroU32,
+    pub(crate) runs: NonZeroU32,
     /// The folder for tables, figures and the scenarios that were run. It is created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "reproduction")]
-    pub out: PathBuf,
+    pub(crate) out: PathBuf,
     /// How results are printed.
     #[command(flatten)]
-    pub printing: Printing,
+    pub(crate) printing: Printing,
     /// How the work is done.
     #[command(flatten)]
-    pub work: Work,
+    pub(crate) work: Work,
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {
@@ -50,6 +52,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let experiments = chosen(arguments)?;
     arguments.work.start_threads()?;
     let _keeper = interrupt.keep();
+    let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let out = &arguments.out;
     let scenarios = out.join("scenarios");
     write_scenarios(&scenarios)?;
@@ -58,7 +61,8 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let mut outcome = Ok(());
     for experiment in &experiments {
         let tell = |size: &str| arguments.work.note(&format!("{}: {size}", experiment.id));
-        let new = runs.make(&experiment.scenarios(), tell, interrupt, arguments.work.quiet);
+        let new = runs.make(&experiment.scenarios(), tell, &watcher);
+        watcher.clear();
         write_runs(&runs, &experiment.scenarios(), out)?;
         let new = match new {
             Ok(new) => new,
@@ -83,7 +87,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         Format::Text => writeln!(stdout, "tables, figures and scenarios: {}", out.display())?,
         Format::Json => writeln!(stdout, "{:#}", json(&finished, arguments.runs))?,
     }
-    if matches!(outcome, Err(Failure::Interrupted)) {
+    if matches!(outcome, Err(ReproductionError::Interrupted(_))) {
         let (done, all) = (finished.len(), counted(experiments.len(), "experiment"));
         arguments
             .work

@@ -7,34 +7,37 @@ use clap::Args;
 use super::options::{Results, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::output::reject_shared;
-use crate::run::{self, Request};
+use sextant::run::{RunCapture, RunRecorder, run};
+
+use super::shared_outputs::reject_shared;
+use crate::progress::RunProgress;
+use crate::terminal::Watcher;
 
 /// Arguments of `sextant run`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The scenario.
     #[command(flatten)]
-    pub source: ScenarioSource,
+    pub(crate) source: ScenarioSource,
     /// The recording to write [default: SCENARIO.mcap in the working folder]
     #[arg(long, value_name = "RUN.mcap")]
-    pub out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Also write frames to this file, for Wireshark: all frames on air, or only those that one robot receives if the
     /// scenario names it in recording.pcap.robot
     #[arg(long, value_name = "FILE.pcap")]
-    pub pcap: Option<PathBuf>,
+    pub(crate) pcap: Option<PathBuf>,
     /// Where the results go.
     #[command(flatten)]
-    pub results: Results,
+    pub(crate) results: Results,
     /// How the work is done.
     #[command(flatten)]
-    pub work: Work,
+    pub(crate) work: Work,
 }
 
 impl Arguments {
     /// The file of the recording.
     #[must_use]
-    pub fn recording(&self) -> PathBuf {
+    pub(crate) fn recording(&self) -> PathBuf {
         let default = || PathBuf::from(self.source.scenario.file_name().unwrap_or_default()).with_extension("mcap");
         self.out.clone().unwrap_or_else(default)
     }
@@ -49,8 +52,14 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ("--summary", arguments.results.summary.as_ref()),
         ("--pcap", arguments.pcap.as_ref()),
     ])?;
-    let request = Request { recording: &recording, pcap: arguments.pcap.as_deref(), quiet: arguments.work.quiet };
-    let summary = run::record(&scenario, request, interrupt)?;
-    arguments.results.tell(&summary)?;
+    let _keeper = interrupt.keep();
+    let watcher = Watcher::new(interrupt, arguments.work.quiet);
+    let recorder = RunRecorder::new(&recording);
+    let capture = arguments.pcap.as_deref().map(RunCapture::new);
+    let mut observer = (recorder, (capture, RunProgress::new(&watcher, arguments.work.quiet)));
+    let run = run(&scenario, &mut observer, &watcher)?;
+    watcher.clear();
+    let summary = run.summary();
+    arguments.results.tell(summary)?;
     if summary.interrupted { Err(Failure::Interrupted) } else { Ok(()) }
 }

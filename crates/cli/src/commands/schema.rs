@@ -6,7 +6,7 @@ use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
 use crate::diagnostic::Failure;
-use crate::scenario::ScenarioConfig;
+use sextant::scenario::ScenarioConfig;
 
 pub(crate) fn execute() -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();

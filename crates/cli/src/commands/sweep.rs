@@ -10,44 +10,46 @@ use serde_json::{Map, Value, json};
 use super::options::{Format, Printing, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
-use crate::summary::{Measure, measures};
-use crate::sweep::{Column, Plan, Row, Shard, TableFormat, clear_parts, run, write_table};
-use crate::text::{Align, columns, counted};
+use crate::terminal::Watcher;
+use sextant::columns::{Align, columns};
+use sextant::summary::{Measure, measures};
+use sextant::sweep::{Column, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, run, write_table};
+use sextant_kernel::text::counted;
 
 /// Arguments of `sextant sweep`.
 #[derive(Clone, Debug, Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The scenario; its table `[sweep]` lists the settings that vary.
     #[command(flatten)]
-    pub source: ScenarioSource,
+    pub(crate) source: ScenarioSource,
     /// The table to write, TABLE.csv or TABLE.parquet, with one row per cell and run [default: SCENARIO.csv in the
     /// working folder]
     #[arg(long, value_name = "TABLE")]
-    pub out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Runs of each cell, with the seeds seed, seed + 1, ..; overrides that of the scenario
     #[arg(long, value_name = "N")]
-    pub runs: Option<NonZeroU32>,
+    pub(crate) runs: Option<NonZeroU32>,
     /// Do only part I of N of the work (I from 1 to N). The tables of all parts together have all rows
     #[arg(long, value_name = "I/N", default_value = "1/1")]
-    pub shard: Shard,
+    pub(crate) shard: Shard,
     /// Continue a sweep that was interrupted
     #[arg(long)]
-    pub resume: bool,
+    pub(crate) resume: bool,
     /// Print the plan, and run nothing
     #[arg(long)]
-    pub dry_run: bool,
+    pub(crate) dry_run: bool,
     /// How results are printed.
     #[command(flatten)]
-    pub printing: Printing,
+    pub(crate) printing: Printing,
     /// How the work is done.
     #[command(flatten)]
-    pub work: Work,
+    pub(crate) work: Work,
 }
 
 impl Arguments {
     /// The file of the table.
     #[must_use]
-    pub fn table(&self) -> PathBuf {
+    pub(crate) fn table(&self) -> PathBuf {
         let default = || {
             let mut name = self.source.scenario.file_stem().unwrap_or_default().to_owned();
             name.push(self.shard.suffix());
@@ -62,19 +64,22 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     arguments.work.start_threads()?;
     let (source, out) = (&arguments.source, arguments.table());
     TableFormat::of(&out)?;
-    let plan = Plan::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
+    let plan = Sweep::read(&source.scenario, &source.overrides.set, source.seed, arguments.runs)?;
     let mut stdout = io::stdout().lock();
     if arguments.dry_run {
         return Ok(print_plan(&plan, &out, &mut stdout)?);
     }
-    let rows = match run(&plan, arguments.shard, &out, arguments.resume, interrupt, arguments.work.quiet) {
-        Err(Failure::Interrupted) => {
+    let _keeper = interrupt.keep();
+    let watcher = Watcher::new(interrupt, arguments.work.quiet);
+    let rows = run(&plan, arguments.shard, &out, arguments.resume, &watcher);
+    watcher.clear();
+    let rows = match rows {
+        Err(SweepError::Interrupted(_)) => {
             arguments.work.note("finished runs are kept; continue with --resume");
             return Err(Failure::Interrupted);
         }
         other => other?,
     };
-    let _keeper = interrupt.keep();
     write_table(&out, &plan, &rows)?;
     clear_parts(&out)?;
     let results = Results { plan: &plan, rows: &rows };
@@ -85,7 +90,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     Ok(())
 }
 
-fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
+fn print_plan(plan: &Sweep, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
     let runs = plan.runs() as usize;
     let last_seed = plan.seed().wrapping_add(u64::from(plan.runs()) - 1);
     writeln!(
@@ -99,7 +104,7 @@ fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()
     )?;
     writeln!(stdout, "table: {}\n", out.display())?;
     for (i, cell) in plan.cells().iter().enumerate() {
-        let flags: Vec<_> = cell.settings.iter().map(|setting| setting.flag()).collect();
+        let flags: Vec<_> = cell.settings.iter().map(|setting| setting.line()).collect();
         writeln!(stdout, "{i:>4}  {}", if flags.is_empty() { "as written".to_owned() } else { flags.join("  ") })?;
     }
     Ok(())
@@ -107,7 +112,7 @@ fn print_plan(plan: &Plan, out: &Path, stdout: &mut impl Write) -> io::Result<()
 
 /// The rows of a sweep, summarised for each cell.
 struct Results<'a> {
-    plan: &'a Plan,
+    plan: &'a Sweep,
     rows: &'a [Row],
 }
 
@@ -218,7 +223,7 @@ fn shortened(keys: &[Column]) -> impl Iterator<Item = String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::Kind;
+    use sextant::sweep::Kind;
 
     #[test]
     fn keys_are_shortened_but_stay_distinct() {

@@ -8,8 +8,8 @@ mod searching;
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use sextant::recording::{inspect, read_drawn, read_run};
 use sextant_kernel::SimTime;
+use sextant_recording::{inspect, read_drawn, read_run};
 use tempfile::TempDir;
 
 use crate::program::sextant;

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use sextant::robot_log::{self, BagClock, FieldNames, ReadOptions, RobotLog};
+use sextant_logs::{self as robot_log, BagClock, FieldNames, ReadOptions, RobotLog};
 
 use super::drive::{assert_holds, kept, map, options, unwrapped};
 

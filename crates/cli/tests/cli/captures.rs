@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use sextant::robot_log::{self, ReadOptions, RobotLog};
+use sextant_logs::{self as robot_log, ReadOptions, RobotLog};
 
 use super::drive::{assert_holds, kept, map, options, path_csv, unwrapped};
 use super::pcap::tshark;

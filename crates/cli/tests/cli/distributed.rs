@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 use serde_json::Value;
-use sextant::recording::{DrawnRole, inspect, read_drawn};
+use sextant_recording::{DrawnRole, inspect, read_drawn};
 use tempfile::TempDir;
 
 use crate::program::sextant;

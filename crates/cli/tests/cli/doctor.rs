@@ -8,8 +8,8 @@ use std::path::Path;
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use serde_json::Value;
-use sextant::robot_log::{self, PacketDelay, ReadOptions, RobotLog};
 use sextant_kernel::{Purpose, Seed};
+use sextant_logs::{self as robot_log, PacketDelay, ReadOptions, RobotLog};
 use tempfile::TempDir;
 
 use super::drive::{kept, unwrapped};

@@ -8,7 +8,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use sextant::robot_log::{ReadOptions, RobotLog, StopRule};
+use sextant_logs::{ReadOptions, RobotLog, StopRule};
 
 /// The seconds in which each node is heard, two times each.
 const HEARD: [&[u32]; 3] = [&[0, 1, 2, 3, 4, 5], &[1, 2, 3, 4], &[2]];

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sextant::recording::{FileRecorder, GridPlane, Origin, PlacedNode, Solid};
 use sextant_channel::{Contact, Obstacle, ObstacleConfig, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_recording::{FileRecorder, GridPlane, Origin, PlacedNode, Solid};
 use tempfile::TempDir;
 
 const NODES: u32 = 40;

@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant::robot_log::{self, FieldNames, FormOptions, Names, ReadOptions, RobotLog, StopRule};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
+use sextant_logs::{self as robot_log, FieldNames, FormOptions, Names, ReadOptions, RobotLog, StopRule};
 use tempfile::TempDir;
 
 use super::drive::{map, unwrapped};

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Child, ChildStderr, Command, Output};
 use std::time::{Duration, Instant};
 
-use sextant::recording;
+use sextant_recording as recording;
 use tempfile::TempDir;
 
 use crate::program::{scenario, sextant, signal, summary};

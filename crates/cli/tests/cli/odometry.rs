@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use foxglove::messages::{FrameTransform, PoseInFrame, Vector3};
 use prost::Message;
 use serde_json::Value;
-use sextant::recording::{read_drawn, read_log};
 use sextant_channel::Position;
+use sextant_recording::{read_drawn, read_log};
 
 use crate::program::{scenario, sextant, summary};
 

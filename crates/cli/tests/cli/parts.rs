@@ -5,8 +5,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use sextant::robot_log::{self, FormOptions, LocalPlane, ReadOptions, RobotLog, StopRule};
 use sextant_channel::Position;
+use sextant_logs::{self as robot_log, FormOptions, LocalPlane, ReadOptions, RobotLog, StopRule};
 use tempfile::TempDir;
 
 use super::drive::{assert_holds, kept, map, options, path_csv, unwrapped};

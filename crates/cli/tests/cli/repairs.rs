@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use sextant::robot_log::{self, FormOptions, PacketDelay, ReadOptions, RepairOptions, RobotLog, StopRule};
+use sextant_logs::{self as robot_log, FormOptions, PacketDelay, ReadOptions, RepairOptions, RobotLog, StopRule};
 use tempfile::TempDir;
 
 fn folder(files: &[(&str, &str)]) -> TempDir {

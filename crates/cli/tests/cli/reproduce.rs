@@ -18,7 +18,7 @@ fn the_list_names_each_experiment() {
     let output = reproduce(&["--list"], &folder);
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    for experiment in sextant::reproduce::experiments() {
+    for experiment in sextant_thesis::experiments() {
         let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id));
         let line = line.unwrap_or_else(|| panic!("{} is missing in:\n{text}", experiment.id));
         assert!(line.contains(experiment.title), "{line}");
@@ -37,7 +37,7 @@ fn an_experiment_writes_its_table_and_the_scenarios() {
     let out = folder.path().join("here");
     let table = std::fs::read_to_string(out.join("3.2.csv")).unwrap();
     assert!(table.starts_with("what,published,unit,mean,half_width_95,runs,result,source\n"), "{table}");
-    for (name, text) in sextant::reproduce::SHIPPED {
+    for (name, text) in sextant_thesis::SHIPPED {
         assert_eq!(std::fs::read_to_string(out.join("scenarios").join(name)).unwrap(), *text);
     }
 }

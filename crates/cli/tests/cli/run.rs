@@ -5,7 +5,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use serde_json::Value;
-use sextant::recording;
+use sextant_recording as recording;
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 

@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use serde_json::Value;
-use sextant::recording::{inspect, read_log, recover};
-use sextant::robot_log;
+use sextant_logs as robot_log;
+use sextant_recording::{inspect, read_log, recover};
 use tempfile::TempDir;
 
 use crate::pcap::tshark::{dissect, tshark};
@@ -223,7 +223,7 @@ fn the_logs_of_two_networks_are_recorded_and_mapped_by_name() {
     assert_eq!(of("zigbee"), pairs(zigbee));
 
     let copy = folder.path().join("copy.mcap");
-    recover(&path, &copy, &sextant::interrupt::Interrupt::default()).unwrap();
+    recover(&path, &copy, &sextant_kernel::Unwatched).unwrap();
     assert_eq!(read_log(&copy).unwrap().other_logs, recorded.other_logs);
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use sextant::recording::{Drawn, SUMMARY_ATTACHMENT, Sensation, read_drawn, read_log, read_run};
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
+use sextant_recording::{Drawn, SUMMARY_ATTACHMENT, Sensation, read_drawn, read_log, read_run};
 use tempfile::TempDir;
 
 use crate::program::{scenario, sextant};

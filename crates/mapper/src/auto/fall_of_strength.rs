@@ -88,7 +88,7 @@ impl FallOfStrength {
             }
             None => self.all,
         };
-        crate::normal::density((rssi_dbm - mean) / deviation_db) / deviation_db
+        crate::numerics::normal::density((rssi_dbm - mean) / deviation_db) / deviation_db
     }
 }
 

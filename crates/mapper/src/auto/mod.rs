@@ -6,7 +6,9 @@ mod folds;
 mod predict;
 mod score;
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
@@ -14,7 +16,7 @@ use sextant_kernel::{SettingError, Watch};
 use self::folds::{Fold, Folds};
 use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
-use crate::reach::{heard_nodes, reach_m};
+use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::{
     Calibration, EstimateKind, Fit, FittedConfig, FittedMlTm, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig,
     MapError, MlTmConfig, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated,
@@ -22,13 +24,14 @@ use crate::{
 };
 
 /// The choice of an estimator as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct AutoConfig {
     /// Whether signal strengths are used where the log has them.
     pub rssi: bool,
     /// Lowest and highest height of a node (m). If absent, nodes are at the height of the stops if these are nearly level.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
 }
 

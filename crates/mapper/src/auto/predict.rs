@@ -7,7 +7,7 @@ use super::fall_of_strength::FallOfStrength;
 use super::folds::{Fold, Pair};
 use super::score::Predicted;
 use crate::link_model::{LinkFit, Placed, Predictor};
-use crate::normal::{below, quantile};
+use crate::numerics::normal::{below, quantile};
 use crate::{Calibration, Estimate, TopologyMap};
 
 /// The nodes of a Gauss-Hermite rule along an axis, in standard deviations, and their weights.

@@ -1,6 +1,8 @@
 //! APIT (He et al. 2003): finds the triangles of anchors that hold a node, by comparison with its neighbours.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::{NodeId, SettingError, Watch};
@@ -9,12 +11,13 @@ use super::centroid::weighted_mean;
 use super::graph::Graph;
 use super::heard_anchors::{HeardAnchor, HeardAnchors};
 use super::{check_link_share, default_link_share, node_by_node};
-use crate::lattice::whole;
+use crate::numerics::whole;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// APIT as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct ApitConfig {
     /// Distance between neighbouring grid points (m).
     pub grid_step_m: f64,

@@ -1,18 +1,21 @@
 //! Centroids of the anchors that a node heard (Bulusu, Heidemann and Estrin 2000), plain and weighted.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
-use super::ranging::{Ranging, RangingConfig};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The centroid as written in a scenario: it has no settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct CentroidConfig {}
 
 /// The centroid of all anchors that a node heard. A node that heard none is not placed. Anchors keep their known
@@ -38,8 +41,9 @@ impl Centroid {
 }
 
 /// The weighted centroid as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct WeightedCentroidConfig {
     /// How signal strengths become distances.
     pub ranging: RangingConfig,

@@ -1,6 +1,8 @@
 //! DR-MDS (Peng and Li 2014), reconstructed: scaling of distances that are straight over two hops.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{SettingError, Watch};
 
@@ -9,14 +11,15 @@ use super::graph::Graph;
 use super::hop_distance::NeighbourRanges;
 use super::mds::classical_mds;
 use super::mds_map::of_parts;
-use super::ranging::{Ranging, RangingConfig};
 use super::smacof::{Dissimilarity, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DR-MDS as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DrMdsConfig {
     /// How signal strengths between neighbours become distances.
     pub ranging: RangingConfig,
@@ -28,7 +31,7 @@ pub struct DrMdsConfig {
     pub link_share: f64,
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub dimensions: Option<u8>,
 }
 
@@ -122,5 +125,5 @@ fn usual_reach_m(pairs: &[Dissimilarity]) -> f64 {
     let mut distances_m: Vec<f64> = pairs.iter().map(|pair| pair.distance_m).collect();
     distances_m.sort_unstable_by(f64::total_cmp);
     let last = distances_m.len().saturating_sub(1) as f64;
-    distances_m.get(crate::lattice::whole(APART * last)).copied().unwrap_or(0.0)
+    distances_m.get(crate::numerics::whole(APART * last)).copied().unwrap_or(0.0)
 }

@@ -1,19 +1,22 @@
 //! DV-Hop (Niculescu and Nath 2003): hops to anchors times the mean length of a hop, then multilateration.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Anchor;
 use sextant_kernel::{SettingError, Watch};
 
 use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
-use crate::lateration::{Range, multilaterate};
-use crate::memory::check_table;
+use crate::comparators::lateration::{Range, multilaterate};
+use crate::numerics::memory::check_table;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// DV-Hop as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct DvHopConfig {
     /// How an anchor computes the length of a hop.
     pub hop_length: HopLength,
@@ -22,8 +25,9 @@ pub struct DvHopConfig {
 }
 
 /// How an anchor computes the length of a hop from its distances and hops to the other anchors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum HopLength {
     /// Sum of the distances divided by the sum of the hops.
     #[default]

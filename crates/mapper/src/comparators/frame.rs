@@ -1,6 +1,8 @@
 //! The frames of maps of hops and ranges.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
@@ -8,8 +10,9 @@ use sextant_kernel::NodeId;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// What a map without a frame of its own is aligned to, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum FrameConfig {
     /// The anchors, by the similarity that fits them best. Parts of the network that have fewer anchors than the
     /// number of dimensions plus two are not mapped.

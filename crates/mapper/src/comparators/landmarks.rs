@@ -1,6 +1,8 @@
 //! Nodes from which hops are counted.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
 
@@ -9,8 +11,9 @@ use crate::purpose;
 use super::graph::{Graph, UNREACHED};
 
 /// How to choose the nodes from which hops are counted, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum LandmarksConfig {
     /// One after the other; each is as many hops as possible from those before.
     FarthestPoints(CountConfig),
@@ -24,8 +27,9 @@ pub enum LandmarksConfig {
 }
 
 /// How many nodes, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct CountConfig {
     /// Nodes in each connected part of the network: 4 or more.
     pub count: usize,
@@ -38,8 +42,9 @@ impl Default for CountConfig {
 }
 
 /// Extreme node search, as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct ExtremeConfig {
     /// Hops within which a node's coordinate must be the highest or the lowest: 1 or more.
     pub hops: u32,

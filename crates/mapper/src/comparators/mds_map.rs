@@ -1,7 +1,9 @@
 //! MDS-MAP (Shang et al. 2003): classical scaling of hop counts between all pairs of nodes.
 
 use nalgebra::DMatrix;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
@@ -10,12 +12,13 @@ use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
-use crate::memory::check_table;
+use crate::numerics::memory::check_table;
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// MDS-MAP as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct MdsMapConfig {
     /// What the map is aligned to.
     pub frame: FrameConfig,
@@ -23,7 +26,7 @@ pub struct MdsMapConfig {
     pub link_share: f64,
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub dimensions: Option<u8>,
 }
 

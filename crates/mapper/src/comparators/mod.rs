@@ -10,11 +10,11 @@ mod graph;
 mod heard_anchors;
 mod hop_distance;
 mod landmarks;
+pub mod lateration;
 mod mds;
 mod mds_map;
 mod ntldv_hop;
-mod ranging;
-mod rss_grid;
+mod packet_centroid;
 mod rss_ml;
 mod smacof;
 mod strengths;
@@ -24,7 +24,7 @@ mod triangle_centroid;
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
-use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{Knowledge, KnowledgeKind, MapError, RssGrid, TopologyMap};
 
 pub use apit::{Apit, ApitConfig};
 pub use centroid::{Centroid, CentroidConfig, WeightedCentroid, WeightedCentroidConfig};
@@ -34,8 +34,7 @@ pub use frame::FrameConfig;
 pub use landmarks::{CountConfig, ExtremeConfig, LandmarksConfig};
 pub use mds_map::{MdsMap, MdsMapConfig};
 pub use ntldv_hop::{NtldvHop, NtldvHopConfig};
-pub use ranging::{Ranging, RangingConfig};
-pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
+pub use packet_centroid::{PacketCentroid, PacketCentroidConfig};
 pub use rss_ml::{RssMl, RssMlConfig};
 pub use smacof::{Smacof, SmacofConfig};
 pub use strengths::{

@@ -1,6 +1,8 @@
 //! NTLDV-HOP (Chen et al. 2014), reconstructed: DV-Hop in space with the usual improvements.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{SettingError, Watch};
@@ -8,13 +10,14 @@ use sextant_kernel::{SettingError, Watch};
 use super::dv_hop::{HopLength, hop_length_m};
 use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
-use crate::lateration::{Range, multilaterate_linear, refine};
-use crate::memory::check_table;
+use crate::comparators::lateration::{Range, multilaterate_linear, refine};
+use crate::numerics::memory::check_table;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct NtldvHopConfig {
     /// How an anchor computes the length of a hop.
     pub hop_length: HopLength,

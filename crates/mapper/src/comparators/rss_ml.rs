@@ -1,19 +1,22 @@
 //! Cooperative maximum likelihood on signal strengths (Patwari et al. 2003): all places at once.
 
 use nalgebra::{Matrix3, Vector3};
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Link, Position};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use super::centroid::weighted_mean;
-use super::ranging::{Ranging, RangingConfig};
-use crate::least_squares::{Damping, LeastSquares, minimum};
+use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// Cooperative maximum likelihood as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RssMlConfig {
     /// How power falls with distance.
     pub ranging: RangingConfig,

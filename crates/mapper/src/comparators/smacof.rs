@@ -1,7 +1,9 @@
 //! SMACOF (de Leeuw 1977): stress majorisation of ranges between neighbours.
 
 use nalgebra::{DMatrix, Dyn, linalg::Cholesky};
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{NeighbourLog, Position};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
@@ -9,13 +11,14 @@ use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 use super::frame::FrameConfig;
 use super::graph::Graph;
 use super::mds_map::{of_parts, scaled};
-use super::ranging::{Ranging, RangingConfig};
 use super::{Dimensions, check_link_share, default_link_share};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// SMACOF as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct SmacofConfig {
     /// How signal strengths between neighbours become distances.
     pub ranging: RangingConfig,
@@ -29,7 +32,7 @@ pub struct SmacofConfig {
     pub link_share: f64,
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub dimensions: Option<u8>,
 }
 

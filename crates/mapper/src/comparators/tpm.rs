@@ -2,7 +2,9 @@
 //! few of them.
 
 use nalgebra::DMatrix;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Seed, SettingError, Watch};
@@ -11,30 +13,32 @@ use super::eigenpairs::{self, SPARE};
 use super::graph::{Graph, UNREACHED};
 use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
-use crate::memory::check_table;
+use crate::numerics::memory::check_table;
 use crate::purpose;
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The topology-preserving map as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct TpmConfig {
     /// The nodes from which hops are counted.
     pub landmarks: LandmarksConfig,
     /// The hop counts from which the axes of the map are computed.
     pub axes: AxesConfig,
     /// Least share of each other's packets that both nodes of a link must have received; above 0, at most 1.
-    #[serde(default = "default_link_share")]
+    #[cfg_attr(feature = "config", serde(default = "default_link_share"))]
     pub link_share: f64,
     /// Dimensions of the map, 2 or 3. If absent: 2 if all anchors have the same height, otherwise 3. Without anchors,
     /// the heights of the stops decide.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub dimensions: Option<u8>,
 }
 
 /// The hop counts from which the axes of a map are computed, as written in a scenario.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AxesConfig {
     /// Those of all nodes.
     #[default]

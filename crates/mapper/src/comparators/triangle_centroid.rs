@@ -1,7 +1,9 @@
 //! RSSI triangle centroid: circles round the strongest anchors, three by three. Reconstructed from descriptions in
 //! later work. How the original smoothed signal strengths is not known.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
@@ -9,13 +11,14 @@ use sextant_kernel::{SettingError, Watch};
 use super::centroid::weighted_mean;
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
-use super::ranging::{Ranging, RangingConfig};
-use crate::lateration::{Range, multilaterate_linear};
+use crate::comparators::lateration::{Range, multilaterate_linear};
+use crate::ranging::{Ranging, RangingConfig};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The RSSI triangle centroid as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct TriangleCentroidConfig {
     /// How signal strengths become distances.
     pub ranging: RangingConfig,
@@ -28,8 +31,9 @@ pub struct TriangleCentroidConfig {
 }
 
 /// How the triangles of a node are averaged.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum TriangleWeights {
     /// All triangles have the same weight.
     #[default]

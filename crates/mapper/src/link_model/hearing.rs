@@ -9,8 +9,8 @@ use super::links::{Link, Links, NodeLinks};
 use super::losses::{CountTables, Losses, counts, table};
 use super::receiver::Receiver;
 use super::tables::{STEP, TABLES};
-use crate::normal::density;
-use crate::reach::median;
+use crate::log_facts::reach::median;
+use crate::numerics::normal::density;
 
 /// How margins become packets and strengths.
 #[derive(Clone, Debug)]

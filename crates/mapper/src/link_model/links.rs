@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::reach::{HeardNode, heard_nodes, reach_m};
+use crate::log_facts::reach::{HeardNode, heard_nodes, reach_m};
 
 /// A node is tied to at most about this many places.
 const PLACES_PER_NODE: f64 = 220.0;

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use super::links::{Link, Links};
 use super::tables::TABLES;
-use crate::normal::{below, density};
+use crate::numerics::normal::{below, density};
 
 /// More packets than this say no more of a margin than so many of the same share.
 const MOST_PACKETS: u32 = 48;

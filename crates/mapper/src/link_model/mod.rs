@@ -17,13 +17,15 @@ mod tables;
 mod window;
 
 use rayon::prelude::*;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
-use crate::heights::check_z_range;
-use crate::normal::below;
+use crate::log_facts::heights::check_z_range;
+use crate::numerics::normal::below;
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
 use fit::Found;
 use hearing::Hearing;
@@ -37,13 +39,14 @@ pub use receiver::Receiver;
 use window::Window;
 
 /// The link model as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct LinkModelConfig {
     /// Whether signal strengths are used where the log has them.
     pub rssi: bool,
     /// Lowest and highest height of a node (m). If absent, nodes are at the height of the stops if these are nearly level.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
 }
 
@@ -65,8 +68,9 @@ pub struct LinkModel {
 }
 
 /// Which measurements a map used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize))]
+#[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum LinkEvidence {
     /// How many packets were received.
     Packets,

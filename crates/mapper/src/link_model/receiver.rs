@@ -3,7 +3,7 @@
 use super::links::Link;
 use super::losses::Losses;
 use super::tables::{LOWEST, TABLES};
-use crate::normal::{below, density};
+use crate::numerics::normal::{below, density};
 
 /// Above this margin a link loses no packet because of its power, and a strength tells the margin as it is.
 const STRONG: f64 = 8.0;

@@ -4,7 +4,7 @@ use super::hearing::Hearing;
 use super::links::Link;
 pub(super) use super::receiver::Site;
 use super::tables::{LOWEST, MARGINS, STEP, TABLES};
-use crate::normal::{below, density};
+use crate::numerics::normal::{below, density};
 
 /// Distance of margins beyond the tables, and how far from a prediction they go, in its deviations.
 const BEYOND: f64 = 0.25;

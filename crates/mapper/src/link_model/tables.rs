@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::normal::{below, density};
+use crate::numerics::normal::{below, density};
 
 /// Margins for which likelihoods are computed: the lowest, the distance between two, and their number.
 pub(super) const LOWEST: f64 = -8.0;

@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 
 use super::links::{Links, NodeLinks};
-use crate::reach::median;
+use crate::log_facts::reach::median;
 use crate::{HeightReason, PlacePrior, SoughtHeights};
 
 /// Length over which the density of nodes falls outside the box of the places, as a share of its diagonal.
@@ -157,7 +157,7 @@ impl Bounds {
     fn cells(&self, count: f64) -> ([usize; 3], f64) {
         let widths = self.widths();
         let step_m = step_m(widths, count);
-        (widths.map(|width| crate::lattice::whole((width / step_m).round()).max(1)), step_m)
+        (widths.map(|width| crate::numerics::whole((width / step_m).round()).max(1)), step_m)
     }
 
     /// The vertices of a grid in the box, about `count` in number, each in the middle of its cell, and the step (m).

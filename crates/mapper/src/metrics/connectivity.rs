@@ -5,7 +5,7 @@ use sextant_kernel::{Interrupted, Watch};
 
 use super::ellipse::{Affine, Axes};
 use super::error::MetricError;
-use crate::cells::CellIndex;
+use crate::numerics::cells::CellIndex;
 
 /// How a neighbourhood, which is a ball on the ground, is transferred to the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,11 +1,13 @@
 //! How far the mapped nodes are from their true places.
 
+#[cfg(feature = "config")]
 use serde::Serialize;
 use sextant_channel::Position;
 
 /// Distribution of the distance between true and mapped places (m). Quantiles between two nodes are
 /// interpolated linearly.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize))]
 pub struct PositionError {
     /// Mean (m).
     pub mean: f64,
@@ -31,7 +33,7 @@ impl PositionError {
         let (count, last) = (sorted.len() as f64, (sorted.len() - 1) as f64);
         let quantile = |share: f64| {
             let place = share * last;
-            let below = crate::lattice::whole(place);
+            let below = crate::numerics::whole(place);
             let above = (below + 1).min(sorted.len() - 1);
             sorted[below] + place.fract() * (sorted[above] - sorted[below])
         };

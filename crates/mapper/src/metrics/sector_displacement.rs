@@ -2,12 +2,14 @@
 
 use std::f64::consts::TAU;
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 
 use super::error::MetricError;
-use crate::cells::CellIndex;
+use crate::numerics::cells::CellIndex;
 
 /// How sector displacement is measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +44,9 @@ pub enum SectorDistance {
 }
 
 /// The displacement of a node from those of its neighbours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum NodeDisplacement {
     /// The median; of two in the middle, the lower one.
     #[default]
@@ -154,7 +157,7 @@ pub fn sector_displacement(
 pub fn sector_of(apart: Position, orientation_rad: f64, sectors: u32) -> u32 {
     let width = TAU / f64::from(sectors);
     let from_first = libm::atan2(apart.y_m, apart.x_m) - orientation_rad + 0.5 * width;
-    let index = crate::lattice::whole(from_first.rem_euclid(TAU) / width);
+    let index = crate::numerics::whole(from_first.rem_euclid(TAU) / width);
     u32::try_from(index).unwrap_or(0) % sectors
 }
 

@@ -3,8 +3,8 @@
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
 
-use crate::cells::CellIndex;
-use crate::lattice::whole;
+use crate::numerics::cells::CellIndex;
+use crate::numerics::whole;
 
 /// The topology preservation error of a map in the frame of the truth (after Dhanapala and Jayasumana 2014), 0 to 1:
 /// over the lines along each axis of the network, the share of the pairs of nodes on one line that are in reverse

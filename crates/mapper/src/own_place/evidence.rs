@@ -5,9 +5,9 @@ use sextant_kernel::{RobotId, SimTime};
 
 use super::search_set::BLOCK;
 use super::{HeardAnchor, OwnPlace};
-use crate::heights::{Heights, SoughtHeights};
-use crate::normal::Normal;
-use crate::solver::{Curve, Edges, Wedges};
+use crate::grid_ml::solver::{Curve, Edges, Wedges};
+use crate::log_facts::heights::{Heights, SoughtHeights};
+use crate::numerics::normal::Normal;
 use crate::{Lattice, SectorTolerance, SilenceRule};
 
 /// Anchors further than this many ranges from the others are left out: their places are wrong.

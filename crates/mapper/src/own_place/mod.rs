@@ -5,27 +5,32 @@
 
 mod evidence;
 mod octets;
+mod orientation;
 mod search_set;
 mod soft;
 mod wedged;
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, Wedge};
 use sextant_kernel::SettingError;
 
-use crate::heights::check_z_range;
-use crate::normal::Normal;
-use crate::solver::Curve;
+use crate::grid_ml::solver::Curve;
+use crate::log_facts::heights::check_z_range;
+use crate::numerics::normal::Normal;
 use crate::{Estimate, EstimateKind, ProfileConfig, ReceptionProfile, SectorTolerance};
 use evidence::Evidence;
+pub use orientation::{Bearing, DirectionRule, OrientationMethod, RingOrientation, UnorientedRing};
 
 /// Largest number of vertices of a cube as wide as the range of the profile on both sides of an anchor.
 const MOST_VERTICES: f64 = 1e9;
 
 /// How a node computes its own place, as written in a scenario.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct OwnPlaceConfig {
     /// Distance of neighbouring grid vertices (m).
     pub grid_step_m: f64,
@@ -34,20 +39,20 @@ pub struct OwnPlaceConfig {
     /// Lowest and highest height of a node (m). If absent, the node is in the plane of the anchors that it heard if their
     /// heights differ by at most a twentieth of the range of the profile; otherwise from one range below them to one range
     /// above them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
     /// How the place is estimated from the likelihood.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub estimate: EstimateKind,
     /// How far outside the sector of an anchor a vertex may lie. Only for `model = "wedge"`, but `unlimited` switches off
     /// sectors for both.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub tolerance: SectorTolerance,
     /// What a sector says about the direction.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub model: PlaceModel,
     /// Whether known anchors that were not heard are evidence.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub silence: AnchorSilence,
 }
 
@@ -69,8 +74,9 @@ impl OwnPlaceConfig {
 }
 
 /// What the sector in which an anchor was heard says about the direction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum PlaceModel {
     /// All directions within the sector are alike, others are impossible (thesis, chapter 5).
     #[default]
@@ -81,8 +87,9 @@ pub enum PlaceModel {
 }
 
 /// Whether known anchors that were not heard are evidence on the own place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum AnchorSilence {
     /// They are not (thesis, chapter 5).
     #[default]

@@ -9,10 +9,10 @@ use super::OwnEstimate;
 use super::evidence::{Evidence, Known, Product, Sector};
 use super::octets;
 use super::search_set::SearchSet;
-use crate::directions::{CONTRADICTED, wrapped};
-use crate::findings::Findings;
-use crate::local_posterior::{covariance, local_posterior};
-use crate::solver::{Moments, Peak};
+use crate::grid_ml::directions::{CONTRADICTED, wrapped};
+use crate::grid_ml::findings::Findings;
+use crate::grid_ml::solver::{Moments, Peak};
+use crate::posterior::{covariance, local_posterior};
 use crate::{Estimate, EstimateKind, TieRule};
 
 /// Number of vertices of the coarse grid.

@@ -8,8 +8,8 @@ use super::OwnEstimate;
 use super::evidence::{Evidence, Product};
 use super::octets;
 use super::search_set::SearchSet;
-use crate::findings::Findings;
-use crate::solver::{Moments, Peak};
+use crate::grid_ml::findings::Findings;
+use crate::grid_ml::solver::{Moments, Peak};
 use crate::{EstimateKind, TieRule};
 
 /// Vertices at every so many indices give a first bound of the fewest broken conditions.

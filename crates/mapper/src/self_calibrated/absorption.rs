@@ -24,7 +24,7 @@ impl AbsorptionMap {
     pub(super) fn new(low: [f64; 2], high: [f64; 2], cell_m: f64, most: f64) -> Self {
         let size = [high[0] - low[0], high[1] - low[1]];
         let cell_m = cell_m.max((size[0] * size[1] / most).sqrt());
-        let counts = size.map(|size| crate::lattice::whole(size / cell_m) + 1);
+        let counts = size.map(|size| crate::numerics::whole(size / cell_m) + 1);
         let [columns, rows] = counts;
         let absorbing = vec![0; (columns + 1) * (rows + 1)];
         Self { low, cell_m, counts, cells: vec![0.0; columns * rows], absorbing, claims: Vec::new() }
@@ -123,7 +123,7 @@ impl AbsorptionMap {
         let mut next = [f64::INFINITY; 2];
         let mut span = [f64::INFINITY; 2];
         for axis in 0..2 {
-            cell[axis] = crate::lattice::whole(start[axis] + direction[axis] * enter).min(self.counts[axis] - 1);
+            cell[axis] = crate::numerics::whole(start[axis] + direction[axis] * enter).min(self.counts[axis] - 1);
             if direction[axis].abs() >= 1e-12 {
                 let border = cell[axis] as f64 + f64::from(u8::from(direction[axis] > 0.0));
                 next[axis] = (border - start[axis]) / direction[axis];
@@ -150,7 +150,7 @@ impl AbsorptionMap {
     /// The cell that holds `place`.
     pub(super) fn cell(&self, place: Position) -> Option<usize> {
         let [x, y] = [place.x_m - self.low[0], place.y_m - self.low[1]].map(|along| along / self.cell_m);
-        let (i, j) = (crate::lattice::whole(x), crate::lattice::whole(y));
+        let (i, j) = (crate::numerics::whole(x), crate::numerics::whole(y));
         (x >= 0.0 && y >= 0.0 && i < self.counts[0] && j < self.counts[1]).then(|| j * self.counts[0] + i)
     }
 
@@ -169,8 +169,8 @@ impl AbsorptionMap {
             if along(high[axis]) < 0.0 {
                 return true;
             }
-            from[axis] = crate::lattice::whole(along(low[axis])).min(self.counts[axis]);
-            to[axis] = (crate::lattice::whole(along(high[axis])) + 1).min(self.counts[axis]);
+            from[axis] = crate::numerics::whole(along(low[axis])).min(self.counts[axis]);
+            to[axis] = (crate::numerics::whole(along(high[axis])) + 1).min(self.counts[axis]);
         }
         let width = self.counts[0] + 1;
         let corner = |i: usize, j: usize| self.absorbing[j * width + i];

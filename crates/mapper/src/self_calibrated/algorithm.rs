@@ -10,11 +10,11 @@ use super::draft::Draft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
-use crate::directions::{CoverageEdge, Directions};
-use crate::heights::are_level;
-use crate::reach::{is_reach_known, reach_m};
-use crate::search_box::Limits;
-use crate::sectors::SectorSettings;
+use crate::grid_ml::directions::{CoverageEdge, Directions};
+use crate::log_facts::heights::are_level;
+use crate::log_facts::reach::{is_reach_known, reach_m};
+use crate::log_facts::search_box::Limits;
+use crate::log_facts::sectors::SectorSettings;
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.

@@ -6,7 +6,7 @@ use sextant_kernel::Interrupted;
 use super::belief::Belief;
 use super::model::Sums;
 use super::posterior::{Scratch, Surroundings, Tally};
-use crate::search_box::SearchBox;
+use crate::log_facts::search_box::SearchBox;
 
 /// Number of nodes whose counts are held at a time.
 const BLOCK: usize = 512;

@@ -1,6 +1,6 @@
 //! Which obstacles the log is evidence of: regions of cells that absorb, each tested by nodes that did not show it.
 
-use crate::lattice::whole;
+use crate::numerics::whole;
 
 /// Absorption of a cell that is too small to matter.
 pub(super) const NEGLIGIBLE: f64 = 1e-3;

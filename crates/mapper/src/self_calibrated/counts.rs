@@ -3,8 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use crate::cells::CellIndex;
-use crate::directions::{Directions, covers};
+use crate::grid_ml::directions::{Directions, covers};
+use crate::numerics::cells::CellIndex;
 
 /// Packets between one node and one stop.
 #[derive(Clone, Copy, Debug)]

@@ -13,7 +13,7 @@ use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::{Division, Tomography};
 use super::window::Detail;
-use crate::search_box::Limits;
+use crate::log_facts::search_box::Limits;
 
 /// Number of rounds in which all stops have the same efficiency, because the first curves are too rough to compare
 /// stops.

@@ -1,7 +1,7 @@
 //! The probability that a packet is received: a curve over distance, and an efficiency of each stop.
 
 use crate::never_rising;
-use crate::normal::{Normal, index, quantile};
+use crate::numerics::normal::{Normal, index, quantile};
 
 /// Number of bins over the range seen in the log.
 const BINS_PER_RANGE: f64 = 100.0;
@@ -275,7 +275,7 @@ impl CalibratedCurve {
     /// Probability that a packet is received over `distance_m`.
     #[must_use]
     pub fn probability(&self, distance_m: f64) -> f64 {
-        let bin = crate::lattice::whole(distance_m / self.bin_m);
+        let bin = crate::numerics::whole(distance_m / self.bin_m);
         self.probabilities[bin.min(self.probabilities.len() - 1)]
     }
 

@@ -10,9 +10,9 @@ use super::likelihood::Likelihood;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{Detail, Window};
-use crate::directions::Directions;
-use crate::local_posterior::covariance;
-use crate::search_box::SearchBox;
+use crate::grid_ml::directions::Directions;
+use crate::log_facts::search_box::SearchBox;
+use crate::posterior::covariance;
 
 /// Probability above which a vertex counts.
 const NEGLIGIBLE: f64 = 1e-4;

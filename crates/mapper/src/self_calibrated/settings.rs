@@ -1,37 +1,41 @@
 //! Settings of the self-calibrated map.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_kernel::SettingError;
 
-use crate::heights::check_z_range;
+use crate::log_facts::heights::check_z_range;
 
 /// The self-calibrated map as written in a scenario. The defaults fit logs of any range.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct SelfCalibratedConfig {
     /// Distance of neighbouring grid vertices in the last stage (m). If absent, a sixtieth of the range seen in the
     /// log, or a fortieth in space.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub grid_step_m: Option<f64>,
     /// Which knowledge of obstacles is used. Obstacles are modelled as upright. They are searched for only if all
     /// stops have nearly the same height.
-    #[serde(default)]
+    #[cfg_attr(feature = "config", serde(default))]
     pub obstacles: ObstacleKnowledge,
     /// Maximum number of rounds of positions, curve and obstacles, 1 or more. Each stage runs at least one round,
     /// even beyond this number. A log that lists more than 50000 pairs of a node and a stop has at most 30.
-    #[serde(default = "default_max_rounds")]
+    #[cfg_attr(feature = "config", serde(default = "default_max_rounds"))]
     pub max_rounds: u32,
     /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
     /// heights of the stops differ by at most a grid step, or by at most a tenth of the spread in the plane of the
     /// stops that hear one node; otherwise up to the reach seen in the log below and above the stops.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
 }
 
 /// Which knowledge of obstacles a self-calibrated map uses. Ground truth is never part of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum ObstacleKnowledge {
     /// None: obstacles are not modelled.
     None,

@@ -5,7 +5,7 @@ use sextant_channel::{Position, Stop};
 use sextant_kernel::{Interrupted, Watch};
 
 use super::absorption::AbsorptionMap;
-use crate::normal::index;
+use crate::numerics::normal::index;
 
 /// Maximum size of the tables (values). Larger surveys get coarser tables.
 const MOST_VALUES: f64 = 5e7;
@@ -39,7 +39,7 @@ impl Shadows {
         };
         let near: Vec<Position> = stops.iter().filter(|stop| is_near(stop)).map(|stop| stop.position).collect();
         let mut next = 0;
-        let count = crate::lattice::whole;
+        let count = crate::numerics::whole;
         // Neighbouring rays are a cell apart at their ends, where a quarter turn is longest in even steps of the
         // pseudo-angle.
         let (mut rays, mut spans) = (2.0 * reach_m / map.cell_m(), reach_m / map.cell_m());

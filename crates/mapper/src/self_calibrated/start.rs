@@ -2,7 +2,7 @@
 
 use sextant_channel::ReceptionLog;
 
-use crate::reach::{HeardNode, gap_m, heard_nodes, median};
+use crate::log_facts::reach::{HeardNode, gap_m, heard_nodes, median};
 
 /// Least mean number of receptions per node for estimating a curve. With fewer, each node could be at the stop that
 /// heard it, and the likeliest curve would fall to 0 right there.

@@ -13,8 +13,8 @@ use super::counts::{Counts, Record};
 use super::lines::{Half, Line, Lines};
 use super::model::Model;
 use super::settings::ObstacleKnowledge;
+use crate::log_facts::reach::gap_m;
 use crate::purpose;
-use crate::reach::gap_m;
 
 /// Number of parts into which the lines are divided. It does not depend on the threads, so that sums have a fixed
 /// order.

@@ -3,7 +3,7 @@
 use sextant_channel::Position;
 
 use super::belief::Belief;
-use crate::search_box::SearchBox;
+use crate::log_facts::search_box::SearchBox;
 
 /// Least number of steps from the middle of a window to its edge.
 const REACH: usize = 4;
@@ -166,6 +166,6 @@ fn step_m(spread_m: f64, least_step_m: f64, coarseness: f64) -> f64 {
 
 /// Steps from the middle of a window to its edge.
 fn half_width(spread_m: f64, step_m: f64, most: usize) -> u32 {
-    let half = crate::lattice::whole((SPREADS * spread_m / step_m).ceil()).clamp(REACH, most);
+    let half = crate::numerics::whole((SPREADS * spread_m / step_m).ceil()).clamp(REACH, most);
     u32::try_from(half).unwrap_or(u32::MAX)
 }

@@ -4,6 +4,7 @@ mod bounds;
 mod calibration;
 mod comparators;
 mod concerns;
+mod features;
 mod heights;
 mod ml_tm;
 mod mm_tm;

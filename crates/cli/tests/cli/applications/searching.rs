@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sextant::recording::read_drawn;
+use sextant_recording::read_drawn;
 
 use super::{AGENT, NODES, number, run, topics};
 use crate::program::sextant;

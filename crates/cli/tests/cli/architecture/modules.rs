@@ -40,7 +40,7 @@ impl Modules {
     pub(super) fn of<'a>(files: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
         let files = files.into_iter().filter(|(name, _)| *name != "main.rs" && !name.starts_with("bin/"));
         let mut sources: BTreeMap<Module, Source> =
-            files.map(|(name, text)| (module(name), Source::read(text))).collect();
+            files.map(|(name, text)| (module(name), Source::read(name, text))).collect();
         let in_tests = |(module, source): (&Module, &Source)| {
             let below = |name: &String| [module.as_slice(), std::slice::from_ref(name)].concat();
             source.test_modules.iter().map(below).collect::<Vec<_>>()

@@ -1,13 +1,8 @@
 //! The references of one source file to other modules: `mod` lines, `use` lines, and paths in code.
 
-/// A token of Rust code, as far as paths need it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-enum Token {
-    Word(String),
-    /// `::`
-    Step,
-    Mark(char),
-}
+use proc_macro2::{TokenStream, TokenTree};
+use syn::visit::{self, Visit};
+use syn::{Attribute, Block, ImplItemFn, Item, ItemMod, ItemUse, Macro, Meta, Path, UseTree};
 
 /// A name that a `use` line imports.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,232 +27,158 @@ pub(super) struct Source {
 
 impl Source {
     /// Reads the text of a file.
-    pub(super) fn read(text: &str) -> Self {
-        let mut reader = Reader { tokens: tokens(text), at: 0, inner: Vec::new(), depth: 0, source: Self::default() };
-        while reader.at < reader.tokens.len() {
-            reader.step();
-        }
+    pub(super) fn read(name: &str, text: &str) -> Self {
+        let file = syn::parse_file(text).unwrap_or_else(|error| panic!("{name} is not Rust: {error}"));
+        let mut reader = Reader::default();
+        reader.visit_file(&file);
         reader.source
     }
 }
 
+/// Walks through the syntax of a file and collects its references.
+#[derive(Default)]
 struct Reader {
-    tokens: Vec<Token>,
-    at: usize,
-    /// The depths of braces at which the current inline modules began.
-    inner: Vec<usize>,
-    depth: usize,
     source: Source,
+    /// Inline modules around the present place.
+    inner: usize,
+    /// Blocks of code around the present place.
+    blocks: usize,
 }
 
 impl Reader {
-    fn word(&self, ahead: usize) -> Option<&str> {
-        match self.tokens.get(self.at + ahead) {
-            Some(Token::Word(word)) => Some(word),
-            _ => None,
-        }
-    }
-
-    fn is(&self, ahead: usize, mark: char) -> bool {
-        self.tokens.get(self.at + ahead) == Some(&Token::Mark(mark))
-    }
-
-    fn step(&mut self) {
-        if self.is(0, '#') && self.is(1, '[') && self.word(2) == Some("cfg") && self.word(4) == Some("test") {
-            return self.skip_item();
-        }
-        match self.tokens[self.at].clone() {
-            Token::Mark('{') => self.depth += 1,
-            Token::Mark('}') => {
-                self.depth = self.depth.saturating_sub(1);
-                if self.inner.last() == Some(&self.depth) {
-                    self.inner.pop();
-                }
-            }
-            Token::Word(word) if word == "mod" && self.is(2, '{') => {
-                self.inner.push(self.depth);
-                self.depth += 1;
-                self.at += 2;
-            }
-            Token::Word(word) if word == "use" => {
-                self.at += 1;
-                let top = self.depth == 0;
-                for import in self.tree(&[]) {
-                    self.source.paths.push((self.inner.len(), import.path.clone()));
-                    if top {
-                        self.source.imports.push(import);
-                    }
-                }
-                return;
-            }
-            Token::Word(_) => return self.path(),
-            _ => {}
-        }
-        self.at += 1;
-    }
-
-    /// Skips the item after `#[cfg(test)]`.
-    fn skip_item(&mut self) {
-        while !self.is(0, ']') {
-            self.at += 1;
-        }
-        self.at += 1;
-        let first = self.at;
-        while self.at < self.tokens.len() && !self.is(0, ';') && !self.is(0, '{') {
-            self.at += 1;
-        }
-        if self.is(0, ';') {
-            if let [.., Token::Word(keyword), Token::Word(name)] = &self.tokens[first..self.at]
-                && keyword == "mod"
-            {
-                self.source.test_modules.push(name.clone());
-            }
-            self.at += 1;
-            return;
-        }
-        let mut open = 0;
-        while self.at < self.tokens.len() {
-            open = if self.is(0, '{') {
-                open + 1
-            } else if self.is(0, '}') {
-                open - 1
-            } else {
-                open
-            };
-            self.at += 1;
-            if open == 0 {
-                return;
-            }
-        }
-    }
-
-    /// The names that the `use` tree imports which begins here, after `prefix`.
-    fn tree(&mut self, prefix: &[String]) -> Vec<Import> {
-        let mut path = prefix.to_vec();
-        loop {
-            match self.tokens.get(self.at) {
-                Some(Token::Word(word)) => {
-                    path.push(word.clone());
-                    self.at += 1;
-                }
-                Some(Token::Mark('*')) => {
-                    self.at += 1;
-                    return vec![Import { name: "*".to_owned(), path }];
-                }
-                Some(Token::Mark('{')) => {
-                    self.at += 1;
-                    let mut imports = Vec::new();
-                    while !self.is(0, '}') {
-                        imports.extend(self.tree(&path));
-                        if self.is(0, ',') {
-                            self.at += 1;
-                        }
-                    }
-                    self.at += 1;
-                    return imports;
-                }
-                _ => {}
-            }
-            if self.tokens.get(self.at) == Some(&Token::Step) {
-                self.at += 1;
-                continue;
-            }
-            if path.last().is_some_and(|last| last == "self") && path.len() > 1 {
-                path.pop();
-            }
-            let mut name = path.last().cloned().unwrap_or_default();
-            if self.word(0) == Some("as") {
-                name = self.word(1).unwrap_or("_").to_owned();
-                self.at += 2;
-            }
-            return vec![Import { name, path }];
-        }
-    }
-
-    /// Reads a path in code.
-    fn path(&mut self) {
-        let mut path = Vec::new();
-        while let Some(word) = self.word(0) {
-            path.push(word.to_owned());
-            self.at += 1;
-            if self.tokens.get(self.at) != Some(&Token::Step) {
-                break;
-            }
-            self.at += 1;
-        }
+    fn path(&mut self, path: Vec<String>) {
         if path.len() > 1 {
-            self.source.paths.push((self.inner.len(), path));
+            self.source.paths.push((self.inner, path));
+        }
+    }
+
+    /// Collects the paths in tokens without syntax: those of a macro or an attribute.
+    fn tokens(&mut self, tokens: TokenStream) {
+        let mut path = Vec::new();
+        let mut colons = 0;
+        for token in tokens {
+            match token {
+                TokenTree::Ident(word) => {
+                    if colons != 2 {
+                        self.path(std::mem::take(&mut path));
+                    }
+                    path.push(word.to_string());
+                    colons = 0;
+                }
+                TokenTree::Punct(mark) if mark.as_char() == ':' => colons += 1,
+                other => {
+                    self.path(std::mem::take(&mut path));
+                    colons = 0;
+                    if let TokenTree::Group(group) = other {
+                        self.tokens(group.stream());
+                    }
+                }
+            }
+        }
+        self.path(path);
+    }
+}
+
+impl<'ast> Visit<'ast> for Reader {
+    fn visit_item(&mut self, item: &'ast Item) {
+        if !is_test(attributes(item)) {
+            visit::visit_item(self, item);
+        } else if let Item::Mod(module) = item {
+            self.source.test_modules.push(module.ident.to_string());
+        }
+    }
+
+    fn visit_impl_item_fn(&mut self, function: &'ast ImplItemFn) {
+        if !is_test(&function.attrs) {
+            visit::visit_impl_item_fn(self, function);
+        }
+    }
+
+    fn visit_item_mod(&mut self, module: &'ast ItemMod) {
+        self.inner += 1;
+        visit::visit_item_mod(self, module);
+        self.inner -= 1;
+    }
+
+    fn visit_block(&mut self, block: &'ast Block) {
+        self.blocks += 1;
+        visit::visit_block(self, block);
+        self.blocks -= 1;
+    }
+
+    fn visit_item_use(&mut self, line: &'ast ItemUse) {
+        for import in imports(&line.tree, &[]) {
+            self.path(import.path.clone());
+            if self.inner == 0 && self.blocks == 0 {
+                self.source.imports.push(import);
+            }
+        }
+    }
+
+    fn visit_path(&mut self, path: &'ast Path) {
+        self.path(path.segments.iter().map(|segment| segment.ident.to_string()).collect());
+        visit::visit_path(self, path);
+    }
+
+    fn visit_macro(&mut self, call: &'ast Macro) {
+        visit::visit_macro(self, call);
+        self.tokens(call.tokens.clone());
+    }
+
+    fn visit_attribute(&mut self, attribute: &'ast Attribute) {
+        visit::visit_attribute(self, attribute);
+        if let Meta::List(list) = &attribute.meta {
+            self.tokens(list.tokens.clone());
         }
     }
 }
 
-/// The tokens of a text, without comments, strings, numbers and lifetimes.
-fn tokens(text: &str) -> Vec<Token> {
-    let mut tokens = Vec::new();
-    let mut rest = text;
-    while let Some(first) = rest.chars().next() {
-        let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |end| end + 2)
-        } else if let Some(length) = raw_text(rest) {
-            length
-        } else if first == '"' {
-            quoted(rest, '"')
-        } else if first == '\'' {
-            character(rest)
-        } else if rest.starts_with("::") {
-            tokens.push(Token::Step);
-            2
-        } else if first.is_alphanumeric() || first == '_' {
-            let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
-            if !first.is_ascii_digit() {
-                tokens.push(Token::Word(rest[..length].to_owned()));
-            }
-            length
-        } else {
-            if !first.is_whitespace() {
-                tokens.push(Token::Mark(first));
-            }
-            first.len_utf8()
-        };
-        rest = &rest[length..];
-    }
-    tokens
+/// Whether the attributes have `#[cfg(test)]`.
+fn is_test(attributes: &[Attribute]) -> bool {
+    attributes.iter().any(|attribute| {
+        attribute.path().is_ident("cfg") && attribute.parse_args::<Path>().is_ok_and(|path| path.is_ident("test"))
+    })
 }
 
-/// Length of the quoted string that begins here, with its escapes.
-fn quoted(rest: &str, quote: char) -> usize {
-    let mut is_escaped = false;
-    for (at, c) in rest.char_indices().skip(1) {
-        if c == quote && !is_escaped {
-            return at + c.len_utf8();
+/// The attributes of an item that may be there for tests only.
+fn attributes(item: &Item) -> &[Attribute] {
+    match item {
+        Item::Const(item) => &item.attrs,
+        Item::Enum(item) => &item.attrs,
+        Item::Fn(item) => &item.attrs,
+        Item::Impl(item) => &item.attrs,
+        Item::Macro(item) => &item.attrs,
+        Item::Mod(item) => &item.attrs,
+        Item::Static(item) => &item.attrs,
+        Item::Struct(item) => &item.attrs,
+        Item::Trait(item) => &item.attrs,
+        Item::Type(item) => &item.attrs,
+        Item::Use(item) => &item.attrs,
+        _ => &[],
+    }
+}
+
+/// The names that a `use` tree imports below `prefix`.
+fn imports(tree: &UseTree, prefix: &[String]) -> Vec<Import> {
+    let below = |name: String| [prefix, &[name]].concat();
+    match tree {
+        UseTree::Path(path) => imports(&path.tree, &below(path.ident.to_string())),
+        UseTree::Name(name) => vec![import(name.ident.to_string(), below(name.ident.to_string()))],
+        UseTree::Rename(rename) => vec![import(rename.rename.to_string(), below(rename.ident.to_string()))],
+        UseTree::Glob(_) => vec![import("*".to_owned(), prefix.to_vec())],
+        UseTree::Group(group) => group.items.iter().flat_map(|tree| imports(tree, prefix)).collect(),
+    }
+}
+
+/// An import of the item at `path`; `a::{self}` imports `a` by its name.
+fn import(mut name: String, mut path: Vec<String>) -> Import {
+    if path.len() > 1 && path.last().is_some_and(|last| last == "self") {
+        path.pop();
+        if name == "self" {
+            name = path.last().cloned().unwrap_or_default();
         }
-        is_escaped = c == '\\' && !is_escaped;
     }
-    rest.len()
-}
-
-/// Length of the character literal or lifetime that begins here.
-fn character(rest: &str) -> usize {
-    let mut letters = rest[1..].chars();
-    match (letters.next(), letters.next()) {
-        (Some('\\'), _) => quoted(rest, '\''),
-        (Some(letter), Some('\'')) => letter.len_utf8() + 2,
-        _ => 1 + rest[1..].find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len() - 1),
-    }
-}
-
-/// Length of the raw string, `r#".."#`, that begins here.
-fn raw_text(rest: &str) -> Option<usize> {
-    let after = rest.strip_prefix("br").or_else(|| rest.strip_prefix('r'))?;
-    let marks = after.len() - after.trim_start_matches('#').len();
-    if !after[marks..].starts_with('"') {
-        return None;
-    }
-    let end = format!("\"{}", "#".repeat(marks));
-    let begin = rest.len() - after.len() + marks + 1;
-    rest[begin..].find(&end).map(|at| begin + at + end.len())
+    Import { name, path }
 }
 
 #[cfg(test)]
@@ -267,9 +188,12 @@ mod tests {
     #[test]
     fn paths_imports_and_test_modules_of_a_file_are_found() {
         let source = Source::read(
+            "file.rs",
             "//! crate::in_a_comment::A\nuse crate::a::{B, c::{self, D as E}};\npub(super) use super::f::*;\n\
              fn g<'a>(x: &'a str) -> crate::h::I { \"crate::text::J\"; r#\"crate::raw::K\"#; '\"'; super::l::m(x) }\n\
-             mod inner { use super::n::O; }\n#[cfg(test)]\nmod tests;\n#[cfg(test)]\nmod more { use crate::p::Q; }\n",
+             mod inner { use super::n::O; }\n#[cfg(test)]\nmod tests;\n#[cfg(test)]\nmod more { use crate::p::Q; }\n\
+             fn r() { assert!([crate::s::t(), 1 + u::v].is_empty(), \"crate::w::X\"); }\n\
+             #[derive(crate::y::Z)] struct S;\nimpl S { #[cfg(test)] fn h() { crate::p::i() } }",
         );
         let paths: Vec<String> =
             source.paths.iter().map(|(inner, path)| format!("{inner} {}", path.join("::"))).collect();
@@ -282,11 +206,14 @@ mod tests {
                 "0 super::f",
                 "0 crate::h::I",
                 "0 super::l::m",
-                "1 super::n::O"
+                "1 super::n::O",
+                "0 crate::s::t",
+                "0 u::v",
+                "0 crate::y::Z",
             ]
         );
         let names: Vec<&str> = source.imports.iter().map(|import| import.name.as_str()).collect();
         assert_eq!(names, ["B", "c", "E", "*"]);
-        assert_eq!(source.test_modules, ["tests"]);
+        assert_eq!(source.test_modules, ["tests", "more"]);
     }
 }

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::time::Duration;
 
-use sextant::recording::{Capture, CapturedFrame, Signal, Technologies};
 use sextant_channel::Dbm;
 use sextant_kernel::SimTime;
+use sextant_recording::{Capture, CapturedFrame, Signal, Technologies};
 
 use super::packet;
 

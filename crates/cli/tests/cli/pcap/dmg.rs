@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use sextant::recording::{Capture, CapturedDmgFrame, CapturedFrame, Technologies};
 use sextant_channel::{Db, Dbm};
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::{BeamRefinement, MacAddress, SectorFeedback, SnrReport, SweepBody, SweepFrame, TxSector};
+use sextant_recording::{Capture, CapturedDmgFrame, CapturedFrame, Technologies};
 
 use super::tshark::{dissect, tshark};
 

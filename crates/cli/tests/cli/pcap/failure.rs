@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::time::Duration;
 
-use sextant::recording::{Capture, CapturedFrame, FileCapture, RecordingError, Technologies};
 use sextant_kernel::SimTime;
+use sextant_recording::{Capture, CapturedFrame, FileCapture, RecordingError, Technologies};
 
 use crate::failing_disk::FailingDisk;
 

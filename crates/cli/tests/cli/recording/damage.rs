@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use sextant::interrupt::Interrupt;
-use sextant::recording::{FileRecorder, RecordingError, inspect, read_log, recover};
 use sextant_channel::ReceptionLog;
+use sextant_kernel::Unwatched;
+use sextant_recording::{FileRecorder, RecordingError, inspect, read_log, recover};
 use tempfile::TempDir;
 
 use super::sample::{self, Numbers};
@@ -47,7 +47,7 @@ fn everything_before_a_cut_is_recovered() {
     let mut before = 0;
     for length in lengths {
         std::fs::write(&broken, &octets[..length]).unwrap();
-        let recovery = recover(&broken, &good, &Interrupt::default()).unwrap();
+        let recovery = recover(&broken, &good, &Unwatched).unwrap();
         assert!(recovery.damage.is_some(), "cut to {length} octets");
         let inspection = inspect(&good).unwrap();
         assert_eq!(inspection.damage, None);
@@ -73,7 +73,7 @@ fn a_crash_loses_at_most_the_stops_of_one_chunk() {
     // No destructor runs, as in a killed process.
     std::mem::forget(recorder);
     let good = folder.path().join("good.mcap");
-    let recovery = recover(&part, &good, &Interrupt::default()).unwrap();
+    let recovery = recover(&part, &good, &Unwatched).unwrap();
     assert!(recovery.damage.is_some());
     let stops = assert_prefix(&good, &log);
     assert!(stops >= 300 - 32, "{stops} of 300 stops");
@@ -91,7 +91,7 @@ fn flipped_bits_are_detected_and_everything_before_is_recovered() {
         let at = usize::try_from(numbers.below(octets.len() as u64)).unwrap();
         damaged[at] ^= 1 << numbers.below(8);
         std::fs::write(&broken, &damaged).unwrap();
-        match recover(&broken, &good, &Interrupt::default()) {
+        match recover(&broken, &good, &Unwatched) {
             Ok(recovery) => {
                 found += usize::from(recovery.damage.is_some());
                 assert_eq!(inspect(&good).unwrap().damage, None);
@@ -112,7 +112,7 @@ fn a_sound_recording_is_copied_completely() {
     let log = sample::log(12, 5, 50);
     let (folder, path, _) = recorded(&log);
     let copy = folder.path().join("copy.mcap");
-    let recovery = recover(&path, &copy, &Interrupt::default()).unwrap();
+    let recovery = recover(&path, &copy, &Unwatched).unwrap();
     assert_eq!(recovery.damage, None);
     assert_eq!(recovery.attachments, 2);
     assert_eq!(read_log(&copy).unwrap(), read_log(&path).unwrap());
@@ -127,7 +127,7 @@ fn a_part_file_can_be_recovered_to_its_final_name() {
     let part = folder.path().join("run.mcap.part");
     std::fs::write(&part, &octets[..octets.len() * 9 / 10]).unwrap();
     let path = folder.path().join("run.mcap");
-    recover(&part, &path, &Interrupt::default()).unwrap();
+    recover(&part, &path, &Unwatched).unwrap();
     assert_prefix(&path, &log);
     assert!(part.exists());
 }
@@ -137,14 +137,11 @@ fn recovery_never_overwrites_its_input() {
     let log = sample::log(14, 3, 5);
     let (folder, path, octets) = recorded(&log);
     let dotted = folder.path().join(".").join("whole.mcap");
-    assert!(matches!(recover(&path, &dotted, &Interrupt::default()), Err(RecordingError::SameFile { .. })));
+    assert!(matches!(recover(&path, &dotted, &Unwatched), Err(RecordingError::SameFile { .. })));
     let mut temporary = path.clone().into_os_string();
     temporary.push(".recovering");
     std::fs::copy(&path, &temporary).unwrap();
-    assert!(matches!(
-        recover(temporary.as_ref(), &path, &Interrupt::default()),
-        Err(RecordingError::SameFile { .. })
-    ));
+    assert!(matches!(recover(temporary.as_ref(), &path, &Unwatched), Err(RecordingError::SameFile { .. })));
     assert_eq!(std::fs::read(&path).unwrap(), octets);
 }
 
@@ -156,7 +153,7 @@ fn a_full_disk_leaves_no_incomplete_copy() {
     let (folder, path, octets) = recorded(&log);
     let out = folder.path().join("good.mcap");
     std::os::unix::fs::symlink("/dev/full", folder.path().join("good.mcap.recovering")).unwrap();
-    let error = recover(&path, &out, &Interrupt::default()).unwrap_err();
+    let error = recover(&path, &out, &Unwatched).unwrap_err();
     assert!(matches!(&error, RecordingError::WriteCopy { path, .. } if *path == out), "{error}");
     assert!(error.is_system_error());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
@@ -171,11 +168,11 @@ fn files_of_other_formats_are_rejected_and_no_file_is_created() {
     let out = folder.path().join("out.mcap");
     assert!(matches!(inspect(&other), Err(RecordingError::NotMcap { .. })));
     assert!(matches!(read_log(&other), Err(RecordingError::NotMcap { .. })));
-    assert!(matches!(recover(&other, &out, &Interrupt::default()), Err(RecordingError::NotMcap { .. })));
+    assert!(matches!(recover(&other, &out, &Unwatched), Err(RecordingError::NotMcap { .. })));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let missing = folder.path().join("missing.mcap");
     assert!(matches!(read_log(&missing), Err(RecordingError::Read { .. })));
-    assert!(matches!(recover(&missing, &out, &Interrupt::default()), Err(RecordingError::Read { .. })));
+    assert!(matches!(recover(&missing, &out, &Unwatched), Err(RecordingError::Read { .. })));
     assert!(matches!(inspect(folder.path()), Err(RecordingError::Read { .. })));
 }
 

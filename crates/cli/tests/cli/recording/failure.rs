@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sextant::recording::{FileRecorder, Recorder, RecordingError};
+use sextant_recording::{FileRecorder, Recorder, RecordingError};
 
 use super::sample;
 use crate::failing_disk::FailingDisk;

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use sextant::robot_log::{Gatherer, Packet, Path, PathError, Pose, ReadOptions, RobotLog, RobotLogError, StopRule};
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime};
+use sextant_logs::{Gatherer, Packet, Path, PathError, Pose, ReadOptions, RobotLog, RobotLogError, StopRule};
 
 fn at(second: f64) -> SimTime {
     SimTime::ZERO + Duration::from_secs_f64(second)

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use serde_json::Value;
-use sextant::robot_log::{self, LocalPlane, ReadOptions};
 use sextant_channel::Position;
+use sextant_logs::{self as robot_log, LocalPlane, ReadOptions};
 use tempfile::TempDir;
 
 use crate::program::sextant;

@@ -1,8 +1,8 @@
 //! The plane of a survey whose places are given by latitude and longitude.
 
 use proptest::prelude::*;
-use sextant::robot_log::LocalPlane;
 use sextant_channel::Position;
+use sextant_logs::LocalPlane;
 
 /// East and north (m) of a place (degrees, degrees, metres) from an origin, computed by PROJ 9 (`+proj=cart`, then
 /// `+proj=topocentric`, on the ellipsoid WGS84).

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use sextant::robot_log::{self, ReadOptions, RobotLog, RobotLogError, StopRule};
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
+use sextant_logs::{self as robot_log, ReadOptions, RobotLog, RobotLogError, StopRule};
 use tempfile::TempDir;
 
 const PATH: &str = "t_s,x_m,y_m\n0,0,0\n5,5,0\n10,10,0\n";

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::{Value, json};
-use sextant::recording::PlacedNode;
 use sextant_channel::{Contact, Reception, ReceptionLog};
 use sextant_kernel::RobotId;
+use sextant_recording::PlacedNode;
 
 use super::sample;
 

@@ -1,8 +1,8 @@
 //! Stops and receptions as people have them: other columns, delimiters, repeated and absent pairs.
 
-use sextant::robot_log::{self, ReadOptions, RobotLog, RobotLogError};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SimTime};
+use sextant_logs::{self as robot_log, ReadOptions, RobotLog, RobotLogError};
 use tempfile::TempDir;
 
 const STOPS: &str = "stop,t_s,x_m,y_m\nA,0,0,0\nB,1,1,0\nC,2,2,0\n";

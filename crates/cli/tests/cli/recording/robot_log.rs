@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use sextant::robot_log::{self, ReadOptions, RobotLogError};
 use sextant_channel::{Position, Reception, ReceptionLog, SectorConfig};
 use sextant_kernel::{NodeId, SimTime};
+use sextant_logs::{self as robot_log, ReadOptions, RobotLogError};
 use sextant_mapper::{Concern, CoordinateFrame, Estimate, TopologyMap};
 use tempfile::TempDir;
 

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use sextant::recording::{
-    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_known, read_log, read_truth,
-};
 use sextant_channel::{Anchor, EvenSectorsConfig, Position, SectorConfig, SectorTable};
 use sextant_kernel::NodeId;
+use sextant_recording::{
+    FileRecorder, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, inspect, read_known, read_log, read_truth,
+};
 
 use super::sample;
 

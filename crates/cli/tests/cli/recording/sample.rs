@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use sextant::recording::messages::{FrameMessage, MappedNodeMessage};
-use sextant::recording::{
-    FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Sensation, Solid,
-};
 use sextant_channel::{Anchor, Contact, Link, NeighbourLog, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime};
-use sextant_sim::{SensorsConfig, TargetSensorConfig};
+use sextant_recording::messages::{FrameMessage, MappedNodeMessage, SensorsMessage};
+use sextant_recording::{
+    FileRecorder, GridPlane, Level, Origin, PlacedNode, Recorder, RecordingError, Sensation, Solid,
+};
 
 /// Pseudo-random numbers, the same on every machine (splitmix64).
 pub(crate) struct Numbers(pub(crate) u64);
@@ -140,7 +139,7 @@ pub(crate) fn record_all<W: std::io::Write>(
         values: vec![-1.0, -2.0, f64::NEG_INFINITY, -4.0],
     };
     recorder.likelihood(at(11), "ml-tm", "n12", &plane)?;
-    recorder.sensors(&SensorsConfig { targets: Some(TargetSensorConfig { radius_m: 2.5 }), fields: None })?;
+    recorder.sensors(&SensorsMessage { target_radius_m: Some(2.5), ..SensorsMessage::default() })?;
     recorder.target(at(12), "intruder", Position::new(1.5, 2.5, 0.0))?;
     for (nanos, sensation) in [(13, Sensation::Entered), (14, Sensation::Sampled(-0.5)), (15, Sensation::Left)] {
         recorder.sensed(at(nanos), NodeId(1), "intruder", sensation)?;

@@ -2,18 +2,21 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{Watch, Work};
 
-use super::{Strength, all_strengths};
-use crate::reach::{heard_nodes, reach_m};
+use crate::log_facts::reach::{heard_nodes, reach_m};
+use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// The Gaussian process as written in a scenario. It has no settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct GaussianProcessConfig {}
 
 /// A Gaussian process with a constant mean and a squared-exponential kernel over the strengths of a node (Ferris, Hähnel and

@@ -4,27 +4,30 @@ use std::convert::Infallible;
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch, Work};
 
 use super::rssi_centroid::{DEFAULT_G, centroid};
-use super::{Strength, all_strengths};
-use crate::heights::check_z_range;
-use crate::least_squares::{Damping, LeastSquares, minimum};
-use crate::reach::{heard_nodes, reach_m};
-use crate::search_box::{Limits, SearchBox};
+use crate::log_facts::heights::check_z_range;
+use crate::log_facts::reach::{heard_nodes, reach_m};
+use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::strengths::{Strength, all_strengths};
+use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::{Concern, CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// The least-squares fit as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct LogDistanceConfig {
     /// Lowest and highest path-loss exponent of a node: above 0, at most 10.
     pub exponents: [f64; 2],
     /// Lowest and highest height of a node (m). If absent, nodes are at the height of the stops if these are nearly level.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
 }
 

@@ -5,58 +5,15 @@ mod log_distance;
 mod rssi_centroid;
 mod strongest_stop;
 
-use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::NodeId;
-
-use crate::MapError;
-
 pub use gaussian_process::{GaussianProcess, GaussianProcessConfig};
 pub use log_distance::{LogDistance, LogDistanceConfig};
 pub use rssi_centroid::{RssiCentroid, RssiCentroidConfig};
 pub use strongest_stop::{StrongestStop, StrongestStopConfig};
 
-/// With what strength a stop received a node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Strength {
-    /// Place of the stop (m).
-    pub(super) place: Position,
-    /// Mean strength of the packets received there (dBm).
-    pub(super) rssi_dbm: f64,
-}
-
-/// The strengths of `node`, stop by stop. A stop with several sectors has one for each sector that received the node.
-pub(super) fn strengths(log: &ReceptionLog, node: NodeId) -> Vec<Strength> {
-    let receptions = log.of(node).iter().filter(|reception| reception.received > 0);
-    receptions
-        .filter_map(|reception| {
-            let place = log.stops()[reception.stop as usize].position;
-            Some(Strength { place, rssi_dbm: reception.rssi_dbm? })
-        })
-        .collect()
-}
-
-/// The strengths of each node of `log`.
-///
-/// # Errors
-/// [`MapError::Missing`] if packets were received and none has a strength.
-fn all_strengths(algorithm: &'static str, log: &ReceptionLog) -> Result<Vec<Vec<Strength>>, MapError> {
-    let nodes: Vec<Vec<Strength>> =
-        (0..log.node_count()).map(|node| strengths(log, NodeId::from_index(node))).collect();
-    let is_heard = log.receptions().iter().any(|reception| reception.received > 0);
-    if is_heard && nodes.iter().all(Vec::is_empty) {
-        return Err(MapError::Missing {
-            algorithm,
-            what: "the signal strengths of receptions",
-            remedy: "a log has them in the column `rssi_dbm`; `packet_centroid` and `link_model` map without",
-        });
-    }
-    Ok(nodes)
-}
-
 #[cfg(test)]
 mod tests {
-    use sextant_channel::{Reception, Stop};
-    use sextant_kernel::{RobotId, SimTime, Unwatched};
+    use sextant_channel::{Position, Reception, ReceptionLog, Stop};
+    use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched};
 
     use super::*;
     use crate::{AlgorithmConfig, Knowledge, Mapper, TopologyMap};

@@ -1,17 +1,20 @@
 //! Centroids of the stops that received a node, weighted by signal strength.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
-use super::{Strength, all_strengths};
 use crate::comparators::node_by_node;
+use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The RSSI centroid as written in a scenario.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
 pub struct RssiCentroidConfig {
     /// Each stop weighs the power that it received, in milliwatts, to this power g: above 0, at most 100. With a path-loss
     /// exponent n, the weight is the distance to the power −n g.

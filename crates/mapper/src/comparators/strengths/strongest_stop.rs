@@ -1,17 +1,20 @@
 //! The stop that received a node with the greatest strength.
 
+#[cfg(feature = "config")]
 use schemars::JsonSchema;
+#[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::Watch;
 
-use super::{Strength, all_strengths};
 use crate::comparators::node_by_node;
+use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
 /// The strongest stop as written in a scenario. It has no settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct StrongestStopConfig {}
 
 /// A node is where its mean strength is greatest: the nearest neighbour in signal space of a survey without

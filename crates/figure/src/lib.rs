@@ -1,0 +1,58 @@
+//! Figures of a recording as SVG or PNG files, for papers and web pages.
+//!
+//! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, one of the targets, one of each recorded instant of a field, one
+//! of each application and of its time series, one of each map, one of the distribution of each kind of error, one of the sector displacement, one of the neighbour scattering in a map that the nodes computed, and one of each likelihood surface. Of maps that were computed just now there are more: the map with the 95 % regions and the names of the nodes, the reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The colours can be distinguished with any
+//! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use sextant_figure::{FileFormat, Source, all};
+//! use sextant_recording::{read_drawn, read_log};
+//!
+//! let recording = Path::new("circular.mcap");
+//! let (run, drawn) = (read_log(recording)?, read_drawn(recording)?);
+//! for figure in all(&Source { title: "circular", log: &run.log, drawn: &drawn, sector_displacements: &[] }) {
+//!     figure.write(Path::new("."), FileFormat::Svg)?;
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod application;
+mod application_curves;
+mod axes;
+mod bars;
+mod cells;
+mod claims;
+mod contour;
+mod curves;
+mod displacement;
+mod distribution;
+mod estimated;
+mod estimated_map;
+mod field;
+mod file;
+mod gallery;
+mod labels;
+mod likelihood;
+mod map;
+mod network;
+mod paint;
+mod palette;
+mod picture;
+mod reception_curve;
+mod residuals;
+mod scattering;
+mod sectors;
+mod sheet;
+mod silhouette;
+mod source;
+mod targets;
+mod ticks;
+mod view;
+
+pub use bars::Bars;
+pub use curves::{Curves, Series};
+pub use estimated::{EstimatedMap, Model, ReceptionCurve};
+pub use file::{Figure, FileFormat};
+pub use gallery::{all, all_of_maps};
+pub use source::Source;

@@ -1,0 +1,81 @@
+//! The data of figures.
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::NodeId;
+
+use sextant_recording::{Drawn, Places, Solid};
+
+use super::palette::OBSTACLE;
+use super::sheet::{Entry, Symbol};
+use super::silhouette::RIM;
+use super::view::{Extent, View, Views};
+
+/// The data of figures, from a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// Name of the run in titles.
+    pub title: &'a str,
+    /// The reception log.
+    pub log: &'a ReceptionLog,
+    /// Everything with a position.
+    pub drawn: &'a Drawn,
+    /// Shares of the nodes by sector displacement, of each map that has them, by name.
+    pub sector_displacements: &'a [(String, Vec<f64>)],
+}
+
+/// At a smaller distance (m) from the position of an anchor, the map was given the position.
+const TOLD_M: f64 = 1e-6;
+
+impl Source<'_> {
+    /// The positions of paths, stops and contacts of the robots.
+    pub(super) fn survey(&self) -> impl Iterator<Item = Position> {
+        let paths = self.drawn.paths.iter().flat_map(|(_, path)| path).copied();
+        let stops = self.log.stops().iter().map(|stop| stop.position);
+        paths.chain(stops).chain(self.log.contacts().iter().map(|contact| contact.position))
+    }
+
+    /// Views of the world that contain the nodes, the obstacles and `more`: from above, and also from the side unless the
+    /// nodes and `more` all have the same height.
+    pub(super) fn views(&self, more: impl Iterator<Item = Position>) -> Views {
+        let Drawn { nodes, obstacles, .. } = self.drawn;
+        let places: Vec<_> = nodes.values().copied().chain(more).collect();
+        let flat = Extent::around(places.iter().copied()).is_none_or(|extent| extent.is_flat());
+        let corners = obstacles.iter().flat_map(|solid| &solid.vertices).copied();
+        let extent = Extent::around(places.into_iter().chain(corners)).unwrap_or_default();
+        Views::new(&extent, if flat { &[View::Top] } else { &[View::Top, View::Side] })
+    }
+
+    /// The legend of obstacles, if there are any.
+    pub(super) fn obstacle_entry(&self) -> Option<Entry> {
+        let text = "obstacle".to_owned();
+        let symbol = Symbol::Body { fill: OBSTACLE, rim: RIM };
+        (!self.drawn.obstacles.is_empty()).then_some(Entry { symbol, text })
+    }
+
+    /// The obstacles.
+    pub(super) fn solids(&self) -> &[Solid] {
+        &self.drawn.obstacles
+    }
+
+    /// The distances between mapped and true positions (m), in the order of the nodes. An anchor where it believes to be
+    /// is not an estimate and does not count.
+    pub(super) fn errors(&self, places: &Places) -> Vec<(NodeId, f64)> {
+        let error = |(&node, &place): (&NodeId, &Position)| {
+            let error_m = self.drawn.nodes.get(&node)?.distance_m(place);
+            let was_told = self.drawn.anchors.get(&node).is_some_and(|told| told.distance_m(place) < TOLD_M);
+            (!was_told).then_some((node, error_m))
+        };
+        places.iter().filter_map(error).collect()
+    }
+
+    /// Name of the map that the nodes computed themselves, if they did: it comes before all others.
+    pub(super) fn map_of_nodes(&self) -> Option<&str> {
+        let is_there = !self.drawn.mapped_nodes.is_empty();
+        self.drawn.maps.first().filter(|_| is_there).map(|(name, _)| name.as_str())
+    }
+
+    /// The node of this name.
+    pub(super) fn node(&self, name: &str) -> Option<NodeId> {
+        self.log.names().iter().position(|other| other == name).map(NodeId::from_index)
+    }
+}

@@ -1,0 +1,105 @@
+//! The values of cells.
+
+use std::borrow::Cow;
+
+use sextant_kernel::{RobotId, SimTime};
+
+use super::error::RobotLogError;
+use super::table::{Column, Row};
+use super::times::Times;
+use sextant_recording::RobotNames;
+
+impl Row<'_> {
+    /// The text of the cell, without the spaces around it; `None` if it is empty or there is no such column.
+    pub(super) fn filled(&self, column: Column) -> Option<&str> {
+        Some(self.text(column).trim()).filter(|text| !text.is_empty())
+    }
+
+    /// The same as a number is written in a program: with a decimal point.
+    fn number(&self, column: Column) -> Option<Cow<'_, str>> {
+        Some(self.decimal(self.filled(column)?))
+    }
+
+    /// A number as it is written in a program: with a decimal point.
+    pub(super) fn decimal<'t>(&self, text: &'t str) -> Cow<'t, str> {
+        let is_decimal = self.head.decimal_comma && !text.contains('.') && text.matches(',').count() == 1;
+        if is_decimal { text.replace(',', ".").into() } else { text.into() }
+    }
+
+    /// A whole number of at most `max`; `None` if the cell is empty.
+    pub(super) fn whole(&self, column: Column, max: u32) -> Result<Option<u32>, RobotLogError> {
+        let parse = |text: &str| {
+            let number = text.parse().ok().filter(|&number| number <= max);
+            number.ok_or_else(|| self.wrong(column, format!("a whole number from 0 to {max}")))
+        };
+        self.filled(column).map(parse).transpose()
+    }
+
+    /// A finite number; `None` if the cell is empty.
+    pub(super) fn finite(&self, column: Column) -> Result<Option<f64>, RobotLogError> {
+        let parse = |text: Cow<'_, str>| {
+            let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+            number.ok_or_else(|| self.wrong(column, "a finite number"))
+        };
+        self.number(column).map(parse).transpose()
+    }
+
+    /// Whether the cell is empty or NaN.
+    pub(super) fn is_blank(&self, column: Column) -> bool {
+        self.number(column).is_none_or(|text| text.parse().is_ok_and(f64::is_nan))
+    }
+
+    /// Whether the cell is a number that is 0.
+    pub(super) fn is_zero(&self, column: Column) -> bool {
+        self.number(column).is_some_and(|text| text.parse().is_ok_and(|number: f64| number.abs() <= 0.0))
+    }
+
+    /// The identity of a sector; `None` if the cell is empty.
+    pub(super) fn sector(&self, column: Column) -> Result<Option<u8>, RobotLogError> {
+        let sector = self.whole(column, u32::from(u8::MAX))?;
+        Ok(sector.and_then(|sector| u8::try_from(sector).ok()))
+    }
+
+    /// A time.
+    pub(super) fn instant(&self, times: Times) -> Result<SimTime, RobotLogError> {
+        let time = self.number(times.column).and_then(|text| times.parse(&text));
+        time.ok_or_else(|| self.wrong(times.column, times.allowed()))
+    }
+
+    /// The name of a node.
+    pub(super) fn node(&self, column: Column) -> Result<&str, RobotLogError> {
+        Some(self.text(column))
+            .filter(|name| !name.is_empty())
+            .ok_or_else(|| self.wrong(column, "the name of a node"))
+    }
+
+    /// The robot that the cell names. If the file has a column for robots, each cell must name one; otherwise it is
+    /// robot 0.
+    pub(super) fn robot(&self, column: Column, robots: &mut RobotNames) -> Result<RobotId, RobotLogError> {
+        if !column.exists() {
+            return Ok(RobotId(0));
+        }
+        let name = self.filled(column).ok_or_else(|| self.wrong(column, "the name of a robot"))?;
+        Ok(robots.id(name))
+    }
+
+    /// The error that the cell is not what is `allowed`.
+    pub(super) fn wrong(&self, column: Column, allowed: impl Into<String>) -> RobotLogError {
+        self.wrong_cell(self.head.written(column.name), self.text(column), allowed)
+    }
+
+    /// The error that the cell in the column with this index is not what is `allowed`.
+    pub(super) fn wrong_at(&self, at: usize, allowed: impl Into<String>) -> RobotLogError {
+        self.wrong_cell(self.head.written_at(at), self.text_at(at), allowed)
+    }
+
+    fn wrong_cell(&self, column: &str, found: &str, allowed: impl Into<String>) -> RobotLogError {
+        RobotLogError::Cell {
+            path: self.head.path.clone(),
+            line: self.head.line(self.offset),
+            column: column.to_owned(),
+            found: found.to_owned(),
+            allowed: allowed.into(),
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! How late the clock of the packets is by that of the path, told by the packets themselves.
+//!
+//! A robot that passes a place in two directions hears a node there alike. If the packets are late, the places of the
+//! one passage are shifted one way and those of the other the other way, and no place of the node explains both. So for each
+//! delay the nodes are placed anew ([`NodeFit`]) and the delay of least loss is the estimate: that of highest likelihood with
+//! the places profiled out. Its uncertainty comes from how parts of the log disagree (the sandwich estimate over nodes and
+//! thirds of their packets), not from the law, whose errors are correlated.
+
+use nalgebra::Vector4;
+use rayon::prelude::*;
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+
+use super::super::path::Path;
+use super::finding::Finding;
+use super::node_fit::{Law, NodeFit, Observation, plane_m};
+use super::samples::{Sample, Samples};
+
+/// Steps of the search on either side of 0: as many as leave most nodes on the path. Each is divided into so many finer ones
+/// around the best of them.
+const STEPS: [f64; 8] = [40.0, 30.0, 24.0, 18.0, 12.0, 9.0, 6.0, 4.0];
+const FINE: i32 = 4;
+/// A step is the time in which the robot drives this far (m), or this share of the extent of its path.
+const STEP_M: f64 = 0.5;
+const STEP_SHARE: f64 = 1.0 / 80.0;
+/// The delay is at most this share of the time of the path.
+const LONGEST: f64 = 0.25;
+/// A node with fewer packets says nothing; with fewer packets in all, there is no estimate.
+const LEAST_OF_NODE: usize = 12;
+const LEAST: usize = 60;
+/// This share of the packets of a node must be on the path at each delay.
+const COVERED: f64 = 0.7;
+/// A dip of the loss is deep if it reaches down by this share of the deepest, from the median.
+const DEEP: f64 = 0.6;
+/// Another deep dip is a rival if its delay is at most so many times as long.
+const RIVAL: f64 = 2.0;
+/// The packets of a node are judged in so many parts.
+const PARTS: usize = 3;
+/// Instants at which it is known where the robot was, for packets without strengths.
+const BACKGROUND: usize = 160;
+/// They weigh so many times as much as the packets.
+const BACKGROUND_WEIGHT: f64 = 4.0;
+/// A delay is clear if it is so many times its uncertainty, if the parts of the log prefer it over none by so many times
+/// theirs, and if it moves the robot by so much (m).
+const CLEAR: f64 = 4.0;
+const GAIN: f64 = 3.0;
+const NOTABLE_M: f64 = 0.25;
+
+/// How late the clock of the packets is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockOffset {
+    /// The times of packets minus those of the path for the same instant (s).
+    pub delay_s: f64,
+    /// Its standard error (s).
+    pub error_s: f64,
+    /// Whether it is clearly not 0.
+    pub is_clear: bool,
+    /// Another delay that explains about as much (s): a robot on lanes to and fro that is late by half a lane is at the mirror
+    /// images of the places at which it would be if it were early by as much.
+    pub rival_s: Option<f64>,
+    /// How fast the robot usually drives (m/s).
+    pub speed_m_per_s: f64,
+}
+
+impl ClockOffset {
+    /// The delay, if it is clear and there is no rival (s).
+    #[must_use]
+    pub fn told_s(&self) -> Option<f64> {
+        (self.is_clear && self.rival_s.is_none()).then_some(self.delay_s)
+    }
+
+    /// What the user should know of it, if it is clear.
+    pub(crate) fn finding(&self) -> Option<Finding> {
+        let Self { delay_s, error_s, is_clear, rival_s, speed_m_per_s } = *self;
+        let which = |delay_s: f64| if delay_s > 0.0 { "late" } else { "early" };
+        let or = rival_s.map_or_else(String::new, |rival_s| {
+            format!(", or {:.2} s {}, which explains about as much", rival_s.abs(), which(rival_s))
+        });
+        is_clear.then(|| Finding {
+            check: "clock-offset",
+            odd: format!(
+                "the times of the packets seem to be {:.2} ± {:.2} s {} by the clock of the path{or}",
+                delay_s.abs(),
+                2.0 * error_s,
+                which(delay_s)
+            ),
+            cost: format!(
+                "at {speed_m_per_s:.2} m/s the robot is taken to be {:.1} m from where it heard them, and nodes are misplaced \
+                 by up to as much",
+                delay_s.abs() * speed_m_per_s
+            ),
+            remedy: match rival_s {
+                None => format!("`--packet-delay auto` takes it off, as does `--packet-delay {delay_s:.2}`"),
+                Some(rival_s) => format!(
+                    "`--packet-delay {delay_s:.2}` or `--packet-delay {rival_s:.2}` takes it off; compare the clocks to know which"
+                ),
+            },
+        })
+    }
+}
+
+/// The delay of the packets `samples` by the clock of `paths`, which are by robot. `None` if there are too few packets, or no
+/// delay in the range of the search is best.
+pub(crate) fn offset(samples: &Samples, paths: &[&Path]) -> Option<ClockOffset> {
+    let speed_m_per_s = usual_speed(paths)?;
+    let extent_m = extent_m(paths);
+    let step_s = STEP_M.max(STEP_SHARE * extent_m) / speed_m_per_s;
+    let span_s = paths.iter().map(|path| seconds(path.span().1) - seconds(path.span().0)).fold(0.0, f64::max);
+    let background = background(paths);
+    let tracks = || samples.nodes().map(|packets| Track::of(packets, paths, &background));
+    let mut tracks: Vec<Track<'_>> = tracks().flatten().collect();
+    // Of short paths, only small delays leave the packets on the path.
+    let covers = |track: &Track<'_>, steps: f64| {
+        [-steps - 2.0, steps + 2.0].iter().all(|steps| track.observations(steps * step_s).is_some())
+    };
+    let is_wide = |steps: &f64| {
+        let covered = tracks.iter().filter(|track| covers(track, *steps)).count();
+        steps * step_s <= LONGEST * span_s && covered as f64 >= COVERED * tracks.len() as f64
+    };
+    let most = STEPS.into_iter().find(is_wide)?;
+    tracks.retain(|track| covers(track, most));
+    if tracks.iter().map(|track| track.packets.len()).sum::<usize>() < LEAST {
+        return None;
+    }
+    let coarse: Vec<f64> = (-100..=100).map(f64::from).filter(|step: &f64| step.abs() <= most).collect();
+    let coarse: Vec<f64> = coarse.into_iter().map(|step| step * step_s).collect();
+    let first = profile(&tracks, &coarse);
+    let dips = dips(&coarse, &sums(&first));
+    let best = *dips.first()?;
+    let rival_s = dips.get(1).map(|&at| coarse[at]).filter(|rival_s| rival_s.abs() <= RIVAL * coarse[best].abs());
+    let fine: Vec<f64> =
+        (-2 * FINE..=2 * FINE).map(|step| coarse[best] + f64::from(step) * step_s / f64::from(FINE)).collect();
+    let second = profile(&tracks, &fine);
+    let totals = sums(&second);
+    let at = least(&totals).filter(|&at| at > 0 && at + 1 < fine.len())?;
+    let fine_s = step_s / f64::from(FINE);
+    let delay_s = fine[at] + fine_s * vertex([totals[at - 1], totals[at], totals[at + 1]]);
+    // Slopes over a step of the robot, which is smoother than the finest steps.
+    let (low, high) = (at.saturating_sub(2), (at + 2).min(fine.len() - 1));
+    let width_s = fine[high] - fine[low];
+    let curvature = (totals[high] - 2.0 * totals[at] + totals[low]) / (0.5 * width_s).powi(2);
+    let slopes = second[high].iter().zip(&second[low]).map(|(high, low)| (high - low) / width_s);
+    let mean = (totals[high] - totals[low]) / width_s / second[low].len() as f64;
+    let spread: f64 = slopes.map(|slope| (slope - mean) * (slope - mean)).sum();
+    if !(curvature > 0.0 && curvature.is_finite()) {
+        return None;
+    }
+    let error_s = (spread.sqrt() / curvature).hypot(0.1 * fine_s);
+    let none = profile(&tracks, &[0.0]);
+    let gains: Vec<f64> = none[0].iter().zip(&second[at]).map(|(none, best)| none - best).collect();
+    let gain: f64 = gains.iter().sum();
+    let usual = gain / gains.len() as f64;
+    let doubt = gains.iter().map(|gain| (gain - usual) * (gain - usual)).sum::<f64>().sqrt();
+    let is_clear =
+        delay_s.abs() > CLEAR * error_s && gain > GAIN * doubt && delay_s.abs() * speed_m_per_s > NOTABLE_M;
+    Some(ClockOffset { delay_s, error_s, is_clear, rival_s, speed_m_per_s })
+}
+
+/// What was observed, and the part of the packets that each observation belongs to.
+type Observed = (Vec<Observation>, Vec<usize>);
+
+/// The packets of a node, and how what they say depends on the place.
+struct Track<'a> {
+    packets: &'a [Sample],
+    paths: &'a [&'a Path],
+    background: &'a [Position],
+    law: Law,
+}
+
+impl<'a> Track<'a> {
+    fn of(packets: &'a [Sample], paths: &'a [&'a Path], background: &'a [Position]) -> Option<Self> {
+        if packets.len() < LEAST_OF_NODE {
+            return None;
+        }
+        let measured = packets.iter().filter_map(|packet| packet.rssi_dbm);
+        let [low, high] = measured
+            .clone()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], level| [level.min(low), level.max(high)]);
+        let has_strengths = 2 * measured.count() > packets.len() && high - low > 3.0;
+        let mut track = Self { packets, paths, background, law: Law::Presence };
+        if has_strengths {
+            track.law = Law::Strengths { scale_db: 4.0 };
+            let (observations, _) = track.observations(0.0)?;
+            let fit = NodeFit::of(&observations, track.law)?;
+            let mut errors: Vec<f64> = observations.iter().map(|one| (one.value - fit.at(one.at)).abs()).collect();
+            let middle = errors.len() / 2;
+            let usual = *errors.select_nth_unstable_by(middle, f64::total_cmp).1;
+            track.law = Law::Strengths { scale_db: (1.5 * usual).clamp(1.0, 8.0) };
+        }
+        Some(track)
+    }
+
+    /// What was observed if the packets are late by `delay_s`, and the part of the packets that each observation belongs to.
+    /// `None` if too few were heard on the path.
+    fn observations(&self, delay_s: f64) -> Option<Observed> {
+        let (mut observations, mut parts) = (Vec::new(), Vec::new());
+        for (number, packet) in self.packets.iter().enumerate() {
+            let value = match self.law {
+                Law::Strengths { .. } => packet.rssi_dbm,
+                Law::Presence => Some(1.0),
+            };
+            let place = self.paths.get(packet.robot.index()).and_then(|path| place(path, packet.time, delay_s));
+            if let (Some(at), Some(value)) = (place, value) {
+                observations.push(Observation { at, value, weight: 1.0 });
+                parts.push(PARTS * number / self.packets.len());
+            }
+        }
+        let count = observations.len();
+        if (count as f64) < COVERED * self.packets.len() as f64 || count < LEAST_OF_NODE {
+            return None;
+        }
+        if self.law == Law::Presence {
+            let weight = BACKGROUND_WEIGHT * count as f64 / self.background.len().max(1) as f64;
+            for (number, &at) in self.background.iter().enumerate() {
+                observations.push(Observation { at, value: 0.0, weight });
+                parts.push(number % PARTS);
+            }
+        }
+        Some((observations, parts))
+    }
+
+    /// The losses of the parts at each of `delays_s`, as if all packets were heard on the path; the place is searched for
+    /// from both sides.
+    fn profile(&self, delays_s: &[f64]) -> Vec<Option<[f64; PARTS]>> {
+        let observed: Vec<_> = delays_s.iter().map(|&delay_s| self.observations(delay_s)).collect();
+        let mut best: Vec<Option<NodeFit>> = vec![None; delays_s.len()];
+        let forth: Vec<usize> = (0..delays_s.len()).collect();
+        let back: Vec<usize> = (0..delays_s.len()).rev().collect();
+        for order in [forth, back] {
+            let mut start: Option<Vector4<f64>> = None;
+            for at in order {
+                let Some((observations, _)) = &observed[at] else { continue };
+                let fit = match start {
+                    Some(start) => NodeFit::from(start, observations, self.law),
+                    None => NodeFit::of(observations, self.law),
+                };
+                let Some(fit) = fit else { continue };
+                start = Some(fit.parameters);
+                if best[at].is_none_or(|best| fit.loss < best.loss) {
+                    best[at] = Some(fit);
+                }
+            }
+        }
+        let losses = |(observed, fit): (&Option<Observed>, &Option<NodeFit>)| {
+            let ((observations, parts), fit) = (observed.as_ref()?, fit.as_ref()?);
+            let mut losses = [0.0; PARTS];
+            for (observation, &part) in observations.iter().zip(parts) {
+                losses[part] += fit.loss_of(observation, self.law);
+            }
+            let heard = observations.iter().filter(|one| self.law != Law::Presence || one.value > 0.5).count();
+            Some(losses.map(|loss| loss * self.packets.len() as f64 / heard as f64))
+        };
+        observed.iter().zip(&best).map(losses).collect()
+    }
+}
+
+/// The losses of all parts of `tracks` at each of `delays_s`; infinite where a delay drives a track off the path.
+fn profile(tracks: &[Track<'_>], delays_s: &[f64]) -> Vec<Vec<f64>> {
+    let profiles: Vec<Vec<Option<[f64; PARTS]>>> = tracks.par_iter().map(|track| track.profile(delays_s)).collect();
+    let losses = |at: usize| profiles.iter().flat_map(move |profile| profile[at].unwrap_or([f64::INFINITY; PARTS]));
+    (0..delays_s.len()).map(|at| losses(at).collect()).collect()
+}
+
+/// The sums of the losses at each delay.
+fn sums(profile: &[Vec<f64>]) -> Vec<f64> {
+    profile.iter().map(|parts| parts.iter().sum()).collect()
+}
+
+/// The index of the least value.
+fn least(values: &[f64]) -> Option<usize> {
+    values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).map(|(at, _)| at)
+}
+
+/// The dips of `losses` that are nearly as deep as the deepest, from the one whose delay is nearest to 0: a robot on lanes to and
+/// fro that is late by a whole lane is at the mirror images of its places, which explain as much.
+fn dips(delays_s: &[f64], losses: &[f64]) -> Vec<usize> {
+    let mut sorted = losses.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(&lowest), Some(&middle)) = (sorted.first(), sorted.get(sorted.len() / 2)) else { return Vec::new() };
+    let deep = middle - DEEP * (middle - lowest);
+    let is_dip = |&at: &usize| losses[at] <= losses[at - 1] && losses[at] < losses[at + 1] && losses[at] <= deep;
+    let mut dips: Vec<usize> = (1..losses.len() - 1).filter(is_dip).collect();
+    dips.sort_by(|&a, &b| delays_s[a].abs().total_cmp(&delays_s[b].abs()));
+    dips
+}
+
+/// Where the parabola through three neighbouring values has its vertex, in steps from the middle one.
+fn vertex([left, middle, right]: [f64; 3]) -> f64 {
+    let bend = left - 2.0 * middle + right;
+    if bend > 0.0 { (0.5 * (left - right) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+}
+
+fn seconds(time: SimTime) -> f64 {
+    time.as_secs_f64()
+}
+
+/// Where a robot was when a packet was heard that is late by `delay_s`.
+fn place(path: &Path, time: SimTime, delay_s: f64) -> Option<Position> {
+    path.at(super::super::instant::shifted(time, -delay_s)?)
+}
+
+/// Where the robots were at instants spread evenly over the times of their paths.
+fn background(paths: &[&Path]) -> Vec<Position> {
+    let each = BACKGROUND / paths.len().max(1);
+    let of_path = |path: &&Path| {
+        let (start, end) = path.span();
+        let span_s = seconds(end) - seconds(start);
+        let at = |i: usize| super::super::instant::shifted(start, span_s * (i as f64 + 0.5) / each as f64);
+        (0..each).filter_map(|i| path.at(at(i)?)).collect::<Vec<_>>()
+    };
+    paths.iter().flat_map(of_path).collect()
+}
+
+/// The median speed of moving robots, over time (m/s); `None` if none moves.
+fn usual_speed(paths: &[&Path]) -> Option<f64> {
+    let legs = paths.iter().flat_map(|path| path.poses().windows(2));
+    let mut speeds: Vec<(f64, f64)> = legs
+        .map(|leg| {
+            let span_s = leg[1].time.saturating_since(leg[0].time).as_secs_f64();
+            (plane_m(leg[0].position, leg[1].position) / span_s, span_s)
+        })
+        .filter(|(speed, _)| *speed > 0.0)
+        .collect();
+    let fastest = speeds.iter().map(|(speed, _)| *speed).fold(0.0, f64::max);
+    speeds.retain(|(speed, _)| *speed > 0.02 * fastest);
+    speeds.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total_s: f64 = speeds.iter().map(|(_, span_s)| span_s).sum();
+    let mut passed_s = 0.0;
+    let middle = speeds.iter().find(|(_, span_s)| {
+        passed_s += span_s;
+        2.0 * passed_s >= total_s
+    });
+    middle.map(|(speed, _)| *speed)
+}
+
+/// The diagonal of the box around all paths (m).
+fn extent_m(paths: &[&Path]) -> f64 {
+    let places = paths.iter().flat_map(|path| path.poses()).map(|pose| pose.position);
+    let [low, high] = places.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], at| {
+        [[low[0].min(at.x_m), low[1].min(at.y_m)], [high[0].max(at.x_m), high[1].max(at.y_m)]]
+    });
+    f64::hypot(high[0] - low[0], high[1] - low[1])
+}

@@ -1,0 +1,256 @@
+//! Errors of the CSV files of a robot.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use sextant_channel::LogError;
+use sextant_kernel::SimTime;
+
+use super::bag_error::BagError;
+use super::instant;
+use super::path::PathError;
+use super::slot;
+use super::sniffer_error::SnifferError;
+use sextant_recording::mcap_file::McapFileError;
+
+/// Why the log of a robot cannot be read or written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RobotLogError {
+    /// A file cannot be read.
+    #[error("cannot read `{}`: {why}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// A file cannot be written.
+    #[error("cannot write `{}`: {why}", .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// The header, or a row as a whole, is wrong.
+    #[error("{}, line {line}: {problem}", .path.display())]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// Line of the file, from 1.
+        line: usize,
+        /// The error.
+        problem: String,
+    },
+    /// A cell is wrong.
+    #[error("{}, line {line}, column `{column}`: found `{found}`; allowed: {allowed}", .path.display())]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// Line of the file, from 1.
+        line: usize,
+        /// Name of the column.
+        column: String,
+        /// The text of the cell.
+        found: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// The files do not form a valid reception log.
+    #[error("`{}`: {why}", .path.display())]
+    Log {
+        /// The folder.
+        path: PathBuf,
+        /// The error.
+        why: LogError,
+    },
+    /// A folder has two logs, of which one is a list of stops.
+    #[error(
+        "`{}` has both {} and {stops}: a log is a path and packets, or stops.csv and receptions.csv; move away those that are \
+         not meant, or give `--packets FILE`",
+        .path.display(), .others.join(", ")
+    )]
+    TwoLogs {
+        /// The folder.
+        path: PathBuf,
+        /// The paths and packets.
+        others: Vec<String>,
+        /// The file of a log with stops.
+        stops: &'static str,
+    },
+    /// A folder has what is wanted more than once.
+    #[error("`{}` has the {what} more than once: {}; choose with `{flag} FILE`", .path.display(), .found.join(", "))]
+    Several {
+        /// The folder.
+        path: PathBuf,
+        /// What is wanted.
+        what: &'static str,
+        /// The files.
+        found: Vec<String>,
+        /// The flag that chooses.
+        flag: &'static str,
+    },
+    /// A folder has several tables, of which none has a known name.
+    #[error("`{}` has several tables: {}; give the one that is the log", .path.display(), .found.join(", "))]
+    SeveralTables {
+        /// The folder.
+        path: PathBuf,
+        /// The tables.
+        found: Vec<String>,
+    },
+    /// There is a path and nothing that was heard.
+    #[error(
+        "`{}` has {found}, but no packets.csv with what was heard on it; `--packets FILE` takes the packets from another file",
+        .path.display()
+    )]
+    NoPacketFile {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it has.
+        found: String,
+    },
+    /// There are packets and no path.
+    #[error(
+        "`{}` tells who was heard and when, but not where the robot was: give its path with `--path FILE`: CSV with columns \
+         t_s,x_m,y_m[,z_m] or t_s,lat,lon, TUM, GPX, NMEA 0183 or a ROS 2 bag",
+        .path.display()
+    )]
+    NoPath {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// Flags name everything that would be read from the log.
+    #[error("`{}` gives {what}, but so does `{flag}`: leave out one of them", .path.display())]
+    Unused {
+        /// The file.
+        path: PathBuf,
+        /// What it gives.
+        what: &'static str,
+        /// The flag that replaces it.
+        flag: &'static str,
+    },
+    /// A folder has no log.
+    #[error(
+        "`{}` has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv, nor a table with a column a node, a \
+         ROS 2 bag or a capture", .path.display()
+    )]
+    NoLog {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A map is to be written as GeoJSON, but its places on the earth are unknown.
+    #[error(
+        "`{}`: GeoJSON has latitudes and longitudes, but the places of this map are metres in a plane of their own; name a \
+         .csv file, or give the log its places by the columns `lat` and `lon`",
+        .path.display()
+    )]
+    NotOnEarth {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The packets do not form a valid reception log.
+    #[error(transparent)]
+    Invalid(LogError),
+    /// The poses of a file are no path.
+    #[error("`{}`: {why}", .path.display())]
+    Path {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        why: PathError,
+    },
+    /// A path has too many stops.
+    #[error("the path would be cut into more than {} stops: give a greater `--stop-every`", slot::MOST)]
+    TooManyStops,
+    /// There are no packets.
+    #[error("the log has no packets")]
+    NoPackets,
+    /// A packet is wrong.
+    #[error("the packet at {} s: {problem}", instant::format(*.time))]
+    Packet {
+        /// When it was heard.
+        time: SimTime,
+        /// The error.
+        problem: String,
+    },
+    /// No packet was heard while the place of the robot is known.
+    #[error(
+        "none of the {count} packets was heard while the place of the robot is known: the packets are from {} s to {} s, \
+         the path is from {} s to {} s; both need times of the same clock",
+        instant::format(.packets.0), instant::format(.packets.1), instant::format(.path.0), instant::format(.path.1)
+    )]
+    NotCovered {
+        /// Number of packets.
+        count: u64,
+        /// Times of the first and the last packet.
+        packets: (SimTime, SimTime),
+        /// Times of the first and the last pose.
+        path: (SimTime, SimTime),
+    },
+    /// A file does not hold an area.
+    #[error("`{}`: {why}", .path.display())]
+    Area {
+        /// The file.
+        path: PathBuf,
+        /// The error.
+        why: String,
+    },
+    /// The log has no stops.
+    #[error("`{}`: the log has no stops; at least one is required", .path.display())]
+    NoStops {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A ROS bag cannot be read.
+    #[error(transparent)]
+    Bag(#[from] BagError),
+    /// The capture of a sniffer cannot be read.
+    #[error(transparent)]
+    Sniffer(#[from] SnifferError),
+    /// The file is of another format.
+    #[error("`{}` is not the log of a robot: neither a folder of CSV files nor a ROS bag nor a capture", .path.display())]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The log is not of the form that flags say.
+    #[error("{problem}")]
+    Form {
+        /// The error.
+        problem: String,
+    },
+    /// Flags are for another kind of log.
+    #[error("`{flag}` is for {meant}, but `{}` is {found}", .path.display())]
+    Flag {
+        /// The file or folder.
+        path: PathBuf,
+        /// The flag.
+        flag: &'static str,
+        /// What it is for.
+        meant: &'static str,
+        /// What the log is.
+        found: String,
+    },
+}
+
+impl RobotLogError {
+    /// Whether the disk or the system caused the error (exit code 1), not the input (exit code 2).
+    #[must_use]
+    pub fn is_system_error(&self) -> bool {
+        matches!(self, Self::Write { .. })
+    }
+
+    pub(super) fn read(path: &Path, why: impl fmt::Display) -> Self {
+        Self::Read { path: path.to_owned(), why: why.to_string() }
+    }
+
+    pub(super) fn write(path: &Path, why: impl fmt::Display) -> Self {
+        Self::Write { path: path.to_owned(), why: why.to_string() }
+    }
+}
+
+impl From<McapFileError> for RobotLogError {
+    fn from(error: McapFileError) -> Self {
+        BagError::from(error).into()
+    }
+}

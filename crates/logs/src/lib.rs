@@ -1,0 +1,106 @@
+//! Logs of real robots, and maps of them as files.
+//!
+//! Input: a folder with `stops.csv` and `receptions.csv`, or with `path.csv` and `packets.csv`; a table with a column a node; a
+//! ROS 2 bag; captures of a sniffer and a path; or a path and packets of any two of these. Output: the reception log for a mapper, the plane of its places if they are given by latitude and
+//! longitude, and notes; or an error with file, line and column. The formats are described in `docs/robot-logs.md`.
+//!
+//! ```
+//! use sextant_logs::ReadOptions;
+//!
+//! let folder = std::env::temp_dir().join(format!("sextant-log-{}", std::process::id()));
+//! std::fs::create_dir_all(&folder)?;
+//! std::fs::write(folder.join("stops.csv"), "stop,t_s,x_m,y_m\nA,0,0,0\nB,1.5,1,0\n")?;
+//! std::fs::write(folder.join("receptions.csv"), "node,stop,received,sent\nlamp,B,3,5\ndoor,A,0,5\n")?;
+//! let log = sextant_logs::read(&folder, &ReadOptions::default())?.log;
+//! assert_eq!(log.names(), ["lamp", "door"]);
+//! assert_eq!(log.stops().len(), 2);
+//! # std::fs::remove_dir_all(&folder)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod area;
+mod bag;
+mod bag_error;
+mod bag_options;
+mod cell;
+mod cover;
+pub mod doctor;
+mod drive;
+mod error;
+mod field_names;
+mod field_path;
+mod fix;
+mod folder;
+mod form;
+mod form_options;
+mod gathered;
+mod gatherer;
+mod geojson;
+mod gpx;
+mod header;
+mod heard;
+mod instant;
+mod interval;
+mod layout;
+mod local_plane;
+mod log;
+mod map;
+mod missing;
+mod names;
+mod nmea;
+mod noise_floor;
+mod options;
+mod output;
+mod packet;
+mod packet_delay;
+mod packets;
+mod pair_notes;
+mod pairs;
+mod path;
+mod path_file;
+mod paths;
+mod place;
+mod receptions;
+mod reciprocal;
+mod repair_options;
+mod rssi_check;
+mod sectors;
+mod sending;
+mod signal;
+mod slot;
+mod sniffer;
+mod sniffer_error;
+mod sniffer_options;
+mod source;
+mod stops;
+mod strengths;
+mod table;
+mod times;
+mod truth;
+mod tum;
+mod wide;
+mod writing;
+
+pub use area::read_area;
+pub use bag_error::BagError;
+pub use bag_options::{BagClock, BagOptions};
+pub use error::RobotLogError;
+pub use field_names::FieldNames;
+pub use form_options::FormOptions;
+pub use gatherer::Gatherer;
+pub use local_plane::{Geodetic, LocalPlane};
+pub use log::RobotLog;
+pub use map::{read_map, write_map};
+pub use missing::{ColumnPattern, Missing};
+pub use names::Names;
+pub use noise_floor::NoiseFloor;
+pub use options::{ReadOptions, StopRule};
+pub use packet::Packet;
+pub use packet_delay::PacketDelay;
+pub use path::{Path, PathError, Pose};
+pub use repair_options::RepairOptions;
+pub use sniffer_error::SnifferError;
+pub use sniffer_options::SnifferOptions;
+pub use source::{Source, read, refuse_flags};
+pub use truth::{TrueNodes, read_truth};
+pub use writing::write;

@@ -1,0 +1,70 @@
+//! `path.csv`: where robots were over time.
+
+use std::path::Path as FilePath;
+
+use super::doctor::origin;
+use super::error::RobotLogError;
+use super::field_names::FieldNames;
+use super::header::{Known, Others};
+use super::instant;
+use super::path::{Path, Pose};
+use super::paths::Paths;
+use super::place::{COLUMNS, Frame, Places};
+use super::table::Table;
+use super::times::Times;
+use sextant_recording::RobotNames;
+
+/// Reads the paths in the file `path`: `t_s,x_m,y_m[,z_m][,robot]` or `t_s,lat,lon[,alt_m][,robot]`, or with the `names` of
+/// the user. If `skips_no_fix`, rows without a fix are left out.
+pub(super) fn read(
+    path: &FilePath,
+    names: &FieldNames,
+    skips_no_fix: bool,
+    notes: &mut Vec<String>,
+) -> Result<Paths, RobotLogError> {
+    let optional = [&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat();
+    let table =
+        Table::open_known(path, Known { required: &[], optional: &optional, names, others: Others::Ignored })?;
+    notes.extend(table.ignored());
+    let time = Times::of(&table, notes)?;
+    let places = Places::of(&table, Frame::Any, notes)?;
+    let robot = table.column("robot");
+    let mut robots = RobotNames::default();
+    let mut plane = None;
+    // The poses of each robot, and where their rows begin.
+    let mut poses: Vec<Vec<(Pose, u64)>> = vec![Vec::new()];
+    let mut left_out = 0;
+    let head = table.rows(|row| {
+        if skips_no_fix && places.is_without_fix(row) {
+            left_out += 1;
+            return Ok(());
+        }
+        let robot = row.robot(robot, &mut robots)?.index();
+        if poses.len() <= robot {
+            poses.resize_with(robot + 1, Default::default);
+        }
+        let pose = Pose { time: row.instant(time)?, position: places.read(row, &mut plane)? };
+        poses[robot].push((pose, row.offset));
+        Ok(())
+    })?;
+    let far = origin::far_m(poses.iter().flatten().map(|(pose, _)| pose.position));
+    if skips_no_fix && far.is_some() {
+        for of_robot in &mut poses {
+            let before = of_robot.len();
+            of_robot.retain(|(pose, _)| !origin::is_origin(pose.position));
+            left_out += before - of_robot.len();
+        }
+    }
+    if left_out > 0 {
+        notes.push(format!("{}: {left_out} rows without a fix are left out (`--skip-no-fix`)", head.file_name()));
+    }
+    let path_of = |rows: Vec<(Pose, u64)>| {
+        let (poses, offsets): (Vec<Pose>, Vec<u64>) = rows.into_iter().unzip();
+        Path::new(poses).map_err(|why| match why.index() {
+            Some(index) => head.wrong_row(offsets[index], why.to_string()),
+            None => RobotLogError::Path { path: path.to_owned(), why },
+        })
+    };
+    let paths = poses.into_iter().map(path_of).collect::<Result<_, _>>()?;
+    Ok(Paths { paths, robots, is_named: robot.exists(), plane })
+}

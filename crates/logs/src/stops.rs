@@ -1,0 +1,124 @@
+//! `stops.csv` and `contacts.csv`: where robots listened and what they met.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use sextant_channel::{Contact, Stop};
+use sextant_kernel::SimTime;
+
+use super::doctor::origin;
+use super::error::RobotLogError;
+use super::field_names::FieldNames;
+use super::header::{Known, Others};
+use super::instant;
+use super::local_plane::LocalPlane;
+use super::place::{COLUMNS, Frame, Places};
+use super::table::Table;
+use super::times::Times;
+use sextant_recording::RobotNames;
+
+/// The stops of a log.
+pub(super) struct Stops {
+    pub(super) stops: Vec<Stop>,
+    /// The index of each stop by its name in the files.
+    pub(super) ids: BTreeMap<String, u32>,
+    /// Packets that a node sent at each stop, where the file says so.
+    pub(super) sent: Vec<Option<u32>>,
+    /// The plane of the places, if they are given by latitude and longitude.
+    pub(super) plane: Option<LocalPlane>,
+    /// Names of the stops that were left out, because the receiver had no fix.
+    pub(super) left_out: BTreeSet<String>,
+}
+
+/// A row of the file.
+struct Listed {
+    name: String,
+    sent: Option<u32>,
+    stop: Stop,
+}
+
+/// Reads the stops in the file `path`, with the `names` of the user for columns. If `skips_no_fix`, rows without a fix are
+/// left out.
+pub(super) fn read(
+    path: &Path,
+    names: &FieldNames,
+    skips_no_fix: bool,
+    robots: &mut RobotNames,
+    notes: &mut Vec<String>,
+) -> Result<Stops, RobotLogError> {
+    let optional = [&COLUMNS[..], &instant::COLUMNS, &["robot", "sent"]].concat();
+    let known = Known { required: &["stop"], optional: &optional, names, others: Others::Ignored };
+    let table = Table::open_known(path, known)?;
+    notes.extend(table.ignored());
+    let places = Places::of(&table, Frame::Any, notes)?;
+    let time = Times::find(&table, notes);
+    let [id, robot, sent] = ["stop", "robot", "sent"].map(|name| table.column(name));
+    if time.is_none() {
+        notes.push("stops.csv has no times (t_s): the duration of the survey is unknown".to_owned());
+    }
+    let mut read =
+        Stops { stops: Vec::new(), ids: BTreeMap::new(), sent: Vec::new(), plane: None, left_out: BTreeSet::new() };
+    let mut listed: Vec<Listed> = Vec::new();
+    let mut names = BTreeSet::new();
+    table.rows(|row| {
+        let name = row.filled(id).ok_or_else(|| row.wrong(id, "a number or a name that is not used above"))?;
+        if !names.insert(name.to_owned()) {
+            return Err(row.wrong(id, "each stop once; this stop is already given above"));
+        }
+        if skips_no_fix && places.is_without_fix(row) {
+            read.left_out.insert(name.to_owned());
+            return Ok(());
+        }
+        let sent = row.whole(sent, MOST_SENT)?;
+        let stop = Stop {
+            robot: row.robot(robot, robots)?,
+            time: time.map_or(Ok(SimTime::ZERO), |time| row.instant(time))?,
+            position: places.read(row, &mut read.plane)?,
+        };
+        listed.push(Listed { name: name.to_owned(), sent, stop });
+        Ok(())
+    })?;
+    let drops_origin = skips_no_fix && origin::far_m(listed.iter().map(|row| row.stop.position)).is_some();
+    for Listed { name, sent, stop } in listed {
+        if drops_origin && origin::is_origin(stop.position) {
+            read.left_out.insert(name);
+            continue;
+        }
+        let index = u32::try_from(read.stops.len()).expect("fewer than 2^32 stops");
+        read.ids.insert(name, index);
+        read.sent.push(sent);
+        read.stops.push(stop);
+    }
+    Ok(read)
+}
+
+/// Most packets that a node can have sent at a stop.
+pub(super) const MOST_SENT: u32 = u32::MAX - 1;
+
+/// Reads the contacts in the file `path`, if there is one. The places of the log are in `plane`.
+pub(super) fn read_contacts(
+    path: &Path,
+    plane: Option<LocalPlane>,
+    robots: &mut RobotNames,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Contact>, RobotLogError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let table = Table::open(path, &[], &[&instant::COLUMNS[..], &COLUMNS, &["robot"]].concat())?;
+    notes.extend(table.ignored());
+    let time = Times::of(&table, notes)?;
+    let places = Places::of(&table, Frame::of(plane.as_ref()), notes)?;
+    let robot = table.column("robot");
+    let mut plane = plane;
+    let mut contacts = Vec::new();
+    table.rows(|row| {
+        contacts.push(Contact {
+            robot: row.robot(robot, robots)?,
+            time: row.instant(time)?,
+            position: places.read(row, &mut plane)?,
+        });
+        Ok(())
+    })?;
+    Ok(contacts)
+}

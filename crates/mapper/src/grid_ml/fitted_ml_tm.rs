@@ -1,0 +1,130 @@
+//! ML-TM under a profile estimated from the log.
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{SettingError, Watch};
+
+use crate::grid_ml::fitted::WideSearch;
+use crate::log_facts::reach::heard_nodes;
+use crate::log_facts::search_box::Limits;
+use crate::{
+    Concern, CoordinateFrame, Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap,
+    TrapezoidConfig,
+};
+
+/// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedMlTm {
+    fitted: Fitted,
+    /// The algorithm. Its profile is replaced by the fitted one.
+    ml_tm: MlTm,
+    z_range_m: Option<[f64; 2]>,
+}
+
+impl FittedMlTm {
+    /// The algorithm with the settings of `config`, whose profile is replaced by one fitted as `fitted` says.
+    ///
+    /// # Errors
+    /// If a value is invalid.
+    pub fn new(config: MlTmConfig, fitted: FittedConfig) -> Result<Self, SettingError> {
+        let fitted = Fitted::try_from(fitted).map_err(|error| error.within("profile.fitted"))?;
+        let z_range_m = config.z_range_m;
+        // Any profile is good enough to check the other settings.
+        let reach_m = if config.grid_step_m > 0.0 { config.grid_step_m } else { 1.0 };
+        let profile = ProfileConfig::Trapezoid(TrapezoidConfig::new(0.5, 0.0, reach_m));
+        Ok(Self { fitted, ml_tm: MlTm::try_from(MlTmConfig { profile, ..config })?, z_range_m })
+    }
+
+    /// The algorithm with a grid of this step (m).
+    pub(crate) fn with_grid_step_m(&self, grid_step_m: f64) -> Self {
+        Self { ml_tm: self.ml_tm.with_grid_step_m(grid_step_m), ..self.clone() }
+    }
+
+    /// The profile of `log`; `None` if no node was heard.
+    ///
+    /// # Errors
+    /// [`MapError::Log`] if a sector of the log is not among those of the settings; [`MapError::Interrupted`].
+    pub fn fit(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<Option<Fit>, MapError> {
+        let heights = (self.z_range_m, self.ml_tm.grid_step_m());
+        self.fitted.fit_with(&self.ml_tm.counted(log), heights, self.ml_tm.sectors(), watch)
+    }
+
+    /// The algorithm under a fitted profile. Give it the part of the log that is [evidence](Fit::evidence).
+    #[must_use]
+    pub fn with_fit(&self, fit: &Fit) -> MlTm {
+        let step_m = self.ml_tm.grid_step_m().min(fit.curve.range_m());
+        self.ml_tm.with_profile(fit.profile(step_m)).with_heights(fit.heights)
+    }
+
+    /// The algorithm under a profile that means nothing, for logs to which none can be fitted.
+    pub(crate) fn unfitted(&self) -> &MlTm {
+        &self.ml_tm
+    }
+
+    /// The map of the nodes in `log`, and the profile that it was made with.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`]; [`MapError::Interrupted`].
+    pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        match self.fit(log, watch)? {
+            Some(fit) => {
+                let map = self.map_with(&self.with_fit(&fit), &fit, log, watch)?;
+                Ok((map, Some(fit)))
+            }
+            None => Ok((self.ml_tm.map(log, watch)?, None)),
+        }
+    }
+
+    /// The map by `ml_tm`, which has the profile of `fit`. Each node is within reach of the stops that heard it.
+    fn map_with(
+        &self,
+        ml_tm: &MlTm,
+        fit: &Fit,
+        log: &ReceptionLog,
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
+        let evidence = fit.evidence(log);
+        let limits = Limits::new(log, fit.reach_m, fit.heights);
+        let boxes: Vec<_> = heard_nodes(&evidence).into_iter().map(|heard| (heard, limits.of(&heard))).collect();
+        let (step_m, kind) = (ml_tm.grid_step_m(), ml_tm.estimate_kind());
+        let counted = ml_tm.counted(&evidence);
+        let wide = WideSearch { log: &counted, fit, step_m, kind };
+        let mut map = if evidence.sectors().is_none() && wide.is_warranted(&boxes) {
+            let estimates = wide.estimates(&boxes, watch)?;
+            TopologyMap {
+                estimates,
+                grid_step_m: Some(step_m),
+                ..TopologyMap::of_places(MlTm::NAME, Vec::new(), CoordinateFrame::World)
+            }
+        } else {
+            ml_tm.map_within(&evidence, Some(&limits), watch)?
+        };
+        map.heights = Some(fit.heights);
+        for estimate in map.estimates.iter_mut().flatten() {
+            estimate.concern = match estimate.concern {
+                _ if !fit.is_reach_known => Some(Concern::NoEvidence),
+                None if !fit.converged => Some(Concern::Unsettled),
+                concern => concern,
+            };
+        }
+        Ok(map)
+    }
+
+    /// The same for an `algorithm` that needs sectors in the log.
+    pub(crate) fn map_sectors(
+        &self,
+        log: &ReceptionLog,
+        algorithm: &'static str,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        // The range is not known yet, so that any width will do.
+        self.ml_tm.with_grid_step_m(0.0).demand_sectors(log, algorithm)?;
+        match self.fit(log, watch)? {
+            Some(fit) => {
+                let ml_tm = self.with_fit(&fit);
+                ml_tm.demand_sectors(log, algorithm)?;
+                Ok((self.map_with(&ml_tm, &fit, log, watch)?, Some(fit)))
+            }
+            None => Ok((self.ml_tm.map(log, watch)?, None)),
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! ML-TM: maximum-likelihood topology maps on a grid (Gunathillake 2018, chapter 3).
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+#[cfg(feature = "config")]
+use schemars::JsonSchema;
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{NodeId, SettingError, Watch, Work};
+
+use crate::grid_ml::bounded_search::BoundedSink;
+use crate::grid_ml::findings::Findings;
+use crate::grid_ml::sector_errors::likeliest_sigma_db;
+use crate::grid_ml::solver::{Moments, Peak, Scratch, Solver};
+use crate::log_facts::heights::check_z_range;
+use crate::log_facts::reach::heard_nodes;
+use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::sectors::SectorSettings;
+use crate::{
+    Concern, CoordinateFrame, Estimate, EstimateKind, Lattice, MapError, ProfileConfig, ReceptionProfile,
+    SectorsConfig, SoughtHeights, Surface, TieRule, TopologyMap,
+};
+
+/// ML-TM as written in a scenario.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct MlTmConfig {
+    /// Distance of neighbouring grid vertices (m).
+    pub grid_step_m: f64,
+    /// How likely a packet is received over a distance.
+    pub profile: ProfileConfig,
+    /// How a reception of several packets counts. If absent: `packets`, or `at_least_one` under a `channel` profile
+    /// with `packets_per_stop`, whose curve is that of a whole slot.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub counts: Option<CountRule>,
+    /// How the place is estimated from the likelihood.
+    #[cfg_attr(feature = "config", serde(default))]
+    pub estimate: EstimateKind,
+    /// Which place `argmax` takes if several vertices have the highest likelihood.
+    #[cfg_attr(feature = "config", serde(default))]
+    pub ties: TieRule,
+    /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
+    /// heights of the stops differ by at most a twentieth of the range of the profile; otherwise from one range below
+    /// the stops to one range above them.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub z_range_m: Option<[f64; 2]>,
+    /// How the antenna sectors in which nodes were heard are used. If absent, the sectors of the log are evidence.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub sectors: Option<SectorsConfig>,
+    /// Maximum memory for the grid window of one node (MB); 512 if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_memory_mb: Option<u32>,
+}
+
+/// Memory allowed for the window of one node (MB).
+pub(crate) const DEFAULT_MEMORY_MB: u32 = 512;
+
+/// How a reception of several packets counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
+pub enum CountRule {
+    /// Each packet received or missed counts by itself.
+    Packets,
+    /// The listening slot counts as one packet. It is received if at least one packet was received (thesis, chapter
+    /// 3).
+    AtLeastOne,
+}
+
+impl MlTmConfig {
+    /// The argmax on a grid of `grid_step_m`, with defaults for all other settings.
+    #[must_use]
+    pub fn new(grid_step_m: f64, profile: ProfileConfig) -> Self {
+        Self {
+            grid_step_m,
+            profile,
+            counts: None,
+            estimate: EstimateKind::default(),
+            ties: TieRule::default(),
+            z_range_m: None,
+            sectors: None,
+            max_memory_mb: None,
+        }
+    }
+}
+
+/// The ML-TM algorithm.
+///
+/// The likelihood of node i at vertex g is the product over all stops of S(d) for each packet received and of 1 −
+/// S(d) for each packet missed, a stop without an entry in the log counting as one packet missed, and `0` of `0` as
+/// no evidence. If a reception is in a known antenna sector, vertices outside this sector count as if they were
+/// beyond R: the reception is impossible there, or has the probability of the floor (chapter 4 of the thesis). The same
+/// holds for a stop that heard nothing and vertices outside all sectors of its antenna ([`SilenceRule`]).
+///
+/// [`SilenceRule`]: crate::SilenceRule
+///
+/// **Search set.** The vertices nearer than R to every stop that received from the node and in its sector, as far as
+/// their likelihood is above zero. If there are none, the node is *infeasible*: its estimate says so, and the search
+/// set is all vertices nearer than R to any such stop and in its sector, under the profile clamped at least to
+/// `[10⁻⁶, 1 − 10⁻⁶]`. Within the search set the result is exact: the same vertex and the same number of ties as a
+/// scan of all vertices with the product over all stops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MlTm {
+    grid_step_m: f64,
+    profile: ReceptionProfile,
+    counts: CountRule,
+    estimate: EstimateKind,
+    ties: TieRule,
+    z_range_m: Option<[f64; 2]>,
+    sectors: SectorSettings,
+    allowed_bytes: u64,
+}
+
+impl MlTm {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "ml-tm";
+
+    /// The same algorithm with another profile. Steps of the grid longer than its range are shortened to it.
+    #[must_use]
+    pub fn with_profile(&self, profile: ReceptionProfile) -> Self {
+        let grid_step_m = self.grid_step_m.min(profile.range_m());
+        Self { grid_step_m, profile, ..self.clone() }
+    }
+
+    /// The same algorithm, which searches for nodes at these heights.
+    pub(crate) fn with_heights(&self, heights: SoughtHeights) -> Self {
+        Self { z_range_m: Some([heights.low_m, heights.high_m]), ..self.clone() }
+    }
+
+    /// How the place is estimated.
+    pub(crate) fn estimate_kind(&self) -> EstimateKind {
+        self.estimate
+    }
+
+    /// How sectors are used.
+    pub(crate) fn sectors(&self) -> &SectorSettings {
+        &self.sectors
+    }
+
+    /// The same algorithm on another grid.
+    pub(crate) fn with_grid_step_m(&self, grid_step_m: f64) -> Self {
+        Self { grid_step_m, ..self.clone() }
+    }
+
+    /// Distance of neighbouring vertices (m).
+    #[must_use]
+    pub fn grid_step_m(&self) -> f64 {
+        self.grid_step_m
+    }
+
+    /// The reception profile that the likelihood uses.
+    #[must_use]
+    pub fn profile(&self) -> &ReceptionProfile {
+        &self.profile
+    }
+
+    /// The lattice on which the nodes of `log` are sought.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`], [`MapError::NoStops`].
+    pub fn lattice(&self, log: &ReceptionLog) -> Result<Lattice, MapError> {
+        Lattice::covering(log.stops(), self.profile.range_m(), self.grid_step_m, self.z_range_m, self.allowed_bytes)
+    }
+
+    /// The map of the nodes in `log`, computed on the current rayon pool. The result is bit-identical for any number
+    /// of threads. Nodes that were never heard are not placed. Neither are nodes that were heard only where no vertex
+    /// is in range.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`]; [`MapError::Log`] if a sector of the log is not among those of the settings;
+    /// [`MapError::Interrupted`].
+    pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        self.map_within(log, None, watch)
+    }
+
+    /// The same with each node in the box that `limits` give it, if there are any.
+    pub(crate) fn map_within(
+        &self,
+        log: &ReceptionLog,
+        limits: Option<&Limits>,
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
+        let mut map = TopologyMap {
+            algorithm: Self::NAME,
+            estimates: vec![None; log.node_count()],
+            grid_step_m: Some(self.grid_step_m),
+            vertices_evaluated: 0,
+            heights: SoughtHeights::of(log.stops(), self.z_range_m, self.profile.range_m()),
+            frame: CoordinateFrame::World,
+        };
+        if log.receptions().is_empty() {
+            return Ok(map);
+        }
+        let log = &*self.counted(log);
+        let lattice = self.lattice(log)?;
+        let solver = self.solver(&lattice, log, watch)?;
+        let heard_nodes = heard_nodes(log);
+        let mut boxes: Vec<Option<SearchBox>> = vec![None; log.node_count()];
+        if let Some(limits) = limits {
+            heard_nodes.iter().for_each(|heard| boxes[heard.node.index()] = Some(limits.of(heard)));
+        }
+        watch.begin(Work {
+            name: Self::NAME,
+            unit: "node",
+            steps: log.node_count() as u64,
+            operations: heard_nodes.iter().map(|heard| solver.operations(heard)).sum(),
+        });
+        let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = (0..log.node_count())
+            .into_par_iter()
+            .with_min_len(32)
+            .map_init(
+                || solver.scratch(),
+                |scratch, node| {
+                    let solved =
+                        self.estimate(&solver, scratch, (log, NodeId::from_index(node)), boxes[node].as_ref());
+                    watch.check()?;
+                    watch.advance(1);
+                    Ok(solved)
+                },
+            )
+            .collect();
+        map.take_in(solved?);
+        Ok(map)
+    }
+
+    /// The likelihood of one node over its whole search set, for pictures.
+    ///
+    /// # Errors
+    /// [`MapError::UnknownNode`] and [`MapError::NotHeard`] if there is no such likelihood;
+    /// [`MapError::GridTooLarge`], [`MapError::NoStops`]; [`MapError::Interrupted`].
+    pub fn surface(&self, log: &ReceptionLog, node: NodeId, watch: &dyn Watch) -> Result<Surface, MapError> {
+        let name =
+            log.names().get(node.index()).ok_or(MapError::UnknownNode { node: node.0, nodes: log.node_count() })?;
+        let log = &*self.counted(log);
+        let lattice = self.lattice(log)?;
+        let solver = self.solver(&lattice, log, watch)?;
+        let mut vertices = Vec::new();
+        let search = solver.search(&mut solver.scratch(), log.of(node), f64::INFINITY, &mut vertices);
+        watch.check()?;
+        Surface::of_vertices(&lattice, &vertices, search.infeasible)
+            .ok_or_else(|| MapError::NotHeard { name: name.clone() })
+    }
+
+    /// The log with its receptions counted by the rule of the settings.
+    pub(crate) fn counted<'a>(&self, log: &'a ReceptionLog) -> Cow<'a, ReceptionLog> {
+        match self.counts {
+            CountRule::Packets => Cow::Borrowed(log),
+            CountRule::AtLeastOne => log.at_least_one(),
+        }
+    }
+
+    /// Checks that sectors of `log` are evidence, and not finer than the grid. `algorithm` is the one that needs them.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`], [`MapError::Log`], [`MapError::NarrowSector`].
+    pub(crate) fn demand_sectors(&self, log: &ReceptionLog, algorithm: &'static str) -> Result<(), MapError> {
+        if log.receptions().is_empty() {
+            return Ok(());
+        }
+        if log.receptions().sectors().is_none() {
+            return Err(MapError::Missing {
+                algorithm,
+                what: "the antenna sector of each reception",
+                remedy: "a log has it in the column `sector`; `ml_tm` maps without sectors",
+            });
+        }
+        let table = self.sectors.table(log)?.ok_or(MapError::Missing {
+            algorithm,
+            what: "the directions of the antenna sectors",
+            remedy: "a log has them in `sectors.csv`, a scenario in `sectors.layout`; `ml_tm` maps without sectors",
+        })?;
+        self.sectors.check_widths(table, self.profile.range_m(), self.grid_step_m)
+    }
+
+    pub(crate) fn solver<'a>(
+        &'a self,
+        lattice: &'a Lattice,
+        log: &'a ReceptionLog,
+        watch: &'a dyn Watch,
+    ) -> Result<Solver<'a>, MapError> {
+        let sectors = self.sectors.table(log)?.map(|table| (table, &self.sectors));
+        let with = |sigma_db| Solver::new(lattice, log.stops(), &self.profile, sectors, sigma_db, watch);
+        let sigma_db = match self.sectors.soft.filter(|_| sectors.is_some()) {
+            Some(soft) => {
+                let fitted = || likeliest_sigma_db(lattice, log, |sigma_db| with(Some(sigma_db)));
+                Some(soft.sigma_db.unwrap_or_else(fitted))
+            }
+            None => None,
+        };
+        Ok(with(sigma_db))
+    }
+
+    fn estimate(
+        &self,
+        solver: &Solver<'_>,
+        scratch: &mut Scratch,
+        (log, node): (&ReceptionLog, NodeId),
+        within: Option<&SearchBox>,
+    ) -> (Option<Estimate>, u64) {
+        let receptions = log.of(node);
+        let lattice = solver.lattice();
+        let step_m = lattice.step_m();
+        let mut concern = None;
+        scratch.keep_within(within.map(|within| [within.low, within.high]));
+        let (search, findings) = match (self.estimate, within) {
+            (EstimateKind::Argmax, None) => {
+                let mut peak = Peak::default();
+                (solver.search(scratch, receptions, 0.0, &mut peak), Findings { peak, moments: None })
+            }
+            (EstimateKind::Argmax, Some(within)) => {
+                let mut bounded = BoundedSink::new(Peak::default(), within, step_m);
+                let search = solver.search(scratch, receptions, 0.0, &mut bounded);
+                concern = bounded.concern();
+                (search, Findings { peak: bounded.inner, moments: None })
+            }
+            (EstimateKind::PosteriorMean, None) => {
+                let mut both = (Peak::default(), Moments::new(lattice));
+                let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut both);
+                (search, Findings { peak: both.0, moments: Some(both.1) })
+            }
+            (EstimateKind::PosteriorMean, Some(within)) => {
+                let both = (Peak::default(), Moments::new(lattice));
+                let mut bounded = BoundedSink::new(both, within, step_m);
+                let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut bounded);
+                concern = bounded.concern();
+                let (peak, moments) = bounded.inner;
+                (search, Findings { peak, moments: Some(moments) })
+            }
+        };
+        let estimate = findings.estimate(lattice, self.ties, search.infeasible);
+        let Some(within) = within else { return (estimate, search.evaluated) };
+        if let Some(estimate) = estimate {
+            return (Some(Estimate { concern, ..estimate }), search.evaluated);
+        }
+        // No vertex in the box is within range of the receptions.
+        let (unbounded, evaluated) = self.estimate(solver, scratch, (log, node), None);
+        let clamped = unbounded.map(|estimate| Estimate {
+            position: within.nearest(estimate.position),
+            concern: Some(Concern::AtEdge),
+            ..estimate
+        });
+        (clamped, search.evaluated + evaluated)
+    }
+}
+
+impl TryFrom<MlTmConfig> for MlTm {
+    type Error = SettingError;
+
+    fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
+        let MlTmConfig { grid_step_m, profile, counts, estimate, ties, z_range_m, sectors, max_memory_mb } = config;
+        SettingError::positive("grid_step_m", grid_step_m)?;
+        let is_of_a_slot = matches!(&profile, ProfileConfig::Channel(channel) if channel.packets_per_stop.is_some());
+        let counts = counts.unwrap_or(if is_of_a_slot { CountRule::AtLeastOne } else { CountRule::Packets });
+        let profile = ReceptionProfile::for_grid(profile, grid_step_m).map_err(|error| error.within("profile"))?;
+        if grid_step_m > profile.range_m() {
+            let allowed = format!("above 0, at most the range of the profile ({} m)", profile.range_m());
+            return Err(SettingError::new("grid_step_m", grid_step_m, allowed));
+        }
+        check_z_range(z_range_m)?;
+        let sectors =
+            SectorSettings::try_from(sectors.unwrap_or_default()).map_err(|error| error.within("sectors"))?;
+        let memory_mb = max_memory_mb.unwrap_or(DEFAULT_MEMORY_MB);
+        if memory_mb == 0 {
+            return Err(SettingError::new("max_memory_mb", 0, "1 or more"));
+        }
+        let allowed_bytes = u64::from(memory_mb) * 1_000_000;
+        Ok(Self { grid_step_m, profile, counts, estimate, ties, z_range_m, sectors, allowed_bytes })
+    }
+}

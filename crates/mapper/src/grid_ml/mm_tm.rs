@@ -1,0 +1,87 @@
+//! MmTM: topology maps from an antenna array that knows the sector of each reception (Gunathillake 2018, chapter 4).
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{SettingError, Watch};
+
+use crate::{
+    Fit, FittedMlTm, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, SectorTolerance, TopologyMap,
+};
+
+/// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
+/// stops of Z₁ (received or missed over the distance) and Z₂ (the direction from the robot to the vertex is in the sector
+/// of the reception; 1 for a missed packet).
+///
+/// A log without sectors, or without their directions, is an error; [`MlTm`] maps it without them. So is a sector
+/// that is narrower than a grid step at the range of the profile, because the grid cannot show what it says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MmTm(Likelihood);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Likelihood {
+    Given(MlTm),
+    Fitted(Box<FittedMlTm>),
+}
+
+impl MmTm {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "mmtm";
+
+    /// The profile of the settings; `None` if it is fitted to the log.
+    #[must_use]
+    pub fn profile(&self) -> Option<&ReceptionProfile> {
+        match &self.0 {
+            Likelihood::Given(ml_tm) => Some(ml_tm.profile()),
+            Likelihood::Fitted(_) => None,
+        }
+    }
+
+    /// ML-TM with the same likelihood, for the surface of a node: under the profile of the settings, or under a fitted one,
+    /// to which the part of the log that is [evidence](Fit::evidence) belongs.
+    #[must_use]
+    pub fn ml_tm(&self, fit: Option<&Fit>) -> Option<MlTm> {
+        match (&self.0, fit) {
+            (Likelihood::Given(ml_tm), _) => Some(ml_tm.clone()),
+            (Likelihood::Fitted(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
+            (Likelihood::Fitted(_), None) => None,
+        }
+    }
+
+    /// The map of the nodes in `log`, and the profile that it was made with if it was fitted.
+    ///
+    /// # Errors
+    /// [`MapError::Missing`] if the log lacks sectors or their directions; [`MapError::NarrowSector`]; and those of
+    /// [`MlTm::map`].
+    pub fn map(&self, log: &ReceptionLog, watch: &dyn Watch) -> Result<(TopologyMap, Option<Fit>), MapError> {
+        let (map, fit) = match &self.0 {
+            Likelihood::Given(ml_tm) => {
+                ml_tm.demand_sectors(log, Self::NAME)?;
+                (ml_tm.map(log, watch)?, None)
+            }
+            Likelihood::Fitted(fitted) => fitted.map_sectors(log, Self::NAME, watch)?,
+        };
+        Ok((TopologyMap { algorithm: Self::NAME, ..map }, fit))
+    }
+}
+
+impl TryFrom<MlTmConfig> for MmTm {
+    type Error = SettingError;
+
+    fn try_from(config: MlTmConfig) -> Result<Self, SettingError> {
+        if config.sectors.as_ref().is_some_and(|sectors| sectors.tolerance == SectorTolerance::Unlimited) {
+            let allowed = "positional, angular or angular_literal; ml_tm maps without sectors";
+            return Err(SettingError::new("sectors.tolerance", "unlimited", allowed));
+        }
+        match config.profile.clone() {
+            ProfileConfig::Fitted(fitted) => {
+                FittedMlTm::new(config, fitted).map(|fitted| Self(Likelihood::Fitted(Box::new(fitted))))
+            }
+            #[cfg(feature = "obstacles")]
+            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
+                Err(SettingError::new("profile.channel.obstacles", "known", "unknown; only ml_tm counts obstacles"))
+            }
+            ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => {
+                MlTm::try_from(config).map(|ml_tm| Self(Likelihood::Given(ml_tm)))
+            }
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Maximum likelihood on a grid under a reception profile: given or fitted, of one network or several, with antenna
+//! sectors or without, in free space or among known obstacles.
+
+mod bounded_search;
+pub(crate) mod directions;
+pub(crate) mod findings;
+mod fitted;
+mod fitted_ml_tm;
+mod joint;
+mod lattice;
+mod ml_tm;
+mod mm_tm;
+#[cfg(feature = "obstacles")]
+mod obstacle_ml_tm;
+pub(crate) mod profile;
+mod sector_errors;
+pub(crate) mod solver;
+mod surface;
+
+pub use fitted::{Fit, Fitted};
+pub use fitted_ml_tm::FittedMlTm;
+pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
+pub use lattice::Lattice;
+pub use ml_tm::{CountRule, MlTm, MlTmConfig};
+pub use mm_tm::MmTm;
+#[cfg(feature = "obstacles")]
+pub use obstacle_ml_tm::ObstacleMlTm;
+pub use profile::{
+    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
+    TrapezoidConfig, at_least_one,
+};
+pub use surface::Surface;

@@ -1,0 +1,177 @@
+//! How the antenna sector in which a node was heard is used.
+
+#[cfg(feature = "config")]
+use schemars::JsonSchema;
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_channel::{EvenSectorsConfig, LogError, ReceptionLog, SectorConfig, SectorTable, Wedge};
+use sextant_kernel::SettingError;
+
+use crate::MapError;
+
+/// How the sectors of receptions enter the likelihood, as written in a scenario.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct SectorsConfig {
+    /// How far outside the sector of a reception a vertex may lie.
+    #[cfg_attr(feature = "config", serde(default))]
+    pub tolerance: SectorTolerance,
+    /// The sectors of the listener. If absent, those in the log. If the log has none either, sectors are not used.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub layout: Option<SectorLayoutConfig>,
+    /// What a stop that heard nothing says about places to which no sector points.
+    #[cfg_attr(feature = "config", serde(default))]
+    pub silence: SilenceRule,
+    /// How likely a node names a sector, given the direction to it.
+    #[cfg_attr(feature = "config", serde(default))]
+    pub model: SectorModel,
+}
+
+/// How likely a node names a sector, given the direction to it.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
+pub enum SectorModel {
+    /// All directions within the sector and its tolerance are alike, others are impossible (thesis, chapter 4).
+    #[default]
+    Wedge,
+    /// By the gains of all sectors: the node names the one that it hears best.
+    Soft(SoftSectorsConfig),
+}
+
+/// The gains of sectors, and the errors of their strengths, as written in a scenario. The main lobe of a sector is
+/// elliptical: its half-power widths are those of the sector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields, default))]
+pub struct SoftSectorsConfig {
+    /// Standard deviation of the error of the strength of a sector (dB); estimated from the log if absent.
+    #[cfg_attr(feature = "config", serde(skip_serializing_if = "Option::is_none"))]
+    pub sigma_db: Option<f64>,
+    /// How far side lobes are below the peak of a sector (dB).
+    pub side_lobe_db: f64,
+}
+
+impl Default for SoftSectorsConfig {
+    fn default() -> Self {
+        Self { sigma_db: None, side_lobe_db: 30.0 }
+    }
+}
+
+/// What a stop that heard nothing of a node says about the places to which no sector of its antenna points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
+pub enum SilenceRule {
+    /// Nothing, as if they were beyond the range: no packet can arrive from there. A place is covered if any sector
+    /// with its tolerance holds it.
+    #[default]
+    Covered,
+    /// The same as about other places (thesis, chapter 4, which takes all directions to be covered).
+    Everywhere,
+}
+
+/// How far outside the sector of a reception a vertex may lie. A tolerance is needed because nodes lie between the
+/// vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
+pub enum SectorTolerance {
+    /// Half the diagonal of a grid cell beyond each edge of the sector, at any distance.
+    #[default]
+    Positional,
+    /// An angle at each edge: the larger of the one under which a grid step is seen over the range,
+    /// `atan(grid_step_m / R)`, and the one under which half a step is seen over the distance d of the vertex,
+    /// `atan(grid_step_m / 2d)`. For azimuths, d is the horizontal distance. A vertex at the stop is in every sector.
+    Angular,
+    /// `atan(grid_step_m / R)` at each edge, at any distance (thesis, chapter 4).
+    AngularLiteral,
+    /// Any distance: sectors are not used.
+    Unlimited,
+}
+
+/// The sectors of a listener as written in a scenario.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(rename_all = "snake_case", deny_unknown_fields))]
+pub enum SectorLayoutConfig {
+    /// Sectors of equal width all round.
+    Even(EvenSectorsConfig),
+    /// A list of sectors.
+    List(Vec<SectorConfig>),
+}
+
+/// How the sectors of receptions enter the likelihood, checked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SectorSettings {
+    pub(crate) tolerance: SectorTolerance,
+    layout: Option<SectorTable>,
+    pub(crate) silence: SilenceRule,
+    /// If the probabilities of sectors count.
+    pub(crate) soft: Option<SoftSectorsConfig>,
+}
+
+impl SectorSettings {
+    /// The sectors that are evidence in `log`; `None` if sectors are not used.
+    ///
+    /// # Errors
+    /// If a reception names a sector that is not among those of the settings.
+    pub(crate) fn table<'a>(&'a self, log: &'a ReceptionLog) -> Result<Option<&'a SectorTable>, LogError> {
+        if self.tolerance == SectorTolerance::Unlimited || log.receptions().sectors().is_none() {
+            return Ok(None);
+        }
+        if let Some(layout) = &self.layout {
+            log.check_sectors(layout)?;
+        }
+        Ok(self.layout.as_ref().or(log.sectors()))
+    }
+
+    /// Checks that no sector is narrower than a grid step at the range.
+    ///
+    /// # Errors
+    /// [`MapError::NarrowSector`] with the narrowest one.
+    pub(crate) fn check_widths(&self, table: &SectorTable, range_m: f64, grid_step_m: f64) -> Result<(), MapError> {
+        let narrowest = |wedge: &Wedge| wedge.azimuth_width_rad.min(wedge.elevation_rad[1] - wedge.elevation_rad[0]);
+        let widths = table.iter().filter_map(|sector| Some((sector.sector, narrowest(&sector.wedge().ok()?))));
+        match widths.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((sector, width_rad)) if width_rad * range_m < grid_step_m => Err(MapError::NarrowSector {
+                sector,
+                width_deg: width_rad.to_degrees(),
+                range_m,
+                grid_step_m,
+                largest_step_m: width_rad * range_m,
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl TryFrom<SectorsConfig> for SectorSettings {
+    type Error = SettingError;
+
+    fn try_from(SectorsConfig { tolerance, layout, silence, model }: SectorsConfig) -> Result<Self, SettingError> {
+        let layout = match layout {
+            None => None,
+            Some(SectorLayoutConfig::Even(even)) => {
+                Some(SectorTable::try_from(even).map_err(|error| error.within("layout.even"))?)
+            }
+            Some(SectorLayoutConfig::List(list)) => {
+                let list = SectorTable::new(list);
+                Some(list.map_err(|error| SettingError { key: format!("layout.list{}", error.key), ..error })?)
+            }
+        };
+        let soft = match model {
+            SectorModel::Wedge => None,
+            SectorModel::Soft(soft) => {
+                let within = |error: SettingError| error.within("model.soft");
+                if let Some(sigma_db) = soft.sigma_db {
+                    SettingError::positive("sigma_db", sigma_db).map_err(within)?;
+                }
+                SettingError::positive("side_lobe_db", soft.side_lobe_db).map_err(within)?;
+                Some(soft)
+            }
+        };
+        Ok(Self { tolerance, layout, silence, soft })
+    }
+}

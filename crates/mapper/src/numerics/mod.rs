@@ -1,0 +1,11 @@
+//! Mathematics that several estimators share, and limits of memory.
+
+pub(crate) mod cells;
+mod isotonic;
+pub(crate) mod least_squares;
+pub(crate) mod memory;
+pub(crate) mod normal;
+mod whole;
+
+pub use isotonic::never_rising;
+pub(crate) use whole::whole;

@@ -1,0 +1,20 @@
+//! Where a node is, with which probability: the posterior of one node, its mean, covariance and region, and why its place
+//! is not reliable.
+
+mod bound;
+mod concern;
+mod estimate;
+mod estimate_kind;
+mod local;
+mod node_evidence;
+mod prior;
+mod region;
+
+pub use bound::{TrueModel, posterior_bound_m};
+pub use concern::Concern;
+pub use estimate::Estimate;
+pub use estimate_kind::{EstimateKind, TieRule};
+pub(crate) use local::{LocalPosterior, covariance, local_posterior};
+pub(crate) use node_evidence::NodeEvidence;
+pub use prior::{Area, PlacePrior};
+pub use region::Region;

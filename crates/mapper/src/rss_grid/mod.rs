@@ -1,0 +1,329 @@
+//! A Bayesian grid on the signal strengths that the robot measured (Sichitiu and Ramadurai 2004).
+
+mod channel;
+mod curves;
+mod evidence;
+mod fitted_channel;
+mod search;
+mod tiles;
+mod zoom;
+
+use rayon::prelude::*;
+#[cfg(feature = "config")]
+use schemars::JsonSchema;
+#[cfg(feature = "config")]
+use serde::{Deserialize, Serialize};
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::{NodeId, SettingError, Watch, Work};
+
+use self::channel::Given;
+use self::curves::Curves;
+use self::evidence::{Evidence, Links};
+pub use self::fitted_channel::FittedChannel;
+use self::search::Search;
+use self::tiles::Tiles;
+use self::zoom::{Detail, Posterior};
+use crate::log_facts::heights::check_z_range;
+use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
+use crate::log_facts::search_box::{Limits, SearchBox};
+use crate::log_facts::strengths::{Strength, strengths};
+use crate::ranging::{Ranging, RangingConfig};
+use crate::{
+    Concern, CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights,
+    TopologyMap,
+};
+
+/// The Bayesian grid as written in a scenario.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
+#[cfg_attr(feature = "config", serde(deny_unknown_fields))]
+pub struct RssGridConfig {
+    /// Distance of neighbouring grid vertices (m). If absent, a sixtieth of the reach seen in the log, or a fortieth in
+    /// space.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub grid_step_m: Option<f64>,
+    /// How power falls with distance, and how it scatters. Absent values are those of the channel of the scenario; without
+    /// one, they are estimated from the log.
+    #[cfg_attr(feature = "config", serde(default))]
+    pub ranging: RangingConfig,
+    /// Least power at which packets are received (dBm). If absent, that of the radio of the scenario; without one, it is
+    /// estimated from the log.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub sensitivity_dbm: Option<f64>,
+    /// Hard communication radius (m). If absent in a scenario, that of its channel.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub max_range_m: Option<f64>,
+    /// How the place is estimated from the likelihood.
+    #[cfg_attr(feature = "config", serde(default = "posterior_mean"))]
+    pub estimate: EstimateKind,
+    /// Lowest and highest height of a node (m); as of `ml_tm` if absent.
+    #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub z_range_m: Option<[f64; 2]>,
+}
+
+#[cfg(feature = "config")]
+fn posterior_mean() -> EstimateKind {
+    EstimateKind::PosteriorMean
+}
+
+/// The Bayesian grid. It uses the strengths of the robot's receptions, which ML-TM does not.
+///
+/// The log-likelihood of a node at a vertex at distance d from a stop is `−(P − m(d))²/2σ²` for a reception of
+/// strength P, `m(d)` being the mean strength, and `log Φ((P_min − m(d))/σ)` for a stop without one, zero beyond the
+/// hard radius. Each stop counts as one packet. Vertices beyond the hard radius of a stop that heard the node are
+/// ruled out, unless no vertex is left. Bounds of the likelihood over tiles of the grid skip vertices that make no
+/// difference. The result is that of a scan of all vertices.
+///
+/// If values of the channel are not given, they are estimated from the log by expectation maximisation: the strengths
+/// of silent links are censored at the sensitivity, and a share of the links is silent for other reasons. The sensitivity
+/// is that of the faintest receptions. Each node is then searched for within reach of the stops that heard it, on grids
+/// that zoom in on the likely part of its box. Stops of `0` of `0` packets are no evidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RssGrid {
+    grid_step_m: Option<f64>,
+    channel: Channel,
+    max_range_m: Option<f64>,
+    estimate: EstimateKind,
+    z_range_m: Option<[f64; 2]>,
+}
+
+/// The channel of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Channel {
+    /// It is given.
+    Known { ranging: Ranging, sensitivity_dbm: f64 },
+    /// It is estimated, but for what is given.
+    Fitted(Given),
+}
+
+impl TryFrom<RssGridConfig> for RssGrid {
+    type Error = SettingError;
+
+    fn try_from(config: RssGridConfig) -> Result<Self, SettingError> {
+        let RssGridConfig { grid_step_m, ranging, sensitivity_dbm, max_range_m, estimate, z_range_m } = config;
+        if let Some(sigma_db) = ranging.sigma_db {
+            SettingError::positive("ranging.sigma_db", sigma_db)?;
+        }
+        if let Some(sensitivity_dbm) = sensitivity_dbm {
+            SettingError::finite("sensitivity_dbm", sensitivity_dbm)?;
+        }
+        // Absent values are any good ones, so that the others are checked.
+        let complete = RangingConfig {
+            exponent: Some(ranging.exponent.unwrap_or(2.0)),
+            tx_power_dbm: Some(ranging.tx_power_dbm.unwrap_or(0.0)),
+            ..ranging
+        };
+        let law = Ranging::try_from(complete).map_err(|error| error.within("ranging"))?;
+        let RangingConfig { exponent, tx_power_dbm, sigma_db, .. } = ranging;
+        let channel = match (exponent, tx_power_dbm, sigma_db, sensitivity_dbm) {
+            (Some(_), Some(_), Some(_), Some(sensitivity_dbm)) => Channel::Known { ranging: law, sensitivity_dbm },
+            _ => Channel::Fitted(Given { ranging, sensitivity_dbm }),
+        };
+        if let Some(range_m) = max_range_m {
+            SettingError::positive("max_range_m", range_m)?;
+        }
+        check_z_range(z_range_m)?;
+        if let Some(step_m) = grid_step_m {
+            SettingError::positive("grid_step_m", step_m)?;
+        }
+        Ok(Self { grid_step_m, channel, max_range_m, estimate, z_range_m })
+    }
+}
+
+/// Maximum memory for the shared surface and the search of a node (bytes).
+const ALLOWED_BYTES: u64 = 1_536_000_000;
+/// Bytes per vertex: its log-likelihood of silence, and its entry in the list of a search.
+const OCTETS_PER_VERTEX: u64 = 24;
+/// Number of grid steps over the reach, if no step is set, in the plane and in space.
+const STEPS_PER_REACH: [f64; 2] = [60.0, 40.0];
+/// Without a hard radius, receptions may be this many standard deviations stronger than the mean.
+const REACH_SIGMAS: f64 = 3.0;
+
+impl RssGrid {
+    /// The algorithm's name in tables and topics.
+    pub const NAME: &'static str = "rss-grid";
+
+    /// The kinds of knowledge that it uses.
+    #[must_use]
+    pub fn uses(&self) -> &'static [KnowledgeKind] {
+        match self.channel {
+            Channel::Known { .. } => &[KnowledgeKind::RobotRssi, KnowledgeKind::PathLoss],
+            Channel::Fitted(_) => &[KnowledgeKind::RobotRssi],
+        }
+    }
+
+    /// The map, computed on the current rayon pool. The result is bit-identical for any number of threads. Nodes that
+    /// were never heard with a strength are not placed.
+    ///
+    /// # Errors
+    /// [`MapError::GridTooLarge`]; [`MapError::Missing`] if the channel is to be estimated, and the log has no
+    /// strengths; [`MapError::Interrupted`].
+    pub fn map(&self, knowledge: &Knowledge<'_>, watch: &dyn Watch) -> Result<TopologyMap, MapError> {
+        self.map_and_learn(knowledge, watch).map(|(map, _)| map)
+    }
+
+    /// The map, and the channel if it was estimated.
+    ///
+    /// # Errors
+    /// Those of [`map`](Self::map).
+    pub fn map_and_learn(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<FittedChannel>), MapError> {
+        let log = knowledge.log;
+        let mut map = TopologyMap::of_places(Self::NAME, vec![None; log.node_count()], CoordinateFrame::World);
+        map.grid_step_m = self.grid_step_m;
+        if log.stops().is_empty() {
+            return Ok((map, None));
+        }
+        match self.channel {
+            Channel::Known { ranging, sensitivity_dbm } => {
+                self.map_known(log, map, &ranging, sensitivity_dbm, watch).map(|map| (map, None))
+            }
+            Channel::Fitted(given) => self.map_fitted(log, map, &given, watch),
+        }
+    }
+
+    /// The step of the grid for a log whose nodes are heard over about `reach_m` (m).
+    fn step_m(&self, reach_m: f64, is_spatial: bool) -> f64 {
+        self.grid_step_m.unwrap_or(reach_m / STEPS_PER_REACH[usize::from(is_spatial)])
+    }
+
+    fn map_fitted(
+        &self,
+        log: &ReceptionLog,
+        mut map: TopologyMap,
+        given: &Given,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<FittedChannel>), MapError> {
+        let heard = heard_nodes(log);
+        let reach_m = reach_m(log, &heard);
+        let step_m = self.step_m(reach_m, true);
+        let Some(heights) = SoughtHeights::of_log(log.stops(), self.z_range_m, reach_m, step_m) else {
+            return Ok((map, None));
+        };
+        let step_m = self.step_m(reach_m, heights.high_m > heights.low_m);
+        map.heights = Some(heights);
+        map.grid_step_m = Some(step_m);
+        let limits = Limits::new(log, reach_m, heights);
+        let nodes: Vec<(Links, SearchBox)> =
+            heard.iter().map(|heard| (Links::of(log, heard.node), limits.of(heard))).collect();
+        if heard.is_empty() {
+            return Ok((map, None));
+        }
+        let longest_m = longest_m(log, &nodes);
+        let channel =
+            FittedChannel::fit(log, &nodes, given, (step_m, longest_m), watch)?.ok_or(MapError::Missing {
+                algorithm: Self::NAME,
+                what: "the signal strengths of receptions",
+                remedy: "a log has them in the column `rssi_dbm`; `ml_tm` and `self_calibrated` map without",
+            })?;
+        let evidence = Evidence::new(channel, longest_m);
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;
+        watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
+        let is_known = is_reach_known(&heard);
+        let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = nodes
+            .par_iter()
+            .map(|(links, within)| {
+                watch.check()?;
+                watch.advance(1);
+                if links.heard.is_empty() {
+                    return Ok((None, 0));
+                }
+                let posterior = Posterior::of(links, &evidence, within, step_m, Detail::Fine);
+                let estimate = posterior.estimate(self.estimate);
+                let concern = match estimate.concern {
+                    _ if !is_known => Some(Concern::NoEvidence),
+                    None if !channel.converged => Some(Concern::Unsettled),
+                    concern => concern,
+                };
+                Ok((Some(Estimate { concern, ..estimate }), posterior.vertices))
+            })
+            .collect();
+        watch.check()?;
+        for (heard, (estimate, vertices)) in heard.iter().zip(solved?) {
+            map.estimates[heard.node.index()] = estimate;
+            map.vertices_evaluated += vertices;
+        }
+        Ok((map, Some(channel)))
+    }
+
+    fn map_known(
+        &self,
+        log: &ReceptionLog,
+        mut map: TopologyMap,
+        ranging: &Ranging,
+        sensitivity_dbm: f64,
+        watch: &dyn Watch,
+    ) -> Result<TopologyMap, MapError> {
+        let range_m = self
+            .max_range_m
+            .unwrap_or_else(|| ranging.distance_m(sensitivity_dbm - REACH_SIGMAS * ranging.sigma_db()));
+        map.heights = SoughtHeights::of(log.stops(), self.z_range_m, range_m);
+        let is_spatial = map.heights.is_some_and(|heights| heights.high_m > heights.low_m);
+        let step_m = self.step_m(range_m, is_spatial);
+        map.grid_step_m = Some(step_m);
+        let lattice = self.lattice(log, range_m, step_m)?;
+        let nodes: Vec<Vec<Strength>> =
+            (0..log.node_count()).map(|node| strengths(log, NodeId::from_index(node))).collect();
+        let search = Search {
+            curves: Curves::new(ranging, sensitivity_dbm, range_m + 2.0 * lattice.half_diagonal_m()),
+            lattice: &lattice,
+            stops: log.stops(),
+            range_m,
+            variance: ranging.sigma_db().powi(2),
+            watch,
+        };
+        let heard: usize = nodes.iter().map(Vec::len).sum();
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let operations = (heard + log.stops().len()) as f64 * lattice.len() as f64;
+        watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
+        let tiles = Tiles::new(&search)?;
+        let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = nodes
+            .par_iter()
+            .map(|heard| {
+                let solved = search.estimate(&tiles, heard, self.estimate);
+                watch.check()?;
+                watch.advance(1);
+                Ok(solved)
+            })
+            .collect();
+        map.take_in(solved?);
+        Ok(map)
+    }
+
+    /// The lattice, if the likelihoods of all its vertices fit the memory.
+    fn lattice(&self, log: &ReceptionLog, range_m: f64, step_m: f64) -> Result<Lattice, MapError> {
+        let lattice = Lattice::covering(log.stops(), range_m, step_m, self.z_range_m, ALLOWED_BYTES)?;
+        let bytes = lattice.len().saturating_mul(OCTETS_PER_VERTEX);
+        if bytes <= ALLOWED_BYTES {
+            return Ok(lattice);
+        }
+        #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
+        let (vertices, excess) = (lattice.len() as f64, bytes as f64 / ALLOWED_BYTES as f64);
+        Err(MapError::GridTooLarge {
+            vertices,
+            bytes,
+            allowed_bytes: ALLOWED_BYTES,
+            step_m,
+            suggested_step_m: step_m * excess.sqrt().ceil(),
+        })
+    }
+}
+
+/// A distance that no place in the boxes of the nodes exceeds from a stop (m).
+fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    let stops = log.stops().iter().map(|stop| <[f64; 3]>::from(stop.position)).map(|place| (place, place));
+    let boxes = nodes.iter().map(|(_, within)| (within.low, within.high));
+    for (first, last) in stops.chain(boxes) {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(first[axis]);
+            high[axis] = high[axis].max(last[axis]);
+        }
+    }
+    Position::from(low).distance_m(high.into())
+}

@@ -1,0 +1,65 @@
+//! Recordings: MCAP files of runs, for viewers, mappers and people.
+//!
+//! A [`FileRecorder`] writes the events of a run to a file. Foxglove and Rerun can draw the file, [`read_log`] reads the
+//! reception log from it, [`inspect`] lists its contents, and [`recover`] copies what is readable after a crash.
+//! Topics, types and units are described in `docs/recording.md`.
+//!
+//! ```
+//! use sextant_recording::{FileRecorder, read_log};
+//! use sextant_channel::{Position, Reception, Stop};
+//! use sextant_kernel::{NodeId, RobotId, SimTime};
+//!
+//! let path = std::env::temp_dir().join(format!("sextant-doc-{}.mcap", std::process::id()));
+//! let mut recorder = FileRecorder::create(&path)?;
+//! recorder.nodes(&["a".to_owned(), "b".to_owned()])?;
+//! let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(1.0, 2.0, 0.0) };
+//! let heard = Reception { node: NodeId(1), stop: 0, received: 3, sent: 5, sector: None, rssi_dbm: None, snr_db: None };
+//! recorder.stop(None, "surveyor", 0, &stop, &[heard])?;
+//! recorder.finish()?;
+//!
+//! assert_eq!(read_log(&path)?.log.receptions(), [heard]);
+//! # std::fs::remove_file(&path).ok();
+//! # Ok::<(), sextant_recording::RecordingError>(())
+//! ```
+
+mod capture;
+mod descriptor;
+mod drawing;
+mod drawn;
+mod error;
+mod inspect;
+mod known;
+mod link_quality;
+pub mod mcap_file;
+pub mod messages;
+mod names;
+pub mod output;
+mod phase;
+mod reader;
+mod recorder;
+mod recover;
+mod robot_names;
+mod sensation;
+mod sink;
+mod way;
+
+pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
+pub use drawing::{GridPlane, PlacedNode, Solid};
+pub use drawn::applications::{DrawnApplication, DrawnCapture, DrawnTargetPlace};
+pub use drawn::distributed::{DrawnMappedNode, DrawnRole};
+pub use drawn::sensing::{Detection, DrawnField, DrawnTarget, Sample};
+pub use drawn::{Drawn, DrawnLikelihood, Places, read_drawn};
+pub use error::RecordingError;
+pub use foxglove::messages::log::Level;
+pub use inspect::{AttachmentInfo, Inspection, Topic, inspect};
+pub use known::{Known, read_known};
+pub use link_quality::link_quality;
+pub use mcap_file::{Damage, DamageKind};
+pub use names::{ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
+pub use phase::{Phase, SURVEY};
+pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
+pub use recorder::{FileRecorder, Origin, Recorder};
+pub use recover::{Recovery, recover, unfinished_copy};
+pub use robot_names::RobotNames;
+pub use sensation::Sensation;
+pub use way::Way;

@@ -1,0 +1,11 @@
+//! Output files. Each is written completely or not at all.
+
+mod draft;
+mod error;
+mod folder;
+mod whole;
+
+pub(crate) use draft::{Draft, DraftError};
+pub use error::OutputError;
+pub use folder::open_folder;
+pub use whole::{write_file, write_whole};

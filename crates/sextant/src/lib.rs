@@ -1,0 +1,44 @@
+//! Sextant simulates wireless sensor networks, and works out where the nodes are from what robots and anchors heard.
+//!
+//! ```
+//! use sextant::{Scenario, Unwatched};
+//! # std::env::set_current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))?;
+//!
+//! let scenario = Scenario::load("scenarios/smoke.toml")?.with("seed", 3)?;
+//! let run = sextant::run(&scenario, &mut (), &Unwatched)?;
+//! let map = &run.summary().maps[0];
+//! let error_m = map.position_error_m.expect("the true places are known").mean;
+//! println!("{}: {error_m:.2} m, {} nodes mapped", map.algorithm, map.mapped);
+//! let log = &run.survey().expect("robots survey").log;
+//! let by_the_log_alone = sextant::map_log(log, "auto".parse()?, &Unwatched)?;
+//! println!("{} nodes mapped", by_the_log_alone.summary.mapped);
+//! # assert!(error_m < 5.0 && by_the_log_alone.summary.mapped > 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! - [`Scenario`] is a simulation as a file or text says it: read, checked, and changed key by key.
+//! - [`run`](run()) simulates it, maps the nodes, measures the maps and runs the applications; [`survey`] simulates alone.
+//! - [`RunObserver`] sees a run while it goes on. Recordings ([`RunRecorder`]) and captures ([`RunCapture`]) are observers; a
+//!   pair of observers is one, and `()` sees nothing.
+//! - [`map_log`] maps a log that was made in code, or read by `sextant-logs` or `sextant-recording`; [`mapping`] has all
+//!   settings of `sextant map`.
+//! - [`Sweep`] runs a scenario with many settings and seeds.
+//! - [`Summary`] is the result of each of them, as the JSON object of `--summary`.
+//!
+//! Long work asks a [`Watch`] whether to go on, and tells it how far it is; [`Unwatched`] goes on to the end. Each activity
+//! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
+
+pub mod columns;
+pub mod mapping;
+pub mod measure;
+pub mod run;
+pub mod scenario;
+pub mod summary;
+pub mod sweep;
+
+pub use mapping::{LogMap, MapLogError, map_log};
+pub use run::{Run, RunCapture, RunError, RunObserver, RunRecorder, run, survey};
+pub use scenario::{AlgorithmName, Scenario, ScenarioErrors};
+pub use sextant_kernel::{Unwatched, Watch};
+pub use summary::Summary;
+pub use sweep::{Sweep, SweepError};

@@ -1,0 +1,174 @@
+//! The input of `map`: a reception log and what is known with it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::Seed;
+use sextant_mapper::PlacePrior;
+
+use super::error::MapLogError;
+use super::logs::MapLogs;
+use crate::measure::Dimensions;
+use sextant_kernel::text::{counted, listed};
+use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
+use sextant_recording::{self as recording, Known, ORIGIN_METADATA, SCENARIO_ATTACHMENT};
+
+/// A reception log and what is known with it.
+#[derive(Debug)]
+pub struct Input {
+    /// The reception log to map.
+    pub log: ReceptionLog,
+    /// Name of its network, if robots surveyed several.
+    pub network: Option<String>,
+    /// The logs of the other networks, by name.
+    pub other_logs: Vec<(String, ReceptionLog)>,
+    /// The known paths of robots, by name.
+    pub paths: Vec<(String, Vec<Position>)>,
+    /// The recording of `run` that it was read from, if it was one.
+    pub recording: Option<PathBuf>,
+    /// The scenario of the log, if it is from a recording.
+    pub scenario: Option<String>,
+    /// The true positions of nodes, by name.
+    pub truth: Option<BTreeMap<String, Position>>,
+    /// In how many dimensions they are known.
+    pub true_dimensions: Dimensions,
+    /// What the user knows of the places of nodes.
+    pub prior: Option<PlacePrior>,
+    /// What the nodes know of each other, for maps that use it.
+    pub known: Known,
+    /// Seed of the algorithms that use random numbers.
+    pub seed: Seed,
+    /// Notes on the log for the user.
+    pub notes: Vec<String>,
+    /// The plane of the places, if the log has them by latitude and longitude.
+    pub plane: Option<LocalPlane>,
+}
+
+impl Input {
+    /// Reads a recording of `run`, or the log of a robot. If robots surveyed several networks, the log to map is that of
+    /// `network`, or of the first one. `options` are for logs of robots.
+    ///
+    /// # Errors
+    /// If it cannot be read, or robots did not survey `network`.
+    pub fn read(path: &Path, network: Option<&str>, options: &ReadOptions) -> Result<Self, MapLogError> {
+        if Source::of(path).is_some() {
+            let RobotLog { log, plane, mut notes, findings, .. } = robot_log::read(path, options)?;
+            notes.extend(findings.iter().map(ToString::to_string));
+            let known = Known::default();
+            return Ok(Self {
+                log,
+                network: None,
+                other_logs: Vec::new(),
+                paths: Vec::new(),
+                recording: None,
+                scenario: None,
+                truth: None,
+                true_dimensions: Dimensions::Space,
+                prior: None,
+                known,
+                seed: Seed(1),
+                notes,
+                plane,
+            });
+        }
+        robot_log::refuse_flags(path, options)?;
+        let mut run = recording::read_log(path)?;
+        if let Some(name) = network
+            && let Err(known) = run.put_first(name)
+        {
+            return Err(MapLogError::Network { name: name.to_owned(), path: path.to_owned(), known });
+        }
+        let scenario = run.attachment(SCENARIO_ATTACHMENT);
+        let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
+        let mut notes = Vec::new();
+        if run.cut_stops > 0 {
+            notes.push(
+                "the recording is incomplete: its last stop is ignored, because receptions may be missing".to_owned(),
+            );
+        }
+        if !run.metadata.contains_key(ORIGIN_METADATA) {
+            notes.push("the recording does not name its scenario".to_owned());
+        }
+        let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
+        let known = recording::read_known(path, run.log.node_count())?;
+        let truth = recording::read_truth(path)?;
+        Ok(Self {
+            log: run.log,
+            network: run.network,
+            other_logs: run.other_logs,
+            paths: run.paths,
+            recording: Some(path.to_owned()),
+            scenario,
+            truth,
+            true_dimensions: Dimensions::Space,
+            prior: None,
+            known,
+            seed: Seed(seed.unwrap_or(1)),
+            notes,
+            plane: None,
+        })
+    }
+
+    /// The logs by network.
+    pub(super) fn logs(&self) -> MapLogs<'_> {
+        let others = self.other_logs.iter().map(|(name, log)| (name.as_str(), log));
+        MapLogs::new((self.network.as_deref(), &self.log), others)
+    }
+
+    /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.
+    ///
+    /// # Errors
+    /// If an alias is unknown, or two nodes get one name.
+    pub fn rename(&mut self, names: &Names, truth: Option<TrueNodes>) -> Result<Option<TrueNodes>, MapLogError> {
+        if let Some(recording) = &self.recording {
+            return Err(MapLogError::Names { path: recording.clone() });
+        }
+        let (places, has_heights) = truth.map(|truth| (truth.places, truth.has_heights)).unzip();
+        let (log, places) = names.apply(std::mem::take(&mut self.log), places)?;
+        self.log = log;
+        Ok(places.zip(has_heights).map(|(places, has_heights)| TrueNodes { places, has_heights }))
+    }
+
+    /// Takes the true positions of nodes from a file of the user, instead of those of the recording.
+    pub fn take_truth(&mut self, TrueNodes { places: truth, has_heights }: TrueNodes) {
+        let names: BTreeSet<&String> = self.log.names().iter().collect();
+        let strangers: Vec<&String> = truth.keys().filter(|name| !names.contains(name)).collect();
+        if !strangers.is_empty() {
+            let (are, they) = if strangers.len() == 1 { ("is", "it is") } else { ("are", "they are") };
+            self.notes.push(format!(
+                "{} with a true position {are} not in the log, so {they} not measured: {}",
+                counted(strangers.len(), "node"),
+                listed(&strangers)
+            ));
+        }
+        self.truth = Some(truth);
+        self.true_dimensions = if has_heights { Dimensions::Space } else { Dimensions::Plane };
+    }
+
+    /// The true position of each node of the log, where it is known; `None` if none is, because then the maps cannot be
+    /// measured.
+    pub(super) fn true_places(&mut self) -> Option<Vec<Option<Position>>> {
+        let truth = self.truth.as_ref()?;
+        let names = self.log.names();
+        let places: Vec<Option<Position>> = names.iter().map(|name| truth.get(name).copied()).collect();
+        let unknown: Vec<&String> =
+            names.iter().zip(&places).filter(|(_, place)| place.is_none()).map(|(name, _)| name).collect();
+        if unknown.is_empty() {
+            return Some(places);
+        }
+        let known = names.len() - unknown.len();
+        let measured = match known {
+            0 => "the maps are not measured".to_owned(),
+            1 => "only the other node is measured".to_owned(),
+            known => format!("only the other {known} are measured"),
+        };
+        self.notes.push(format!(
+            "the true positions of {} of {} are unknown ({}): {measured}",
+            unknown.len(),
+            counted(names.len(), "node"),
+            listed(&unknown),
+        ));
+        (known > 0).then_some(places)
+    }
+}

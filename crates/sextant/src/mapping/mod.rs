@@ -1,0 +1,20 @@
+//! The pipeline of `map`: computes maps from a recording or from the log of a real robot.
+
+mod contents;
+mod error;
+mod figures;
+mod input;
+mod logs;
+mod map_log;
+mod notes;
+mod pipeline;
+mod prior;
+
+pub use contents::Contents;
+pub use error::MapLogError;
+pub use figures::{drawn, figures};
+pub use input::Input;
+pub use logs::MapLogs;
+pub use map_log::{LogMap, map_log};
+pub use pipeline::{ComputedMap, map};
+pub use prior::place_prior;

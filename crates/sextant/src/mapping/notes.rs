@@ -1,0 +1,130 @@
+//! What the user should know of a log before the maps are trusted.
+
+use sextant_channel::{Position, ReceptionLog};
+use sextant_kernel::NodeId;
+use sextant_mapper::{EstimatorFit, Learned};
+
+use crate::measure::axes;
+use sextant_kernel::text::{counted, listed};
+use sextant_logs::doctor::exponent;
+
+/// Silence tells nothing if less than this share of the packets was missed.
+const RARELY_MISSED: f64 = 0.01;
+
+/// The notes on `log`: which nodes were never heard, and whether silence says anything.
+pub(super) fn of_log(log: &ReceptionLog) -> Vec<String> {
+    let is_heard = |node: NodeId| log.of(node).iter().any(|reception| reception.received > 0);
+    let nodes = || (0..log.node_count()).map(NodeId::from_index);
+    let unheard: Vec<&str> =
+        nodes().filter(|&node| !is_heard(node)).map(|node| log.names()[node.index()].as_str()).collect();
+    let mut notes = Vec::new();
+    if !unheard.is_empty() {
+        let were = if unheard.len() == 1 { "was" } else { "were" };
+        notes.push(format!(
+            "{} of {} {were} never heard by a robot: {}",
+            unheard.len(),
+            counted(log.node_count(), "node"),
+            listed(&unheard)
+        ));
+    }
+    let (mut sent, mut received) = (0, 0);
+    for node in nodes().filter(|&node| is_heard(node)) {
+        let entries = log.of(node);
+        // A pair that is absent is one packet that was missed.
+        sent += (log.stops().len() - entries.len()) as u64;
+        for reception in entries.iter() {
+            sent += u64::from(reception.sent);
+            received += u64::from(reception.received);
+        }
+    }
+    let missed = sent - received;
+    if received > 0 && (missed as f64) < RARELY_MISSED * sent as f64 && !has_strengths(log) {
+        notes.push(format!(
+            "nearly every node was heard at every stop ({missed} of {sent} packets were missed), so packets tell hardly \
+             anything about distances: a map needs stops that are out of reach of some nodes, or signal strengths"
+        ));
+    }
+    notes
+}
+
+/// Whether most of what was heard has a signal strength.
+fn has_strengths(log: &ReceptionLog) -> bool {
+    let heard = || log.receptions().iter().filter(|reception| reception.received > 0);
+    2 * heard().filter(|reception| reception.rssi_dbm.is_some()).count() > heard().count()
+}
+
+/// The notes on a map of `log`: what is odd in its law, and in how it differs from the true places of the nodes.
+///
+/// The map has its nodes at `places`, and what was estimated with it is `learned`.
+pub(super) fn of_map(
+    log: &ReceptionLog,
+    places: &[Option<Position>],
+    learned: Option<&Learned>,
+    truth: Option<&[Option<Position>]>,
+) -> Vec<String> {
+    let exponent = learned.and_then(path_loss_exponent);
+    let law = exponent.and_then(|found| exponent::finding(log, places, found));
+    let axes = truth.and_then(|truth| axes(truth, places));
+    [law, axes].into_iter().flatten().map(|finding| finding.to_string()).collect()
+}
+
+/// The path-loss exponent that was estimated with a map, if one was.
+fn path_loss_exponent(learned: &Learned) -> Option<f64> {
+    match learned {
+        Learned::Links(fit) => fit.path_loss_exponent(),
+        Learned::Channel(channel) => Some(channel.exponent),
+        Learned::Choice(choice) => match choice.fit.as_ref()? {
+            EstimatorFit::Links(fit) => fit.path_loss_exponent(),
+            EstimatorFit::Profile(_) | EstimatorFit::Calibration(_) => None,
+        },
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{Position, Reception, Stop};
+    use sextant_kernel::{RobotId, SimTime};
+
+    use super::*;
+
+    /// The notes on a log of four stops with these packets (node, stop, received, sent).
+    fn notes(names: usize, packets: &[(u32, u32, u32, u32)]) -> Vec<String> {
+        let stop =
+            |i: u8| Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::new(f64::from(i), 0.0, 0.0) };
+        let entry = |&(node, stop, received, sent)| Reception {
+            node: NodeId(node),
+            stop,
+            received,
+            sent,
+            sector: None,
+            rssi_dbm: None,
+            snr_db: None,
+        };
+        let names = (0..names).map(|i| format!("n{i}")).collect();
+        let entries = packets.iter().map(entry).collect();
+        of_log(&ReceptionLog::new(names, (0..4).map(stop).collect(), entries, Vec::new()).unwrap())
+    }
+
+    #[test]
+    fn nodes_that_were_never_heard_are_named() {
+        let notes = notes(4, &[(1, 0, 3, 5), (2, 1, 0, 5), (3, 2, 0, 0)]);
+        assert_eq!(notes, ["3 of 4 nodes were never heard by a robot: n0, n2, n3"]);
+    }
+
+    #[test]
+    fn a_log_without_silence_says_that_packets_tell_nothing() {
+        let all = |received| (0..4).map(|stop| (0, stop, received, 100)).collect::<Vec<_>>();
+        let full = notes(1, &all(100));
+        assert!(full.len() == 1 && full[0].contains("(0 of 400 packets were missed)"), "{full:?}");
+        // Of 400 packets, 3 are missed: less than one in a hundred. At the fourth it is not.
+        let mut packets = all(100);
+        packets[2].2 = 97;
+        assert_eq!(notes(1, &packets).len(), 1);
+        packets[2].2 = 96;
+        assert_eq!(notes(1, &packets), Vec::<String>::new());
+        // A stop that is not listed is a packet that was missed; a stop with 0 of 0 is not.
+        assert_eq!(notes(1, &[(0, 0, 5, 5), (0, 1, 5, 5), (0, 2, 5, 5)]), Vec::<String>::new());
+        assert_eq!(notes(1, &[(0, 0, 5, 5), (0, 1, 5, 5), (0, 2, 5, 5), (0, 3, 0, 0)]).len(), 1);
+    }
+}

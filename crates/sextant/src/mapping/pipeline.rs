@@ -1,0 +1,129 @@
+//! The stages of `map`: compute, measure, write, summarise.
+
+use std::path::{Path, PathBuf};
+
+use sextant_kernel::Watch;
+use sextant_mapper::{Knowledge, Learned, TopologyMap};
+
+use super::error::MapLogError;
+use super::input::Input;
+use super::notes;
+use crate::measure::{Truth, in_world, measure};
+use crate::scenario::{MapSettings, NamedMap};
+use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
+
+/// A map that was computed from a log.
+#[derive(Clone, Debug)]
+pub struct ComputedMap<'a> {
+    /// Its name and its algorithm.
+    pub named: &'a NamedMap,
+    /// The map, in world coordinates.
+    pub map: TopologyMap,
+    /// What else was estimated from the log.
+    pub learned: Option<Learned>,
+}
+
+/// Computes the maps of `settings` from the log of `input`, measures them if the true positions are known, writes them to
+/// the file `out` and files beside it, and returns the results and the maps. `start` is when the work began. If `watch` stops the
+/// work, the results are those of the finished maps.
+///
+/// # Errors
+/// If a map cannot be computed or a file cannot be written.
+pub fn map<'a>(
+    input: &mut Input,
+    settings: &'a MapSettings,
+    out: Option<&Path>,
+    start: Stopwatch,
+    watch: &dyn Watch,
+) -> Result<(Summary, Vec<ComputedMap<'a>>), MapLogError> {
+    let truth = input.true_places();
+    let dimensions = input.true_dimensions;
+    input.notes.extend(notes::of_log(&input.log));
+    let map_start = Stopwatch::start();
+    let mut summaries: Vec<MapSummary> = Vec::new();
+    let mut maps = Vec::new();
+    let logs = input.logs();
+    let knowledge = |named| Knowledge {
+        neighbours: input.known.neighbours.as_ref(),
+        beacons: input.known.beacons.as_ref(),
+        anchors: &input.known.anchors,
+        obstacles: settings.obstacles.as_ref(),
+        prior: input.prior.as_ref(),
+        seed: input.seed,
+        ..logs.knowledge(named)
+    };
+    let mut interrupted = false;
+    let mut found: Vec<String> = Vec::new();
+    for named in &settings.maps {
+        let made = named.mapper.map_and_learn(knowledge(named), watch).map_err(MapLogError::from).and_then(
+            |(map, learned)| {
+                let (map, alignment) = in_world(map, truth.as_deref());
+                let truth =
+                    truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors, dimensions });
+                let subject = named.into();
+                let names = input.log.names();
+                let summary = measure(&subject, &map, learned.as_ref(), names, truth, &settings.metrics, watch)?;
+                Ok((ComputedMap { named, map, learned }, alignment, summary))
+            },
+        );
+        let (computed, alignment, summary) = match made {
+            Err(MapLogError::Interrupted(_)) => {
+                interrupted = true;
+                break;
+            }
+            made => made?,
+        };
+        summaries.push(MapSummary { alignment: Some(alignment), ..summary });
+        if let Some(out) = out {
+            let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
+            sextant_logs::write_map(&path, input.log.names(), &computed.map, input.plane.as_ref())?;
+        }
+        if input.recording.is_none() {
+            for note in
+                notes::of_map(&input.log, &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
+            {
+                if !found.contains(&note) {
+                    found.push(note);
+                }
+            }
+        }
+        maps.push(computed);
+    }
+    input.notes.extend(found);
+    let summary = Summary {
+        gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
+        interrupted,
+        notes: input.notes.clone(),
+        maps: summaries,
+        timing: Some(Timing {
+            wall_s: start.elapsed_s(),
+            map_s: Some(map_start.elapsed_s()),
+            peak_rss_bytes: peak_rss_bytes(),
+            ..Timing::default()
+        }),
+        ..Summary::default()
+    };
+    Ok((summary, maps))
+}
+
+/// `DIR/MAP.NAME.csv` for `DIR/MAP.csv`.
+fn beside(out: &Path, name: &str) -> PathBuf {
+    let mut file = out.file_stem().unwrap_or_default().to_owned();
+    file.push(format!(".{name}"));
+    if let Some(extension) = out.extension() {
+        file.push(".");
+        file.push(extension);
+    }
+    out.with_file_name(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn further_maps_have_the_name_of_the_map_in_their_file_name() {
+        assert_eq!(beside(Path::new("a/map.csv"), "coarse"), Path::new("a/map.coarse.csv"));
+        assert_eq!(beside(Path::new("map"), "coarse"), Path::new("map.coarse"));
+    }
+}

@@ -1,0 +1,102 @@
+//! The maps that applications are given.
+
+use sextant_apps::navigation::MapFrame;
+use sextant_channel::Position;
+use sextant_mapper::{CoordinateFrame, Reflection, TopologyMap};
+
+use crate::measure::Placement;
+use crate::run::error::RunError;
+use crate::scenario::{Application, ApplicationMap, Scenario};
+
+/// A map that was computed in this run, as an application gets it: not aligned to the truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MadeMap {
+    /// Its name.
+    pub name: String,
+    places: Vec<Option<Position>>,
+    frame: MapFrame,
+}
+
+impl MadeMap {
+    /// Of a map that was computed. Of one that is only known part by part it is the largest part.
+    #[must_use]
+    pub fn new(name: &str, map: &TopologyMap) -> Self {
+        let mut places = map.positions();
+        let frame = match &map.frame {
+            CoordinateFrame::World | CoordinateFrame::AlignedToAnchors => MapFrame::Robot,
+            CoordinateFrame::Relative(part_of) => {
+                let largest = largest(part_of, &places);
+                for (place, part) in places.iter_mut().zip(part_of) {
+                    *place = place.filter(|_| Some(*part) == largest);
+                }
+                MapFrame::Unknown
+            }
+        };
+        Self { name: name.to_owned(), places, frame }
+    }
+}
+
+/// The part with the most places; the first of them if several have as many.
+fn largest(part_of: &[u32], places: &[Option<Position>]) -> Option<u32> {
+    let placed = |part: u32| part_of.iter().zip(places).filter(|(of, place)| **of == part && place.is_some()).count();
+    let last = *part_of.iter().max()?;
+    (0..=last).max_by_key(|&part| (placed(part), std::cmp::Reverse(part)))
+}
+
+/// The map of an application: places of the nodes, what is known of its frame, and where it is in the world.
+pub(super) struct GivenMap {
+    pub(super) places: Vec<Option<Position>>,
+    pub(super) frame: MapFrame,
+    pub(super) placement: Placement,
+}
+
+impl GivenMap {
+    /// The map of `application`, which is one of those that were `made` or is known before.
+    pub(super) fn of(scenario: &Scenario, application: &Application, made: &[&MadeMap]) -> Result<Self, RunError> {
+        let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
+        let (places, frame) = match &application.map {
+            ApplicationMap::Physical => {
+                let places = truth.into_iter().map(Some).collect();
+                return Ok(Self { places, frame: MapFrame::Robot, placement: Placement::of_truth() });
+            }
+            ApplicationMap::File { places, .. } => (places.clone(), MapFrame::Robot),
+            ApplicationMap::Computed(name) => {
+                let made = made.iter().find(|made| made.name == *name).expect("the scenario was checked");
+                (made.places.clone(), made.frame)
+            }
+        };
+        let reflection = match frame {
+            MapFrame::Robot => Reflection::Forbidden,
+            MapFrame::Unknown => Reflection::Allowed,
+        };
+        let neighbourhood_m = scenario.metrics().neighbourhood_m.first().copied().unwrap_or(NEIGHBOURHOOD_M);
+        let placement =
+            Placement::of_map(&places, &truth, reflection, neighbourhood_m).ok_or_else(|| RunError::FewPlaces {
+                map: application.map.name().to_owned(),
+                application: application.name.clone(),
+                places: places.iter().flatten().count(),
+            })?;
+        Ok(Self { places, frame, placement })
+    }
+}
+
+/// Radius of the neighbourhood of a place if the metrics have none (m).
+const NEIGHBOURHOOD_M: f64 = 5.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_part_of_a_relative_map_is_kept() {
+        let place = |x_m: f64| Some(Position::new(x_m, 0.0, 0.0));
+        let places = vec![place(0.0), place(1.0), place(2.0), None, place(4.0), None];
+        let parts = CoordinateFrame::Relative(vec![0, 1, 1, 0, 1, 0]);
+        let map = TopologyMap::of_places("tpm", places.clone(), parts);
+        let made = MadeMap::new("tpm", &map);
+        assert_eq!(made.places, [None, place(1.0), place(2.0), None, place(4.0), None]);
+        assert_eq!(made.frame, MapFrame::Unknown);
+        let world = TopologyMap::of_places("ml-tm", places.clone(), CoordinateFrame::World);
+        assert_eq!(MadeMap::new("ml-tm", &world), MadeMap { name: "ml-tm".into(), places, frame: MapFrame::Robot });
+    }
+}

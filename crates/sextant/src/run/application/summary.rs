@@ -1,0 +1,206 @@
+//! The summary of an application.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use sextant_apps::source_seeking::SeekRecord;
+use sextant_apps::target_search::{MessageCounts, SearchRecord};
+use sextant_kernel::SimTime;
+use sextant_sim::{Applications, Estimate, Survey};
+
+use super::maps::GivenMap;
+use super::score::{self, Scored};
+use super::simulate::Records;
+use crate::run::witness::Witness;
+use crate::scenario::{Application, Scenario, Task};
+use crate::summary::{
+    ApplicationMessages, ApplicationRobot, ApplicationSummary, ApplicationTarget, ArrivalSummary, EnergySummary,
+};
+use sextant_recording::Way;
+
+/// The summary of `application`, from what its stations left behind and what truly happened.
+pub(super) fn sum_up(
+    scenario: &Scenario,
+    application: &Application,
+    map: &GivenMap,
+    (survey, records): (&Survey, &Records),
+    (witness, scored): (&Witness, &[Scored]),
+) -> ApplicationSummary {
+    let nodes = scenario.world().nodes.len();
+    let record = &survey.networks[application.network.index()];
+    let errors_m = map.placement.errors_m();
+    let map_error_m = (!errors_m.is_empty()).then(|| errors_m.iter().sum::<f64>() / errors_m.len() as f64);
+    let energy = survey.energy;
+    let summary = ApplicationSummary {
+        name: application.name.clone(),
+        algorithm: application.algorithm.name,
+        map: application.map.name().to_owned(),
+        map_error_m,
+        sim_time_s: survey.end.as_secs_f64(),
+        events: survey.events,
+        interrupted: survey.interrupted,
+        path_length_m: survey.robots.iter().map(|robot| robot.path_length_m).sum(),
+        robots: robots(application, survey, witness, nodes),
+        prediction_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::TargetPlace { .. })),
+        own_place_error_m: score::errors(scored, |estimate| matches!(estimate, Estimate::OwnPlace(_))),
+        field_error: score::errors(scored, |estimate| matches!(estimate, Estimate::FieldValue { .. })),
+        messages: ApplicationMessages {
+            sent: record.packets.iter().map(|packets| packets.sent).sum(),
+            ..ApplicationMessages::default()
+        },
+        energy_j: EnergySummary { tx: energy.tx_j, rx: energy.rx_j, idle: energy.idle_j + energy.sleep_j },
+        ..ApplicationSummary::default()
+    };
+    match records {
+        Records::Search(records) => {
+            let summary = of_search(summary, records, targets(scenario, application, witness));
+            let captured = summary.captured == Some(true);
+            let course = score::course((witness, scored), (application.duration, survey.end), captured);
+            ApplicationSummary { course, ..summary }
+        }
+        Records::Seek(records) => of_seeking(scenario, application, summary, records, witness),
+    }
+}
+
+fn robots(application: &Application, survey: &Survey, witness: &Witness, nodes: usize) -> Vec<ApplicationRobot> {
+    let energy = &survey.networks[application.network.index()].energy;
+    let robot = |(i, record): (usize, &sextant_sim::RobotRecord)| ApplicationRobot {
+        name: record.name.clone(),
+        path_length_m: record.path_length_m,
+        captures: application
+            .algorithm
+            .is_search()
+            .then(|| witness.captures.iter().filter(|captured| captured.robot == i).count()),
+        energy_j: energy[nodes + i].total_j(),
+    };
+    survey.robots.iter().enumerate().map(robot).collect()
+}
+
+/// What became of each target.
+fn targets(scenario: &Scenario, application: &Application, witness: &Witness) -> Vec<ApplicationTarget> {
+    let robot = |number: usize| scenario.bodies()[application.robots[number]].name.clone();
+    let target = |(i, target): (usize, &sextant_sim::Target)| {
+        let captured = witness.captures.iter().find(|captured| captured.target.index() == i);
+        ApplicationTarget {
+            name: target.name().to_owned(),
+            captured_s: captured.map(|captured| captured.time.as_secs_f64()),
+            robot: captured.map(|captured| robot(captured.robot)),
+            left_s: witness.gone[i].filter(|_| captured.is_none()).map(SimTime::as_secs_f64),
+        }
+    };
+    scenario.world().targets.iter().enumerate().map(target).collect()
+}
+
+fn of_search(
+    summary: ApplicationSummary,
+    records: &Applications<SearchRecord>,
+    targets: Vec<ApplicationTarget>,
+) -> ApplicationSummary {
+    let times: Option<Vec<f64>> = targets.iter().map(|target| target.captured_s).collect();
+    let mut counts = MessageCounts::default();
+    let mut steps: BTreeMap<&'static str, u64> = BTreeMap::new();
+    for record in records.nodes.iter().chain(&records.robots).chain(&records.sinks) {
+        counts += match record {
+            SearchRecord::Node(node) => {
+                *steps.entry("unacknowledged").or_default() += node.failures;
+                node.sent
+            }
+            SearchRecord::Robot(robot) => {
+                *steps.entry("decisions").or_default() += robot.steps.len() as u64;
+                *steps.entry("filter_fallbacks").or_default() += u64::from(robot.fallbacks);
+                *steps.entry("blocked").or_default() += robot.blocked;
+                robot.sent
+            }
+            SearchRecord::Sink(sink) => *sink,
+        };
+    }
+    let MessageCounts { requests, answers, tree, detections, alarms, claims, gradients, octets, refused } = counts;
+    let kinds = [
+        ("requests", requests),
+        ("answers", answers),
+        ("tree", tree),
+        ("detections", detections),
+        ("alarms", alarms),
+        ("claims", claims),
+        ("gradients", gradients),
+        ("refused", refused),
+    ];
+    let kinds = kinds.into_iter().filter(|&(_, count)| count > 0).collect();
+    ApplicationSummary {
+        captured: Some(times.is_some()),
+        time_s: times.and_then(|times| times.into_iter().reduce(f64::max)),
+        targets,
+        steps: steps.into_iter().filter(|&(_, count)| count > 0).collect(),
+        messages: ApplicationMessages { kinds, octets: Some(octets), ..summary.messages },
+        ..summary
+    }
+}
+
+fn of_seeking(
+    scenario: &Scenario,
+    application: &Application,
+    summary: ApplicationSummary,
+    records: &Applications<SeekRecord>,
+    witness: &Witness,
+) -> ApplicationSummary {
+    let (field, level) = application.algorithm.sought().expect("it seeks the source of a field");
+    let field = &witness.fields[field];
+    let mut kinds: BTreeMap<&'static str, u64> = BTreeMap::new();
+    let mut steps: BTreeMap<&'static str, u64> = BTreeMap::new();
+    let mut octets = 0;
+    let mut arrivals = Vec::new();
+    for (robot, record) in records.robots.iter().enumerate() {
+        let SeekRecord::Robot(record) = record else { continue };
+        *kinds.entry("requests").or_default() += record.polls;
+        *kinds.entry("refused").or_default() += record.refused;
+        *steps.entry("blocked").or_default() += record.blocked;
+        *steps.entry("sources_removed").or_default() += record.removed as u64;
+        octets += record.octets;
+        let name = &summary.robots[robot].name;
+        arrivals.extend(record.arrivals.iter().map(|arrival| ArrivalSummary {
+            robot: name.clone(),
+            time_s: arrival.time.as_secs_f64(),
+            believed: arrival.value,
+            value: witness.robot_at(robot, arrival.time).map_or(f64::NAN, |at| field.value(at, before(arrival.time))),
+        }));
+    }
+    for record in &records.nodes {
+        let SeekRecord::Node(node) = record else { continue };
+        *kinds.entry("answers").or_default() += node.answers;
+        *kinds.entry("refused").or_default() += node.refused;
+        octets += node.octets;
+    }
+    arrivals.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    let along = witness.robots.iter().flat_map(|way| way.points());
+    let largest = along.map(|&(time, place)| field.value(place, before(time))).max_by(f64::total_cmp);
+    ApplicationSummary {
+        arrived: Some(!arrivals.is_empty()),
+        time_s: arrivals.first().map(|arrival: &ArrivalSummary| arrival.time_s),
+        level: Some(level),
+        largest_value: largest,
+        law_minimum_s: law_minimum_s(scenario, application, witness),
+        arrivals,
+        steps: steps.into_iter().filter(|&(_, count)| count > 0).collect(),
+        messages: ApplicationMessages {
+            kinds: kinds.into_iter().filter(|&(_, count)| count > 0).collect(),
+            octets: Some(octets),
+            ..summary.messages
+        },
+        ..summary
+    }
+}
+
+/// Just before `time`: the source that a robot removes at its arrival is still there.
+fn before(time: SimTime) -> SimTime {
+    time.saturating_sub(Duration::from_nanos(1))
+}
+
+/// The least time (s) in which a law with a fixed climb rate takes one of the robots from where it starts to the level.
+fn law_minimum_s(scenario: &Scenario, application: &Application, witness: &Witness) -> Option<f64> {
+    let Task::Seek(seek) = &application.algorithm.task else { return None };
+    let rate = seek.climb_rate()?;
+    let field = &scenario.world().fields[seek.field().index()];
+    let start = |way: &Way| way.places().next().map(|place| field.value(place, SimTime::ZERO));
+    let highest = witness.robots.iter().filter_map(start).max_by(f64::total_cmp)?;
+    Some((seek.level() - seek.tolerance() - highest).max(0.0) / rate)
+}

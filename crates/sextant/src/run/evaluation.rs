@@ -1,0 +1,110 @@
+//! One map of a survey, and its errors.
+
+use sextant_channel::Position;
+use sextant_kernel::{Interrupted, Watch};
+use sextant_mapper::{KnowledgeKind, Learned, SectorDisplacement, TopologyMap};
+use sextant_sim::{NetworkId, Survey};
+
+use super::application::MadeMap;
+use super::bound;
+use super::discovery::Discoveries;
+use super::error::RunError;
+use super::message_energy::message_energy_j;
+use crate::mapping::MapLogs;
+use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
+use crate::scenario::{NamedMap, Scenario};
+use crate::summary::{MapSummary, Stopwatch};
+
+/// A map, what was estimated with it, and its errors.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// Its name in the scenario.
+    pub name: String,
+    /// The map, in world coordinates.
+    pub map: TopologyMap,
+    /// The map as applications get it.
+    pub made: MadeMap,
+    /// What else was estimated from the log.
+    pub learned: Option<Learned>,
+    /// Properties of the map, and its errors.
+    pub summary: MapSummary,
+    /// Time to compute and measure it on this machine (s); 0 for a map that the nodes computed in the simulation.
+    pub wall_s: f64,
+}
+
+/// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound_m` is
+/// the [`bound_m`] of the survey, which is the same for all its maps.
+///
+/// # Errors
+/// If the map cannot be computed, or `watch` stops the work.
+pub(super) fn evaluate(
+    scenario: &Scenario,
+    named: &NamedMap,
+    (survey, discoveries): (&Survey, &Discoveries),
+    bound_m: Option<f64>,
+    watch: &dyn Watch,
+) -> Result<Evaluation, RunError> {
+    let start = Stopwatch::start();
+    let logs = MapLogs::from(&survey.logs);
+    let networks = scenario.networks_of(named);
+    let knowledge = discoveries.knowledge(scenario, &logs, named);
+    let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
+    let made = MadeMap::new(&named.name, &map);
+    let truth = truth(scenario);
+    let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
+    let (map, alignment) = in_world(map, Some(&known));
+    let displacement = sector_displacement(scenario, &networks, &map, &truth);
+    let truth = Truth { places: &known, anchors: scenario.anchors(), dimensions: Dimensions::Space };
+    let summary = MapSummary {
+        alignment: Some(alignment),
+        sector_displacement: displacement.as_ref().map(SectorDisplacement::shares).unwrap_or_default(),
+        sector_displacement_of_pairs: displacement.as_ref().map(SectorDisplacement::pair_shares).unwrap_or_default(),
+        message_energy_j: message_energy_j(scenario, named, survey, discoveries),
+        posterior_bound_m: bound_m.filter(|_| {
+            let is_of_first = networks == scenario.surveyed()[..1];
+            is_of_first && named.mapper.uses().contains(&KnowledgeKind::RobotReceptions)
+        }),
+        ..measure(
+            &named.into(),
+            &map,
+            learned.as_ref(),
+            logs.of(named).names(),
+            Some(truth),
+            scenario.metrics(),
+            watch,
+        )?
+    };
+    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s() })
+}
+
+/// The sector displacement of a map from the logs of `networks`; `None` if the nodes have no sectors in any of them.
+pub(super) fn sector_displacement(
+    scenario: &Scenario,
+    networks: &[NetworkId],
+    map: &TopologyMap,
+    truth: &[Position],
+) -> Option<SectorDisplacement> {
+    let mut technologies = networks.iter().map(|network| &scenario.networks()[network.index()].technology);
+    let antennas = technologies.find_map(|technology| technology.antennas())?;
+    let nodes = antennas.nodes();
+    let headings_rad = antennas.node_headings_rad(scenario.seed(), truth.len());
+    let sectors = u32::from(nodes.sector_count() / nodes.rings());
+    let antennas = NodeSectors { sectors, headings_rad: &headings_rad };
+    displacement(truth, map, antennas, scenario.metrics())
+}
+
+/// The posterior bound for all maps of `survey` (m); `None` if the scenario has no maps or the bound does not apply.
+///
+/// # Errors
+/// If `watch` stops the work.
+pub(super) fn bound_m(scenario: &Scenario, survey: &Survey, watch: &dyn Watch) -> Result<Option<f64>, Interrupted> {
+    if scenario.maps().is_empty() {
+        return Ok(None);
+    }
+    bound::posterior_bound_m(scenario, survey, &truth(scenario), watch)
+}
+
+/// The true positions of the nodes.
+pub(super) fn truth(scenario: &Scenario) -> Vec<Position> {
+    scenario.world().nodes.iter().map(|node| node.position).collect()
+}

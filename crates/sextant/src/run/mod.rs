@@ -1,0 +1,29 @@
+//! A run: simulate, map, measure, apply, summarise. What else comes of it are observers.
+
+mod application;
+mod bound;
+mod capture;
+mod discovery;
+mod distributed;
+mod error;
+mod evaluation;
+mod mac;
+mod mapped_node;
+mod message_energy;
+mod observer;
+mod outcome;
+mod pipeline;
+mod recorder;
+mod simulator;
+mod stop;
+mod witness;
+
+pub use application::{MadeMap, Performance};
+pub use capture::RunCapture;
+pub use discovery::Discoveries;
+pub use error::RunError;
+pub use evaluation::Evaluation;
+pub use observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+pub use pipeline::{Run, Surveyed, run, run_on, survey};
+pub use recorder::RunRecorder;
+pub use simulator::{Simulated, Simulator};

@@ -1,0 +1,173 @@
+//! The summary of a run.
+
+use sextant_apps::ControllerConfig;
+use sextant_channel::NetworkLog;
+use sextant_kernel::{NodeId, SimTime};
+use sextant_sim::{Ending, Network, NetworkRecord, RoleConfig, Survey};
+use sha2::{Digest, Sha256};
+
+use super::discovery::Discoveries;
+use super::mac;
+use crate::scenario::Scenario;
+use crate::summary::{
+    ApplicationSummary, EnergySummary, FaultsSummary, GatheringSummary, MapSummary, NotListenedSummary, RobotSummary,
+    ScenarioSummary, SensingSummary, SimulationSummary, Summary,
+};
+
+/// The summary of a run without timing: of its survey, if it has one, of the discovery before it, of its maps and of its
+/// applications.
+#[must_use]
+pub(super) fn sum_up(
+    scenario: &Scenario,
+    survey: Option<&Survey>,
+    discoveries: &Discoveries,
+    maps: Vec<MapSummary>,
+    applications: Vec<ApplicationSummary>,
+) -> Summary {
+    let of_survey = survey.map(|survey| of_survey(scenario, survey)).unwrap_or_default();
+    let time = |of: fn(&ApplicationSummary) -> f64| applications.iter().map(of).sum::<f64>();
+    let events: u64 = applications.iter().map(|application| application.events).sum();
+    Summary {
+        scenario: Some(identity(scenario)),
+        simulation: Some(SimulationSummary {
+            sim_time_s: survey.map_or(0.0, |survey| survey.end.as_secs_f64())
+                + time(|application| application.sim_time_s),
+            events: survey.map_or(0, |survey| survey.events) + events,
+            nodes: scenario.world().nodes.len(),
+            obstacles: scenario.world().obstacles.len(),
+        }),
+        discovery: discoveries.summary(scenario),
+        maps,
+        applications,
+        ..of_survey
+    }
+}
+
+/// The parts of a summary that tell of the survey.
+fn of_survey(scenario: &Scenario, survey: &Survey) -> Summary {
+    let has_robots = scenario.config().robots.iter().any(|robot| robot.role == RoleConfig::Survey);
+    let mut traffic = mac::traffic(scenario, survey).into_iter();
+    Summary {
+        mac: traffic.next(),
+        other_networks: traffic.collect(),
+        sensing: sensing(scenario, survey),
+        gathering: has_robots.then(|| gathering(scenario, survey)),
+        faults: faults(scenario, survey),
+        ..Summary::default()
+    }
+}
+
+fn gathering(scenario: &Scenario, survey: &Survey) -> GatheringSummary {
+    let packets = survey.packets;
+    let robots = survey.robots.iter().zip(scenario.robots_of_survey()).map(|(record, config)| RobotSummary {
+        name: record.name.clone(),
+        stops: record.stops,
+        path_length_m: record.path_length_m,
+        ending: record.ending.map(|ending| match ending {
+            Ending::Complete => "complete",
+            Ending::StepsExhausted => "steps_exhausted",
+            Ending::Stuck => "stuck",
+        }),
+        duration_s: record.end.map(SimTime::as_secs_f64),
+        unreached: match config.role {
+            RoleConfig::Survey => {
+                unreached(survey, config.controller.as_ref().map_or(1, ControllerConfig::packets_per_node))
+            }
+            RoleConfig::Anchor | RoleConfig::Agent => Vec::new(),
+        },
+    });
+    GatheringSummary {
+        path_length_m: Some(survey.robots.iter().map(|robot| robot.path_length_m).sum()),
+        duration_s: Some(survey.end.as_secs_f64()),
+        packets_offered: Some(packets.offered),
+        packets_sent: Some(packets.sent),
+        packets_received: Some(packets.received),
+        packets_received_by_robots: None,
+        lost_collision: Some(packets.lost_collision),
+        lost_channel_access: Some(packets.lost_channel_access),
+        lost_signal: Some(packets.lost_signal),
+        lost_queue: Some(packets.lost_queue),
+        out_of_range: Some(packets.out_of_range),
+        not_listened: Some(packets.not_listened),
+        not_listened_by: Some(NotListenedSummary::from(&packets)),
+        pending: Some(packets.pending),
+        energy_j: Some(EnergySummary {
+            tx: survey.energy.tx_j,
+            rx: survey.energy.rx_j,
+            idle: survey.energy.idle_j + survey.energy.sleep_j,
+        }),
+        robots: robots.collect(),
+        interrupted: survey.interrupted,
+        stops: stops(scenario, survey),
+        sweeps: sweeps(scenario, survey),
+        receptions: heard(survey),
+    }
+}
+
+/// What went wrong; `None` if no node can die and no anchor can lie.
+fn faults(scenario: &Scenario, survey: &Survey) -> Option<FaultsSummary> {
+    let (faults, nodes) = (&scenario.config().faults, &scenario.world().nodes);
+    let name = |node: NodeId| nodes[node.index()].name.clone();
+    let lying = || scenario.anchors().iter().filter(|anchor| anchor.position != nodes[anchor.node.index()].position);
+    let summary = FaultsSummary {
+        deaths: faults.deaths.as_ref().map(|_| survey.deaths.iter().map(|death| name(death.node)).collect()),
+        lying_anchors: faults.lying_anchors.as_ref().map(|_| lying().map(|anchor| name(anchor.node)).collect()),
+    };
+    (summary != FaultsSummary::default()).then_some(summary)
+}
+
+/// Stops at which robots listened.
+fn stops(scenario: &Scenario, survey: &Survey) -> usize {
+    let robots = survey.robots.iter().zip(scenario.robots_of_survey());
+    robots.filter(|(_, config)| config.role == RoleConfig::Survey).map(|(record, _)| record.stops).sum()
+}
+
+/// Sector sweeps of the robots; `None` if there is no network with sector sweeps.
+fn sweeps(scenario: &Scenario, survey: &Survey) -> Option<u64> {
+    let nodes = scenario.world().nodes.len();
+    let of_robots = |record: &NetworkRecord| -> u64 {
+        record.packets[nodes..nodes + survey.robots.len()].iter().map(|packets| packets.sent).sum()
+    };
+    let has_sweeps = |network: &Network| network.technology.antennas().is_some();
+    let networks = scenario.networks().iter().zip(&survey.networks).filter(|(network, _)| has_sweeps(network));
+    networks.map(|(_, record)| of_robots(record)).reduce(|sum, sweeps| sum + sweeps)
+}
+
+/// Pairs of a stop and a node heard there, in each network.
+fn heard(survey: &Survey) -> usize {
+    survey
+        .logs
+        .iter()
+        .map(|NetworkLog { log, .. }| log.receptions().iter().filter(|reception| reception.received > 0).count())
+        .sum()
+}
+
+/// What the sensors said, if there was anything to sense.
+fn sensing(scenario: &Scenario, survey: &Survey) -> Option<SensingSummary> {
+    let world = scenario.world();
+    let is_empty = world.targets.is_empty() && world.fields.is_empty();
+    (!is_empty).then_some(SensingSummary {
+        targets: world.targets.len(),
+        fields: world.fields.len(),
+        detections: survey.sensed.entered,
+        samples: survey.sensed.sampled,
+    })
+}
+
+/// The identity of the scenario.
+fn identity(scenario: &Scenario) -> ScenarioSummary {
+    ScenarioSummary {
+        name: scenario.name().to_owned(),
+        file: scenario.file_name(),
+        sha256: Sha256::digest(scenario.text()).iter().map(|byte| format!("{byte:02x}")).collect(),
+        seed: scenario.seed().0,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    }
+}
+
+/// Names of the nodes from which all robots together received fewer than `wanted` packets.
+fn unreached(survey: &Survey, wanted: u32) -> Vec<String> {
+    let heard = |node: usize| survey.robots.iter().fold(0, |sum: u32, robot| sum.saturating_add(robot.packets[node]));
+    let names = survey.log().names().iter().enumerate();
+    names.filter(|&(node, _)| heard(node) < wanted).map(|(_, name)| name.clone()).collect()
+}

@@ -1,0 +1,239 @@
+//! The stages of a run: discover, simulate, map, measure, apply, summarise.
+
+use sextant_kernel::{SimTime, Watch};
+use sextant_recording::Phase;
+use sextant_sim::Survey;
+
+use super::application::{MadeMap, Stage, perform};
+use super::discovery::Discoveries;
+use super::distributed::evaluate_distributed;
+use super::error::RunError;
+use super::evaluation::{Evaluation, bound_m, evaluate};
+use super::observer::{MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+use super::outcome::sum_up;
+use super::simulator::{Simulated, Simulator};
+use super::stop::Stop;
+use crate::scenario::Scenario;
+use crate::summary::{ApplicationSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
+
+/// A scenario that was run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    summary: Summary,
+    survey: Option<Surveyed>,
+    maps: Vec<Evaluation>,
+}
+
+impl Run {
+    /// All results, as `sextant run --summary` writes them.
+    #[must_use]
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// What the robots and anchors heard; `None` if the scenario has no survey.
+    #[must_use]
+    pub fn survey(&self) -> Option<&Survey> {
+        self.survey.as_ref().map(|surveyed| &surveyed.simulated.survey)
+    }
+
+    /// The maps, each with what was estimated with it and its errors.
+    #[must_use]
+    pub fn maps(&self) -> &[Evaluation] {
+        &self.maps
+    }
+}
+
+/// A survey that was simulated, and the bound of its maps.
+#[derive(Clone, Debug)]
+pub struct Surveyed {
+    /// What was heard, and what became of the packets.
+    pub simulated: Simulated,
+    /// The posterior bound for all its maps (m), if it applies.
+    pub bound_m: Option<f64>,
+}
+
+/// Runs `scenario`: simulates its survey, computes and measures its maps, and runs its applications. If `watch` stops the
+/// work, the result is what was done until then, and its summary says `interrupted`.
+///
+/// # Errors
+/// If parts of the scenario do not fit together, or `observer` fails.
+pub fn run(scenario: &Scenario, observer: &mut dyn RunObserver, watch: &dyn Watch) -> Result<Run, RunError> {
+    let start = Stopwatch::start();
+    let discoveries = Discoveries::of(scenario, watch)?;
+    let simulator = scenario.config().has_survey().then(|| Simulator::new(scenario)).transpose()?;
+    observer.run_started(&RunStart { scenario, discoveries: &discoveries })?;
+    let simulated = simulator.map(|simulator| simulate(scenario, simulator, observer, watch)).transpose()?;
+    let gather_s = start.elapsed_s();
+    let map_start = Stopwatch::start();
+    let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
+    let mut bound = None;
+    let mut interrupted = false;
+    if let Some(simulated) = &simulated {
+        maps.of_nodes(simulated, observer, watch)?;
+        let mapped = watch.check().map_err(RunError::from).and_then(|()| {
+            bound = bound_m(scenario, &simulated.survey, watch)?;
+            maps.of_robots(simulated, bound, observer, watch)
+        });
+        interrupted = is_interrupted(mapped)?;
+    }
+    let map_s = map_start.elapsed_s();
+    let Maps { summaries, evaluations, .. } = maps;
+    let survey = simulated.as_ref().map(|simulated| &simulated.survey);
+    let mut applications = Vec::new();
+    if !interrupted {
+        (applications, interrupted) = apply_all(scenario, &evaluations, survey, observer, watch)?;
+    }
+    let mut summary = Summary { interrupted, ..sum_up(scenario, survey, &discoveries, summaries, applications) };
+    observer.run_finished(&summary)?;
+    summary.timing = Some(Timing {
+        wall_s: start.elapsed_s(),
+        gather_s: Some(gather_s),
+        map_s: Some(map_s),
+        events_per_s: survey.map(|survey| survey.events as f64 / gather_s),
+        peak_rss_bytes: peak_rss_bytes(),
+    });
+    let survey = simulated.map(|simulated| Surveyed { simulated, bound_m: bound });
+    Ok(Run { summary, survey, maps: evaluations })
+}
+
+/// Simulates the survey of `scenario` and nothing else; `None` if it has none. Scenarios with the same
+/// [`survey_identity`](Scenario::survey_identity) share it: see [`run_on`].
+///
+/// # Errors
+/// If parts of the scenario do not fit together, `observer` fails, or `watch` stops the work.
+pub fn survey(
+    scenario: &Scenario,
+    observer: &mut dyn RunObserver,
+    watch: &dyn Watch,
+) -> Result<Option<Surveyed>, RunError> {
+    if !scenario.config().has_survey() {
+        return Ok(None);
+    }
+    let simulated = simulate(scenario, Simulator::new(scenario)?, observer, watch)?;
+    let bound_m = bound_m(scenario, &simulated.survey, watch)?;
+    Ok(Some(Surveyed { simulated, bound_m }))
+}
+
+/// The summary of `scenario` on a survey that was simulated before, without timing; what [`run`] does after its survey.
+///
+/// # Errors
+/// As for [`run`], and if `watch` stops the work.
+pub fn run_on(
+    scenario: &Scenario,
+    surveyed: Option<&Surveyed>,
+    observer: &mut dyn RunObserver,
+    watch: &dyn Watch,
+) -> Result<Summary, RunError> {
+    let discoveries = Discoveries::of(scenario, watch)?;
+    let mut maps = Maps { scenario, discoveries: &discoveries, summaries: Vec::new(), evaluations: Vec::new() };
+    if let Some(Surveyed { simulated, bound_m }) = surveyed {
+        maps.of_nodes(simulated, observer, watch)?;
+        maps.of_robots(simulated, *bound_m, observer, watch)?;
+    }
+    let survey = surveyed.map(|surveyed| &surveyed.simulated.survey);
+    let (applications, interrupted) = apply_all(scenario, &maps.evaluations, survey, observer, watch)?;
+    Ok(Summary { interrupted, ..sum_up(scenario, survey, &discoveries, maps.summaries, applications) })
+}
+
+/// Whether work was stopped; other errors remain.
+fn is_interrupted(outcome: Result<(), RunError>) -> Result<bool, RunError> {
+    match outcome {
+        Err(RunError::Interrupted(_)) => Ok(true),
+        outcome => outcome.map(|()| false),
+    }
+}
+
+/// Simulates the survey.
+fn simulate(
+    scenario: &Scenario,
+    simulator: Simulator,
+    observer: &mut dyn RunObserver,
+    watch: &dyn Watch,
+) -> Result<Simulated, RunError> {
+    let robots: Vec<String> = scenario.robots_of_survey().map(|robot| robot.name.clone()).collect();
+    let start = SimulationStart { scenario, application: None, robots: &robots, start: SimTime::ZERO };
+    observer.simulation_started(&start)?;
+    let simulated = simulator.run(&mut (&mut *observer, Stop(watch)));
+    observer.survey_finished(&SurveyEnd { scenario, simulated: &simulated })?;
+    Ok(simulated)
+}
+
+/// The maps so far.
+struct Maps<'a> {
+    scenario: &'a Scenario,
+    discoveries: &'a Discoveries,
+    summaries: Vec<MapSummary>,
+    evaluations: Vec<Evaluation>,
+}
+
+impl Maps<'_> {
+    /// Adds the map that the nodes computed, if they did: also what they had when the work was stopped.
+    fn of_nodes(
+        &mut self,
+        simulated: &Simulated,
+        observer: &mut dyn RunObserver,
+        watch: &dyn Watch,
+    ) -> Result<(), RunError> {
+        let evaluation = evaluate_distributed(self.scenario, simulated);
+        evaluation.map_or(Ok(()), |evaluation| {
+            self.add(evaluation, |scenario, evaluation| {
+                observer.map_finished(&MapEnd { scenario, simulated, named: None, evaluation, watch })
+            })
+        })
+    }
+
+    /// Computes, measures and adds the maps of the scenario in order, until the work is stopped.
+    fn of_robots(
+        &mut self,
+        simulated: &Simulated,
+        bound_m: Option<f64>,
+        observer: &mut dyn RunObserver,
+        watch: &dyn Watch,
+    ) -> Result<(), RunError> {
+        let scenario = self.scenario;
+        for named in scenario.maps() {
+            let evaluation = evaluate(scenario, named, (&simulated.survey, self.discoveries), bound_m, watch)?;
+            self.add(evaluation, |scenario, evaluation| {
+                observer.map_finished(&MapEnd { scenario, simulated, named: Some(named), evaluation, watch })
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Keeps a map, and then shows it.
+    fn add(
+        &mut self,
+        evaluation: Evaluation,
+        show: impl FnOnce(&Scenario, &Evaluation) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        self.summaries.push(evaluation.summary.clone());
+        self.evaluations.push(evaluation);
+        show(self.scenario, self.evaluations.last().expect("it was just added"))
+    }
+}
+
+/// Runs the applications one after the other, until the work is stopped. Returns their summaries, and whether it was.
+fn apply_all(
+    scenario: &Scenario,
+    evaluations: &[Evaluation],
+    survey: Option<&Survey>,
+    observer: &mut dyn RunObserver,
+    watch: &dyn Watch,
+) -> Result<(Vec<ApplicationSummary>, bool), RunError> {
+    let made: Vec<&MadeMap> = evaluations.iter().map(|evaluation| &evaluation.made).collect();
+    let mut end = survey.map(|survey| survey.end);
+    let mut summaries = Vec::new();
+    for application in scenario.applications() {
+        if watch.is_stopped() {
+            return Ok((summaries, true));
+        }
+        let start = end.map_or(SimTime::ZERO, Phase::start_after);
+        let stage = Stage { scenario, made: &made, survey, start };
+        let performance = perform(&stage, application, observer, watch)?;
+        end = Some(start + (performance.end - SimTime::ZERO));
+        summaries.push(performance.summary);
+    }
+    let interrupted = summaries.iter().any(|summary| summary.interrupted);
+    Ok((summaries, interrupted))
+}

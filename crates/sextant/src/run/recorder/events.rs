@@ -1,0 +1,128 @@
+//! The events of a simulation in a recording.
+
+use sextant_channel::{Contact, Position, Reception, Stop};
+use sextant_kernel::{NodeId, SimTime};
+use sextant_recording::{Level, Sensation, messages};
+use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, Pose, Progress, Sensed, TargetId};
+
+use super::RunRecorder;
+
+impl RunRecorder {
+    /// Records that a robot is at a place, with its heading.
+    fn record_place(&mut self, robot: usize, time: SimTime, position: Position) {
+        let track = &mut self.simulation.robots[robot];
+        if track.places.last() != Some(&position) {
+            track.places.push(position);
+        }
+        self.record(time, |recorder, simulation, time| {
+            let track = &simulation.robots[robot];
+            recorder.robot(time, &track.name, position, track.heading_rad)
+        });
+    }
+}
+
+impl Observer for RunRecorder {
+    fn moved(&mut self, robot: usize, time: SimTime, position: Position) {
+        let track = &mut self.simulation.robots[robot];
+        if let Some(&last) = track.places.last()
+            && last != position
+        {
+            track.heading_rad = (position.y_m - last.y_m).atan2(position.x_m - last.x_m);
+        }
+        self.record_place(robot, time, position);
+    }
+
+    fn curved(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.simulation.robots[robot].heading_rad = pose.heading_rad;
+        self.record_place(robot, time, pose.position);
+    }
+
+    fn believed(&mut self, robot: usize, time: SimTime, pose: Pose) {
+        self.record(time, |recorder, simulation, time| {
+            recorder.odometry(time, &simulation.robots[robot].name, pose.position, pose.heading_rad)
+        });
+    }
+
+    fn met(&mut self, contact: Contact) {
+        // What a robot meets in an application is not knowledge of the survey.
+        if !self.simulation.is_application {
+            self.record(contact.time, |recorder, simulation, _| {
+                recorder.contact(&simulation.robots[contact.robot.index()].name, &contact)
+            });
+        }
+    }
+
+    fn stopped(&mut self, network: NetworkId, index: u32, stop: &Stop, _end: SimTime, receptions: &[Reception]) {
+        // Nor are its stops.
+        if self.simulation.is_application {
+            return;
+        }
+        self.record(stop.time, |recorder, simulation, _| {
+            let other = simulation.others.iter().find(|(other, _)| *other == network);
+            let robot = &simulation.robots[stop.robot.index()].name;
+            recorder.stop(other.map(|(_, name)| name.as_str()), robot, index, stop, receptions)
+        });
+    }
+
+    fn captured(&mut self, robot: usize, target: TargetId, time: SimTime) {
+        self.record(time, |recorder, simulation, time| {
+            let (robot, target) = (&simulation.robots[robot].name, &simulation.targets[target.index()]);
+            recorder.note(time, Level::Info, "capture", &format!("{robot} captured {target}"))
+        });
+    }
+
+    fn target_moved(&mut self, target: TargetId, time: SimTime, position: Position) {
+        self.record(time, |recorder, simulation, time| {
+            recorder.target(time, &simulation.targets[target.index()], position)
+        });
+    }
+
+    fn sensed(&mut self, node: NodeId, time: SimTime, sensed: &Sensed) {
+        self.record(time, |recorder, simulation, time| {
+            let target = |target: TargetId| simulation.targets[target.index()].as_str();
+            let (sensation, name) = match *sensed {
+                Sensed::Entered(entered) => (Sensation::Entered, target(entered)),
+                Sensed::Left(left) => (Sensation::Left, target(left)),
+                Sensed::Sampled { field, value } => {
+                    (Sensation::Sampled(value), simulation.fields[field.index()].name())
+                }
+            };
+            recorder.sensed(time, node, name, sensation)
+        });
+    }
+
+    fn source_removed(&mut self, field: FieldId, source: usize, time: SimTime) {
+        self.simulation.fields[field.index()].remove(source, time);
+        self.record(time, |recorder, simulation, time| {
+            let name = simulation.fields[field.index()].name();
+            recorder.note(time, Level::Info, name, &format!("source {source} was removed"))
+        });
+    }
+
+    fn framed(&mut self, frame: FrameOnAir<'_>) {
+        if !self.simulation.frames {
+            return;
+        }
+        self.record(frame.start, |recorder, simulation, start| {
+            let deafness = frame.outcome.deafness();
+            recorder.frame(&messages::FrameMessage {
+                start_ns: start.as_nanos(),
+                airtime_ns: (SimTime::ZERO + frame.airtime).as_nanos(),
+                source: frame.source.0,
+                mpdu: frame.bytes.to_vec(),
+                outcome: frame.outcome.name().to_owned(),
+                power_dbm: frame.power.map(|power| power.0),
+                network: simulation.network_names[frame.network.index()].clone(),
+                deafness: deafness.map_or_else(String::new, |deafness| deafness.name().to_owned()),
+            })
+        });
+    }
+
+    fn wants_frames(&self) -> bool {
+        self.simulation.frames
+    }
+
+    fn goes_on(&mut self, _progress: Progress) -> bool {
+        self.failure.is_none()
+    }
+}

@@ -1,0 +1,124 @@
+//! The maps of a run in its recording.
+
+use std::borrow::Cow;
+
+use sextant_channel::Position;
+use sextant_kernel::NodeId;
+use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
+use sextant_recording::{FileRecorder, GridPlane, Level, PlacedNode};
+
+use crate::mapping::MapLogs;
+use crate::run::distributed::messages_of_nodes;
+use crate::run::error::RunError;
+use crate::run::evaluation;
+use crate::run::observer::MapEnd;
+use crate::run::simulator::Simulated;
+use crate::scenario::NamedMap;
+
+/// Records a map, its main errors, what is to be known of it, and the likelihoods of chosen nodes.
+pub(super) fn record(recorder: &mut FileRecorder, map: &MapEnd<'_>) -> Result<(), RunError> {
+    match map.named {
+        None => record_of_nodes(recorder, map),
+        Some(named) => {
+            record_map(recorder, map)?;
+            let (unmapped, nodes) = (map.evaluation.map.unmapped(), map.scenario.world().nodes.len());
+            if unmapped > 0 {
+                let note = format!("{unmapped} of {nodes} nodes were never heard and are not mapped");
+                recorder.note(map.time(), Level::Warning, &named.name, &note)?;
+            }
+            record_likelihoods(recorder, map, named)
+        }
+    }
+}
+
+/// Records the map that the nodes computed, and what each of them found.
+fn record_of_nodes(recorder: &mut FileRecorder, end: &MapEnd<'_>) -> Result<(), RunError> {
+    let (simulated, name, time) = (end.simulated, end.name(), end.time());
+    if let Some(distributed) = end.scenario.distributed() {
+        for message in messages_of_nodes(simulated, distributed) {
+            recorder.mapped_node(time, &message)?;
+        }
+    }
+    record_map(recorder, end)?;
+    if let Some(distributed) = &end.evaluation.summary.distributed {
+        let mut warn = |note: String| recorder.note(time, Level::Warning, name, &note);
+        if !distributed.unplaced.is_empty() {
+            let (unplaced, all) = (distributed.unplaced.len(), simulated.nodes.len());
+            let names = distributed.unplaced.join(", ");
+            warn(format!("{unplaced} of {all} nodes could not work out a place: {names}"))?;
+        }
+        if !distributed.converged {
+            warn(distributed.unsettled(simulated.survey.interrupted))?;
+        }
+    }
+    Ok(())
+}
+
+/// Records a map and its main errors.
+fn record_map(recorder: &mut FileRecorder, end: &MapEnd<'_>) -> Result<(), RunError> {
+    let (name, time, summary) = (end.name(), end.time(), &end.evaluation.summary);
+    recorder.map(time, name, &placed(&end.evaluation.map, &evaluation::truth(end.scenario)))?;
+    for (what, value) in [
+        ("position_error_mean_m", summary.position_error_m.map(|error| error.mean)),
+        ("connectivity_error", summary.connectivity_error),
+    ] {
+        if let Some(value) = value {
+            recorder.metric(time, &format!("{name}/{what}"), value)?;
+        }
+    }
+    Ok(())
+}
+
+fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
+    let place = |(i, (mapped, truth)): (usize, (Option<Position>, &Position))| {
+        let position = mapped?;
+        Some(PlacedNode { node: NodeId::from_index(i), position, error_m: Some(position.distance_m(*truth)) })
+    };
+    map.positions().into_iter().zip(truth).enumerate().filter_map(place).collect()
+}
+
+/// Records the likelihood of each chosen node, on the plane through its maximum.
+fn record_likelihoods(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &NamedMap) -> Result<(), RunError> {
+    let MapEnd { scenario, simulated: Simulated { survey, .. }, watch, .. } = end;
+    let logs = MapLogs::from(&survey.logs);
+    let log = logs.of(named);
+    let fit = match end.learned() {
+        Some(Learned::Profile(fit)) => Some(fit),
+        _ => None,
+    };
+    let ml_tm = match (&named.mapper, fit) {
+        (Mapper::MlTm(ml_tm), _) => Some(ml_tm.clone()),
+        (Mapper::MmTm(mm_tm), fit) => mm_tm.ml_tm(fit),
+        (Mapper::FittedMlTm(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
+        _ => None,
+    };
+    let Some(ml_tm) = ml_tm else { return Ok(()) };
+    let log = fit.map_or(Cow::Borrowed(log), |fit| Cow::Owned(fit.evidence(log)));
+    for name in &scenario.recording().likelihood {
+        let at = log.names().iter().position(|other| other == name).expect("the scenario was checked");
+        if log.of(NodeId::from_index(at)).is_empty() {
+            let note = format!("node {name} was never heard and has no likelihood");
+            recorder.note(survey.end, Level::Warning, &named.name, &note)?;
+            continue;
+        }
+        let surface = ml_tm.surface(&log, NodeId::from_index(at), *watch)?;
+        recorder.likelihood(survey.end, &named.name, name, &plane(&surface))?;
+    }
+    Ok(())
+}
+
+/// The plane through the maximum of a surface.
+fn plane(surface: &Surface) -> GridPlane {
+    let lattice = &surface.lattice;
+    let [columns, rows, _] = lattice.counts();
+    let (maximum, _) = surface.maximum();
+    let height = |layer: usize| (lattice.position([0, 0, layer]).z_m - maximum.z_m).abs();
+    let layer = (0..lattice.counts()[2]).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
+    let size = columns * rows;
+    GridPlane {
+        first: lattice.position([0, 0, layer]),
+        step_m: lattice.step_m(),
+        columns: u32::try_from(columns).expect("fewer than 2^32 columns"),
+        values: surface.log_likelihood[layer * size..(layer + 1) * size].to_vec(),
+    }
+}

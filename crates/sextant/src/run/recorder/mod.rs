@@ -1,0 +1,180 @@
+//! The recording of a run, as an observer.
+
+mod application;
+mod events;
+mod fields;
+mod maps;
+mod opening;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use sextant_channel::Position;
+use sextant_kernel::SimTime;
+use sextant_recording::{FileRecorder, Phase, RecordingError, SURVEY};
+use sextant_sim::{Field, NetworkId};
+
+use super::error::RunError;
+use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+use crate::scenario::Scenario;
+use crate::summary::Summary;
+
+/// Records a run to a file: `PATH.part` while the run goes on, `PATH` when it is complete. After the first failure it
+/// ends the simulation, and the run returns the failure; what was recorded until then stays in `PATH.part`.
+pub struct RunRecorder {
+    path: PathBuf,
+    /// The file; created when the run begins.
+    recorder: Option<FileRecorder>,
+    simulation: RecordedSimulation,
+    /// The phases of the run so far.
+    phases: Vec<Phase>,
+    has_applications: bool,
+    failure: Option<RecordingError>,
+}
+
+/// What the recording of the events of a simulation needs.
+#[derive(Default)]
+struct RecordedSimulation {
+    /// Whether every frame is recorded.
+    frames: bool,
+    robots: Vec<Track>,
+    /// Names of the targets.
+    targets: Vec<String>,
+    /// The fields, with the sources that were removed so far.
+    fields: Vec<Field>,
+    /// The surveyed networks whose logs have topics of their own, by name: all but the first.
+    others: Vec<(NetworkId, String)>,
+    /// The name of each network, if it has one.
+    network_names: Vec<String>,
+    /// From time 0 of the recording to time 0 of the simulation.
+    offset: Duration,
+    /// Whether it is that of an application.
+    is_application: bool,
+}
+
+/// The path of a robot.
+struct Track {
+    name: String,
+    places: Vec<Position>,
+    heading_rad: f64,
+}
+
+impl RecordedSimulation {
+    fn new(start: &SimulationStart<'_>) -> Self {
+        let scenario = start.scenario;
+        let network_names = scenario.networks().iter().map(|network| network.name.clone().unwrap_or_default());
+        let network_names: Vec<String> = network_names.collect();
+        let others = scenario.surveyed().into_iter().skip(1);
+        let others = others.map(|network| (network, network_names[network.index()].clone())).collect();
+        let track = |name: &String| Track { name: name.clone(), places: Vec::new(), heading_rad: 0.0 };
+        Self {
+            frames: scenario.recording().frames,
+            robots: start.robots.iter().map(track).collect(),
+            targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
+            fields: scenario.world().fields.clone(),
+            others,
+            network_names,
+            offset: start.start - SimTime::ZERO,
+            is_application: start.application.is_some(),
+        }
+    }
+}
+
+impl RunRecorder {
+    /// A recorder that will write to the file `path`.
+    #[must_use]
+    pub fn new(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            recorder: None,
+            simulation: RecordedSimulation::default(),
+            phases: Vec::new(),
+            has_applications: false,
+            failure: None,
+        }
+    }
+
+    fn file(&mut self) -> &mut FileRecorder {
+        self.recorder.as_mut().expect("the file is created when the run begins")
+    }
+
+    /// Records what happened at `time` of the simulation; `write` gets the time in the recording.
+    fn record(
+        &mut self,
+        time: SimTime,
+        write: impl FnOnce(&mut FileRecorder, &RecordedSimulation, SimTime) -> Result<(), RecordingError>,
+    ) {
+        if let (None, Some(recorder)) = (&self.failure, &mut self.recorder) {
+            self.failure = write(recorder, &self.simulation, time + self.simulation.offset).err();
+        }
+    }
+
+    /// The first failure of a simulation.
+    fn check(&self) -> Result<(), RunError> {
+        self.failure.clone().map_or(Ok(()), |failure| Err(failure.into()))
+    }
+}
+
+impl RunObserver for RunRecorder {
+    fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
+        self.has_applications = !start.scenario.applications().is_empty();
+        let recorder = self.recorder.insert(FileRecorder::create(&self.path)?);
+        opening::open(recorder, start.scenario)?;
+        opening::discoveries(recorder, start)?;
+        Ok(())
+    }
+
+    fn simulation_started(&mut self, start: &SimulationStart<'_>) -> Result<(), RunError> {
+        self.simulation = RecordedSimulation::new(start);
+        let recorder = self.file();
+        if let Some(application) = start.application {
+            application::open(recorder, start, application)?;
+        }
+        set_sensitivities(recorder, start.scenario);
+        Ok(())
+    }
+
+    fn survey_finished(&mut self, survey: &SurveyEnd<'_>) -> Result<(), RunError> {
+        self.check()?;
+        let end = survey.simulated.survey.end;
+        let recorder = self.recorder.as_mut().expect("the file is created when the run begins");
+        for track in &self.simulation.robots {
+            recorder.path(end, &track.name, &track.places)?;
+        }
+        fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
+        self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });
+        Ok(())
+    }
+
+    fn map_finished(&mut self, map: &MapEnd<'_>) -> Result<(), RunError> {
+        maps::record(self.file(), map)
+    }
+
+    fn application_finished(&mut self, end: &ApplicationEnd<'_>) -> Result<(), RunError> {
+        self.check()?;
+        let recorder = self.recorder.as_mut().expect("the file is created when the run begins");
+        let phase = application::close(recorder, &self.simulation, end)?;
+        self.phases.push(phase);
+        Ok(())
+    }
+
+    fn run_finished(&mut self, summary: &Summary) -> Result<(), RunError> {
+        let Some(mut recorder) = self.recorder.take() else { return Ok(()) };
+        if self.has_applications && (!summary.interrupted || self.phases.len() > 1) {
+            recorder.phases(&self.phases)?;
+        }
+        recorder.summary(&summary.to_json())?;
+        Ok(recorder.finish()?)
+    }
+}
+
+/// Tells the recorder how sensitive the radios of each log are, so that it can write link qualities.
+fn set_sensitivities(recorder: &mut FileRecorder, scenario: &Scenario) {
+    for (i, network) in scenario.surveyed().into_iter().enumerate() {
+        let network = &scenario.networks()[network.index()];
+        if network.technology.antennas().is_none() {
+            let other = (i > 0).then(|| network.name.as_deref().unwrap_or_default());
+            recorder.set_sensitivity(other, network.technology.sensitivity());
+        }
+    }
+}

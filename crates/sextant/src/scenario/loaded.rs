@@ -1,0 +1,312 @@
+//! A scenario that has been read and checked.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use sextant_apps::{ControllerConfig, MapSourceConfig};
+use sextant_channel::Anchor;
+use sextant_kernel::Seed;
+use sextant_mapper::Mapper;
+use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
+
+use super::applications::Application;
+use super::build::{Parts, check};
+use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
+use super::deserialize::deserialize;
+use super::distributed::DistributedMap;
+use super::document::Document;
+use super::error::ScenarioErrors;
+use super::errors::Errors;
+use super::known_networks::PacketsPerStop;
+use super::layers;
+use super::maps::NamedMap;
+use super::survey_identity::SurveyIdentity;
+use sextant_kernel::text::counted;
+
+/// A scenario that has been read and checked.
+#[derive(Clone)]
+pub struct Scenario {
+    base: Base,
+    config: ScenarioConfig,
+    named_files: Vec<PathBuf>,
+    text: String,
+    parts: Parts,
+    maps: Vec<NamedMap>,
+}
+
+/// A scenario as it was read, and what overrides it.
+#[derive(Clone, Debug)]
+struct Base {
+    document: Arc<Document>,
+    /// The file, if it is from one.
+    file: PathBuf,
+    /// Paths in the scenario are relative to this folder.
+    folder: PathBuf,
+    /// Settings that override it, each `path.to.key=value`.
+    set: Vec<String>,
+    /// The seed that overrides it.
+    seed: Option<u64>,
+}
+
+impl Scenario {
+    /// Reads the scenario at `path`, and checks it.
+    ///
+    /// # Errors
+    /// If a file cannot be read or a setting is invalid: all errors found.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, ScenarioErrors> {
+        Self::load_with(path, &[], None)
+    }
+
+    /// Reads the scenario at `path`, overrides it by the settings `set` (each `path.to.key=value`) and by `seed`, and checks
+    /// it.
+    ///
+    /// # Errors
+    /// If a file cannot be read or a setting is invalid: all errors found.
+    pub fn load_with(path: impl AsRef<Path>, set: &[String], seed: Option<u64>) -> Result<Self, ScenarioErrors> {
+        let path = path.as_ref();
+        let document = Arc::new(layers::read(path)?);
+        let (file, folder) = (path.to_owned(), layers::folder_of(path));
+        Self::of(Base { document, file, folder, set: set.to_vec(), seed })
+    }
+
+    /// Reads a scenario from its text, and checks it. Files that it names are relative to the working folder.
+    ///
+    /// # Errors
+    /// If a file cannot be read or a setting is invalid: all errors found.
+    pub fn parse(text: &str) -> Result<Self, ScenarioErrors> {
+        let document = Arc::new(layers::parse(text, Path::new(""))?);
+        Self::of(Base { document, file: PathBuf::new(), folder: PathBuf::new(), set: Vec::new(), seed: None })
+    }
+
+    /// The same scenario with another value of the setting `key`, `channel.max_range_m` or `robots.0.speed_m_per_s` for
+    /// example. `value` is written in TOML; quotes around a text are optional.
+    ///
+    /// # Errors
+    /// If the key or the value is invalid: all errors found.
+    pub fn with(&self, key: &str, value: impl fmt::Display) -> Result<Self, ScenarioErrors> {
+        let mut base = self.base.clone();
+        match value.to_string().parse() {
+            // The seed is not part of the text of a scenario, so that runs with different seeds have the same one.
+            Ok(seed) if key == "seed" => base.seed = Some(seed),
+            _ => base.set.push(format!("{key}={value}")),
+        }
+        Self::of(base)
+    }
+
+    fn of(base: Base) -> Result<Self, ScenarioErrors> {
+        let mut document = Document::clone(&base.document);
+        document.override_by(&base.set, base.seed, &base.folder)?;
+        let text = std::mem::take(&mut document.text);
+        let mut config: ScenarioConfig = deserialize(&document)?;
+        let named_files = named_files(&mut config, &mut document, &base.folder);
+        let mut errors = Errors { document: &document, found: Vec::new() };
+        let (parts, maps) = check(&config, &base.folder, &mut errors);
+        ScenarioErrors::check(errors.found)?;
+        let parts = parts.expect("what has no errors has all its parts");
+        Ok(Self { base, config, named_files, text, parts, maps })
+    }
+
+    /// The scenario as written, with all layers merged.
+    #[must_use]
+    pub fn config(&self) -> &ScenarioConfig {
+        &self.config
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.config.name
+    }
+
+    /// The random seed.
+    #[must_use]
+    pub fn seed(&self) -> Seed {
+        Seed(self.config.seed)
+    }
+
+    /// The text of the file or, if it extends another one or settings override it, of the merged settings. A seed that
+    /// overrides it is not in it.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Name of the file, without its folder.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        self.base.file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// The files that its settings name: tables of nodes and meshes of obstacles. They are not part of its
+    /// [`text`](Self::text).
+    #[must_use]
+    pub fn named_files(&self) -> &[PathBuf] {
+        &self.named_files
+    }
+
+    /// The world.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.parts.setup.world
+    }
+
+    /// How many packets a node sends while a robot listens, in the first network that robots survey.
+    #[must_use]
+    pub fn packets_per_stop(&self) -> PacketsPerStop {
+        self.parts.packets_per_stop
+    }
+
+    /// The networks whose logs a map uses: one, or several for a joint map.
+    #[must_use]
+    pub fn networks_of(&self, map: &NamedMap) -> Vec<NetworkId> {
+        let surveyed = self.surveyed();
+        let is_called = |id: &NetworkId, name: &str| self.networks()[id.index()].name.as_deref() == Some(name);
+        let called = |name: &str| surveyed.iter().copied().find(|id| is_called(id, name)).unwrap_or(surveyed[0]);
+        match &map.mapper {
+            Mapper::Joint(joint) => joint.networks().map(called).collect(),
+            _ => vec![map.network.as_deref().map_or(surveyed[0], called)],
+        }
+    }
+
+    /// The robots that take part in the survey, in their order: all but the agents.
+    pub fn robots_of_survey(&self) -> impl Iterator<Item = &RobotConfig<ControllerConfig>> {
+        self.config.robots.iter().filter(|robot| robot.role != RoleConfig::Agent)
+    }
+
+    /// What is left out of the counts at the start.
+    #[must_use]
+    pub fn warm_up(&self) -> Duration {
+        self.parts.warm_up
+    }
+
+    /// All its networks.
+    #[must_use]
+    pub fn networks(&self) -> &[Network] {
+        &self.parts.setup.networks
+    }
+
+    /// The networks that robots survey, in their order: at least one.
+    #[must_use]
+    pub fn surveyed(&self) -> Vec<NetworkId> {
+        self.parts.setup.surveyed()
+    }
+
+    /// The maps to compute.
+    #[must_use]
+    pub fn maps(&self) -> &[NamedMap] {
+        &self.maps
+    }
+
+    /// The nodes that know their position, by node, with the places that they believe in: wrong ones of those that lie.
+    #[must_use]
+    pub fn anchors(&self) -> &[Anchor] {
+        &self.parts.anchors
+    }
+
+    /// How the nodes discover their neighbours.
+    #[must_use]
+    pub fn discovery(&self) -> &Discovery {
+        &self.parts.discovery
+    }
+
+    /// The map that the nodes compute themselves, if they do.
+    #[must_use]
+    pub fn distributed(&self) -> Option<&DistributedMap> {
+        self.parts.distributed.as_ref()
+    }
+
+    /// What robots and nodes do on maps of the nodes.
+    #[must_use]
+    pub fn applications(&self) -> &[Application] {
+        &self.parts.applications
+    }
+
+    /// The bodies of all robots.
+    #[must_use]
+    pub fn bodies(&self) -> &[RobotBody] {
+        &self.parts.bodies
+    }
+
+    /// How maps are compared with the truth.
+    #[must_use]
+    pub fn metrics(&self) -> &MetricsConfig {
+        &self.config.metrics
+    }
+
+    /// What is recorded in addition to what a mapper needs.
+    #[must_use]
+    pub fn recording(&self) -> &RecordingConfig {
+        &self.config.recording
+    }
+
+    /// The setup of a simulation; each call returns robots at their start.
+    #[must_use]
+    pub fn setup(&self) -> Setup {
+        self.parts.setup.clone()
+    }
+
+    /// Identifies the scenarios with the same surveys.
+    #[must_use]
+    pub fn survey_identity(&self) -> SurveyIdentity {
+        SurveyIdentity::of(&self.config)
+    }
+
+    /// A short description: `496 nodes, 3 obstacles, 1 robot, 1 map`.
+    #[must_use]
+    pub fn outline(&self) -> String {
+        let world = self.world();
+        let applications = Some(self.applications().len()).filter(|&count| count > 0);
+        let applications = applications.map(|count| counted(count, "application"));
+        [
+            counted(world.nodes.len(), "node"),
+            counted(world.obstacles.len(), "obstacle"),
+            counted(self.config.robots.len(), "robot"),
+            counted(self.config.sinks.len(), "sink"),
+            counted(self.maps.len() + usize::from(self.distributed().is_some()), "map"),
+        ]
+        .into_iter()
+        .chain(applications)
+        .collect::<Vec<_>>()
+        .join(", ")
+    }
+}
+
+/// The files that the settings name, whose paths become relative to the folder of the scenario.
+fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Path) -> Vec<PathBuf> {
+    let mut named_files = Vec::new();
+    for (key, file) in config.world.files_mut() {
+        document.rebase(&format!("world.{key}"), file, folder);
+        named_files.push(folder.join(file));
+    }
+    for (i, application) in config.applications.iter_mut().enumerate() {
+        if let MapSourceConfig::File(file) = &mut application.map {
+            document.rebase(&format!("applications[{i}].map.file"), file, folder);
+            named_files.push(folder.join(file));
+        }
+    }
+    let of_traffic = config.traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic));
+    let of_networks = config
+        .networks
+        .iter_mut()
+        .filter_map(|(name, network)| Some((format!("networks.{name}.traffic"), network.traffic.as_mut()?)));
+    for (table, traffic) in of_traffic.chain(of_networks) {
+        for (key, file) in traffic.files_mut() {
+            document.rebase(&format!("{table}.{key}"), file, folder);
+            named_files.push(folder.join(file));
+        }
+    }
+    let of_antennas = config.antenna.iter_mut().map(|antenna| ("antenna".to_owned(), antenna));
+    let of_networks = config
+        .networks
+        .iter_mut()
+        .filter_map(|(name, network)| Some((format!("networks.{name}.antenna"), network.antenna.as_mut()?)));
+    for (table, antenna) in of_antennas.chain(of_networks) {
+        for (key, file) in antenna.files_mut() {
+            document.rebase(&format!("{table}.{key}"), file, folder);
+            named_files.push(folder.join(file));
+        }
+    }
+    named_files
+}

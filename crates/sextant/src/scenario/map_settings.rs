@@ -1,0 +1,473 @@
+//! The maps that `sextant map` computes from a log.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::str::FromStr;
+
+use serde::Deserialize;
+use sextant_apps::ControllerConfig;
+use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
+use sextant_mac::EnergyConfig;
+use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig};
+use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, Technology, TrafficConfig, WorldConfig};
+
+use super::config::MetricsConfig;
+use super::deserialize::deserialize;
+use super::document::{Document, Value};
+use super::error::{ScenarioError, ScenarioErrors};
+use super::errors::Errors;
+use super::keys::keys_of;
+use super::known_networks::KnownNetworks;
+use super::maps::{NamedMap, check_maps};
+use super::network_config::NetworkConfig;
+use super::networks::{CheckedLinks, NetworkTables, ScenarioTables};
+
+/// The default map of `sextant map`.
+const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
+                       profile.fitted = {} }\n";
+
+/// The default map by the self-calibrated algorithm.
+const SELF_CALIBRATED: &str = "[[maps]]\nalgorithm.self_calibrated = {}\n";
+
+/// The default map by the grid of signal strengths.
+const RSS_GRID: &str = "[[maps]]\nalgorithm.rss_grid = {}\n";
+
+/// The map of a log without a scenario.
+const AUTO: &str = "[[maps]]\nalgorithm.auto = {}\n";
+
+/// The default maps by other algorithms.
+const LINK_MODEL: &str = "[[maps]]\nalgorithm.link_model = {}\n";
+const PACKET_CENTROID: &str = "[[maps]]\nalgorithm.packet_centroid = {}\n";
+const STRONGEST_STOP: &str = "[[maps]]\nalgorithm.strongest_stop = {}\n";
+const RSSI_CENTROID: &str = "[[maps]]\nalgorithm.rssi_centroid = {}\n";
+const LEAST_SQUARES: &str = "[[maps]]\nalgorithm.least_squares = {}\n";
+const GAUSSIAN_PROCESS: &str = "[[maps]]\nalgorithm.gaussian_process = {}\n";
+
+/// An algorithm whose default settings suit any log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlgorithmName {
+    /// The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid.
+    Auto,
+    /// A model of real radio links, estimated from the log; uses signal strengths where the log has them.
+    LinkModel,
+    /// The mean of the stops that heard a node, weighted by a power of the share of packets that they received.
+    PacketCentroid,
+    /// Maximum likelihood on a grid, with a reception profile that is fitted first.
+    MlTm,
+    /// Joint estimate of positions, reception curve, stops and obstacles.
+    SelfCalibrated,
+    /// Maximum likelihood of signal strengths, with a channel that is fitted first.
+    RssGrid,
+    /// The stop that received a node with the greatest strength.
+    StrongestStop,
+    /// The mean of the stops that received a node, weighted by signal strength.
+    RssiCentroid,
+    /// Place, power and path-loss exponent of each node that fit its strengths best.
+    LeastSquares,
+    /// Where a Gaussian process over the strengths of a node is greatest.
+    GaussianProcess,
+}
+
+impl AlgorithmName {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Auto,
+        Self::LinkModel,
+        Self::PacketCentroid,
+        Self::MlTm,
+        Self::SelfCalibrated,
+        Self::RssGrid,
+        Self::StrongestStop,
+        Self::RssiCentroid,
+        Self::LeastSquares,
+        Self::GaussianProcess,
+    ];
+
+    /// Its name, as in `[[maps]]` of a scenario but with hyphens.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::LinkModel => "link-model",
+            Self::PacketCentroid => "packet-centroid",
+            Self::MlTm => "ml-tm",
+            Self::SelfCalibrated => "self-calibrated",
+            Self::RssGrid => "rss-grid",
+            Self::StrongestStop => "strongest-stop",
+            Self::RssiCentroid => "rssi-centroid",
+            Self::LeastSquares => "least-squares",
+            Self::GaussianProcess => "gaussian-process",
+        }
+    }
+
+    /// What it computes, in a sentence without a full stop.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Auto => {
+                "The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid"
+            }
+            Self::LinkModel => {
+                "A model of real radio links, estimated from the log; uses signal strengths where the log has them"
+            }
+            Self::PacketCentroid => {
+                "The mean of the stops that heard a node, weighted by a power of the share of packets that they received"
+            }
+            Self::MlTm => "Maximum likelihood on a grid, with a reception profile that is fitted first",
+            Self::SelfCalibrated => "Joint estimate of positions, reception curve, stops and obstacles",
+            Self::RssGrid => "Maximum likelihood of signal strengths, with a channel that is fitted first",
+            Self::StrongestStop => "The stop that received a node with the greatest strength",
+            Self::RssiCentroid => "The mean of the stops that received a node, weighted by signal strength",
+            Self::LeastSquares => "Place, power and path-loss exponent of each node that fit its strengths best",
+            Self::GaussianProcess => "Where a Gaussian process over the strengths of a node is greatest",
+        }
+    }
+
+    /// The algorithm of a log without a scenario, if none is named: the one whose settings are given, `ml-tm` for a
+    /// profile, otherwise the choice of the log.
+    fn meant(has_scenario: bool, has_profile: bool, set: &[String]) -> Option<Self> {
+        let is_set = |name: &Self| {
+            let key = format!("algorithm.{}", name.name().replace('-', "_"));
+            set.iter().any(|setting| setting.contains(&key))
+        };
+        let set_up = Self::ALL.into_iter().find(is_set);
+        (!has_scenario).then(|| set_up.unwrap_or(if has_profile { Self::MlTm } else { Self::Auto }))
+    }
+
+    /// One map by the algorithm, as written in a scenario.
+    fn text(self) -> &'static str {
+        match self {
+            Self::Auto => AUTO,
+            Self::LinkModel => LINK_MODEL,
+            Self::PacketCentroid => PACKET_CENTROID,
+            Self::MlTm => DEFAULT,
+            Self::SelfCalibrated => SELF_CALIBRATED,
+            Self::RssGrid => RSS_GRID,
+            Self::StrongestStop => STRONGEST_STOP,
+            Self::RssiCentroid => RSSI_CENTROID,
+            Self::LeastSquares => LEAST_SQUARES,
+            Self::GaussianProcess => GAUSSIAN_PROCESS,
+        }
+    }
+}
+
+/// The name is that of no algorithm.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{found}` is not an algorithm; allowed: {}", AlgorithmName::ALL.map(AlgorithmName::name).join(", "))]
+pub struct UnknownAlgorithm {
+    /// The name.
+    pub found: String,
+}
+
+impl FromStr for AlgorithmName {
+    type Err = UnknownAlgorithm;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|algorithm| algorithm.name() == text);
+        named.ok_or_else(|| UnknownAlgorithm { found: text.to_owned() })
+    }
+}
+
+/// The maps to compute from a log, and how to compare them with the truth.
+#[derive(Clone, Debug)]
+pub struct MapSettings {
+    /// The maps to compute.
+    pub maps: Vec<NamedMap>,
+    /// The obstacles, if the scenario has them and a map may know them.
+    pub obstacles: Option<ObstacleField>,
+    /// How they are compared with the truth.
+    pub metrics: MetricsConfig,
+}
+
+/// The parts of a scenario that maps need.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MapSettingsConfig {
+    #[serde(default)]
+    world: KnownWorldConfig,
+    #[serde(default)]
+    radio: Option<RadioConfig>,
+    #[serde(default)]
+    channel: ChannelConfig,
+    #[serde(default)]
+    mac: MacConfig,
+    #[serde(default)]
+    antenna: Option<AntennasConfig>,
+    #[serde(default)]
+    networks: BTreeMap<String, NetworkConfig>,
+    #[serde(default)]
+    traffic: Option<TrafficConfig>,
+    #[serde(default)]
+    robots: Vec<RobotConfig<ControllerConfig>>,
+    #[serde(default)]
+    maps: Vec<MapConfig>,
+    #[serde(default)]
+    metrics: MetricsConfig,
+}
+
+/// The part of a world that a map may know, which excludes the nodes.
+#[derive(Debug, Default, Deserialize)]
+struct KnownWorldConfig {
+    #[serde(default)]
+    obstacles: Vec<ObstacleConfig>,
+}
+
+impl MapSettingsConfig {
+    fn tables(&self) -> ScenarioTables<'_> {
+        ScenarioTables {
+            networks: &self.networks,
+            radio: self.radio.as_ref(),
+            channel: &self.channel,
+            mac: &self.mac,
+            traffic: self.traffic.as_ref(),
+            antenna: self.antenna.as_ref(),
+            // Maps know nothing of how packets are lost, and of energy.
+            reception: None,
+            energy: &EnergyConfig::Cc2420,
+        }
+    }
+}
+
+impl MapSettings {
+    /// The maps of `scenario`, which is a name for messages and a text. If `algorithm` is given, it is one map by that
+    /// algorithm instead. If the scenario has no maps, it is one `ml-tm` map with a fitted profile. Without a scenario, it is
+    /// the map that the log chooses (`auto`), or one by the algorithm that `profile` or `set` are for.
+    ///
+    /// `profile` replaces the profile of every map that has one. It is the name of a profile (`fitted`), or a name, a
+    /// colon and settings (`trapezoid:p0=0.9,plateau_m=2,range_m=10`); settings without a name are those of a trapezoid.
+    /// `set` are settings `path.to.key=value`. If `network` is given, its log is mapped instead of those of the networks that the maps
+    /// name; joint maps keep theirs.
+    ///
+    /// # Errors
+    /// All errors found.
+    pub fn new(
+        scenario: Option<(&str, &str)>,
+        algorithm: Option<AlgorithmName>,
+        (profile, network): (Option<&str>, Option<&str>),
+        set: &[String],
+    ) -> Result<Self, ScenarioErrors> {
+        let algorithm = algorithm.or_else(|| AlgorithmName::meant(scenario.is_some(), profile.is_some(), set));
+        let mut document = document(scenario, algorithm)?;
+        if let Some(profile) = profile {
+            replace_profiles(&mut document, profile)?;
+        }
+        for setting in set {
+            document.lay_setting("setting", setting, Path::new(""))?;
+        }
+        let mut config: MapSettingsConfig = deserialize(&document)?;
+        let is_joint = |map: &MapConfig| matches!(map.algorithm, AlgorithmConfig::Joint(_));
+        if let Some(network) = network.filter(|_| !config.networks.is_empty()) {
+            let alone = config.maps.iter_mut().filter(|map| !is_joint(map));
+            alone.for_each(|map| map.network = Some(network.to_owned()));
+        }
+        let mut errors = Errors { document: &document, found: Vec::new() };
+        let tables = NetworkTables::all(config.tables());
+        let links: Vec<_> = tables.iter().map(|table| known_links(table, &mut errors)).collect();
+        let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &links, &config.robots), &mut errors);
+        errors.take("metrics", config.metrics.check());
+        let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
+        let obstacles = if scenario.is_some() && maps.iter().any(knows) {
+            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, Path::new("")))
+        } else {
+            None
+        };
+        ScenarioErrors::check(errors.found)?;
+        Ok(Self { maps, obstacles, metrics: config.metrics })
+    }
+}
+
+/// What maps may know of the links of a network. A log of a real robot has no channel, and files of antennas cannot be
+/// read.
+fn known_links(table: &NetworkTables<'_>, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
+    table.radio.value?;
+    let channel = table.law(errors)?;
+    let config = table.link_config();
+    if config.antenna.is_some_and(|antennas| antennas.clone().files_mut().next().is_some()) {
+        return None;
+    }
+    let technology = Technology::read(&config, None, Path::new("")).ok()?;
+    Some(CheckedLinks { channel, technology })
+}
+
+/// The settings before any flag: those of the scenario that maps need. If `algorithm` is given or the scenario has no
+/// maps, its maps are replaced by the default map.
+fn document(scenario: Option<(&str, &str)>, algorithm: Option<AlgorithmName>) -> Result<Document, ScenarioError> {
+    let defaults = ("the defaults", algorithm.unwrap_or(AlgorithmName::MlTm).text());
+    let mut document = Document::default();
+    let (name, text) = scenario.unwrap_or(defaults);
+    document.lay_text(name, text)?;
+    if let Value::Table(settings) = &mut document.root.value {
+        let keys = keys_of::<MapSettingsConfig>();
+        settings.retain(|key, _| keys.contains(&key.as_str()));
+    }
+    let has_maps = || deserialize(&document).map(|config: MapSettingsConfig| !config.maps.is_empty());
+    if scenario.is_some() && (algorithm.is_some() || !has_maps()?) {
+        document.lay_text(defaults.0, defaults.1)?;
+    }
+    Ok(document)
+}
+
+/// Replaces the reception profile of every map that has one by `profile`.
+fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), ScenarioError> {
+    let (name, settings) = profile.split_once(':').unwrap_or(if profile.contains(['=', ' ']) {
+        ("trapezoid", profile)
+    } else {
+        (profile, "")
+    });
+    let mut config: MapSettingsConfig = deserialize(document)?;
+    let mut keys: Vec<String> = Vec::new();
+    for (i, map) in config.maps.iter_mut().enumerate() {
+        keys.extend(
+            map.algorithm.profiles_mut().iter().map(|profile| format!("maps[{i}].algorithm.{}", profile.key)),
+        );
+    }
+    if keys.is_empty() {
+        return Err(ScenarioError::new(format!("profile `{profile}`: no map has a reception profile")));
+    }
+    let flag = |key| format!("{key}.{name}={{ {settings} }}");
+    keys.iter().try_for_each(|key| document.lay_setting("profile", &flag(key), Path::new("")))
+}
+
+#[cfg(test)]
+mod tests {
+    use sextant_channel::{ChannelLaw, CloseInConfig, PathLossConfig};
+
+    use super::super::config::ScenarioConfig;
+    use super::*;
+
+    const PROFILE: &str = "p0=0.9,plateau_m=2,range_m=10";
+
+    #[test]
+    fn a_log_without_a_scenario_is_mapped_with_the_given_profile() {
+        let settings = MapSettings::new(None, None, (Some(PROFILE), None), &[]).unwrap();
+        assert_eq!(settings.maps.len(), 1);
+        assert_eq!(settings.maps[0].name, "ml-tm");
+        let same = MapSettings::new(None, None, (Some(&format!("trapezoid:{PROFILE}")), None), &[]).unwrap();
+        assert_eq!(same.maps, settings.maps);
+        let set = ["maps.0.algorithm.ml_tm.grid_step_m=1".to_owned(), "maps.0.name=coarse".to_owned()];
+        let coarse = MapSettings::new(None, None, (Some(PROFILE), None), &set).unwrap();
+        assert_eq!(coarse.maps[0].name, "coarse");
+        assert_ne!(coarse.maps[0].mapper, settings.maps[0].mapper);
+    }
+
+    #[test]
+    fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
+        let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
+                    profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
+        let kept = MapSettings::new(Some(("x", text)), None, (None, None), &[]).unwrap();
+        assert_eq!(kept.maps[0].name, "a");
+        let changed = MapSettings::new(Some(("x", text)), None, (Some(PROFILE), None), &[]).unwrap();
+        assert_ne!(changed.maps[0].mapper, kept.maps[0].mapper);
+    }
+
+    #[test]
+    fn an_algorithm_replaces_the_maps_of_a_scenario_and_a_profile_is_rejected_if_it_has_none() {
+        let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
+                    profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
+        let algorithm = Some(AlgorithmName::SelfCalibrated);
+        for scenario in [None, Some(("x", text)), Some(("x", "name = \"x\"\n"))] {
+            let settings = MapSettings::new(scenario, algorithm, (None, None), &[]).unwrap();
+            assert_eq!((settings.maps.len(), settings.maps[0].name.as_str()), (1, "self-calibrated"));
+            let set = ["maps.0.algorithm.self_calibrated.grid_step_m=0.5".to_owned()];
+            let finer = MapSettings::new(scenario, algorithm, (None, None), &set).unwrap();
+            assert_ne!(finer.maps[0].mapper, settings.maps[0].mapper);
+            let refused = MapSettings::new(scenario, algorithm, (Some(PROFILE), None), &[]).unwrap_err().to_string();
+            assert!(refused.contains("no map has a reception profile"), "{refused}");
+        }
+        let refused = ["maps.0.algorithm.self_calibrated.grid_step_m=0".to_owned()];
+        let refused = MapSettings::new(None, algorithm, (None, None), &refused).unwrap_err().to_string();
+        assert!(
+            refused.contains("maps[0].algorithm.self_calibrated.grid_step_m") && refused.contains("is 0"),
+            "{refused}"
+        );
+    }
+
+    #[test]
+    fn absent_settings_of_a_channel_profile_come_from_the_scenario() {
+        let map = |channel: &str, profile: &str| {
+            let text = format!(
+                "radio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n{channel}\n\
+                 traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
+                 algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
+            );
+            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            settings.maps[0].mapper.clone()
+        };
+        let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
+        let known = map(channel, "");
+        let written = "exponent = 3.6, sigma_db = 8.2, tx_power_dbm = -50, sensitivity_dbm = -90, max_range_m = 10";
+        assert_eq!(known, map("", written));
+        assert_ne!(known, map(channel, "max_range_m = 9"));
+        let suburban = "channel = { environment = \"suburban\", max_range_m = 10 }";
+        assert_ne!(known, map(suburban, ""));
+    }
+
+    #[test]
+    fn a_channel_profile_of_sector_sweeps_has_the_gains_of_the_weaker_direction() {
+        let map = |gains: [f64; 2], profile: &str| {
+            let [nodes, robots] = gains.map(|dbi| format!("{{ azimuth_sectors = 8, boresight_gain_dbi = {dbi} }}"));
+            let text = format!(
+                "radio = {{ tx_power_dbm = 20, sensitivity_dbm = -60 }}\nmac.sector_sweep = {{}}\n\
+                 channel.path_loss.close_in = {{ carrier_ghz = 73, exponent = 1.7 }}\nchannel.max_range_m = 7\n\
+                 channel.shadowing = {{ sigma_db = 3.2, correlation = \"per_link\" }}\n\
+                 antenna.nodes.sectors = {nodes}\nantenna.robots.sectors = {robots}\n\
+                 [[maps]]\nalgorithm.mmtm = {{ grid_step_m = 0.5, profile.channel = {{ {profile} }} }}\n"
+            );
+            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            settings.maps[0].mapper.clone()
+        };
+        let law = CloseInConfig { carrier_ghz: Some(73.0), exponent: Some(1.7), ..CloseInConfig::default() };
+        let channel = ChannelConfig { path_loss: Some(PathLossConfig::CloseIn(law)), ..ChannelConfig::default() };
+        let loss_db = ChannelLaw::try_from(channel).unwrap().path_loss().reference_loss().0;
+        // Free space over a metre at 73 GHz: 20 log10(4 pi f / c).
+        assert!((loss_db - 69.71).abs() < 0.01, "{loss_db} dB");
+        let written = map([0.0, 0.0], &format!("tx_power_dbm = {:?}", 20.0 + 10.0 - loss_db));
+        assert_eq!(map([10.0, 14.0], ""), written, "the answer of a node is the weaker direction");
+        assert_eq!(map([14.0, 10.0], ""), written, "the sweep of a robot is the weaker direction");
+        assert_ne!(map([14.0, 11.0], ""), written);
+    }
+
+    #[test]
+    fn maps_name_networks_that_robots_survey() {
+        let new = |network: &str, flag: Option<&str>| {
+            let text = format!(
+                "channel = {{ environment = \"suburban\", max_range_m = 9 }}\n[networks.a]\nradio = {{ tx_power_dbm = -50, sensitivity_dbm = -90 }}\n\
+                 [networks.b]\nradio = {{ tx_power_dbm = -60, sensitivity_dbm = -90 }}\n\
+                 [networks.c]\nradio = {{ tx_power_dbm = -60, sensitivity_dbm = -90 }}\n\
+                 [[robots]]\nname = \"r\"\nstart_m = [0, 0]\nlisten_s = 1\nnetworks = [\"b\", \"a\"]\n\
+                 controller.waypoints.places_m = [[0, 0]]\n\
+                 [[maps]]\n{network}algorithm.ml_tm = {{ grid_step_m = 0.5, profile.channel = {{}} }}\n"
+            );
+            MapSettings::new(Some(("x", &text)), None, (None, flag), &[])
+        };
+        let mapper = |network, flag| new(network, flag).unwrap().maps[0].mapper.clone();
+        let (first, second) = (mapper("", None), mapper("network = \"b\"\n", None));
+        assert_ne!(first, second, "each has the channel of its network");
+        assert_eq!(mapper("network = \"a\"\n", None), first);
+        assert_eq!(mapper("network = \"a\"\n", Some("b")), second, "a flag overrides the map");
+        for refused in [new("network = \"c\"\n", None), new("", Some("c"))] {
+            let refused = refused.unwrap_err().to_string();
+            assert!(refused.contains("`maps[0].network` is `c`"), "{refused}");
+            assert!(refused.contains("`a`, `b`, the networks that robots survey"), "{refused}");
+        }
+    }
+
+    #[test]
+    fn an_invalid_profile_is_rejected() {
+        let refused =
+            |profile: Option<&str>| MapSettings::new(None, None, (profile, None), &[]).unwrap_err().to_string();
+        assert!(refused(Some("channel:sigma_db=8")).contains("`"), "{}", refused(Some("channel:sigma_db=8")));
+        assert!(refused(Some("p0=2,plateau_m=2,range_m=10")).contains("p0` is 2; allowed: above 0, at most 1"));
+        assert!(refused(Some("p=2")).contains("unknown key `p`"));
+        assert!(refused(Some("p0 2")).contains("is not a TOML value"));
+        assert!(refused(Some("square:p0=1")).contains("unknown choice `square`"));
+    }
+
+    #[test]
+    fn keys_of_map_settings_are_keys_of_scenarios() {
+        let scenario = keys_of::<ScenarioConfig>();
+        assert!(keys_of::<MapSettingsConfig>().iter().all(|key| scenario.contains(key)));
+        let world = keys_of::<WorldConfig>();
+        assert!(keys_of::<KnownWorldConfig>().iter().all(|key| world.contains(key) && *key != "nodes"));
+    }
+}

@@ -1,0 +1,46 @@
+//! Scenario files: read, merged and checked. Each error points at the key in the file.
+
+mod algorithm;
+mod applications;
+mod build;
+mod config;
+mod deserialize;
+mod distributed;
+mod document;
+mod effective;
+mod error;
+mod errors;
+mod key_path;
+mod keys;
+mod known_networks;
+mod layers;
+mod loaded;
+mod map_settings;
+mod maps;
+mod network_config;
+mod networks;
+mod refusal;
+mod robots;
+mod setting_line;
+mod sinks;
+mod snapshots;
+mod source;
+mod survey_identity;
+mod sweep;
+
+pub use algorithm::{Algorithm, Task};
+pub use applications::{Application, ApplicationMap};
+pub use config::{MetricsConfig, PcapConfig, RecordingConfig, ScenarioConfig};
+pub use distributed::DistributedMap;
+pub use error::{Excerpt, ScenarioError, ScenarioErrors};
+pub use known_networks::PacketsPerStop;
+pub use loaded::Scenario;
+pub use map_settings::{AlgorithmName, MapSettings, UnknownAlgorithm};
+pub use maps::NamedMap;
+pub use network_config::NetworkConfig;
+pub use snapshots::SnapshotsConfig;
+pub use survey_identity::SurveyIdentity;
+pub use sweep::{Setting, SweepAxes, SweepConfig};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,101 @@
+//! Applications as a printed table.
+
+use std::io::{self, Write};
+
+use super::applications::{ApplicationSummary, ApplicationTarget, ArrivalSummary};
+use crate::columns::{Align, columns};
+use sextant_kernel::text::counted;
+
+/// Writes one row for each application, and what it took below.
+pub(super) fn write(applications: &[ApplicationSummary], out: &mut impl Write) -> io::Result<()> {
+    let header =
+        ["application", "algorithm", "map", "map error", "result", "time", "prediction error", "path", "energy"];
+    let mut rows = vec![header.map(str::to_owned).to_vec()];
+    for application in applications {
+        let metres = |length_m: Option<f64>| length_m.map_or_else(|| "-".to_owned(), |m| format!("{m:.2} m"));
+        let seconds = application.time_s.map_or_else(|| "-".to_owned(), |time_s| format!("{time_s:.1} s"));
+        let energy = application.energy_j;
+        rows.push(vec![
+            application.name.clone(),
+            application.algorithm.to_owned(),
+            application.map.clone(),
+            metres(application.map_error_m),
+            result(application),
+            seconds,
+            metres(application.prediction_error_m.map(|error| error.mean)),
+            format!("{:.1} m", application.path_length_m),
+            format!("{:.1} J", energy.tx + energy.rx + energy.idle),
+        ]);
+    }
+    let align = [
+        Align::Left,
+        Align::Left,
+        Align::Left,
+        Align::Right,
+        Align::Left,
+        Align::Right,
+        Align::Right,
+        Align::Right,
+        Align::Right,
+    ];
+    columns(&rows, &align, out)?;
+    for application in applications {
+        details(application, out)?;
+    }
+    writeln!(out)
+}
+
+/// What it came to, in words.
+fn result(application: &ApplicationSummary) -> String {
+    let captured = application.targets.iter().filter(|target| target.captured_s.is_some()).count();
+    match (application.captured, application.arrived) {
+        (Some(_), _) => format!("{captured} of {} captured", application.targets.len()),
+        (None, Some(true)) => "arrived".to_owned(),
+        (None, Some(false)) => "did not arrive".to_owned(),
+        (None, None) => "-".to_owned(),
+    }
+}
+
+/// Robots, captures, arrivals and messages, one line each.
+fn details(application: &ApplicationSummary, out: &mut impl Write) -> io::Result<()> {
+    let name = &application.name;
+    if !application.robots.is_empty() {
+        let robots: Vec<&str> = application.robots.iter().map(|robot| robot.name.as_str()).collect();
+        writeln!(out, "{name}: {} took part: {}", counted(robots.len(), "robot"), robots.join(", "))?;
+    }
+    for target in &application.targets {
+        writeln!(out, "{name}: {} {}", target.name, fate(target))?;
+    }
+    for arrival in &application.arrivals {
+        let ArrivalSummary { robot, time_s, believed, value } = arrival;
+        writeln!(out, "{name}: {robot} arrived after {time_s:.1} s, at {value:.2} (believed {believed:.2})")?;
+    }
+    if let (Some(level), Some(largest)) = (application.level, application.largest_value) {
+        let least = application.law_minimum_s.map_or_else(String::new, |least_s| {
+            format!(", which the control law reaches in no less than {least_s:.1} s")
+        });
+        writeln!(out, "{name}: sought {level:.2}{least}; largest value on the way {largest:.2}")?;
+    }
+    let kinds: Vec<String> = application
+        .messages
+        .kinds
+        .iter()
+        .map(|(kind, count)| format!("{count} {}", kind.replace('_', " ")))
+        .collect();
+    if !kinds.is_empty() {
+        writeln!(out, "{name}: messages: {}", kinds.join(", "))?;
+    }
+    Ok(())
+}
+
+/// What became of a target.
+fn fate(target: &ApplicationTarget) -> String {
+    match (target.captured_s, target.left_s) {
+        (Some(time_s), _) => {
+            let by = target.robot.as_ref().map_or_else(String::new, |robot| format!(" by {robot}"));
+            format!("was captured{by} after {time_s:.1} s")
+        }
+        (None, Some(time_s)) => format!("left the world after {time_s:.1} s"),
+        (None, None) => "was not captured".to_owned(),
+    }
+}

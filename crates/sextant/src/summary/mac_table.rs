@@ -1,0 +1,98 @@
+//! The traffic of nodes to sinks as a printed table.
+
+use std::io::{self, Write};
+
+use super::mac::{MacSummary, TrafficSummary};
+use crate::columns::{Align, columns};
+
+/// Nodes that are printed one by one.
+const PRINTED_NODES: usize = 10;
+
+/// Writes the traffic of one network.
+pub(super) fn write(mac: &MacSummary, out: &mut impl Write) -> io::Result<()> {
+    if let Some(network) = &mac.network {
+        writeln!(out, "network {network}")?;
+    }
+    columns(&rows(mac), &[Align::Left, Align::Right, Align::Left], out)?;
+    writeln!(out)?;
+    let several_sinks = mac.sinks.len() > 1;
+    for sink in mac.sinks.iter().filter(|_| several_sinks) {
+        writeln!(out, "{}: {} frames received", sink.name, sink.received)?;
+    }
+    let mut named: Vec<_> = mac.groups.iter().collect();
+    if mac.nodes.len() <= PRINTED_NODES {
+        named.extend(&mac.nodes);
+    }
+    if !named.is_empty() {
+        let header = ["", "offered", "delivered", "PRR", "bit/s", "mean delay", "p99", "retries", "energy"];
+        let mut lines = vec![header.map(str::to_owned).to_vec()];
+        for traffic in named {
+            lines.push(line(&traffic.name, &traffic.traffic));
+        }
+        let mut align = vec![Align::Right; lines[0].len()];
+        align[0] = Align::Left;
+        columns(&lines, &align, out)?;
+        writeln!(out)?;
+    }
+    if mac.nodes.len() > PRINTED_NODES {
+        writeln!(out, "each of the {} nodes: `--format json`, `mac.nodes`\n", mac.nodes.len())?;
+    }
+    Ok(())
+}
+
+fn share(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".to_owned(), |share| format!("{:.2} %", 100.0 * share))
+}
+
+fn milliseconds(seconds: Option<f64>) -> String {
+    seconds.map_or_else(|| "-".to_owned(), |seconds| format!("{:.3} ms", 1e3 * seconds))
+}
+
+fn rows(mac: &MacSummary) -> Vec<Vec<String>> {
+    let all = &mac.all;
+    let delay = |read: fn(&super::mac::DelaySummary) -> f64| milliseconds(all.delay_s.as_ref().map(read));
+    let energy = all.energy_j.tx + all.energy_j.rx + all.energy_j.idle;
+    let unheard = &all.not_listened_by;
+    let rows: [(&str, String, &str); 24] = [
+        ("simulated time", format!("{:.3}", mac.duration_s), "s"),
+        ("packets offered", all.offered.to_string(), ""),
+        ("packets delivered", all.delivered.to_string(), ""),
+        ("PRR", share(all.prr), "delivered, of those offered and not pending"),
+        ("delivered of sent", share(all.delivered_of_sent), ""),
+        ("throughput", format!("{:.0}", all.throughput_bit_per_s), "bit/s of payload"),
+        ("delay, mean", delay(|delay| delay.mean), "from offer to reception"),
+        ("delay, p50", delay(|delay| delay.p50), ""),
+        ("delay, p90", delay(|delay| delay.p90), ""),
+        ("delay, p99", delay(|delay| delay.p99), ""),
+        ("transmissions", all.transmissions.to_string(), ""),
+        ("retries", all.retries.to_string(), ""),
+        ("backoffs", all.backoffs.to_string(), ""),
+        ("no acknowledgement", all.no_acknowledgement.to_string(), "packets"),
+        ("lost to collisions", all.lost_collision.to_string(), ""),
+        ("lost to a busy channel", all.lost_channel_access.to_string(), ""),
+        ("lost to a full queue", all.lost_queue.to_string(), ""),
+        ("lost to a weak signal", all.lost_signal.to_string(), ""),
+        ("out of range", all.out_of_range.to_string(), ""),
+        ("receiver transmitting", unheard.transmitting.to_string(), "lost, because it sent something itself"),
+        ("receiver asleep", unheard.asleep.to_string(), "lost"),
+        ("receiver off", unheard.off.to_string(), "lost"),
+        ("pending", all.pending.to_string(), ""),
+        ("energy of the nodes", format!("{energy:.3}"), "J"),
+    ];
+    rows.into_iter().map(|(name, value, note)| vec![name.to_owned(), value, note.to_owned()]).collect()
+}
+
+fn line(name: &str, traffic: &TrafficSummary) -> Vec<String> {
+    let energy = traffic.energy_j.tx + traffic.energy_j.rx + traffic.energy_j.idle;
+    vec![
+        name.to_owned(),
+        traffic.offered.to_string(),
+        traffic.delivered.to_string(),
+        share(traffic.prr),
+        format!("{:.0}", traffic.throughput_bit_per_s),
+        milliseconds(traffic.delay_s.map(|delay| delay.mean)),
+        milliseconds(traffic.delay_s.map(|delay| delay.p99)),
+        traffic.retries.to_string(),
+        format!("{energy:.3} J"),
+    ]
+}

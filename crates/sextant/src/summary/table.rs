@@ -1,0 +1,476 @@
+//! The results of a command as a printed table.
+
+use std::io::{self, Write};
+
+use sextant_mapper::{Concern, LinkEvidence};
+
+use super::applications_table;
+use super::distributed_table;
+use super::gathering::{DiscoverySummary, EnergySummary, GatheringSummary};
+use super::mac_table;
+use super::map::{AlignmentSummary, ErrorSummary, HeightsSource, HeightsSummary, MapSummary, MeasuredIn};
+use super::results::Summary;
+use super::timing::Timing;
+use crate::columns::{Align, columns};
+use sextant_kernel::text::{counted, listed};
+
+/// Writes `summary` as a table.
+///
+/// # Errors
+/// If `out` cannot be written.
+pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
+    if let Some(scenario) = &summary.scenario {
+        write!(out, "{} (seed {})", scenario.name, scenario.seed)?;
+        if let Some(simulation) = &summary.simulation {
+            let (nodes, obstacles) = (simulation.nodes, simulation.obstacles);
+            write!(out, ": {}, {}", counted(nodes, "node"), counted(obstacles, "obstacle"))?;
+        }
+        writeln!(out, "\n")?;
+    }
+    if let Some(gathering) = &summary.gathering {
+        columns(&gathering_rows(gathering), &[Align::Left, Align::Right, Align::Left], out)?;
+        writeln!(out)?;
+    }
+    for mac in summary.mac.iter().chain(&summary.other_networks) {
+        mac_table::write(mac, out)?;
+    }
+    if let Some(sensing) = &summary.sensing {
+        let (targets, fields) = (counted(sensing.targets, "target"), counted(sensing.fields, "field"));
+        let (detections, samples) = (sensing.detections, sensing.samples);
+        writeln!(out, "sensors: {targets}, {fields}, {detections} detections, {samples} samples\n")?;
+    }
+    if let Some(discovery) = &summary.discovery {
+        discovery_lines(discovery, out)?;
+    }
+    if !summary.maps.is_empty() {
+        maps(&summary.maps, out)?;
+        measured(&summary.maps, out)?;
+        fitted_profiles(&summary.maps, out)?;
+        fitted_channels(&summary.maps, out)?;
+        calibrations(&summary.maps, out)?;
+        laws_and_choices(&summary.maps, out)?;
+        displacements(&summary.maps, out)?;
+        distributed_table::write(&summary.maps, summary.interrupted, out)?;
+        concerns(&summary.maps, out)?;
+        heights(&summary.maps, out)?;
+        writeln!(out)?;
+    }
+    if !summary.applications.is_empty() {
+        applications_table::write(&summary.applications, out)?;
+    }
+    if let Some(timing) = &summary.timing {
+        writeln!(out, "{}", timing_line(timing))?;
+    }
+    Ok(())
+}
+
+fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, value: Option<String>, note: &str| {
+        if let Some(value) = value {
+            rows.push(vec![name.to_owned(), value, note.to_owned()]);
+        }
+    };
+    let count = |count: Option<u64>| count.map(|count| count.to_string());
+    row("stops", Some(gathering.stops.to_string()), "");
+    row("path length", gathering.path_length_m.map(|length_m| format!("{length_m:.1}")), "m");
+    row("duration", gathering.duration_s.map(|duration_s| format!("{duration_s:.1}")), "s");
+    row("sector sweeps of robots", count(gathering.sweeps), "");
+    row("packets offered", count(gathering.packets_offered), "");
+    row("packets sent", count(gathering.packets_sent), "");
+    row("packets received", count(gathering.packets_received), "");
+    let by_robots = count(gathering.packets_received_by_robots);
+    row("packets received", by_robots, "by all robots together; one that two of them received counts twice");
+    row("receptions", Some(gathering.receptions.to_string()), "pairs of a stop and a node heard there");
+    row("lost to collisions", count(gathering.lost_collision), "");
+    row("lost to a busy channel", count(gathering.lost_channel_access), "");
+    row("lost to a weak signal", count(gathering.lost_signal), "");
+    row("sent out of range", count(gathering.out_of_range), "");
+    row("lost to a full queue", count(gathering.lost_queue), "");
+    if let Some(unheard) = &gathering.not_listened_by {
+        row("receiver transmitting", Some(unheard.transmitting.to_string()), "sent while nobody listened");
+        row("receiver asleep", Some(unheard.asleep.to_string()), "sent while nobody listened");
+        row("receiver off", Some(unheard.off.to_string()), "sent while nobody listened");
+    }
+    row("pending", count(gathering.pending), "");
+    if let Some(energy) = &gathering.energy_j {
+        row("energy of the nodes", Some(format!("{:.1}", energy.tx + energy.rx + energy.idle)), "J");
+    }
+    if gathering.robots.len() > 1 {
+        for robot in &gathering.robots {
+            let duration = robot.duration_s.map(|duration_s| format!(" in {duration_s:.1} s")).unwrap_or_default();
+            let note = format!("m{duration}, {}", counted(robot.stops, "stop"));
+            row(&format!("path of {}", robot.name), Some(format!("{:.1}", robot.path_length_m)), &note);
+        }
+    }
+    rows
+}
+
+fn maps(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    let measured = maps.iter().any(|map| map.position_error_m.is_some());
+    let mut header = vec!["map", "mapped"];
+    let bounded = maps.iter().any(|map| map.posterior_bound_m.is_some());
+    let covered = maps.iter().any(|map| map.coverage_95.is_some());
+    let errors = ["mean", "median", "p90", "p95", "max", "aligned mean", "connectivity error", "false neighbours"];
+    if measured {
+        header.extend(errors);
+    }
+    if bounded {
+        header.push("bound");
+    }
+    if covered {
+        header.push("in 95 % region");
+    }
+    let tells = maps.iter().any(|map| !map.knowledge.is_empty());
+    if tells {
+        header.push("knows");
+    }
+    let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    for map in maps {
+        let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
+        let mut row = vec![name, format!("{}/{}", map.mapped, map.mapped + map.unmapped)];
+        let share = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |x| format!("{:.1} %", 100.0 * x));
+        if measured {
+            let metres = |pick: fn(&ErrorSummary) -> f64, error: &Option<ErrorSummary>| {
+                error.as_ref().map_or_else(|| "-".to_owned(), |error| format!("{:.2} m", pick(error)))
+            };
+            let share = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |x| format!("{:.1} %", 100.0 * x));
+            row.push(metres(|error| error.mean, &map.position_error_m));
+            row.push(metres(|error| error.median, &map.position_error_m));
+            row.push(metres(|error| error.p90, &map.position_error_m));
+            row.push(metres(|error| error.p95, &map.position_error_m));
+            row.push(metres(|error| error.max, &map.position_error_m));
+            row.push(metres(|error| error.mean, &map.aligned_error_m));
+            row.push(share(map.connectivity_error));
+            row.push(share(map.false_neighbour_rate));
+        }
+        if bounded {
+            row.push(map.posterior_bound_m.map_or_else(|| "-".to_owned(), |bound_m| format!("{bound_m:.2} m")));
+        }
+        if covered {
+            row.push(share(map.coverage_95));
+        }
+        if tells {
+            row.push(knowledge(map));
+        }
+        rows.push(row);
+    }
+    let mut align = vec![Align::Right; rows[0].len()];
+    align[0] = Align::Left;
+    if tells {
+        align[rows[0].len() - 1] = Align::Left;
+    }
+    columns(&rows, &align, out)
+}
+
+/// How many nodes were measured, where the true positions of some are unknown, and whether in the plane.
+fn measured(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        if map.measured_in == Some(MeasuredIn::Plane) {
+            let name = map.name.as_ref().unwrap_or(&map.algorithm);
+            writeln!(out, "{name}: errors and regions in the plane (x, y): the true positions have no heights")?;
+        }
+        if let Some(measured) = map.measured {
+            let name = map.name.as_ref().unwrap_or(&map.algorithm);
+            writeln!(
+                out,
+                "{name}: errors of {measured} of {}: those whose true positions are known",
+                counted(map.mapped, "mapped node")
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn discovery_lines(discovery: &DiscoverySummary, out: &mut impl Write) -> io::Result<()> {
+    for (who, round) in [("nodes", &discovery.neighbours), ("anchors", &discovery.anchors)] {
+        let Some(round) = round else { continue };
+        let EnergySummary { tx, rx, idle } = round.energy_j;
+        writeln!(
+            out,
+            "discovery: {} {who} sent {} packets in {:.1} s, {} links, {:.1} J",
+            round.senders,
+            round.packets_sent,
+            round.duration_s,
+            round.links,
+            tx + rx + idle
+        )?;
+    }
+    writeln!(out)
+}
+
+/// The knowledge that a map uses, in words, and whether it was aligned to the truth.
+fn knowledge(map: &MapSummary) -> String {
+    let mut words: Vec<_> = map.knowledge.iter().map(|kind| kind.name()).collect();
+    if map.alignment == Some(AlignmentSummary::Truth) {
+        words.push("(aligned to the truth)");
+    }
+    words.join(", ").replace(", (", " (")
+}
+
+fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    let of_map = |map: &MapSummary| {
+        let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
+        let of_networks = map.fitted_profiles.iter();
+        let named = of_networks.map(|of| (format!("{name}, {}", of.network), of.profile.clone()));
+        let named: Vec<_> = named.collect();
+        map.fitted_profile.clone().map(|profile| (name, profile)).into_iter().chain(named)
+    };
+    for (name, profile) in maps.iter().flat_map(of_map) {
+        let rounds = counted(profile.rounds as usize, "round");
+        let end = if profile.converged { "converged" } else { "did not converge" };
+        write!(out, "{name}: fitted profile of range {:.2} m {end} in {rounds}", profile.range_m)?;
+        if !profile.dead_stops.is_empty() {
+            write!(out, ", {} ignored (receiver did not work)", counted(profile.dead_stops.len(), "stop"))?;
+        }
+        if profile.outliers > 0 {
+            write!(out, ", {} ignored (far beyond the range)", counted(profile.outliers, "reception"))?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn fitted_channels(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(channel) = &map.fitted_channel else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        let end = if channel.converged { "converged" } else { "did not converge" };
+        writeln!(
+            out,
+            "{name}: fitted channel: exponent {:.2}, {:.1} dBm at {} m, deviation {:.1} dB, sensitivity {:.1} dBm, {:.0} % \
+             lost; {end} in {}",
+            channel.exponent,
+            channel.tx_power_dbm,
+            channel.reference_distance_m,
+            channel.sigma_db,
+            channel.sensitivity_dbm,
+            100.0 * channel.loss,
+            counted(channel.rounds as usize, "round")
+        )?;
+    }
+    Ok(())
+}
+
+/// Shares of the nodes by sector displacement.
+fn displacements(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps.iter().filter(|map| !map.sector_displacement.is_empty()) {
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        let shares = map.sector_displacement.iter().enumerate();
+        let shares: Vec<_> = shares.map(|(sectors, share)| format!("{sectors}: {:.1} %", 100.0 * share)).collect();
+        writeln!(out, "{name}: nodes by sector displacement: {}", shares.join(", "))?;
+    }
+    Ok(())
+}
+
+fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(calibration) = &map.calibration else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        match calibration.range_m {
+            Some(range_m) => write!(out, "{name}: curve of range {range_m:.2} m")?,
+            None => write!(out, "{name}: too few receptions for a curve")?,
+        }
+        let end = if calibration.converged { "converged" } else { "did not converge" };
+        write!(out, ", {end} in {}", counted(calibration.rounds as usize, "round"))?;
+        let knowledge = match calibration.obstacle_knowledge {
+            "from_log" => "receptions, drives and contacts",
+            "from_receptions" => "receptions",
+            _ => {
+                writeln!(out, "; obstacles not estimated")?;
+                continue;
+            }
+        };
+        match calibration.absorbing_m2 {
+            Some(area_m2) if area_m2 > 0.0 => write!(out, "; {area_m2:.1} m² of obstacles found from {knowledge}")?,
+            Some(_) | None => write!(out, "; no obstacles found from {knowledge}")?,
+        }
+        match calibration.unsure_m2 {
+            Some(area_m2) => writeln!(out, ", {area_m2:.1} m² unsure: the evidence is weak")?,
+            None => writeln!(out)?,
+        }
+    }
+    Ok(())
+}
+
+/// Least share of lapses or outages that is told.
+const LEAST_SHARE: f64 = 0.01;
+
+/// The laws of links, and which estimators the log chose.
+fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        if let Some(chosen) = map.chosen {
+            write!(out, "{name}: the log chose {chosen}")?;
+            if let Some(because) = map.chosen_because {
+                write!(out, " ({because})")?;
+            }
+            for (number, score) in map.scores.iter().enumerate() {
+                let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
+                write!(out, "{lead}{} {:.3}", score.estimator, score.log_probability)?;
+            }
+            if let Some(factor) = map.region_enlargement {
+                let times = factor.sqrt();
+                write!(
+                    out,
+                    "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much"
+                )?;
+            }
+            writeln!(out)?;
+        }
+        let Some(law) = &map.link_law else { continue };
+        let evidence = match law.evidence {
+            LinkEvidence::Packets => "packets",
+            LinkEvidence::Rssi => "signal strengths",
+            LinkEvidence::PacketsAndRssi => "packets and signal strengths",
+        };
+        write!(out, "{name}: law of links from {evidence}: ")?;
+        match (law.path_loss_exponent, law.shadowing_db, law.fading_db) {
+            (Some(exponent), Some(shadowing_db), Some(fading_db)) => write!(
+                out,
+                "path-loss exponent {exponent:.1}, shadowing {shadowing_db:.1} dB, fading {fading_db:.1} dB"
+            )?,
+            _ => write!(out, "slope {:.1} and shadowing {:.1} in units of the fading", law.slope, law.shadowing)?,
+        }
+        for (share, what) in [(law.lapse, "lapses"), (law.outage, "outages")] {
+            if share >= LEAST_SHARE {
+                write!(out, ", {what} {:.0} %", 100.0 * share)?;
+            }
+        }
+        let end = if law.settled { "settled" } else { "did not settle" };
+        writeln!(
+            out,
+            ", {:.0} % of the shadowing shared over {:.1} m, {end} in {}",
+            100.0 * law.shared,
+            law.correlation_m,
+            counted(law.rounds as usize, "round")
+        )?;
+    }
+    Ok(())
+}
+
+/// Warnings of nodes whose position is unreliable, and of curves at the bound of their search.
+fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        for concern in [Concern::AtEdge, Concern::Unsettled, Concern::NoEvidence] {
+            let nodes: Vec<&str> =
+                map.concerns.iter().filter(|of| of.concern == concern).map(|of| of.node.as_str()).collect();
+            let count = nodes.len();
+            if count == 0 {
+                continue;
+            }
+            let (is, did, has) = if count == 1 { ("is", "did", "has") } else { ("are", "did", "have") };
+            let what = match concern {
+                Concern::AtEdge => format!("{is} at the boundary of the searched area"),
+                Concern::Unsettled => format!("{did} not settle within the rounds of the fit"),
+                Concern::NoEvidence => format!("{has} no place that receptions and silence prefer"),
+            };
+            let nodes = listed(&nodes);
+            writeln!(
+                out,
+                "{name}: warning: {} {what}, so the position is unreliable: {nodes}",
+                counted(count, "node")
+            )?;
+        }
+        if let Some(calibration) = map.calibration.as_ref().filter(|calibration| calibration.curve_at_bound) {
+            let range_m = calibration.range_m.unwrap_or_default();
+            writeln!(
+                out,
+                "{name}: warning: packets are received at all distances in the log, so the range of the curve \
+                 ({range_m:.2} m) is unreliable"
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// The heights at which nodes were searched for, if the stops have different heights and no setting gives the heights.
+fn heights(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
+    for map in maps {
+        let Some(HeightsSummary { low_m, high_m, from, uneven_m }) = map.heights else { continue };
+        let name = map.name.as_ref().unwrap_or(&map.algorithm);
+        match (from, uneven_m) {
+            (HeightsSource::Reach, _) => writeln!(
+                out,
+                "{name}: nodes searched at heights from {low_m:.2} to {high_m:.2} m, the range of packets from the stops \
+                 (z_range_m sets other heights)"
+            )?,
+            (_, Some(uneven_m)) => writeln!(
+                out,
+                "{name}: nodes searched in the plane at {low_m:.2} m, because the heights of the stops differ by only \
+                 {uneven_m:.2} m (z_range_m sets other heights)"
+            )?,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn timing_line(timing: &Timing) -> String {
+    let mut parts = Vec::new();
+    if let Some(gather_s) = timing.gather_s {
+        parts.push(format!("gathering {gather_s:.2} s"));
+    }
+    if let Some(map_s) = timing.map_s {
+        parts.push(format!("mapping {map_s:.2} s"));
+    }
+    if let Some(events_per_s) = timing.events_per_s {
+        parts.push(format!("{:.2} million events/s", events_per_s / 1e6));
+    }
+    let parts = if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) };
+    format!("time {:.2} s{parts}", timing.wall_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::results::{ScenarioSummary, SimulationSummary};
+    use super::*;
+
+    #[test]
+    fn the_table_is_aligned_in_columns() {
+        let error = ErrorSummary { mean: 0.71, median: 0.6, p80: 1.1, p90: 1.4, p95: 1.75, max: 12.25 };
+        let summary = Summary {
+            scenario: Some(ScenarioSummary { name: "circular".into(), seed: 1, ..ScenarioSummary::default() }),
+            simulation: Some(SimulationSummary { nodes: 496, obstacles: 1, ..SimulationSummary::default() }),
+            gathering: Some(GatheringSummary {
+                stops: 444,
+                path_length_m: Some(443.96),
+                packets_offered: Some(481_120),
+                receptions: 4_321,
+                packets_received: Some(10_234),
+                ..GatheringSummary::default()
+            }),
+            maps: vec![
+                MapSummary {
+                    algorithm: "ml-tm".into(),
+                    mapped: 490,
+                    unmapped: 6,
+                    position_error_m: Some(error),
+                    connectivity_error: Some(0.051),
+                    ..MapSummary::default()
+                },
+                MapSummary { name: Some("coarse".into()), ..MapSummary::default() },
+            ],
+            timing: Some(Timing { wall_s: 1.234, gather_s: Some(0.6), ..Timing::default() }),
+            ..Summary::default()
+        };
+        let mut out = Vec::new();
+        write(&summary, &mut out).unwrap();
+        insta::assert_snapshot!(String::from_utf8(out).unwrap(), @r"
+        circular (seed 1): 496 nodes, 1 obstacle
+
+        stops                444
+        path length        444.0  m
+        packets offered   481120
+        packets received   10234
+        receptions          4321  pairs of a stop and a node heard there
+
+        map      mapped    mean  median     p90     p95      max  aligned mean  connectivity error  false neighbours
+        ml-tm   490/496  0.71 m  0.60 m  1.40 m  1.75 m  12.25 m             -               5.1 %                 -
+        coarse      0/0       -       -       -       -        -             -                   -                 -
+
+        time 1.23 s (gathering 0.60 s)
+        ");
+    }
+}

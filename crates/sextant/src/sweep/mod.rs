@@ -1,0 +1,126 @@
+//! Sweeps: many runs of one scenario, with their results in one table. A cell is one combination of settings; its runs
+//! are called replicates.
+//!
+//! The replicates of a cell have the seeds `seed`, `seed` + 1, .. The seeds are the same in each cell (common random
+//! numbers), so that cells differ only by their settings. Cells whose settings differ only in the evaluation of the
+//! reception log share their surveys. The table depends on scenario, seeds and version alone: the number of threads and
+//! shards does not change its rows.
+
+mod column;
+mod curves;
+mod error;
+mod parts;
+mod plan;
+mod row;
+mod shard;
+mod share;
+mod statistics;
+mod table_file;
+mod unit;
+
+pub use column::{Column, Kind};
+pub use curves::figures;
+pub use error::{SweepError, TableError};
+pub use plan::{Cell, Sweep};
+pub use row::Row;
+pub use shard::Shard;
+pub use share::Share;
+pub use statistics::Mean;
+pub use table_file::TableFormat;
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use rayon::prelude::*;
+use sextant_kernel::{Interrupted, Watch, Work};
+
+use parts::Parts;
+
+/// Runs the units of `plan` that belong to `shard`, on all cores, and returns their rows by cell, then replicate.
+/// Finished units are kept in a folder beside `out`. With `resume`, those of an interrupted sweep are used again.
+///
+/// # Errors
+/// If a file cannot be written, or `watch` stops the work. A run that fails gives a row with its error.
+pub fn run(plan: &Sweep, shard: Shard, out: &Path, resume: bool, watch: &dyn Watch) -> Result<Vec<Row>, SweepError> {
+    let parts = Parts::open(out, &format!("{}{}", plan.fingerprint(), shard.suffix()), resume)?;
+    let measures = plan.measures().len();
+    let units = plan.units().into_iter().filter(|unit| shard.has(unit.index)).collect();
+    let (rows, outcome) = each(units, "sweeping", watch, |unit| {
+        if let Some(rows) = parts.read(unit.index, measures)? {
+            return Ok(rows);
+        }
+        let rows = unit::run(plan, unit, watch).ok_or(Interrupted)?;
+        parts.write(unit.index, &rows)?;
+        Ok(rows)
+    });
+    outcome?;
+    Ok(sorted(rows.into_iter().flatten().collect()))
+}
+
+/// Runs all units of several plans, on all cores, and returns the finished rows of each plan by cell, then replicate. A
+/// run that fails gives a row with its error.
+///
+/// # Errors
+/// If `watch` stops the work; the rows finished until then are returned as well.
+pub fn rows(plans: &[Sweep], watch: &dyn Watch) -> (Vec<Vec<Row>>, Result<(), SweepError>) {
+    let units = plans.iter().enumerate().flat_map(|(i, plan)| plan.units().into_iter().map(move |unit| (i, unit)));
+    let (made, outcome) = each(units.collect(), "running", watch, |(i, unit)| {
+        let rows = unit::run(&plans[*i], unit, watch).ok_or(Interrupted)?;
+        Ok((*i, rows))
+    });
+    let mut rows = vec![Vec::new(); plans.len()];
+    for (i, made) in made {
+        rows[i].extend(made);
+    }
+    (rows.into_iter().map(sorted).collect(), outcome)
+}
+
+/// Does `work` on all `units`, on all cores; `watch` sees it under `name`. Returns the results of the finished units in
+/// their order, and the first failure. After a failure no further unit is started.
+fn each<U: Sync, T: Send>(
+    units: Vec<U>,
+    name: &'static str,
+    watch: &dyn Watch,
+    work: impl Fn(&U) -> Result<T, SweepError> + Sync,
+) -> (Vec<T>, Result<(), SweepError>) {
+    watch.begin(Work { name, unit: "survey", steps: units.len() as u64, operations: 0.0 });
+    let failure = OnceLock::new();
+    let results = units.par_iter().map(|unit| {
+        if failure.get().is_some() {
+            return None;
+        }
+        let result = watch.check().map_err(SweepError::from).and_then(|()| work(unit));
+        watch.advance(1);
+        // Of several failures at once, one is reported.
+        result.map_err(|error| failure.set(error)).ok()
+    });
+    let results: Vec<Option<T>> = results.collect();
+    let outcome = match failure.into_inner() {
+        None => watch.check().map_err(SweepError::from),
+        Some(failure) => Err(failure),
+    };
+    (results.into_iter().flatten().collect(), outcome)
+}
+
+/// By cell, then replicate.
+fn sorted(mut rows: Vec<Row>) -> Vec<Row> {
+    rows.sort_by_key(|row| (row.cell, row.replicate));
+    rows
+}
+
+/// Writes the table of `rows` to the file at `path`, completely or not at all.
+///
+/// # Errors
+/// If the extension is unknown or the file cannot be written.
+pub fn write_table(path: &Path, plan: &Sweep, rows: &[Row]) -> Result<(), TableError> {
+    let texts: Vec<_> = rows.iter().map(|row| plan.texts(row)).collect();
+    table_file::write_table(path, &plan.columns(), &texts)
+}
+
+/// Removes the folder of finished units beside `out`, once the table is written.
+///
+/// # Errors
+/// If they cannot be removed.
+pub fn clear_parts(out: &Path) -> Result<(), SweepError> {
+    parts::remove(out)
+}

@@ -1,0 +1,129 @@
+//! Finished units of a sweep on disk, so that an interrupted sweep can be resumed.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::error::SweepError;
+use super::row::Row;
+use sextant_recording::output::{OutputError, write_file};
+
+/// The folder of the finished units, with one CSV file per unit.
+#[derive(Debug)]
+pub(super) struct Parts {
+    folder: PathBuf,
+}
+
+/// The file in the folder that identifies the sweep.
+const FINGERPRINT: &str = "fingerprint";
+
+impl Parts {
+    /// Opens the folder beside `out` for the sweep with this `fingerprint`.
+    pub(super) fn open(out: &Path, fingerprint: &str, resume: bool) -> Result<Self, SweepError> {
+        let this = Self { folder: folder(out) };
+        let mark = this.folder.join(FINGERPRINT);
+        match fs::read_to_string(&mark) {
+            Ok(found) if found != fingerprint => Err(SweepError::OtherParts { folder: this.folder }),
+            Ok(_) if !resume => Err(SweepError::Unfinished { folder: this.folder }),
+            Ok(_) => Ok(this),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                fs::create_dir(&this.folder)
+                    .or_else(|error| match error.kind() {
+                        // A sweep that was killed just after it created the folder left no fingerprint.
+                        io::ErrorKind::AlreadyExists => Ok(()),
+                        _ => Err(error),
+                    })
+                    .map_err(|error| OutputError::new(&this.folder, &error))?;
+                write_file(&mark, fingerprint.as_bytes())?;
+                Ok(this)
+            }
+            Err(error) => Err(SweepError::Read { path: mark, why: error.to_string() }),
+        }
+    }
+
+    fn path(&self, unit: usize) -> PathBuf {
+        self.folder.join(format!("{unit:07}.csv"))
+    }
+
+    /// The rows of a unit, each with this many `measures`; `None` if the unit is not finished.
+    pub(super) fn read(&self, unit: usize, measures: usize) -> Result<Option<Vec<Row>>, SweepError> {
+        let path = self.path(unit);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(SweepError::Read { path, why: error.to_string() }),
+        };
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
+        let rows: Option<Vec<Row>> = reader.records().map(|record| row(&record.ok()?, measures)).collect();
+        rows.map(Some).ok_or(SweepError::Part { path })
+    }
+
+    /// Writes the rows of a finished unit.
+    pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), SweepError> {
+        let path = self.path(unit);
+        let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+        let written = rows.iter().try_for_each(|row| writer.write_record(record(row)));
+        let bytes = written
+            .map_err(io::Error::from)
+            .and_then(|()| writer.into_inner().map_err(|error| io::Error::other(error.to_string())));
+        Ok(write_file(&path, &bytes.map_err(|error| OutputError::new(&path, &error))?)?)
+    }
+}
+
+/// The fields of a row: cell, replicate, error, then the values with all their digits.
+fn record(row: &Row) -> Vec<String> {
+    let (error, values) = match &row.outcome {
+        Ok(values) => (String::new(), values.as_slice()),
+        Err(error) => (error.clone(), [].as_slice()),
+    };
+    let values = values.iter().map(|value| value.map_or_else(String::new, |value| format!("{value:?}")));
+    [row.cell.to_string(), row.replicate.to_string(), error].into_iter().chain(values).collect()
+}
+
+/// The row of a [`record`] with this many `measures`; `None` if the record is invalid.
+fn row(record: &csv::StringRecord, measures: usize) -> Option<Row> {
+    let value = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
+    let values: Vec<Option<f64>> = record.iter().skip(3).map(value).collect::<Option<_>>()?;
+    let outcome = match record.get(2)? {
+        "" if values.len() == measures => Ok(values),
+        "" => return None,
+        error => Err(error.to_owned()),
+    };
+    Some(Row { cell: record.get(0)?.parse().ok()?, replicate: record.get(1)?.parse().ok()?, outcome })
+}
+
+/// Removes the folder beside `out`.
+pub(super) fn remove(out: &Path) -> Result<(), SweepError> {
+    let folder = folder(out);
+    Ok(fs::remove_dir_all(&folder).map_err(|error| OutputError::new(&folder, &error))?)
+}
+
+fn folder(out: &Path) -> PathBuf {
+    let mut folder = out.as_os_str().to_owned();
+    folder.push(".parts");
+    PathBuf::from(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_finished_unit_is_read_back_only_by_its_own_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("table.csv");
+        let rows = vec![
+            Row { cell: 2, replicate: 1, outcome: Ok(vec![Some(0.1 + 0.2), None, Some(12.0)]) },
+            Row { cell: 3, replicate: 1, outcome: Err("a \"b\",\nc".into()) },
+        ];
+        let parts = Parts::open(&out, "this", false).unwrap();
+        assert_eq!(parts.read(7, 3).unwrap(), None);
+        parts.write(7, &rows).unwrap();
+        assert!(matches!(Parts::open(&out, "this", false), Err(SweepError::Unfinished { .. })));
+        assert!(matches!(Parts::open(&out, "other", true), Err(SweepError::OtherParts { .. })));
+        assert_eq!(Parts::open(&out, "this", true).unwrap().read(7, 3).unwrap(), Some(rows));
+        assert!(matches!(parts.read(7, 4), Err(SweepError::Part { .. })), "a row of another length is invalid");
+        remove(&out).unwrap();
+        assert!(!super::folder(&out).exists());
+    }
+}

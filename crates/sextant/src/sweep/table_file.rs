@@ -1,0 +1,99 @@
+//! A table as a CSV file, or as a Parquet file if the feature `parquet` is on.
+
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use std::ffi::OsStr;
+use std::io;
+use std::path::Path;
+
+use super::column::Column;
+use super::error::TableError;
+use sextant_recording::output::{OutputError, write_file};
+
+/// The file format of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableFormat {
+    /// Comma-separated values (RFC 4180) with a header.
+    Csv,
+    /// Apache Parquet, uncompressed.
+    #[cfg(feature = "parquet")]
+    Parquet,
+}
+
+impl TableFormat {
+    /// The format for the extension of `path`.
+    ///
+    /// # Errors
+    /// If it is neither `.csv` nor `.parquet`, or if it is `.parquet` and the feature `parquet` is off.
+    pub fn of(path: &Path) -> Result<Self, TableError> {
+        match path.extension().and_then(OsStr::to_str) {
+            Some("csv") => Ok(Self::Csv),
+            #[cfg(feature = "parquet")]
+            Some("parquet") => Ok(Self::Parquet),
+            #[cfg(not(feature = "parquet"))]
+            Some("parquet") => Err(TableError::NoParquet { path: path.to_owned() }),
+            Some(other) => Err(TableError::Extension { path: path.to_owned(), extension: other.to_owned() }),
+            None => Err(TableError::NoExtension { path: path.to_owned() }),
+        }
+    }
+}
+
+/// Writes `rows` of texts under `columns` to the file at `path`, completely or not at all.
+///
+/// # Errors
+/// If the extension is unknown or the file cannot be written.
+pub(super) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), TableError> {
+    let bytes = match TableFormat::of(path)? {
+        TableFormat::Csv => csv(columns, rows),
+        #[cfg(feature = "parquet")]
+        TableFormat::Parquet => parquet::encode(columns, rows),
+    };
+    Ok(write_file(path, &bytes.map_err(|error| OutputError::new(path, &error))?)?)
+}
+
+fn csv(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(columns.iter().map(|column| &column.name))?;
+    for row in rows {
+        writer.write_record(row)?;
+    }
+    writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::column::Kind;
+
+    pub(super) fn table() -> (Vec<Column>, Vec<Vec<String>>) {
+        let columns = vec![
+            Column::new("cell", Kind::Integer),
+            Column::new("error", Kind::Text),
+            Column::new("ml-tm.connectivity_error", Kind::Real),
+        ];
+        let row = |texts: [&str; 3]| texts.map(str::to_owned).to_vec();
+        (columns, vec![row(["0", "", "0.1"]), row(["1", "no, \"never\"", ""])])
+    }
+
+    #[test]
+    fn a_csv_table_quotes_cells_where_needed() {
+        let (columns, rows) = table();
+        let text = String::from_utf8(csv(&columns, &rows).unwrap()).unwrap();
+        assert_eq!(text, "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n");
+    }
+
+    #[test]
+    #[cfg(not(feature = "parquet"))]
+    fn the_error_without_parquet_names_the_feature() {
+        let error = TableFormat::of(Path::new("table.parquet")).unwrap_err();
+        assert!(error.advice().is_some_and(|advice| advice.contains("--features parquet")), "{error:?}");
+    }
+
+    #[test]
+    fn other_extensions_are_rejected() {
+        let refused = |name: &str| TableFormat::of(Path::new(name)).unwrap_err();
+        assert!(matches!(refused("table"), TableError::NoExtension { .. }));
+        assert!(matches!(refused("table.xlsx"), TableError::Extension { extension, .. } if extension == "xlsx"));
+    }
+}

@@ -1,0 +1,190 @@
+//! One line of a reproduced table.
+
+use std::io;
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::finding::Finding;
+use super::published::Published;
+use sextant::sweep::{Mean, Share};
+use sextant_recording::output::{OutputError, write_file};
+
+/// A published value beside ours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its description.
+    pub what: String,
+    /// The published value; `None` if the thesis states none.
+    pub published: Option<Published>,
+    /// The unit of our value, and of the published one if it is a number.
+    pub unit: &'static str,
+    /// Our value.
+    pub ours: Ours,
+}
+
+/// Our value of a line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ours {
+    /// A mean over runs.
+    Mean(Mean),
+    /// The share of the runs in which something happened.
+    Share(Share),
+    /// No run has a value: what is measured did not happen.
+    Never,
+    /// A number that does not depend on random runs.
+    Exact(f64),
+    /// A text.
+    Text(String),
+    /// Whether a conclusion holds.
+    Finding(Finding),
+    /// All runs failed.
+    Missing,
+}
+
+/// What is printed where the thesis gives no value.
+const NOT_STATED: &str = "not stated";
+
+impl Line {
+    /// The cells of the printed table: description, published value, source, our value.
+    #[must_use]
+    pub fn cells(&self) -> [String; 4] {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let ours = match &self.ours {
+            Ours::Mean(mean) => mean.text(self.unit),
+            Ours::Share(share) => share.text(),
+            Ours::Never => "in no run".to_owned(),
+            Ours::Exact(value) => format!("{value:.4}{unit}"),
+            Ours::Text(text) => text.clone(),
+            Ours::Finding(finding) => {
+                format!("{}, margin {}", finding.verdict.words(), finding.margin.text(self.unit))
+            }
+            Ours::Missing => "no run succeeded".to_owned(),
+        };
+        let (published, source) = match &self.published {
+            None => (NOT_STATED.to_owned(), ""),
+            Some(Published { value, source }) if matches!(self.ours, Ours::Finding(_)) => (value.clone(), *source),
+            Some(Published { value, source }) => (format!("{value}{unit}"), *source),
+        };
+        [self.what.clone(), published, source.to_owned(), ours]
+    }
+
+    /// The line as a JSON object.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let mut json = Map::new();
+        json.insert("what".to_owned(), json!(self.what));
+        json.insert("unit".to_owned(), json!(self.unit));
+        if let Some(Published { value, source }) = &self.published {
+            json.insert("published".to_owned(), json!(value));
+            json.insert("source".to_owned(), json!(source));
+        }
+        match &self.ours {
+            Ours::Mean(mean) => json.extend(mean.json()),
+            Ours::Share(share) => json.extend([
+                ("mean".to_owned(), json!(100.0 * share.share())),
+                ("interval_95".to_owned(), json!(share.interval_95.map(|end| 100.0 * end))),
+                ("runs".to_owned(), json!(share.runs)),
+            ]),
+            Ours::Never => json.extend([("result".to_owned(), json!("in no run"))]),
+            Ours::Exact(value) => json.extend([("mean".to_owned(), json!(value))]),
+            Ours::Text(text) => json.extend([("result".to_owned(), json!(text))]),
+            Ours::Finding(Finding { verdict, margin, .. }) => {
+                json.extend([
+                    ("result".to_owned(), json!(verdict.words())),
+                    ("margin".to_owned(), margin.json().into()),
+                ]);
+            }
+            Ours::Missing => json.extend([("runs".to_owned(), json!(0))]),
+        }
+        Value::Object(json)
+    }
+
+    fn record(&self) -> [String; 8] {
+        let numbers = |Mean { mean, half_width_95, runs }: &Mean| {
+            let half_width = half_width_95.map_or_else(String::new, |half_width| half_width.to_string());
+            [mean.to_string(), half_width, runs.to_string()]
+        };
+        let none = || [const { String::new() }; 3];
+        let (numbers, result) = match &self.ours {
+            Ours::Mean(mean) => (numbers(mean), String::new()),
+            Ours::Share(share) => {
+                ([(100.0 * share.share()).to_string(), String::new(), share.runs.to_string()], share.text())
+            }
+            Ours::Never => (none(), "in no run".to_owned()),
+            Ours::Exact(value) => ([value.to_string(), String::new(), String::new()], String::new()),
+            Ours::Text(text) => (none(), text.clone()),
+            Ours::Finding(finding) => (numbers(&finding.margin), finding.verdict.words().to_owned()),
+            Ours::Missing => ([String::new(), String::new(), "0".to_owned()], String::new()),
+        };
+        let (published, source) = match &self.published {
+            Some(Published { value, source }) => (value.clone(), *source),
+            None => (String::new(), ""),
+        };
+        let [mean, half_width, runs] = numbers;
+        [self.what.clone(), published, self.unit.to_owned(), mean, half_width, runs, result, source.to_owned()]
+    }
+}
+
+/// Writes lines as CSV with the columns what, published, unit, mean, `half_width_95`, runs, result, source. For a
+/// conclusion, the result is the verdict and the mean is the margin. Values that the thesis does not state are empty.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> Result<(), OutputError> {
+    let text = || -> io::Result<Vec<u8>> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(["what", "published", "unit", "mean", "half_width_95", "runs", "result", "source"])?;
+        for line in lines {
+            writer.write_record(line.record())?;
+        }
+        writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
+    };
+    write_file(path, &text().map_err(|error| OutputError::new(path, &error))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::finding::Verdict;
+    use super::*;
+
+    #[test]
+    fn a_line_shows_both_values_in_the_same_unit() {
+        let mean = Mean { mean: 6.013, half_width_95: Some(0.284), runs: 5 };
+        let published = Some(Published::new("5", "table 3.6"));
+        let line = Line { what: "ML-TM".into(), published, unit: "%", ours: Ours::Mean(mean) };
+        assert_eq!(line.cells(), ["ML-TM", "5 %", "table 3.6", "6.01 ± 0.28 %"]);
+        assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", "", "table 3.6"]);
+        let none = Line { published: None, ours: Ours::Missing, ..line };
+        assert_eq!(none.cells(), ["ML-TM", "not stated", "", "no run succeeded"]);
+        assert_eq!(none.json(), json!({"what": "ML-TM", "unit": "%", "runs": 0}));
+    }
+
+    #[test]
+    fn a_share_of_the_runs_shows_how_many_they_are() {
+        let ours = Ours::Share(Share::of(&[1.0, 1.0, 0.0, 1.0]).unwrap());
+        let line = Line { what: "captured".into(), published: None, unit: "%", ours };
+        let shown = "75 % (3 of 4 runs, 19 to 99 %)";
+        assert_eq!(line.cells(), ["captured", "not stated", "", shown]);
+        assert_eq!(line.record(), ["captured", "", "%", "75", "", "4", shown, ""]);
+        assert_eq!((&line.json()["mean"], &line.json()["runs"]), (&json!(75.0), &json!(4)));
+        let never = Line { ours: Ours::Never, ..line };
+        assert_eq!(never.cells()[3], "in no run");
+        assert_eq!(never.record(), ["captured", "", "%", "", "", "", "in no run", ""]);
+    }
+
+    #[test]
+    fn a_conclusion_shows_its_verdict_and_its_margin() {
+        let margin = Mean { mean: -1.5, half_width_95: Some(0.25), runs: 3 };
+        let finding = Finding { verdict: Verdict::DoesNotHold, margin, unit: "points" };
+        let published = Some(Published::new("6 < 19 < 50 %", "table 3.6"));
+        let line = Line { what: "a < b".into(), published, unit: "points", ours: Ours::Finding(finding) };
+        let shown = "does not hold, margin -1.50 ± 0.25 points";
+        assert_eq!(line.cells(), ["a < b", "6 < 19 < 50 %", "table 3.6", shown]);
+        assert_eq!(
+            line.record(),
+            ["a < b", "6 < 19 < 50 %", "points", "-1.5", "0.25", "3", "does not hold", "table 3.6"]
+        );
+        assert_eq!(line.json()["margin"], json!({"mean": -1.5, "runs": 3, "half_width_95": 0.25}));
+    }
+}

@@ -1,0 +1,142 @@
+//! The runs of experiments.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+
+use super::error::ReproductionError;
+use sextant::summary::Measure;
+use sextant::sweep::{self, Mean, Row, Share, Sweep};
+use sextant_kernel::Watch;
+use sextant_kernel::text::counted;
+
+/// A measure of a cell of a scenario.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// The scenario that ships with the program.
+    pub scenario: &'static str,
+    /// The settings of the cell in the sweep, with their values as in tables; empty for a scenario without a sweep.
+    pub settings: Vec<(&'static str, String)>,
+    /// What is measured.
+    pub measure: Measure<'static>,
+}
+
+impl Term {
+    /// A measure of a scenario without a sweep.
+    #[must_use]
+    pub fn new(scenario: &'static str, measure: Measure<'static>) -> Self {
+        Self { scenario, settings: Vec::new(), measure }
+    }
+}
+
+/// All finished runs of scenarios.
+#[derive(Debug)]
+pub struct Runs {
+    folder: PathBuf,
+    count: NonZeroU32,
+    of: BTreeMap<&'static str, (Sweep, Vec<Row>)>,
+}
+
+impl Runs {
+    /// No runs yet. The files of scenarios are in `folder`, and each scenario will be run `count` times.
+    #[must_use]
+    pub fn new(folder: PathBuf, count: NonZeroU32) -> Self {
+        Self { folder, count, of: BTreeMap::new() }
+    }
+
+    /// Runs those of `scenarios` that have not been run yet, and returns their names. Before it starts, `tell` gets how
+    /// many runs that are, in words. If `watch` stops the work, finished runs are kept.
+    ///
+    /// # Errors
+    /// If a scenario is invalid, or `watch` stops the work.
+    pub fn make(
+        &mut self,
+        scenarios: &[&'static str],
+        tell: impl FnOnce(&str),
+        watch: &dyn Watch,
+    ) -> Result<Vec<&'static str>, ReproductionError> {
+        let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(name)).collect();
+        let plan = |scenario: &&'static str| Sweep::read(&self.folder.join(scenario), &[], None, Some(self.count));
+        let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
+        if !new.is_empty() {
+            let runs = counted(plans.iter().map(Sweep::survey_count).sum(), "run");
+            tell(&format!("{runs} of {}, then one of each for its figures", counted(new.len(), "scenario")));
+        }
+        let (rows, outcome) = sweep::rows(&plans, watch);
+        for (scenario, made) in new.iter().zip(plans.into_iter().zip(rows)) {
+            self.insert(scenario, made);
+        }
+        Ok(outcome.map(|()| new)?)
+    }
+
+    /// Adds the rows of a scenario.
+    pub fn insert(&mut self, scenario: &'static str, (plan, rows): (Sweep, Vec<Row>)) {
+        self.of.insert(scenario, (plan, rows));
+    }
+
+    /// The values of a term in the successful runs, each with the number of the run.
+    #[must_use]
+    pub fn values(&self, term: &Term) -> Vec<(u32, f64)> {
+        let Some((plan, rows)) = self.of.get(term.scenario) else { return Vec::new() };
+        let Some(cell) = cell(plan, &term.settings) else { return Vec::new() };
+        plan.values_of(rows, cell, term.measure)
+    }
+
+    /// The mean of a term over the successful runs; `None` if there are none.
+    #[must_use]
+    pub fn mean(&self, term: &Term) -> Option<Mean> {
+        let values: Vec<f64> = self.values(term).into_iter().map(|(_, value)| value).collect();
+        Mean::of(&values)
+    }
+
+    /// The share of the successful runs in which the outcome of a term happened; `None` if there are none.
+    #[must_use]
+    pub fn share(&self, term: &Term) -> Option<Share> {
+        let outcomes: Vec<f64> = self.values(term).into_iter().map(|(_, outcome)| outcome).collect();
+        Share::of(&outcomes)
+    }
+
+    /// Whether any run of the cell of a term was successful.
+    #[must_use]
+    pub fn have_succeeded(&self, term: &Term) -> bool {
+        self.of.get(term.scenario).is_some_and(|(plan, rows)| {
+            let cell = cell(plan, &term.settings);
+            rows.iter().any(|row| Some(row.cell) == cell && row.outcome.is_ok())
+        })
+    }
+
+    /// The plan of a scenario that was run.
+    #[must_use]
+    pub fn plan(&self, scenario: &str) -> Option<&Sweep> {
+        self.of.get(scenario).map(|(plan, _)| plan)
+    }
+
+    /// The scenarios with their plans and rows.
+    pub fn scenarios(&self) -> impl Iterator<Item = (&'static str, &Sweep, &[Row])> {
+        self.of.iter().map(|(&scenario, (plan, rows))| (scenario, plan, rows.as_slice()))
+    }
+
+    /// The failed runs: scenario, seed and error.
+    #[must_use]
+    pub fn failures(&self) -> Vec<String> {
+        let mut failures = Vec::new();
+        for (scenario, plan, rows) in self.scenarios() {
+            failures.extend(rows.iter().filter_map(|row| {
+                let error = row.outcome.as_ref().err()?;
+                Some(format!("{scenario}, seed {}: {error}", plan.seed_of(row.replicate)))
+            }));
+        }
+        failures
+    }
+}
+
+/// The first cell that has these settings.
+fn cell(plan: &Sweep, settings: &[(&str, String)]) -> Option<usize> {
+    let has = |cell: usize| {
+        let values = plan.values(cell);
+        settings.iter().all(|(key, wanted)| {
+            plan.keys().iter().zip(&values).any(|(column, value)| column.name == *key && value == wanted)
+        })
+    };
+    (0..plan.cells().len()).find(|&cell| has(cell))
+}

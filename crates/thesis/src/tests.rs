@@ -1,0 +1,338 @@
+//! Tests of the experiments: everything that they read exists in their scenarios, and each conclusion can hold or fail.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroU32;
+
+use tempfile::TempDir;
+
+use super::*;
+use sextant::scenario::Scenario;
+use sextant::summary::Measure;
+use sextant::sweep::{self, Row, Sweep};
+use sextant_kernel::Unwatched;
+
+/// Invented runs.
+const RUNS: NonZeroU32 = NonZeroU32::new(3).expect("three is above zero");
+/// Invented runs of searches: so many that the share of those with a capture can be above 0.8 for sure.
+const SEARCH_RUNS: NonZeroU32 = NonZeroU32::new(20).expect("twenty is above zero");
+/// Runs of tiny scenarios: the fewest with an interval.
+const TINY_RUNS: NonZeroU32 = NonZeroU32::new(2).expect("two is above zero");
+
+/// Settings that make a scenario so small that it runs in a moment.
+fn tiny(scenario: &str) -> Vec<String> {
+    if scenario.starts_with("mmtm/") || scenario.starts_with("dmtm/mmtm-") {
+        return tiny_mmtm(scenario);
+    }
+    if scenario.starts_with("dmtm/") {
+        return tiny_dmtm(scenario);
+    }
+    if scenario.starts_with("target/") {
+        return tiny_search(scenario);
+    }
+    if scenario.starts_with("seek/") {
+        return tiny_seek(scenario);
+    }
+    let nodes = match scenario {
+        _ if scenario.contains("trajectory") => "world.nodes.random.count=30",
+        "ml-tm/sphere.toml" | "ml-tm/cylinder.toml" => "world.nodes.lattice.count=100",
+        _ => "world.nodes.lattice.count=50",
+    };
+    let mut set = vec![nodes, "maps.0.algorithm.ml_tm.grid_step_m=1.0"];
+    if scenario.contains("comparison") {
+        // With so few nodes and hops of 3 m, the network would not be connected.
+        set.push("discovery.range_m=8.0");
+    }
+    set.into_iter().map(str::to_owned).collect()
+}
+
+/// The same for the scenarios of chapter 4: a few nodes around a short path below or above them.
+fn tiny_mmtm(scenario: &str) -> Vec<String> {
+    let places: Vec<_> = (0..12_u8).map(|i| format!("[{}.0, {}.0, {}.6]", i % 4, i / 4 + 1, i % 2)).collect();
+    let z_m = if scenario.contains("greenhouse") { "3.0" } else { "0.3" };
+    let stops =
+        [(0.0, 0.0), (3.0, 0.5), (3.0, 4.0), (0.5, 4.0)].map(|(x_m, y_m)| format!("[{x_m:?}, {y_m:?}, {z_m}]"));
+    let mut set = vec![
+        format!("world.nodes={{ explicit = {{ positions_m = [{}] }} }}", places.join(", ")),
+        "world.obstacles=[]".to_owned(),
+        format!("robots.0.start_m={}", stops[0]),
+        format!("robots.0.controller={{ waypoints = {{ places_m = [{}] }} }}", stops.join(", ")),
+    ];
+    if scenario.contains("comparison") {
+        set.push("anchors.share=0.5".to_owned());
+    } else {
+        let maps = if scenario.starts_with("dmtm/") { 1 } else { 3 };
+        set.extend((0..maps).map(|map| format!("maps.{map}.algorithm.mmtm.grid_step_m=0.45")));
+    }
+    set
+}
+
+/// The same for the maps of chapter 5 that nodes compute: enough nodes that a twentieth of them are several anchors.
+fn tiny_dmtm(scenario: &str) -> Vec<String> {
+    let places: Vec<_> =
+        (0..60_u8).map(|i| format!("[{}.0, {}.0, {}.6]", 1 + i % 10, 1 + i / 10, 1 + i % 2)).collect();
+    let mut set = vec![
+        format!("world.nodes={{ explicit = {{ positions_m = [{}] }} }}", places.join(", ")),
+        "world.obstacles=[]".to_owned(),
+        "distributed_mapping.place.grid_step_m=0.6".to_owned(),
+    ];
+    if scenario.contains("hs-") || scenario.contains("heard-") {
+        set.push("robots.0.start_m=[5.0, 3.0, 0.4]".to_owned());
+        set.push(
+            "robots.0.controller.random_walk.region.rectangle={ min_m = [0.0, 0.0], max_m = [10.0, 6.0] }".to_owned(),
+        );
+    }
+    if scenario.contains("/hs-") || scenario.contains("anchors-hs-") {
+        set.push("distributed_mapping.mobile_phase_s=5.0".to_owned());
+    }
+    set
+}
+
+/// The same for the searches of chapter 6: they end early.
+fn tiny_search(scenario: &str) -> Vec<String> {
+    let applications = match scenario {
+        "target/filters.toml" => 7,
+        "target/maps.toml" => 4,
+        _ => 3,
+    };
+    let mut set: Vec<_> = (0..applications).map(|i| format!("applications.{i}.duration_s=20.0")).collect();
+    if scenario == "target/maps.toml" {
+        set.push("maps.0.algorithm.ml_tm.grid_step_m=1.0".to_owned());
+        set.push("maps.1.algorithm.self_calibrated.grid_step_m=1.0".to_owned());
+    }
+    set
+}
+
+/// The same for source seeking: few nodes around a start that is near the level.
+fn tiny_seek(scenario: &str) -> Vec<String> {
+    let applications = if scenario.contains("space") { 1 } else { 3 };
+    let mut set: Vec<_> = (0..applications).map(|i| format!("applications.{i}.duration_s=60.0")).collect();
+    set.extend(
+        match scenario {
+            "seek/pioneer.toml" => &[][..],
+            "seek/space.toml" => &["robots.0.start_m=[15.0, 14.0, 6.0]"],
+            "seek/two-sources.toml" => &[
+                "world.nodes.lattice.count=300",
+                "world.nodes.lattice.region.rectangle={ min_m = [35.0, 33.0], max_m = [55.0, 53.0] }",
+                "robots.0.start_m=[46.0, 48.0]",
+            ],
+            _ => &[
+                "world.nodes.lattice.count=300",
+                "world.nodes.lattice.region.rectangle={ min_m = [28.0, 25.0], max_m = [48.0, 45.0] }",
+                "robots.0.start_m=[30.0, 28.0]",
+            ],
+        }
+        .iter()
+        .map(|&setting| setting.to_owned()),
+    );
+    set
+}
+
+/// The plans of all scenarios of the chapters, in full size or tiny. Their files are in `folder`.
+fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Sweep> {
+    write_scenarios(folder.path()).unwrap();
+    let mut plans = BTreeMap::new();
+    for scenario in experiments().iter().flat_map(Experiment::scenarios) {
+        let set = if is_tiny { tiny(scenario) } else { Vec::new() };
+        let runs = match scenario {
+            _ if is_tiny => TINY_RUNS,
+            _ if scenario.starts_with("target/") || scenario.starts_with("seek/") => SEARCH_RUNS,
+            _ => RUNS,
+        };
+        let plan = || Sweep::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
+        plans.entry(scenario).or_insert_with(plan);
+    }
+    plans
+}
+
+/// Everything that an experiment reads, with its description.
+fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
+    let quantities = match &experiment.content {
+        Content::Quantities(quantities) => quantities.as_slice(),
+        Content::Computed { .. } => &[],
+    };
+    let of_charts = experiment.charts.iter().flat_map(|chart| {
+        let terms = chart.lines.iter().flat_map(|line| &line.points);
+        let with_across = terms.flat_map(|(across, term)| match across {
+            Across::Setting(_) => vec![term],
+            Across::Measured(measured) => vec![measured, term],
+        });
+        with_across.map(|term| (chart.name.as_str(), term))
+    });
+    let of_claims = experiment
+        .claims
+        .iter()
+        .flat_map(|claim| claim.check.terms().into_iter().map(|term| (claim.text.as_str(), term)));
+    quantities
+        .iter()
+        .map(|quantity| (quantity.what.as_str(), &quantity.term))
+        .chain(of_charts)
+        .chain(of_claims)
+        .collect()
+}
+
+/// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
+fn made_up(plans: &BTreeMap<&'static str, Sweep>, value: impl Fn(&str, usize, Measure<'_>) -> Option<f64>) -> Runs {
+    let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
+    for (&scenario, plan) in plans {
+        let row = |cell: usize, replicate: u32| {
+            let scatter = 1.0 + 1e-6 * f64::from(replicate);
+            let values = plan.measures().into_iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
+            Row { cell, replicate, outcome: Ok(values.collect()) }
+        };
+        let rows = (0..plan.cells().len()).flat_map(|cell| (0..plan.runs()).map(move |replicate| (cell, replicate)));
+        runs.insert(scenario, (plan.clone(), rows.map(|(cell, replicate)| row(cell, replicate)).collect()));
+    }
+    runs
+}
+
+#[test]
+fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
+    let experiments = experiments();
+    for (i, experiment) in experiments.iter().enumerate() {
+        assert!(experiments[..i].iter().all(|other| other.id != experiment.id), "{}", experiment.id);
+        let scenarios = experiment.scenarios();
+        for scenario in &scenarios {
+            assert!(SHIPPED.iter().any(|(name, _)| name == scenario), "{scenario}");
+        }
+        for (what, term) in terms(experiment) {
+            assert!(scenarios.contains(&term.scenario), "`{what}` reads {}", term.scenario);
+        }
+    }
+}
+
+#[test]
+fn everything_that_an_experiment_reads_exists_in_its_scenario() {
+    let plans = plans(&TempDir::new().unwrap(), false);
+    let runs = made_up(&plans, |_, _, _| Some(1.0));
+    for experiment in experiments() {
+        for (what, term) in terms(&experiment) {
+            let column = term.measure.column();
+            let columns = plans[term.scenario].columns();
+            assert!(columns.iter().any(|other| other.name == column), "`{what}` reads {column}");
+            assert_eq!(
+                runs.values(term).len(),
+                plans[term.scenario].runs() as usize,
+                "`{what}` reads {column} in {term:?}"
+            );
+        }
+        for line in experiment.lines(&runs) {
+            assert_ne!(line.ours, Ours::Missing, "{}", line.what);
+        }
+    }
+}
+
+#[test]
+fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
+    let folder = TempDir::new().unwrap();
+    write_scenarios(folder.path()).unwrap();
+    let mut count = 0;
+    for experiment in experiments() {
+        for (what, term) in terms(&experiment) {
+            let at = ["neighbourhood of ", "within "].iter().find_map(|mark| what.split_once(mark));
+            let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
+                continue;
+            };
+            let scenario = Scenario::load(&folder.path().join(term.scenario)).unwrap();
+            let column = term.measure.column();
+            let index = match column.split_once("connectivity_errors.") {
+                Some((_, rest)) => rest[..1].parse().unwrap(),
+                None => 0,
+            };
+            let found_m = scenario.metrics().neighbourhood_m[index];
+            assert!((found_m - radius_m).abs() < 1e-9, "`{what}` reads {column} within {found_m} m");
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count} names with a neighbourhood");
+}
+
+#[test]
+fn published_connectivity_errors_are_only_given_for_the_radius_of_communication() {
+    let folder = TempDir::new().unwrap();
+    write_scenarios(folder.path()).unwrap();
+    for experiment in experiments() {
+        let Content::Quantities(quantities) = &experiment.content else { continue };
+        for Quantity { what, term, published, .. } in
+            quantities.iter().filter(|quantity| quantity.published.is_some())
+        {
+            let Some((_, rest)) = what.split_once("neighbourhood of ") else { continue };
+            let scenario = Scenario::load(&folder.path().join(term.scenario)).unwrap();
+            let radius_m = scenario.config().channel.max_range_m.unwrap();
+            assert_eq!(rest, format!("{radius_m} m"), "{what}: {published:?}");
+        }
+    }
+}
+
+#[test]
+fn every_conclusion_can_hold_or_not() {
+    let plans = plans(&TempDir::new().unwrap(), false);
+    for experiment in experiments() {
+        for claim in &experiment.claims {
+            let terms = claim.check.terms();
+            let mut verdicts = Vec::new();
+            let is_read = |scenario: &str| terms.iter().any(|term| term.scenario == scenario);
+            let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
+            let read: BTreeMap<_, _> = read.map(|(&scenario, plan)| (scenario, plan.clone())).collect();
+            // The values of the terms rise, fall or are equal, at several sizes.
+            for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5, 100.0] {
+                for size in [0.01, 0.05, 0.5, 0.95, 10.0, 100.0] {
+                    let runs = made_up(&read, |scenario, cell, measure| {
+                        let is_it = |term: &&Term| {
+                            let values = plans[scenario].values(cell);
+                            let keys = plans[scenario].keys().iter();
+                            term.scenario == scenario
+                                && term.measure == measure
+                                && keys.zip(&values).all(|(key, value)| {
+                                    term.settings.iter().any(|(name, wanted)| *name == key.name && wanted == value)
+                                })
+                        };
+                        let at = terms.iter().position(is_it)?;
+                        Some(size * f64::powi(step, i32::try_from(at).unwrap()))
+                    });
+                    verdicts.push(claim.finding(&runs).expect("each term has a value").verdict);
+                }
+            }
+            for verdict in [Verdict::Holds, Verdict::DoesNotHold] {
+                assert!(verdicts.contains(&verdict), "`{}` never {}", claim.text, verdict.words());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_published_value_names_its_source() {
+    let runs = made_up(&plans(&TempDir::new().unwrap(), false), |_, _, _| Some(1.0));
+    for experiment in experiments() {
+        for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
+            let Some(Published { value, source }) = line.published else { continue };
+            let (kind, number) = source.split_once(' ').expect("`table 3.6`");
+            let chapter = number.split_once('.').map(|(chapter, _)| chapter);
+            assert!(["table", "figure", "section"].contains(&kind), "{source}");
+            assert!(chapter.is_some_and(|chapter| ["3", "4", "5", "6", "7"].contains(&chapter)), "{source}");
+            assert!(!value.is_empty(), "{}", line.what);
+        }
+    }
+}
+
+#[test]
+fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
+    let folder = TempDir::new().unwrap();
+    let plans = plans(&folder, true);
+    let (names, plans): (Vec<_>, Vec<_>) = plans.into_iter().unzip();
+    let (rows, outcome) = sweep::rows(&plans, &Unwatched);
+    outcome.unwrap();
+    let mut runs = Runs::new(std::path::PathBuf::new(), TINY_RUNS);
+    for (name, made) in names.into_iter().zip(plans.into_iter().zip(rows)) {
+        runs.insert(name, made);
+    }
+    assert_eq!(runs.failures(), [""; 0]);
+    for experiment in experiments() {
+        for line in experiment.lines(&runs).into_iter().chain(experiment.conclusions(&runs)) {
+            assert_ne!(line.ours, Ours::Missing, "{} {}", experiment.id, line.what);
+        }
+        write_figures(&experiment, &runs, folder.path()).unwrap();
+        for chart in &experiment.charts {
+            assert!(folder.path().join(format!("{}.svg", chart.name)).exists(), "{}", chart.name);
+        }
+    }
+}
