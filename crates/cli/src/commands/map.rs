@@ -88,7 +88,8 @@ pub(crate) struct Arguments {
 /// The values of `--algorithm`, each with its help.
 fn algorithms() -> impl TypedValueParser<Value = AlgorithmName> {
     let value = |algorithm: AlgorithmName| PossibleValue::new(algorithm.name()).help(algorithm.description());
-    PossibleValuesParser::new(AlgorithmName::ALL.map(value)).try_map(|name| name.parse::<AlgorithmName>())
+    PossibleValuesParser::new(AlgorithmName::all().into_iter().map(value))
+        .try_map(|name| name.parse::<AlgorithmName>())
 }
 
 pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<(), Failure> {

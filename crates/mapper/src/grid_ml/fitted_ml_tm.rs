@@ -3,13 +3,14 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
+use super::ml_tm::uses_under;
 use crate::grid_ml::fitted::WideSearch;
 use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::Limits;
 use crate::posterior::FitState;
 use crate::{
-    CoordinateFrame, Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap,
-    TrapezoidConfig,
+    CoordinateFrame, Estimator, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, Learned, MapError, MlTm,
+    MlTmConfig, NodeOfLog, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
 };
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
@@ -124,5 +125,33 @@ impl FittedMlTm {
             }
             None => Ok((self.ml_tm.map(log, watch)?, None)),
         }
+    }
+}
+
+impl Estimator for FittedMlTm {
+    fn name(&self) -> &'static str {
+        MlTm::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        uses_under(None)
+    }
+
+    fn surface(
+        &self,
+        learned: Option<&Learned>,
+        NodeOfLog { log, node }: NodeOfLog<'_>,
+        watch: &dyn Watch,
+    ) -> Option<Result<Surface, MapError>> {
+        let fit: &Fit = learned?.get()?;
+        Some(self.with_fit(fit).surface(&fit.evidence(log), node, watch))
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::new)))
     }
 }

@@ -4,11 +4,14 @@ use rayon::prelude::*;
 use sextant_channel::{Db, ObstacleField, Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
-use crate::grid_ml::profile::KnownLink;
 use crate::log_facts::heights::Heights;
 use crate::posterior::NodeEvidence;
 use crate::posterior::local_posterior;
-use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, SoughtHeights, TopologyMap};
+use crate::profile::KnownLink;
+use crate::{
+    ChannelProfileConfig, Estimate, EstimateKind, Estimator, Knowledge, KnowledgeKind, Learned, MapError, MlTm,
+    MlTmConfig, SoughtHeights, TopologyMap,
+};
 
 /// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
 /// obstacles on the straight line to the stop absorb.
@@ -147,6 +150,24 @@ impl PartialEq for ObstacleMlTm {
     fn eq(&self, other: &Self) -> bool {
         let settings = |this: &Self| (this.estimate, this.z_range_m);
         settings(self) == settings(other) && self.start == other.start && self.channel == other.channel
+    }
+}
+
+impl Estimator for ObstacleMlTm {
+    fn name(&self) -> &'static str {
+        MlTm::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss, KnowledgeKind::Obstacles]
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?, watch).map(|map| (map, None))
     }
 }
 

@@ -12,6 +12,7 @@ mod outages;
 mod posterior;
 mod predict;
 mod receiver;
+mod report;
 mod site;
 mod tables;
 mod window;
@@ -28,7 +29,10 @@ use crate::log_facts::heights::check_z_range;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
 use crate::posterior::{FitState, Verdict};
-use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
+use crate::{
+    AnyLog, Concern, CoordinateFrame, Estimate, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned,
+    MapError, Mapper, PlacePrior, SoughtHeights, TopologyMap,
+};
 use fit::Found;
 use hearing::Hearing;
 pub use law::Law;
@@ -300,5 +304,41 @@ impl TryFrom<LinkModelConfig> for LinkModel {
     fn try_from(config: LinkModelConfig) -> Result<Self, SettingError> {
         check_z_range(config.z_range_m)?;
         Ok(Self { config })
+    }
+}
+
+impl Estimator for LinkModel {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn uses_prior(&self) -> bool {
+        true
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        let (map, fit) = self.map(knowledge.log, knowledge.prior, watch)?;
+        Ok((map, fit.map(Learned::new)))
+    }
+}
+
+impl EstimatorSettings for LinkModelConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "link-model",
+        rank: 1,
+        description: "A model of real radio links, estimated from the log; uses signal strengths where the log has them",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        LinkModel::try_from(self).map(Mapper::new)
     }
 }

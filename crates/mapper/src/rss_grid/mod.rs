@@ -4,6 +4,7 @@ mod channel;
 mod curves;
 mod evidence;
 mod fitted_channel;
+mod report;
 mod search;
 mod tiles;
 mod zoom;
@@ -30,7 +31,8 @@ use crate::log_facts::strengths::{Strength, strengths};
 use crate::posterior::FitState;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights, TopologyMap,
+    AnyLog, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Lattice,
+    Learned, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
 };
 
 /// The Bayesian grid as written in a scenario.
@@ -322,4 +324,49 @@ fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
         }
     }
     Position::from(low).distance_m(high.into())
+}
+
+impl Estimator for RssGrid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        let (map, channel) = self.map_and_learn(knowledge, watch)?;
+        Ok((map, channel.map(Learned::new)))
+    }
+}
+
+impl EstimatorSettings for RssGridConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "rss-grid",
+        rank: 5,
+        description: "Maximum likelihood of signal strengths, with a channel that is fitted first",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        RssGrid::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
+
+    fn receiver_mut(&mut self) -> Option<ReceiverSetting<'_>> {
+        let Self { sensitivity_dbm, max_range_m, .. } = self;
+        Some(ReceiverSetting { sensitivity_dbm, max_range_m })
+    }
 }

@@ -3,20 +3,23 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
-use super::absorption::AbsorptionMap;
 use super::belief::Belief;
 use super::counts::Counts;
 use super::draft::Draft;
 use super::model::CalibratedCurve;
 use super::settings::{ObstacleKnowledge, SelfCalibratedConfig, Settings};
 use super::start::Start;
+use crate::absorption::AbsorptionMap;
 use crate::grid_ml::directions::{CoverageEdge, Directions};
 use crate::log_facts::heights::are_level;
 use crate::log_facts::reach::{is_reach_known, reach_m};
 use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
 use crate::posterior::FitState;
-use crate::{CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
+use crate::{
+    AnyLog, CoordinateFrame, Estimate, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError,
+    Mapper, SoughtHeights, TopologyMap,
+};
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
@@ -195,5 +198,36 @@ impl TryFrom<SelfCalibratedConfig> for SelfCalibrated {
 
     fn try_from(config: SelfCalibratedConfig) -> Result<Self, SettingError> {
         Settings::try_from(config).map(|settings| Self { settings })
+    }
+}
+
+impl Estimator for SelfCalibrated {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, calibration)| (map, calibration.map(Learned::new)))
+    }
+}
+
+impl EstimatorSettings for SelfCalibratedConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "self-calibrated",
+        rank: 4,
+        description: "Joint estimate of positions, reception curve, stops and obstacles",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        SelfCalibrated::try_from(self).map(Mapper::new)
     }
 }

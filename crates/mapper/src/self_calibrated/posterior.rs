@@ -3,7 +3,6 @@
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, Watch};
 
-use super::absorption::AbsorptionMap;
 use super::belief::Belief;
 use super::counts::{Counts, Link, Record};
 use super::likelihood::Likelihood;
@@ -11,6 +10,7 @@ use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{Detail, Window};
 use crate::Concern;
+use crate::absorption::AbsorptionMap;
 use crate::grid_ml::directions::Directions;
 use crate::log_facts::search_box::SearchBox;
 use crate::posterior::{Verdict, covariance};

@@ -8,7 +8,6 @@ use std::time::Duration;
 use sextant_apps::{ControllerConfig, MapSourceConfig};
 use sextant_channel::Anchor;
 use sextant_kernel::{Files, Seed};
-use sextant_mapper::Mapper;
 use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
 
 use super::applications::Application;
@@ -174,9 +173,11 @@ impl Scenario {
         let surveyed = self.surveyed();
         let is_called = |id: &NetworkId, name: &str| self.networks()[id.index()].name.as_deref() == Some(name);
         let called = |name: &str| surveyed.iter().copied().find(|id| is_called(id, name)).unwrap_or(surveyed[0]);
-        match &map.mapper {
-            Mapper::Joint(joint) => joint.networks().map(called).collect(),
-            _ => vec![map.network.as_deref().map_or(surveyed[0], called)],
+        let joint = map.mapper.networks();
+        if joint.is_empty() {
+            vec![map.network.as_deref().map_or(surveyed[0], called)]
+        } else {
+            joint.into_iter().map(called).collect()
         }
     }
 
