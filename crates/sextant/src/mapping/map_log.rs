@@ -34,7 +34,7 @@ pub struct LogMap {
 ///     let received = 10 - (3.0 * stops[i].position.distance_m(stops[5].position)).min(10.0) as u32;
 ///     Reception { node: NodeId(0), stop: i as u32, received, sent: 10, sector: None, rssi_dbm: None, snr_db: None }
 /// };
-/// let log = ReceptionLog::new(vec!["lamp".to_owned()], stops.clone(), (0..16).map(heard).collect())?;
+/// let log = ReceptionLog::new(vec!["lamp".to_owned()], stops.clone(), (0..16).map(heard).collect(), Vec::new())?;
 /// let map = sextant::map_log(&log, "packet-centroid".parse()?, &Unwatched)?.map;
 /// let place = map.positions()[0].expect("the lamp was heard");
 /// assert!(place.distance_m(Position::new(1.0, 1.0, 0.0)) < 0.5, "{place:?}");

@@ -1,0 +1,44 @@
+//! Each example of the guide runs.
+
+#[path = "../../../examples/map_log.rs"]
+mod map_log;
+#[path = "../../../examples/own_application.rs"]
+mod own_application;
+#[path = "../../../examples/own_controller.rs"]
+mod own_controller;
+#[path = "../../../examples/own_estimator.rs"]
+mod own_estimator;
+#[path = "../../../examples/survey.rs"]
+mod survey;
+#[path = "../../../examples/sweep.rs"]
+mod sweep;
+
+#[test]
+fn a_scenario_is_run_and_observed() {
+    survey::main().unwrap();
+}
+
+#[test]
+fn a_log_made_in_code_is_mapped() {
+    map_log::main().unwrap();
+}
+
+#[test]
+fn a_robot_drives_as_its_own_controller_says() {
+    own_controller::main().unwrap();
+}
+
+#[test]
+fn a_message_floods_nodes_with_their_own_application() {
+    own_application::main().unwrap();
+}
+
+#[test]
+fn an_own_estimator_is_compared() {
+    own_estimator::main().unwrap();
+}
+
+#[test]
+fn a_setting_is_studied() {
+    sweep::main().unwrap();
+}
