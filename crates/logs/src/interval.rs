@@ -28,7 +28,7 @@ impl Bin {
 /// Shorter gaps are between copies of one packet.
 const SHORTEST_NS: u64 = 1_000_000;
 
-/// A node with fewer gaps has no interval of its own.
+/// The interval of a node with fewer gaps is not estimated from them.
 const FEWEST_GAPS: u64 = 5;
 
 impl Gaps {

@@ -41,7 +41,7 @@ pub enum ObstacleKnowledge {
     None,
     /// Which packets were received at which stops.
     FromReceptions,
-    /// In addition, what the robot knows of its own way: there is no obstacle where it drove straight from one stop
+    /// In addition, what the robot knows of its way: there is no obstacle where it drove straight from one stop
     /// to the next, and an obstacle is likely where it met one.
     #[default]
     FromLog,

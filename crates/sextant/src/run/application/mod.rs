@@ -1,4 +1,4 @@
-//! Applications on maps of the nodes: each is a simulation of its own.
+//! Applications on maps of the nodes: each is a separate simulation.
 
 mod maps;
 mod score;
