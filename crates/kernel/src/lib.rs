@@ -14,6 +14,7 @@
 //! assert_eq!(queue.pop(), Some((instant, "end of transmission")));
 //! ```
 
+mod files;
 mod node;
 mod queue;
 mod random;
@@ -24,6 +25,7 @@ pub mod text;
 mod time;
 mod watch;
 
+pub use files::Files;
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
 pub use random::{Purpose, Seed, Stream};

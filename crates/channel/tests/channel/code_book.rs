@@ -5,7 +5,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sextant_channel::{Antenna, AntennaConfig, CodeBookConfig};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 use crate::antenna::{antenna, towards};
 
@@ -34,7 +34,7 @@ fn read(text: &str, outside_gain_dbi: Option<f64>) -> Result<Antenna, SettingErr
     let name = format!("{:?}.csv", std::thread::current().id());
     std::fs::write(folder.join(&name), text).expect("a file");
     let config = CodeBookConfig { file: Some(name.into()), outside_gain_dbi, ..CodeBookConfig::default() };
-    Antenna::read(&AntennaConfig::CodeBook(config), &folder)
+    Antenna::read(&AntennaConfig::CodeBook(config), &Files::of_folder(&folder))
 }
 
 fn whole() -> Antenna {
@@ -165,7 +165,7 @@ fn flaws_of_a_file_are_named_with_their_line() {
         assert!(error.found().contains(words), "{error}\nshould say: {words}");
     }
     let missing = CodeBookConfig { file: Some("missing.csv".into()), ..CodeBookConfig::default() };
-    assert!(Antenna::read(&AntennaConfig::CodeBook(missing), Path::new("/none")).is_err());
+    assert!(Antenna::read(&AntennaConfig::CodeBook(missing), &Files::of_folder(Path::new("/none"))).is_err());
 }
 
 proptest! {

@@ -1,10 +1,9 @@
 //! Checks a scenario and builds everything that a run needs, before anything runs.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 use sextant_sim::{Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
 
 use super::applications::{Application, Surroundings, check_applications};
@@ -38,22 +37,22 @@ pub(super) struct Parts {
 /// Checks each part of the scenario, then all parts together.
 pub(super) fn check(
     config: &ScenarioConfig,
-    folder: &Path,
+    files: &Files,
     errors: &mut Errors<'_>,
 ) -> (Option<Parts>, Vec<NamedMap>) {
     if config.name.trim().is_empty() {
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
-    let world = errors.take("world", config.world.build(Seed(config.seed), folder));
+    let world = errors.take("world", config.world.build(Seed(config.seed), files));
     let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
     let interferers = check_interferers(config, errors);
     let world = world.zip(sensors).map(|(world, sensors)| World { sensors, interferers, ..world });
     let tables = NetworkTables::all(config);
     let nodes = world.as_ref().map(|world| world.nodes.as_slice());
-    let links: Vec<_> = tables.iter().map(|network| network.links(nodes, folder, errors)).collect();
+    let links: Vec<_> = tables.iter().map(|network| network.links(nodes, files, errors)).collect();
     let known = KnownNetworks::new(&tables, &links, &config.robots);
     let networks: Vec<_> = (tables.iter().zip(links))
-        .map(|(network, links)| network.check(config, links, nodes, folder, errors))
+        .map(|(network, links)| network.check(config, links, nodes, files, errors))
         .collect();
     let robots = check_robots(config, world.as_ref(), errors);
     let sinks = check_sinks(config, world.as_ref(), errors);
@@ -103,7 +102,7 @@ pub(super) fn check(
     let distributed = check_distributed(config, &tables, &mut setup, (&anchors, &maps), errors);
     let surroundings = Surroundings {
         config,
-        folder,
+        files,
         setup: &setup,
         tables: &tables,
         bodies: &bodies,

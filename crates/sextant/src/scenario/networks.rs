@@ -1,10 +1,9 @@
 //! The networks of a scenario: one, as the tables of the scenario say, or several by name.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use sextant_channel::{ChannelConfig, ChannelLaw};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 use sextant_mac::{EnergyConfig, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
@@ -147,11 +146,11 @@ impl<'a> NetworkTables<'a> {
     pub(super) fn links(
         &self,
         nodes: Option<&[PlacedNode]>,
-        folder: &Path,
+        files: &Files,
         errors: &mut Errors<'_>,
     ) -> Option<CheckedLinks> {
         let channel = self.law(errors);
-        let technology = Technology::read(&self.link_config(), nodes, folder);
+        let technology = Technology::read(&self.link_config(), nodes, files);
         let technology = technology.map_err(|found| {
             found.into_iter().for_each(|error| match error {
                 LinkError::Missing(table) => errors.refuse(&self.missing(table)),
@@ -191,7 +190,7 @@ impl<'a> NetworkTables<'a> {
         config: &ScenarioConfig,
         links: Option<CheckedLinks>,
         nodes: Option<&[PlacedNode]>,
-        folder: &Path,
+        files: &Files,
         errors: &mut Errors<'_>,
     ) -> Option<Network> {
         let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
@@ -203,7 +202,7 @@ impl<'a> NetworkTables<'a> {
             }
             _ if self.sweeps_sectors() => silent(),
             Some(traffic) => {
-                let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), folder);
+                let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), files);
                 // Names of nodes are not known without a world.
                 nodes.and_then(|_| errors.take(&self.traffic.key, plan))
             }

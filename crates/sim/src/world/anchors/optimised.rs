@@ -251,7 +251,9 @@ mod tests {
             "shape.box = {{ center_m = [{x_m}, 0.0, 0.0], size_m = [0.2, 100.0, 100.0] }}\nloss_db = 20.0\n"
         ))
         .unwrap();
-        ObstacleField::new(vec![Obstacle::read(config, std::path::Path::new(".")).unwrap()])
+        ObstacleField::new(vec![
+            Obstacle::read(config, &sextant_kernel::Files::of_folder(std::path::Path::new("."))).unwrap(),
+        ])
     }
 
     #[test]

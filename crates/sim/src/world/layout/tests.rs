@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 
 use super::*;
 
@@ -22,7 +22,7 @@ fn shed() -> ObstacleField {
 }
 
 fn place(nodes: &NodesConfig, obstacles: &ObstacleField, seed: u64) -> Result<Vec<PlacedNode>, SettingError> {
-    nodes.place(obstacles, Seed(seed), Path::new(""))
+    nodes.place(obstacles, Seed(seed), &Files::default())
 }
 
 fn positions(nodes: &NodesConfig, seed: u64) -> Vec<Position> {
@@ -171,7 +171,7 @@ fn listed_nodes_are_rejected_in_obstacles_and_without_distinct_names() {
 #[test]
 fn a_table_in_a_file_is_found_from_the_folder_of_the_scenario() {
     let missing = NodesConfig::Csv(CsvConfig { file: "no-such-table.csv".into() });
-    let error = missing.place(&shed(), Seed(1), Path::new("/no/such/folder")).unwrap_err();
+    let error = missing.place(&shed(), Seed(1), &Files::of_folder(Path::new("/no/such/folder"))).unwrap_err();
     assert_eq!(error.key, "csv.file");
     assert!(error.found().contains("/no/such/folder/no-such-table.csv"), "{error}");
 }

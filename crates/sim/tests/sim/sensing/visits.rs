@@ -1,10 +1,8 @@
 //! Targets that leave the world: at the end of a listed way, or of a visit.
 
-use std::path::Path;
-
 use proptest::prelude::*;
 use sextant_channel::{BoxConfig, ObstacleConfig, ObstacleField, Position, ShapeConfig};
-use sextant_kernel::Seed;
+use sextant_kernel::{Files, Seed};
 use sextant_sim::layout::{ExplicitConfig, NodesConfig, Region, RegionConfig};
 use sextant_sim::{
     AtEnd, Leg, Sensed, StraightConfig, TargetConfig, TargetId, TargetMotionConfig, TurnConfig, WanderConfig,
@@ -188,7 +186,7 @@ fn impossible_visits_are_refused_with_their_key() {
         solid: true,
         reflection_loss_db: None,
     };
-    let wall = ObstacleField::new(vec![sextant_channel::Obstacle::read(wall, Path::new("")).unwrap()]);
+    let wall = ObstacleField::new(vec![sextant_channel::Obstacle::read(wall, &Files::default()).unwrap()]);
     let error = target(&thesis()).build(0, &wall, Seed(1)).unwrap_err();
     assert_eq!(error.key, "motion.wander.duration_s");
     assert!(error.found().contains("no way of 120 m"), "{error}");
@@ -216,7 +214,7 @@ fn a_target_far_from_all_nodes_is_refused() {
             fields: Vec::new(),
         };
         config
-            .build(Seed(1), Path::new(""))
+            .build(Seed(1), &Files::default())
             .map_err(|error| (error.key.clone(), error.found().to_owned(), error.allowed().to_owned()))
     };
     let near = [[2500.0, 0.0, 0.0], [900.0, 400.0, 0.0]];
