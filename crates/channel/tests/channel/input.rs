@@ -105,9 +105,9 @@ fn a_mesh_that_is_not_closed_is_rejected() {
     assert_flaw(
         obstacle(&format!("material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}}}")),
         "shape.mesh.triangles",
-        "absent",
+        "is missing",
     );
-    assert_flaw(obstacle("material = \"brick\"\nshape.mesh = {}"), "shape.mesh.vertices_m", "absent");
+    assert_flaw(obstacle("material = \"brick\"\nshape.mesh = {}"), "shape.mesh.vertices_m", "is missing");
     assert_flaw(
         obstacle("material = \"brick\"\nshape.mesh = {vertices_m = [[0, 0, inf]], triangles = []}"),
         "shape.mesh.triangles",
@@ -201,8 +201,8 @@ fn bad_millimetre_wave_settings_are_rejected_with_their_key() {
     let close_in = |text: &str| channel(&format!("path_loss.close_in = {{ {text} }}"));
     assert!(close_in("carrier_ghz = 60, exponent = 2, gas = \"sea_level\"").is_ok());
     assert!(channel("environment = \"office-73-nlos\"\npath_loss.close_in = { gas = \"sea_level\" }").is_ok());
-    assert_flaw(close_in("exponent = 2"), "path_loss.close_in.carrier_ghz", "absent");
-    assert_flaw(close_in("carrier_ghz = 60"), "path_loss.close_in.exponent", "absent");
+    assert_flaw(close_in("exponent = 2"), "path_loss.close_in.carrier_ghz", "is missing");
+    assert_flaw(close_in("carrier_ghz = 60"), "path_loss.close_in.exponent", "is missing");
     assert_flaw(close_in("carrier_ghz = 0, exponent = 2"), "path_loss.close_in.carrier_ghz", "0.1 to 1000");
     assert_flaw(
         close_in("carrier_ghz = 140, exponent = 2, gas = \"sea_level\""),
