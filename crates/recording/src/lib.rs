@@ -17,7 +17,7 @@
 //! recorder.stop(None, "surveyor", 0, &stop, &[heard])?;
 //! recorder.finish()?;
 //!
-//! assert_eq!(read_log(&path)?.log.receptions(), [heard]);
+//! assert_eq!(read_log(&path)?.log().receptions(), [heard]);
 //! # std::fs::remove_file(&path).ok();
 //! # Ok::<(), sextant_recording::RecordingError>(())
 //! ```

@@ -105,7 +105,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let set = &arguments.overrides.set;
     let settings = MapSettings::new(scenario, arguments.algorithm, (arguments.profile.as_deref(), network), set)?;
     if let Some(name) = network
-        && input.network.is_none()
+        && input.logs.names().next().is_none()
         && settings.maps.iter().all(|map| map.network.is_none())
     {
         let problem = format!("`--network` is `{name}`, but the log is of one network without a name");

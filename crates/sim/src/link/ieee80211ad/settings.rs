@@ -7,15 +7,13 @@ use sextant_kernel::{Files, SettingError};
 use sextant_mac::dmg::timing::{PREAMBLE, control_airtime};
 use sextant_mac::dmg::{AnswerSettings, SweepSettings, beacon_octets};
 
-use super::links::Links;
 use super::radio::DmgRadio;
 use crate::air::{CarrierThresholds, ReceptionConfig, ReceptionModel, ReceptionRules, ThresholdConfig};
+use crate::link;
 use crate::link::antennas::Antennas;
 use crate::link::capture::FrameFormat;
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
-use crate::link::settings::{LinkSettings, Placement, Spectrum};
-use crate::link::{self, Technology};
-use crate::scene::Scene;
+use crate::link::settings::{LinkSettings, Spectrum};
 use crate::world::layout::PlacedNode;
 
 /// Minimum ratio of signal to interference and noise at which a radio locks on to a frame of the control PHY: its
@@ -33,14 +31,6 @@ pub struct Ieee80211ad {
     pub(super) answers: AnswerSettings,
     /// The antennas.
     pub(super) antennas: Antennas,
-}
-
-impl Technology {
-    /// The settings of IEEE 802.11ad, if that is the technology.
-    #[must_use]
-    pub fn ieee80211ad(&self) -> Option<&Ieee80211ad> {
-        if let Self::Ieee80211ad(settings) = self { Some(settings) } else { None }
-    }
 }
 
 impl Ieee80211ad {
@@ -155,9 +145,5 @@ impl LinkSettings for Ieee80211ad {
 
     fn airtime(&self, frame_octets: u16) -> Option<Duration> {
         Some(control_airtime(frame_octets))
-    }
-
-    fn links(&self, placement: Placement, scene: &mut Scene) -> link::Links {
-        link::Links::Ieee80211ad(Links::new(self, placement, scene))
     }
 }
