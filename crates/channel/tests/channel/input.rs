@@ -145,7 +145,7 @@ fn exactly_one_of_material_and_absorption_is_allowed() {
     let with = |line: &str| obstacle(&format!("{line}\n{cube}"));
     assert_flaw(with("material = \"concret\""), "material", "\"concrete\", \"itu-concrete\", \"brick\"");
     assert_flaw(with(""), "material", "absorption_per_m");
-    assert_flaw(with("material = \"brick\"\nabsorption_per_m = 2"), "absorption_per_m", "either");
+    assert_flaw(with("material = \"brick\"\nabsorption_per_m = 2"), "absorption_per_m", "set one of them");
     assert_flaw(with("absorption_per_m = -1"), "absorption_per_m", "is -1");
     assert_flaw(with("absorption_per_m = nan"), "absorption_per_m", "NaN");
     assert!(with("absorption_per_m = 0").is_ok());
@@ -154,7 +154,6 @@ fn exactly_one_of_material_and_absorption_is_allowed() {
 #[test]
 fn a_bad_channel_is_rejected_with_its_key() {
     for (text, key) in [
-        ("", "environment"),
         ("path_loss.log_distance = {}", "path_loss.log_distance.exponent"),
         ("path_loss.log_distance.exponent = -2", "path_loss.log_distance.exponent"),
         (
@@ -174,6 +173,7 @@ fn a_bad_channel_is_rejected_with_its_key() {
     ] {
         assert_flaw(channel(text), key, "allowed");
     }
+    assert_flaw(channel(""), "environment", "is missing; needed: one of \"suburban\"");
 }
 
 #[test]
