@@ -154,7 +154,6 @@ fn exactly_one_of_material_and_absorption_is_allowed() {
 #[test]
 fn a_bad_channel_is_rejected_with_its_key() {
     for (text, key) in [
-        ("path_loss.log_distance = {}", "path_loss.log_distance.exponent"),
         ("path_loss.log_distance.exponent = -2", "path_loss.log_distance.exponent"),
         (
             "path_loss.log_distance = {exponent = 2, reference_distance_m = 0}",
@@ -171,9 +170,12 @@ fn a_bad_channel_is_rejected_with_its_key() {
         ("environment = \"suburban\"\nmax_range_m = 0", "max_range_m"),
         ("environment = \"suburban\"\nmax_range_m = nan", "max_range_m"),
     ] {
-        assert_flaw(channel(text), key, "allowed");
+        let is_missing = key == "shadowing.sigma_db" && !text.contains("sigma_db");
+        assert_flaw(channel(text), key, if is_missing { "is missing; needed" } else { "allowed" });
     }
     assert_flaw(channel(""), "environment", "is missing; needed: one of \"suburban\"");
+    let no_exponent = channel("path_loss.log_distance = {}");
+    assert_flaw(no_exponent, "path_loss.log_distance.exponent", "is missing; needed: a finite number above 0");
 }
 
 #[test]
