@@ -10,7 +10,7 @@ scenario these are compared:
   map     the maps of the recording and the summary without `timing`
   sweep   the table, if the scenario has [sweep]; one run of each cell, and of a large sweep only a part
 
-A scenario that takes OLD longer than --limit is tried again in a shorter form (see SHORT), and named if that is too long
+A scenario that takes OLD longer than --limit is tried again in a shorter form (see FORMS), and named if that is too long
 too. Outputs of OLD are kept in the folder --cache, and made again only if OLD or a file in `scenarios/` has changed.
 The exit code is 0 if all bytes are equal, 1 if some differ, 2 if nothing could be compared. Python 3.11, no packages.
 """
@@ -36,8 +36,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENARIOS = ROOT / "scenarios"
 MAIN_JOB = ["run", "scenarios/ml-tm/circular.toml", "--quiet", "--format", "json"]
 
-# Settings that shorten a scenario which takes too long, tried in this order as far as the scenario has their keys.
-SHORT = {}
+# The settings of a scenario that are tried in turn until it is short enough: as written, then the survey without maps.
+FORMS = [(), ("maps=[]",)]
 
 # Cells of a sweep that are compared; of a larger one the first part with about as many.
 CELLS = 4
@@ -238,7 +238,7 @@ def kept(program: pathlib.Path, job: Job, cache: pathlib.Path, limit_s: float) -
 
 def compare(job: Job, old: pathlib.Path, new: pathlib.Path | None, options) -> tuple[str, list[str] | None]:
     """How the outputs of a job differ: its name, and None if it takes too long."""
-    for settings in [(), *SHORT.get(job.path, [])]:
+    for settings in FORMS:
         shorter = dataclasses.replace(job, settings=settings)
         name = job.path + "".join(f" --set {setting}" for setting in settings)
         try:

@@ -1,4 +1,4 @@
-//! Each link has a shadowing of its own.
+//! Each link has its shadowing, independent of the others.
 
 use sextant_kernel::Seed;
 

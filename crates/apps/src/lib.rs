@@ -1,6 +1,6 @@
 //! What robots and nodes do in a network, on top of the simulator: controllers of robots, maps that are computed in
-//! the nodes ([`distributed`]), and applications on such maps, which share [`navigation`]: robots that search targets
-//! ([`target_search`]) and that seek the source of a field ([`source_seeking`]).
+//! the nodes ([`distributed`]), and applications on such maps. These share [`navigation`]: robots search targets
+//! ([`target_search`]) or seek the source of a field ([`source_seeking`]).
 //!
 //! Goes in: a [`ControllerConfig`] and the [`Surroundings`] of a robot. Comes out: a controller that drives the robot
 //! through the simulation. Two controllers need no map: [`AutomatedS`], which turns where it meets an obstacle or

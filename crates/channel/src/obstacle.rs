@@ -153,7 +153,7 @@ impl Obstacle {
         self.is_solid
     }
 
-    /// Loss of a reflection off its faces, if it has one of its own.
+    /// Loss of a reflection off its faces, if it is set.
     #[must_use]
     pub fn reflection_loss(&self) -> Option<Db> {
         self.reflection_loss

@@ -13,7 +13,7 @@ use crate::{Db, Position};
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(deny_unknown_fields))]
 pub struct ReflectionsConfig {
-    /// Loss of a reflection (dB), off obstacles that have no `reflection_loss_db` of their own.
+    /// Loss of a reflection (dB), off obstacles without `reflection_loss_db`.
     pub loss_db: f64,
     /// Height of a ground that reflects too (m); none if absent.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]

@@ -90,7 +90,7 @@ impl ShadowingLaw {
         self.sigma_db
     }
 
-    /// Whether each packet has a value of its own.
+    /// Whether each packet has another value.
     #[must_use]
     pub fn is_per_packet(&self) -> bool {
         self.sigma_db > 0.0 && matches!(self.correlation, CorrelationLaw::PerPacket)

@@ -12,9 +12,11 @@ use super::{
     residuals, scattering, sectors, targets,
 };
 
-/// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any, `field-NAME-Ts` for each recorded instant T of a
-/// field, `application-NAME` and its time series for each application, `map-NAME` for each map, `error-cdf` and `connectivity-cdf` if the true
-/// positions are known, `sector-displacement` if nodes have sectors, `neighbour-scattering` if nodes computed a map, and `likelihood-NAME-NODE` for each likelihood surface.
+/// All figures of a recording: `network`, `sectors` if robots have sectors, `targets` if there are any,
+/// `field-NAME-Ts` for each recorded instant T of a field. There is `application-NAME` with its time series for each
+/// application, `map-NAME` for each map, and `likelihood-NAME-NODE` for each likelihood surface. If the true
+/// positions are known, there are `error-cdf` and `connectivity-cdf`. There is `sector-displacement` if nodes have
+/// sectors, and `neighbour-scattering` if nodes computed a map.
 #[must_use]
 pub fn all(source: &Source<'_>) -> Vec<Figure> {
     named(pictures(source))

@@ -1,7 +1,11 @@
 //! Figures of a recording as SVG or PNG files, for papers and web pages.
 //!
-//! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, one of the targets, one of each recorded instant of a field, one
-//! of each application and of its time series, one of each map, one of the distribution of each kind of error, one of the sector displacement, one of the neighbour scattering in a map that the nodes computed, and one of each likelihood surface. Of maps that were computed just now there are more: the map with the 95 % regions and the names of the nodes, the reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The colours can be distinguished with any
+//! There is one [`Figure`] of the network with the survey, one of the sectors at a stop, and one of the targets. Each
+//! recorded instant of a field has one, each application and its time series, each map, and each likelihood surface.
+//! Further ones are the distribution of each kind of error, the sector displacement, and the neighbour scattering in
+//! a map that the nodes computed. Maps that were computed just now have three more: regions of 95 % and names, the
+//! reception curve against the data, and the residual of each stop. The same recording gives the same bytes. The
+//! colours can be distinguished with any
 //! colour vision: those of Okabe and Ito for categories, and viridis (darker for larger) for numbers.
 //!
 //! ```no_run

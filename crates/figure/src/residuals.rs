@@ -17,7 +17,7 @@ const MORE: RGBColor = CURVES[0];
 const FEWER: RGBColor = ACCENT;
 /// Radius of the largest residual, if it is at least a packet (px).
 const LARGEST: f64 = 13.0;
-/// Round a residual, so that two that overlap can be told apart.
+/// Round a residual, so that two that overlap can be distinguished.
 const RIM: Stroke = Stroke::new(PAPER, 1.0);
 const NODE: Stroke = Stroke::new(THREAD, 1.0);
 /// Side of the square of a stop (px).

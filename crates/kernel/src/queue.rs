@@ -1,10 +1,11 @@
 //! The queue of pending events.
 //!
-//! A monotone radix heap over instants with a 4-ary heap in front; the events are in a slab. Compared with a
-//! 4-ary heap alone, an event takes 0.55 to 0.85 of the time with 500 to 10⁴ pending events (about one per node),
-//! with and without ties, and 0.4 to 0.6 with 10⁶: measured side by side under the load of the bench `event_queue`.
-//! Rejected: a 4-ary heap alone, because of these figures; a calendar queue, because it is as fast with up to 500
-//! events but 1.5 to 5 times slower with 10⁶: it guesses the width of its days from a sample, and mixed gaps
+//! A monotone radix heap over instants with a 4-ary heap in front; the events are in a slab. Compared with a 4-ary
+//! heap alone, an event takes 0.55 to 0.85 of the time with 500 to 10⁴ pending events (about one per node), with and
+//! without ties. With 10⁶ it takes 0.4 to 0.6. Both were measured side by side under the load of the bench
+//! `event_queue`.
+//! Rejected: a 4-ary heap alone, because of these figures. Also a calendar queue, because it is as fast with up to
+//! 500 events but 1.5 to 5 times slower with 10⁶. It guesses the width of its days from a sample, and mixed gaps
 //! mislead that guess.
 
 mod entry;

@@ -37,7 +37,7 @@ impl dyn Watch + '_ {
     }
 }
 
-/// Nobody: the work goes on to its end.
+/// No watch: the work goes on to its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unwatched;
 

@@ -111,7 +111,7 @@ pub enum RobotLogError {
     },
     /// There are packets and no path.
     #[error(
-        "`{}` tells who was heard and when, but not where the robot was: give its path with `--path FILE`: CSV with columns \
+        "`{}` says which nodes were heard and when, but not where the robot was: give its path with `--path FILE`: CSV with columns \
          t_s,x_m,y_m[,z_m] or t_s,lat,lon, TUM, GPX, NMEA 0183 or a ROS 2 bag",
         .path.display()
     )]
@@ -140,7 +140,7 @@ pub enum RobotLogError {
     },
     /// A map is to be written as GeoJSON, but its places on the earth are unknown.
     #[error(
-        "`{}`: GeoJSON has latitudes and longitudes, but the places of this map are metres in a plane of their own; name a \
+        "`{}`: GeoJSON has latitudes and longitudes, but the places of this map are metres in a local plane; name a \
          .csv file, or give the log its places by the columns `lat` and `lon`",
         .path.display()
     )]

@@ -28,7 +28,7 @@ impl Bin {
 /// Shorter gaps are between copies of one packet.
 const SHORTEST_NS: u64 = 1_000_000;
 
-/// A node with fewer gaps has no interval of its own.
+/// The interval of a node with fewer gaps is not estimated from them.
 const FEWEST_GAPS: u64 = 5;
 
 impl Gaps {
@@ -59,9 +59,9 @@ impl Gaps {
     ///
     /// Of a node that sends at regular times, each gap is a multiple of the interval, and the interval itself is the most
     /// frequent gap, whatever share of the packets is lost independently. So the most frequent gap (to ± 20 %) is the
-    /// interval if three quarters of the gaps up to 4.5 intervals are multiples of it to ± 15 % of the interval, three
-    /// tenths of them the interval itself, and at most three tenths of all gaps are longer than 4.5 intervals, as
-    /// they would be if packets came in bursts.
+    /// interval under three conditions. Three quarters of the gaps up to 4.5 intervals are multiples of it to ± 15 %
+    /// of the interval. Three tenths of them are the interval itself. At most three tenths of all gaps are longer
+    /// than 4.5 intervals, as they would be if packets came in bursts.
     pub(super) fn interval(&self) -> Option<Duration> {
         let bins: Vec<(f64, u64)> = self.bins.values().map(|bin| (bin.mean_ns(), bin.count)).collect();
         let count = |from_ns: f64, to_ns: f64| -> u64 {

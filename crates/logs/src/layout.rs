@@ -199,7 +199,7 @@ impl Holding {
         holding
     }
 
-    /// A bag has both, as far as can be told without reading it.
+    /// A bag has both, as far as it is known without reading it.
     fn add_bag(&mut self, bag: &Path) {
         self.paths.push(PathPart { kind: PathKind::Bag, file: bag.to_owned() });
         self.packets.push(PacketPart { kind: PacketKind::Bag, files: vec![bag.to_owned()] });

@@ -41,7 +41,7 @@ pub enum PathError {
         poses: usize,
     },
     /// A place is not finite or too far away.
-    #[error("the place {position} is not one: coordinates are metres, at most 10⁹ from zero")]
+    #[error("the place {position} is invalid; allowed: coordinates in metres, at most 10⁹ from zero")]
     NotFinite {
         /// Index of the pose.
         index: usize,

@@ -27,7 +27,7 @@ pub enum MapError {
     #[error("the log has no stops; a grid needs at least one place where the robot listened")]
     NoStops,
     /// The algorithm needs knowledge that it was not given.
-    #[error("`{algorithm}` needs {what}, which nobody recorded here; {remedy}")]
+    #[error("`{algorithm}` needs {what}, which are missing here; {remedy}")]
     Missing {
         /// The algorithm.
         algorithm: &'static str,
@@ -36,7 +36,7 @@ pub enum MapError {
         /// Where it could come from.
         remedy: &'static str,
     },
-    /// The algorithm was told where nodes can be, but has no use for it.
+    /// The places that nodes can have are known, but the algorithm has no use for them.
     #[error("`{algorithm}` cannot use what is known of the places of nodes; algorithms that can: {known}")]
     UnusedPrior {
         /// The algorithm.

@@ -198,7 +198,7 @@ pub struct FrameMessage {
     /// Name of the network in which it was sent; empty if there is one network without a name.
     #[prost(string, tag = "7")]
     pub network: String,
-    /// Why nobody listened, if the outcome is `not_listened`: `transmitting`, `asleep` or `off`; empty otherwise.
+    /// Why no receiver listened, if the outcome is `not_listened`: `transmitting`, `asleep` or `off`; empty otherwise.
     #[prost(string, tag = "8")]
     pub deafness: String,
 }

@@ -13,9 +13,9 @@
 //! watches while it runs. [`discover`] finds what the nodes hear of each other over the same air, before any robot
 //! moves. Own applications of nodes, and of robots and sinks, run in [`Simulation::with`].
 //!
-//! The same setup gives the same survey: events of one instant have a defined order (end of a signal, end of carrier
-//! sense, start of a signal, start of carrier sense, timers, application; then by station), and each random number
-//! has an address.
+//! The same setup gives the same survey, because each random number has an address, and events of one instant have a
+//! defined order. It is: end of a signal, end of carrier sense, start of a signal, start of carrier sense, timers,
+//! application; then by station.
 //!
 //! An own application: one node asks its neighbour for a reading, and the neighbour answers with two octets.
 //!

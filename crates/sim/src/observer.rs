@@ -57,7 +57,7 @@ pub trait Observer {
         self.moved(robot, time, pose.position);
     }
 
-    /// A robot believes to have this `pose` at `time`: told after each [`Observer::moved`] and [`Observer::curved`] of
+    /// A robot believes to have this `pose` at `time`: called after each [`Observer::moved`] and [`Observer::curved`] of
     /// a robot whose odometry has errors. Other robots believe what is true.
     fn believed(&mut self, _robot: usize, _time: SimTime, _pose: Pose) {}
 

@@ -48,11 +48,11 @@ impl Survey {
 pub struct RobotRecord {
     /// Its name.
     pub name: String,
-    /// Number of stops to listen, or of a mobile anchor to send; none with an application of its own.
+    /// Number of stops to listen, or of a mobile anchor to send; none with another application.
     pub stops: usize,
     /// Length of its path (m).
     pub path_length_m: f64,
-    /// Why it finished; `None` if it was interrupted, or has an application of its own.
+    /// Why it finished; `None` if it was interrupted, or has another application.
     pub ending: Option<Ending>,
     /// Time at which it finished.
     pub end: Option<SimTime>,

@@ -31,7 +31,7 @@ const MAX_CHANGES: u32 = 64;
 ///
 /// The pseudo code of the thesis does not work in some places. There, this code differs: the loop runs *until* all
 /// packets are received; each obstacle is recorded separately, for both headings, and forgotten when it is covered;
-/// the distance between lanes is a setting of its own; parts of lanes are not driven twice; the number of steps is
+/// the distance between lanes is a separate setting; parts of lanes are not driven twice; the number of steps is
 /// limited.
 #[derive(Clone, Debug)]
 pub struct AutomatedS {

@@ -37,13 +37,15 @@ pub struct DistributedMappingConfig {
     /// The coordinates of a node are bad if more than this share of its neighbours is scattered.
     #[serde(default = "default_bad_above")]
     pub bad_above: f64,
-    /// A node does not become an anchor while the standard deviation of its place, along that of x, y and z that it knows
-    /// worst, is above this times the square root of the iteration (m): those that know their places best join first.
+    /// A node does not become an anchor while the standard deviation of its place is above this times the square root
+    /// of the iteration (m). It is the largest of those along x, y and z. So those that know their places best join
+    /// first.
     /// Any deviation will do if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub new_anchor_sigma_m: Option<f64>,
-    /// An anchor gives up its place, and works it out as other nodes do, if less than this share of its bearings, of which
-    /// it has at least four, agree on how its antenna is turned: the place is wrong, or the antenna has moved. No anchor
+    /// An anchor gives up its place, and works it out as other nodes do, if less than this share of its bearings
+    /// agree on how its antenna is turned. Then the place is wrong, or the antenna has moved. It needs at least four
+    /// bearings. No anchor
     /// does so if absent. Needs `directions = "intervals"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doubt_below: Option<f64>,

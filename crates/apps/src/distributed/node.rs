@@ -25,7 +25,7 @@ const LARGEST_OCTETS: [usize; 2] = [900, 102];
 /// An anchor with fewer bearings does not doubt its place.
 const LEAST_BEARINGS: usize = 4;
 
-/// The antenna of each node: one ring of equal sectors, all raised by the same angle, which nobody knows.
+/// The antenna of each node: one ring of equal sectors, all raised by the same unknown angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeAntenna {
     /// Sectors in the ring.

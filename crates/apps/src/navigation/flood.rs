@@ -57,7 +57,7 @@ impl Flood {
         self.remember(key, 1);
         let timer = self.first_timer + self.next_timer;
         self.next_timer = (self.next_timer + 1) % self.timers;
-        // A message that still waits for the timer of this one is so old that nobody needs it.
+        // A message that still waits for the timer of this one is so old that no station needs it.
         self.waiting.insert(timer, (key, octets.to_vec()));
         port.after(self.jitter.mul_f64(draw), Timer(timer));
         true

@@ -49,7 +49,7 @@ impl Neighbourhood {
 
     /// The place of the robot on the map as the mean of those of the nodes, weighted by the ratio of received and
     /// transmit power (thesis, equation of the robot's coordinates, chapters 6 and 7). The ratio is linear: one in
-    /// decibels would grow with the distance. `None` if nobody was heard.
+    /// decibels would grow with the distance. `None` if no node was heard.
     #[must_use]
     pub fn centroid(&self) -> Option<Position> {
         // Relative to the strongest one, so that no weight underflows.

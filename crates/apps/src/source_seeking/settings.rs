@@ -231,7 +231,7 @@ fn goal(config: &GoalConfig, fields: &[Field]) -> Result<Goal, SettingError> {
 fn field(name: Option<&str>, fields: &[Field]) -> Result<FieldId, SettingError> {
     let names = || {
         let names: Vec<String> = fields.iter().map(|field| format!("`{}`", field.name())).collect();
-        if names.is_empty() { "a field in [[world.fields]]: there is none".into() } else { names.join(", ") }
+        if names.is_empty() { "a field in `[[world.fields]]`".into() } else { names.join(", ") }
     };
     let index = match (name, fields) {
         (Some(name), _) => fields

@@ -45,7 +45,7 @@ impl Sub for Cost {
 /// The target of each robot. `times_s[robot][target]` says how long the robot would take to meet the target (s);
 /// `None` if it cannot. A time that is not a number counts as `None`.
 ///
-/// As many targets as possible get a robot of their own, and then the sum of the times is least (Kuhn 1955; Munkres
+/// As many targets as possible get one robot each, and then the sum of the times is least (Kuhn 1955; Munkres
 /// 1957). A robot that is left over goes to the target that it meets first, so some targets may have several. A robot
 /// that can meet no target has none. If two choices cost the same, the result depends on the order of robots and
 /// targets alone.
@@ -76,7 +76,7 @@ pub fn assign(times_s: &[Vec<Option<f64>>]) -> Vec<Option<usize>> {
     own.into_iter().enumerate().map(target).collect()
 }
 
-/// A column of its own for each row, with the least sum of costs: shortest augmenting paths, one row at a time, in
+/// Another column for each row, with the least sum of costs: shortest augmenting paths, one row at a time, in
 /// O(rows² · columns) (Jonker and Volgenant 1987). There are at least as many columns as rows.
 fn least_cost(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> Cost) -> Vec<(usize, usize)> {
     // Column `columns` stands for the row that is being added.

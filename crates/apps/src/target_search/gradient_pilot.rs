@@ -22,7 +22,7 @@ struct Heard {
 }
 
 impl GradientPilot {
-    /// A node told its pseudo-gradient.
+    /// A node sent its pseudo-gradient.
     pub(super) fn hear(&mut self, node: StationId, message: &GradientMessage, rssi: Dbm) {
         let heard = Heard { round: message.round, value: message.value, rssi };
         let of_target = self.heard.entry(message.target).or_default();
@@ -34,7 +34,7 @@ impl GradientPilot {
     }
 
     /// The node to drive to: that with the least pseudo-gradient in the latest round, and among equal ones that with the
-    /// largest power. `None` if nobody was heard.
+    /// largest power. `None` if no node was heard.
     pub(super) fn choose(&self, target: TargetId) -> Option<StationId> {
         let of_target = self.heard.get(&target)?;
         let latest = of_target

@@ -54,7 +54,7 @@ pub enum Message {
         /// Hops from the sink to the sender.
         hops: u8,
     },
-    /// A node tells the sink that it detected a target that nobody knew.
+    /// A node tells the sink that it detected a target that was unknown.
     Detection(FirstDetection),
     /// A sink tells all robots where and when a target was detected first.
     Alarm {
@@ -89,7 +89,7 @@ pub struct Detection {
     pub left: Option<SimTime>,
 }
 
-/// A node detected a target that nobody knew.
+/// A node detected a target that was unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstDetection {
     /// The node that detected it.

@@ -235,7 +235,7 @@ impl SearchRobot {
                 self.record.steps.push(SearchStep { time, place, target, predicted, goal, latest });
                 self.set_out(place, goal, port);
             } else if let Some(nearest) = self.nearest(place).filter(|_| self.is_lost()) {
-                // It is outside the network, where nobody can tell it anything.
+                // It is outside the network, where no station can reach it.
                 self.set_out(place, nearest, port);
             }
         } else {

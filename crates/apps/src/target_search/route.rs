@@ -16,7 +16,7 @@ const NO_WAY: u8 = u8::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Route {
     parents: Vec<Parent>,
-    /// Messages for which there is no way yet, or nobody acknowledged.
+    /// Messages for which there is no way yet, or that were not acknowledged.
     waiting: Vec<FirstDetection>,
     under_way: Vec<UnderWay>,
     failures: u64,

@@ -20,7 +20,7 @@ const FLOODS: u16 = 64;
 /// The timers of the alarms, one for each target.
 const FIRST_ALARM: u16 = 1000;
 
-/// How often the nodes are told the way, and how long the sink waits in between.
+/// How often the nodes get the way, and how long the sink waits in between.
 const TREES: u32 = 2;
 const TREE_INTERVAL: Duration = Duration::from_millis(800);
 /// How long it gathers detections after the first one has come.

@@ -45,7 +45,7 @@ impl Team {
         self.has_news = true;
     }
 
-    /// Another robot told its plans.
+    /// Another robot sent its plans.
     pub(super) fn hear(&mut self, robot: StationId, claims: &[(TargetId, Claim)], now: SimTime) {
         let mut times_s = BTreeMap::new();
         for &(target, claim) in claims {

@@ -60,7 +60,7 @@ impl Tracker {
         }
     }
 
-    /// A node told when it detected the target.
+    /// A node reported when it detected the target.
     pub(super) fn learn(&mut self, node: NodeId, place: Position, sightings: &[Sighting], until: SimTime) {
         self.sightings.add(&NodeSightings { node, place, since: SimTime::ZERO, until, sightings });
     }

@@ -167,7 +167,7 @@ pub(super) struct Aim {
     pub(super) elevation_rad: f64,
     /// Half-power width in azimuth.
     pub(super) width_rad: f64,
-    /// Half-power width in elevation, if it has one of its own.
+    /// Half-power width in elevation, if it is set.
     pub(super) vertical_width_rad: Option<f64>,
 }
 

@@ -31,7 +31,7 @@ pub struct AntennaSectorsConfig {
     /// Half-power width of a beam in azimuth (degrees), at most 180; if absent, the width of a sector.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub beam_width_deg: Option<f64>,
-    /// Width of a beam in elevation (degrees), of patterns that have one of their own; that in azimuth if absent.
+    /// Width of a beam in elevation (degrees), of patterns that need one; that in azimuth if absent.
     /// It also limits the elevations for which a ring stands on a map. If absent, rings meet half way between their
     /// boresights, and the outermost reach straight up and down.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
@@ -61,7 +61,7 @@ fn one_ring() -> Vec<f64> {
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]
 pub enum Vertical {
-    /// Each ring is an antenna of its own (vertical antenna array); one sweep covers all, at most 128 sectors.
+    /// Each ring is a separate antenna (vertical antenna array); one sweep covers all, at most 128 sectors.
     #[default]
     Array,
     /// One antenna is tilted to one ring after the other (vertical beam steering), with a sweep for each.

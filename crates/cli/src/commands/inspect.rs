@@ -16,7 +16,7 @@ use sextant_recording::{self as recording, Inspection};
 /// Arguments of `sextant inspect`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// A recording of `run`; or the log of a robot, as for `map`. Of a log, what is odd in it is told, what that costs, and
+    /// A recording of `run`; or the log of a robot, as for `map`. For a log, it also prints what is odd in it, what that costs, and
     /// what corrects it
     #[arg(value_name = "LOG")]
     pub(crate) log: PathBuf,

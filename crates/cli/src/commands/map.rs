@@ -22,9 +22,10 @@ use sextant_recording::output::{open_folder, write_file};
 /// Arguments of `sextant map`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Arguments {
-    /// A recording of `run`; or the log of a robot: a folder with stops.csv and receptions.csv or with path.csv and
-    /// packets.csv, a table with a row a stop and a column a node, a ROS 2 bag (an MCAP file, or a folder of `ros2 bag record`),
-    /// the capture of a sniffer (pcap, pcapng; needs --path), a list of packets (CSV; needs --path) or a path (needs --packets)
+    /// A recording of `run`, or the log of a robot. A log is a folder with stops.csv and receptions.csv, or with
+    /// path.csv and packets.csv, or a table with a row a stop and a column a node. It may be a ROS 2 bag (an MCAP
+    /// file, or a folder of `ros2 bag record`). With --path it may be the capture of a sniffer (pcap, pcapng) or a
+    /// list of packets (CSV), with --packets a path
     #[arg(value_name = "LOG")]
     pub(crate) log: PathBuf,
     /// The probability of a reception as a function of distance: `fitted` (estimated from the log),
@@ -48,8 +49,9 @@ pub(crate) struct Arguments {
     /// that 4101 is 0x1005). The maps have the names
     #[arg(long, value_name = "names.csv")]
     pub(crate) names: Option<PathBuf>,
-    /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order: one a
-    /// row with columns x_m,y_m, or a GeoJSON polygon in metres. If the log has lat,lon, so has the file. Only for
+    /// All nodes are within this area: a box x0,y0,x1,y1 in metres, or a file with the corners of a polygon in order.
+    /// The file has one corner a row with columns x_m,y_m, or is a GeoJSON polygon in metres. If the log has lat,lon,
+    /// so has the file. Only for
     /// algorithms that use it
     #[arg(long, value_name = "FILE|x0,y0,x1,y1", allow_hyphen_values = true)]
     pub(crate) area: Option<String>,
@@ -57,14 +59,16 @@ pub(crate) struct Arguments {
     /// exp(-d / METRES). Only for algorithms that use it
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     pub(crate) near_stops: Option<f64>,
-    /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern (why a position is
-    /// unreliable: at-edge, unsettled or no-evidence), the entries of the covariance, if there is one, and lat,lon, if the
-    /// log has them. A name that ends in .geojson gets GeoJSON. Each further map is written to MAP.NAME.csv in the same
+    /// Write the map to this CSV file, with columns node,x_m,y_m,z_m,ties,infeasible,concern. The concern is why a
+    /// position is unreliable: at-edge, unsettled or no-evidence. The entries of the covariance follow, if there is
+    /// one, and lat,lon, if the log has them. A name that ends in .geojson gets GeoJSON. Each further map is written
+    /// to MAP.NAME.csv in the same
     /// folder
     #[arg(long, value_name = "MAP.csv")]
     pub(crate) out: Option<PathBuf>,
-    /// Draw the survey, the maps with the 95 % regions of the nodes, the reception curves against the data, the residual of
-    /// each stop and, if true positions are known, the distribution of the errors, to files in this folder. It is created
+    /// Draw figures to files in this folder: the survey, the maps with the 95 % regions of the nodes, the reception
+    /// curves against the data, and the residual of each stop. If true positions are known, the distribution of the
+    /// errors is drawn too. It is created
     /// if it does not exist
     #[arg(long, value_name = "DIR")]
     pub(crate) figure: Option<PathBuf>,

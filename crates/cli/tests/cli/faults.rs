@@ -81,7 +81,7 @@ fn invalid_faults_are_refused_at_their_keys() {
         (&["faults.deaths={share=0.5, from_s=2, to_s=1}"][..], "faults.deaths.to_s", "1"),
         (&["faults.deaths={names=[\"nobody\"], from_s=0, to_s=1}"][..], "faults.deaths.names[0]", "`nobody`"),
         (&["faults.lying_anchors.names=[\"nobody\"]", lying][..], "faults.lying_anchors.names[0]", "`nobody`"),
-        (&[lying][..], "faults.lying_anchors", "absent"),
+        (&[lying][..], "faults.lying_anchors", "is missing"),
     ] {
         let text = refused("smoke.toml", settings);
         assert!(text.contains(key) && text.contains(found), "{settings:?}: {text}");

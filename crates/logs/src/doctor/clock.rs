@@ -1,4 +1,4 @@
-//! How late the clock of the packets is by that of the path, told by the packets themselves.
+//! How late the clock of the packets is by that of the path, estimated from the packets themselves.
 //!
 //! A robot that passes a place in two directions hears a node there alike. If the packets are late, the places of the
 //! one passage are shifted one way and those of the other the other way, and no place of the node explains both. So for each

@@ -39,7 +39,7 @@ pub enum SweepPurpose {
         /// Its sectors.
         layout: SectorLayout,
     },
-    /// The station says that it is there; no one answers.
+    /// The station announces itself; there are no answers.
     Announce,
     /// All stations get a payload, in a DMG Beacon frame from each sector; no one answers.
     Broadcast {

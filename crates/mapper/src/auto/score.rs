@@ -39,7 +39,7 @@ pub(super) struct Predicted {
 /// happen is wrong, but not infinitely so.
 const SURPRISE: f64 = 1e-3;
 
-/// Strengths that nobody expects are anywhere in this range (dB).
+/// Unexpected strengths are anywhere in this range (dB).
 const WIDTH_DB: f64 = 80.0;
 
 impl Predicted {

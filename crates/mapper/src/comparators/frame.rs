@@ -9,7 +9,7 @@ use sextant_kernel::NodeId;
 
 use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
 
-/// What a map without a frame of its own is aligned to, as written in a scenario.
+/// What a map without the frame of the world is aligned to, as written in a scenario.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "config", derive(Serialize, Deserialize, JsonSchema))]
 #[cfg_attr(feature = "config", serde(rename_all = "snake_case"))]

@@ -38,7 +38,7 @@ impl Default for MdsMapConfig {
     }
 }
 
-/// MDS-MAP. Each connected part of the network has a map of its own. Parts with fewer nodes than the number of
+/// MDS-MAP. Each connected part of the network has a separate map. Parts with fewer nodes than the number of
 /// dimensions plus two are not mapped. Needs memory for the hops between all pairs of the nodes of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MdsMap {

@@ -53,7 +53,7 @@ impl Default for SmacofConfig {
 
 /// SMACOF. The distance of two neighbours follows from the mean strength of all packets that they received from each
 /// other. Pairs that are not neighbours have no weight. The start is the map of MDS-MAP, scaled to the distances.
-/// Each connected part of the network has a map of its own.
+/// Each connected part of the network has a separate map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smacof {
     ranging: Ranging,

@@ -67,7 +67,7 @@ impl Default for TpmConfig {
 /// centred), the map is the second and third column of `P V`, in space the second to fourth; the first column is
 /// about the mean distance to the landmarks, so it is not an axis. `V` comes from the small matrix `PᵀP`, or from the
 /// hops between the landmarks alone. Columns of `V` have no sign; the entry of largest magnitude is made positive.
-/// Each connected part of the network has a map of its own, in hops, up to rotation, reflection and scale; parts with
+/// Each connected part of the network has a separate map, in hops, up to rotation, reflection and scale; parts with
 /// fewer nodes than the number of dimensions plus two are not mapped. Nodes with the same hop counts share one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tpm {

@@ -28,7 +28,7 @@ pub(crate) struct PredictedMargin {
 /// Distances below this share of the usual distance of a link are taken as it.
 const NEAREST: f64 = 0.02;
 
-/// Predicts the margins of links between a node and places where nobody has listened yet, from its links in a log.
+/// Predicts the margins of links between a node and places where no robot has listened yet, from its links in a log.
 #[derive(Debug)]
 pub(crate) struct Predictor {
     links: Links,

@@ -33,7 +33,7 @@ const LEAST_STEP_M: f64 = 0.01;
 
 /// The expected distance between a node and its posterior mean under the true model with a uniform prior, averaged
 /// over the heard nodes (m). No estimator from the same log has a smaller mean squared error than the posterior mean.
-/// `None` if no node was heard. Each posterior is computed on a grid of its own round the given place, in steps of
+/// `None` if no node was heard. Each posterior is computed on a separate grid round the given place, in steps of
 /// about half its spread; probability elsewhere is left out. If there are more than a thousand nodes, at most a
 /// thousand of them are evaluated, evenly chosen. The result is bit-identical for any number of threads.
 ///

@@ -5,10 +5,10 @@
 //! normal distribution function (shadowing is normal in decibels). z falls with distance in any way, even with a hard
 //! cut. A is what obstacles absorb along the straight line, in standard deviations of the shadowing. `e_s` is the
 //! share of packets that survive collisions and the receiver. All are estimated in turn, in many rounds, from coarse
-//! to fine steps: the posterior of each node on a grid round its last place; the curve, by isotonic regression of the
-//! counts expected under these posteriors; the efficiency of a stop, from the number of packets that it heard and the
-//! number expected; the absorption of cells, by penalised maximum likelihood along the straight lines (radio
-//! tomography; Wilson and Patwari 2010).
+//! to fine steps. The posterior of each node is computed on a grid round its last place. The curve follows by
+//! isotonic regression of the counts expected under these posteriors. The efficiency of a stop follows from the
+//! number of packets that it heard and the number expected. The absorption of cells follows by penalised maximum
+//! likelihood along the straight lines (radio tomography; Wilson and Patwari 2010).
 //!
 //! Obstacles are upright: the loss of a line in a cell is that of its projection on the plane, times its slant. This
 //! model does not hold if the stops have several heights. Obstacles are then not searched for, and

@@ -25,9 +25,10 @@ pub struct SelfCalibratedConfig {
     /// even beyond this number. A log that lists more than 50000 pairs of a node and a stop has at most 30.
     #[cfg_attr(feature = "config", serde(default = "default_max_rounds"))]
     pub max_rounds: u32,
-    /// Lowest and highest height of a node (m). If absent, nodes are searched for in the plane of the stops if the
-    /// heights of the stops differ by at most a grid step, or by at most a tenth of the spread in the plane of the
-    /// stops that hear one node; otherwise up to the reach seen in the log below and above the stops.
+    /// Lowest and highest height of a node (m). If absent, level stops mean that nodes are searched for in their
+    /// plane. Stops are level if their heights differ by at most a grid step, or by at most a tenth of the spread in
+    /// the plane of the stops that hear one node. Otherwise nodes are searched for up to the reach seen in the log
+    /// below and above the stops.
     #[cfg_attr(feature = "config", serde(default, skip_serializing_if = "Option::is_none"))]
     pub z_range_m: Option<[f64; 2]>,
 }
@@ -41,7 +42,7 @@ pub enum ObstacleKnowledge {
     None,
     /// Which packets were received at which stops.
     FromReceptions,
-    /// In addition, what the robot knows of its own way: there is no obstacle where it drove straight from one stop
+    /// In addition, what the robot knows of its way: there is no obstacle where it drove straight from one stop
     /// to the next, and an obstacle is likely where it met one.
     #[default]
     FromLog,

@@ -19,7 +19,7 @@ pub enum RunError {
     #[error(transparent)]
     Map(MapError),
     /// The map of an application has too few places.
-    #[error("the map `{map}` of the application `{application}` has {}, which are no map", counted(*.places, "place"))]
+    #[error("the map `{map}` of the application `{application}` has {}; a map needs more", counted(*.places, "place"))]
     FewPlaces {
         /// Name of the map.
         map: String,

@@ -199,7 +199,7 @@ impl<O: RunObserver> RunObserver for Option<O> {
     }
 }
 
-/// Both are told, the first one first, also if it fails; the first error counts.
+/// Both are called, the first one first, also if it fails; the first error counts.
 impl<A: RunObserver, B: RunObserver> RunObserver for (A, B) {
     fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
         let first = self.0.run_started(start);

@@ -4,16 +4,16 @@ use sextant_kernel::{SimTime, Watch};
 use sextant_recording::Phase;
 use sextant_sim::Survey;
 
-use super::application::{MadeMap, Stage, perform};
+use super::application::{MadeMap, Performance, ReadyApplication, Stage};
 use super::discovery::Discoveries;
 use super::distributed::evaluate_distributed;
 use super::error::RunError;
 use super::evaluation::{Evaluation, bound_m, evaluate};
-use super::observer::{MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
+use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use super::outcome::sum_up;
 use super::simulator::{Simulated, Simulator};
 use super::stop::Stop;
-use crate::scenario::Scenario;
+use crate::scenario::{Application, Scenario};
 use crate::summary::{ApplicationSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A scenario that was run.
@@ -236,4 +236,26 @@ fn apply_all(
     }
     let interrupted = summaries.iter().any(|summary| summary.interrupted);
     Ok((summaries, interrupted))
+}
+
+/// Runs an application on one of the maps.
+fn perform(
+    stage: &Stage<'_>,
+    application: &Application,
+    observer: &mut dyn RunObserver,
+    watch: &dyn Watch,
+) -> Result<Performance, RunError> {
+    let Stage { scenario, start, .. } = *stage;
+    let ready = ReadyApplication::new(stage, application)?;
+    let robots = ready.robots();
+    observer.simulation_started(&SimulationStart {
+        scenario,
+        application: Some(application),
+        robots: &robots,
+        start,
+    })?;
+    let (survey, performance) = ready.run(&mut &mut *observer, watch)?;
+    let end = ApplicationEnd { scenario, application, start, survey: &survey, performance: &performance };
+    observer.application_finished(&end)?;
+    Ok(performance)
 }

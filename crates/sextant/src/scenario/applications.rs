@@ -71,7 +71,7 @@ pub(super) struct Surroundings<'a> {
     pub(super) distributed: Option<&'a DistributedMap>,
 }
 
-/// The applications of the scenario, with names of their own.
+/// The applications of the scenario, with unique names.
 pub(super) fn check_applications(around: &Surroundings<'_>, errors: &mut Errors<'_>) -> Vec<Application> {
     let mut applications: Vec<Application> = Vec::new();
     for (i, written) in around.config.applications.iter().enumerate() {
@@ -225,7 +225,7 @@ impl Surroundings<'_> {
         errors.found.len() == before
     }
 
-    /// Refuses applications that have nothing to search, or nobody who can detect it.
+    /// Refuses applications that have nothing to search, or no node that can detect it.
     fn check_sensed(&self, written: &ApplicationConfig, network: NetworkId) -> Result<(), SettingError> {
         let World { targets, fields, .. } = &self.setup.world;
         let sensors = &self.config.sensors;

@@ -95,7 +95,7 @@ pub(super) fn check(
     }
     let seed = Seed(config.seed);
     let Robots { of_survey: robots, bodies } = robots;
-    // Where nobody surveys, maps need no more than the names of the nodes.
+    // Without a survey, maps need no more than the names of the nodes.
     let nothing_happens = !config.has_traffic() && config.distributed_mapping.is_none();
     let duration = if nothing_happens { Some(Duration::ZERO) } else { duration.flatten() };
     let mut setup = Setup { world, networks, robots, sinks, duration, faults, seed };
@@ -124,7 +124,7 @@ pub(super) fn check(
     (Some(Parts { setup, bodies, anchors, discovery, packets_per_stop, distributed, applications, warm_up }), maps)
 }
 
-/// The sources of noise, with names of their own.
+/// The sources of noise, with unique names.
 fn check_interferers(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Vec<Interferer> {
     let mut interferers: Vec<Interferer> = Vec::new();
     for (i, interferer) in config.interferers.iter().enumerate() {
@@ -159,7 +159,7 @@ fn check_warm_up(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Duration {
     errors.take("", checked).unwrap_or_default()
 }
 
-/// Whether nodes send traffic for a time to nobody, and nothing else happens in that time: no map in the nodes, and nothing
+/// Whether nodes send traffic for a time without a receiver, and nothing else happens in that time: no map in the nodes, and nothing
 /// that they sense.
 fn has_no_receiver(config: &ScenarioConfig) -> bool {
     let surveys = config.robots.iter().any(|robot| robot.role != RoleConfig::Agent);

@@ -92,7 +92,7 @@ pub struct ScenarioConfig {
     /// A map that the nodes compute themselves, from messages among them; none if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distributed_mapping: Option<DistributedMappingConfig>,
-    /// What robots and nodes do on a map of the nodes, one after the other: each is a simulation of its own.
+    /// What robots and nodes do on a map of the nodes, one after the other: each is a separate simulation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub applications: Vec<ApplicationConfig>,
     /// How maps are compared with the truth.

@@ -77,8 +77,8 @@ pub(super) fn check_distributed(
     let network = errors.take(TABLE, network)?;
     check_phase(written, has_mobile, errors);
     if anchors.is_empty() && !has_mobile {
-        let allowed = "at least one node, or a robot with `role = \"anchor\"`: somebody must know a place";
-        errors.refuse(&SettingError::new("anchors", "no node", allowed));
+        let needed = "at least one node, or a robot with `role = \"anchor\"`, that knows its place";
+        errors.refuse(&SettingError::missing("anchors", needed));
     }
     let algorithm = if has_mobile { "dmmtm-hs" } else { "dmmtm-ss" };
     let name = written.name.clone().unwrap_or_else(|| algorithm.to_owned());

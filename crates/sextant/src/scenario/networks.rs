@@ -58,7 +58,7 @@ impl CheckedLinks {
     }
 }
 
-/// The tables of a scenario: those of its networks, and those for all networks without a table of their own.
+/// The tables of a scenario: those of its networks, and those for all networks that lack the table.
 #[derive(Clone, Copy)]
 pub(super) struct ScenarioTables<'a> {
     pub(super) networks: &'a BTreeMap<String, NetworkConfig>,
@@ -261,7 +261,7 @@ fn members(
                 match &network.nodes {
                     Some(NodesOfGroup::Others {}) | None => {}
                     Some(chosen) => {
-                        // An error in the other network is told there.
+                        // An error in the other network is reported there.
                         let taken = self::members(chosen, nodes, None, networks).unwrap_or_default();
                         members.iter_mut().zip(taken).for_each(|(member, taken)| *member &= !taken);
                     }

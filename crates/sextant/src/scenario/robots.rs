@@ -24,7 +24,7 @@ pub(super) struct Robots {
     pub(super) bodies: Vec<RobotBody>,
 }
 
-/// The robots, with names of their own.
+/// The robots, with unique names.
 pub(super) fn check_robots(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Robots {
     let mut robots = Robots::default();
     for (i, robot_config) in config.robots.iter().enumerate() {

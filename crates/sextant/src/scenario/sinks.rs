@@ -8,7 +8,7 @@ use super::config::ScenarioConfig;
 use super::errors::Errors;
 use super::networks;
 
-/// The sinks, with names of their own.
+/// The sinks, with unique names.
 pub(super) fn check_sinks(config: &ScenarioConfig, world: Option<&World>, errors: &mut Errors<'_>) -> Vec<Sink> {
     let none = ObstacleField::default();
     let obstacles = world.map_or(&none, |world| &world.obstacles);

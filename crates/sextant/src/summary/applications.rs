@@ -45,7 +45,7 @@ pub struct ApplicationSummary {
     /// The targets, if it searches them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<ApplicationTarget>,
-    /// Distances between where stations thought that targets were and where they were (m). Absent if nobody thought so.
+    /// Distances between where stations thought that targets were and where they were (m). Absent if no station thought so.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prediction_error_m: Option<ErrorSummary>,
     /// Distances between where robots thought to be and where they were (m). Absent if no robot thought so.
@@ -108,7 +108,7 @@ pub struct SearchInstant {
     /// the duration of the application, and once the last target left.
     pub distance_to_target_m: Option<f64>,
     /// Distance between where stations thought that targets were and where they were (m): the mean since the previous
-    /// instant. Absent if nobody thought so.
+    /// instant. Absent if no station thought so.
     pub prediction_error_m: Option<f64>,
 }
 

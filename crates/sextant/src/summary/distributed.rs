@@ -67,7 +67,7 @@ pub struct AnchorCounts {
     pub gave_up: usize,
     /// Nodes that became anchors.
     pub new: usize,
-    /// Anchors, initial or new, that did not work out the directions of their sectors, because no anchor told that it
+    /// Anchors, initial or new, that did not work out the directions of their sectors, because no anchor reported that it
     /// had heard them, or the map was complete before. Absent without sectors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub without_directions: Option<usize>,

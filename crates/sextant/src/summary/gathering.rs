@@ -101,7 +101,7 @@ impl GatheringSummary {
     }
 }
 
-/// Packets that nobody listened to, by the reason. Of several receivers, the one that was nearest to listening counts:
+/// Packets to which no receiver listened, by the reason. Of several receivers, the one that was nearest to listening counts:
 /// one that transmits before one that is asleep before one that is off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct NotListenedSummary {

@@ -25,7 +25,7 @@ pub struct MacSummary {
     /// The sinks, and the robots if the network has any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sinks: Vec<SinkSummary>,
-    /// The groups of nodes with traffic of their own.
+    /// The groups of nodes, each with its traffic.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub groups: Vec<NamedTraffic>,
     /// The nodes.

@@ -87,9 +87,9 @@ fn gathering_rows(gathering: &GatheringSummary) -> Vec<Vec<String>> {
     row("sent out of range", count(gathering.out_of_range), "");
     row("lost to a full queue", count(gathering.lost_queue), "");
     if let Some(unheard) = &gathering.not_listened_by {
-        row("receiver transmitting", Some(unheard.transmitting.to_string()), "sent while nobody listened");
-        row("receiver asleep", Some(unheard.asleep.to_string()), "sent while nobody listened");
-        row("receiver off", Some(unheard.off.to_string()), "sent while nobody listened");
+        row("receiver transmitting", Some(unheard.transmitting.to_string()), "sent while no receiver listened");
+        row("receiver asleep", Some(unheard.asleep.to_string()), "sent while no receiver listened");
+        row("receiver off", Some(unheard.off.to_string()), "sent while no receiver listened");
     }
     row("pending", count(gathering.pending), "");
     if let Some(energy) = &gathering.energy_j {

@@ -41,7 +41,7 @@ pub(super) struct Budget {
 struct Remembered {
     /// One plus the address of the link; zero if there is none.
     link: u64,
-    /// Mean power (dBm) if each packet has a shadowing of its own or antennas have sectors, or else the power (mW). Not a
+    /// Mean power (dBm) if each packet has its shadowing or antennas have sectors, or else the power (mW). Not a
     /// number beyond the radius of communication.
     power: f64,
 }
@@ -51,7 +51,7 @@ struct Remembered {
 struct RememberedMobile {
     /// Where the two stations were.
     places: [Position; 2],
-    /// Mean power if each packet has a shadowing of its own, or else the power, without antennas (dBm). Not a number
+    /// Mean power if each packet has its shadowing, or else the power, without antennas (dBm). Not a number
     /// beyond the radius of communication.
     power: f64,
 }

@@ -87,7 +87,7 @@ pub(crate) struct Air {
     seed: Seed,
     near: Vec<Listener<Position>>,
     reached: Reached,
-    /// Changes of the carrier that nobody has taken yet.
+    /// Changes of the carrier that have not been taken yet.
     carrier_changes: Vec<CarrierChange>,
 }
 

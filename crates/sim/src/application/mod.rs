@@ -12,7 +12,7 @@ use crate::service::report::SendReport;
 use crate::service::sensed::Sensed;
 use crate::service::sweep::{Announcement, SweepAnswer};
 
-/// What runs on a station. It is told of what happens, and acts through its [`Port`]. By default an application does
+/// What runs on a station. It reacts to what happens, and acts through its [`Port`]. By default an application does
 /// nothing.
 pub trait Application {
     /// Whether it looks at what is delivered to it. Receptions of a station whose application does not are not worked
@@ -53,7 +53,7 @@ pub trait Application {
     /// The sector sweep is over that [`Port::sweep`] began; `answers` are by station.
     fn swept(&mut self, _network: NetworkId, _answers: &[SweepAnswer], _port: &mut Port<'_>) {}
 
-    /// A frame was received of a sweep with which another station says that it is there.
+    /// A frame was received of a sweep with which another station announces itself.
     fn announced(&mut self, _announcement: &Announcement, _port: &mut Port<'_>) {}
 
     /// The time to listen is over that [`Port::listen`] began.

@@ -34,7 +34,7 @@ pub(crate) enum Says {
     Sweeps(Announcer),
 }
 
-/// Sweeps of a node that says that it is there, at the times of a traffic.
+/// Sweeps of a node that announces itself, at the times of a traffic.
 pub(crate) struct Announcer {
     network: NetworkId,
     traffic: Arc<Traffic>,

@@ -6,7 +6,7 @@ use crate::event::Timer;
 use crate::service::network_id::NetworkId;
 use crate::service::report::SendReport;
 
-/// The application of a node that has none of its own: it sends the traffic of its networks and looks at nothing that
+/// The application of a node without another one: it sends the traffic of its networks and looks at nothing that
 /// it hears.
 #[derive(Clone, Debug)]
 pub struct NodeTraffic(Sources);

@@ -19,14 +19,14 @@ pub enum RobotTask {
     /// It surveys: it drives as its controller says, listens at its stops, and logs what it hears.
     Survey(Box<dyn Controller>),
     /// It is a mobile anchor: it sends a message to all at each stop. It hears nothing, and its stops are in no log:
-    /// mappers would take them for stops where it heard nobody.
+    /// mappers would take them for stops where it heard no node.
     MobileAnchor {
         /// What drives it.
         controller: Box<dyn Controller>,
         /// What it sends.
         broadcast: Box<dyn Broadcast>,
     },
-    /// An application of its own says what it does: see [`Simulation::with`](crate::Simulation::with).
+    /// A given application says what it does: see [`Simulation::with`](crate::Simulation::with).
     Own,
 }
 
@@ -43,7 +43,7 @@ impl Robot {
         matches!(self.task, RobotTask::MobileAnchor { .. })
     }
 
-    /// The same as a mobile anchor that sends `broadcast`; a robot with an application of its own stays as it is.
+    /// The same as a mobile anchor that sends `broadcast`; a robot with a given application stays as it is.
     #[must_use]
     pub fn with_broadcast(self, broadcast: Box<dyn Broadcast>) -> Self {
         let task = match self.task {

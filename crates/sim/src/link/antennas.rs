@@ -51,7 +51,7 @@ fn is_not_tilted(tilts_deg: &[f64]) -> bool {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HeadingsConfig {
-    /// Each node by an angle of its own about the vertical, which nobody knows: nodes have no compass.
+    /// Each node by another angle about the vertical, which is unknown: nodes have no compass.
     #[default]
     Random,
     /// All alike: sector 0 points along x.

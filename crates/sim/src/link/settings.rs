@@ -15,7 +15,7 @@ use crate::air::ReceptionRules;
 use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
 
-/// Where the links of a network are: what is told to a technology when they are set up.
+/// Where the links of a network are: what a technology gets when they are set up.
 #[derive(Clone)]
 pub(crate) struct Placement {
     pub(crate) network: NetworkId,
@@ -139,7 +139,7 @@ pub(crate) trait LinkSettings {
         Ok(None)
     }
 
-    /// The settings before any robot or sink is there: receivers always on, nobody coordinates.
+    /// The settings before any robot or sink is there: receivers always on, no coordinator.
     fn listen_always(&mut self) {}
 
     /// How its frames are written into a capture.

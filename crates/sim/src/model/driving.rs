@@ -10,7 +10,7 @@ use crate::purpose;
 use crate::service::delivery::DriveEnd;
 use crate::station::{Curve, Luck, Motion, Pose, Trip, Way, turned};
 
-/// Largest turn of a part of an arc that is told to the observer (rad): 5 degrees.
+/// Largest turn of a part of an arc that the observer sees (rad): 5 degrees.
 const TURN_OF_PART_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// Where a robot should drive.
@@ -190,7 +190,7 @@ impl Model {
     }
 }
 
-/// Number of parts of equal length in which a trip is told to the observer.
+/// Number of parts of equal length in which the observer sees a trip.
 fn parts(trip: &Trip) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of parts")]
     let parts = (trip.turn_rad.abs() / TURN_OF_PART_RAD).ceil() as u32;

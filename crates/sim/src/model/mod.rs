@@ -27,7 +27,7 @@ pub(crate) struct Model {
     pub(crate) world: World,
     pub(crate) vehicles: Vec<Vehicle>,
     pub(crate) sensing: Sensing,
-    /// What is to be told to the observer.
+    /// What the observer will see.
     pub(crate) notes: Vec<Note>,
     /// Which stations have a task that they have not finished.
     pub(crate) has_task: Vec<bool>,
@@ -35,7 +35,7 @@ pub(crate) struct Model {
     pub(crate) unfinished: usize,
 }
 
-/// What is to be told to the observer.
+/// What the observer will see.
 #[derive(Clone, Debug)]
 pub(crate) enum Note {
     /// A robot that stands or drives straight is at a place now.
@@ -70,7 +70,7 @@ impl Model {
         }
     }
 
-    /// Tells the observer what is to be told, and keeps what belongs into the log. Returns whether a stop was among
+    /// Shows the observer what happened, and keeps what belongs into the log. Returns whether a stop was among
     /// it.
     pub(crate) fn tell(&mut self, logs: &mut log::Logs, observer: &mut impl Observer) -> bool {
         let now = self.scene.now;

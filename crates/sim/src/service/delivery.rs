@@ -1,4 +1,4 @@
-//! What an application is told.
+//! What an application gets.
 
 use sextant_channel::{Db, Dbm, Position};
 use sextant_kernel::StationId;

@@ -56,7 +56,7 @@ impl FrameOutcome {
         }
     }
 
-    /// Why nobody listened, if nobody did.
+    /// Why no receiver listened, if none did.
     #[must_use]
     pub fn deafness(self) -> Option<Deafness> {
         match self {

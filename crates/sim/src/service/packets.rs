@@ -28,13 +28,13 @@ pub struct Packets {
     pub lost_signal: u64,
     /// All that listened were beyond the radius of communication.
     pub out_of_range: u64,
-    /// Nobody listened: the sum of the next three.
+    /// No receiver listened: the sum of the next three.
     pub not_listened: u64,
-    /// Nobody listened, because the receiver sent something itself. Not part of the sum.
+    /// No receiver listened, because it sent something itself. Not part of the sum.
     pub not_listened_transmitting: u64,
-    /// Nobody listened, because the receiver was asleep or idle. Not part of the sum.
+    /// No receiver listened, because it was asleep or idle. Not part of the sum.
     pub not_listened_asleep: u64,
-    /// Nobody listened, because no receiver was in use. Not part of the sum.
+    /// No receiver listened, because none was in use. Not part of the sum.
     pub not_listened_off: u64,
     /// Still in a MAC or in its queue at the end.
     pub pending: u64,

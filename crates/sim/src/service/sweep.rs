@@ -10,7 +10,7 @@ use super::network_id::NetworkId;
 pub enum SweepKind {
     /// All nodes that hear it.
     Gather,
-    /// Nobody: the station says that it is there.
+    /// No station: the sender announces itself.
     Announce,
 }
 
@@ -30,7 +30,7 @@ pub struct SweepAnswer {
     pub node_sector: u8,
 }
 
-/// A frame of a sweep with which another station says that it is there.
+/// A frame of a sweep with which another station announces itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Announcement {
     /// The network in which it was received.

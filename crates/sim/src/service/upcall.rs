@@ -24,7 +24,7 @@ pub(crate) enum Upcall {
     Listened { station: StationId },
     /// The sweep of the station is over. The answers are still in the network.
     Swept { station: StationId },
-    /// The station heard another one that says that it is there.
+    /// The station heard another one that announces itself.
     Announced { station: StationId, announcement: Announcement },
 }
 

@@ -1,11 +1,11 @@
-//! The applications that stations have of their own.
+//! The applications that a caller gives to stations.
 
 use sextant_kernel::{NodeId, SettingError};
 
 use crate::applications::robot::RobotTask;
 use crate::setup::Setup;
 
-/// The applications that stations have of their own, each list in the order of its stations.
+/// The applications that a caller gives to stations, each list in the order of its stations.
 #[derive(Clone, Debug)]
 pub struct Applications<N> {
     /// Of the nodes.
@@ -23,7 +23,7 @@ impl<N> Applications<N> {
         Self { nodes, robots: Vec::new(), sinks: Vec::new() }
     }
 
-    /// Refuses what nodes with applications of their own, and robots and sinks if they have them, cannot do.
+    /// Refuses what nodes with such applications, and robots and sinks if they have them, cannot do.
     ///
     /// # Panics
     /// If there is not one application for each of these stations.
@@ -44,7 +44,7 @@ impl<N> Applications<N> {
             let members = (0..self.nodes.len()).map(NodeId::from_index).filter(|&node| network.has(node));
             let mut traffic = members.filter_map(|node| network.traffic.of(node));
             if let Some(traffic) = traffic.find(|traffic| !traffic.is_silent()) {
-                let allowed = "`silent = {}`: nodes with applications of their own send what these say";
+                let allowed = "`silent = {}`: nodes with given applications send what these say";
                 return Err(SettingError::new(network.key("traffic"), format!("`{}`", traffic.key()), allowed));
             }
         }

@@ -1,5 +1,5 @@
 //! Neighbour discovery: nodes broadcast hello packets for some time, and all other nodes listen. In a network with
-//! sector sweeps, a hello packet is a sweep that nobody answers, and its best frame counts.
+//! sector sweeps, a hello packet is a sweep without answers, and its best frame counts.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -155,7 +155,7 @@ impl Trip {
         Pose { position, heading_rad: self.to.heading_rad }
     }
 
-    /// The part of the way that is done at `now`, as a trip of its own.
+    /// The part of the way that is done at `now`, as a separate trip.
     pub(crate) fn cut_at(&self, now: SimTime) -> Self {
         let share = self.share(now);
         Self {

@@ -32,7 +32,7 @@ pub struct GaussianConfig {
     /// When it appears (s).
     #[serde(default)]
     pub appears_s: f64,
-    /// When it is removed (s), if nobody removes it before; it is not removed by itself if absent.
+    /// When it is removed (s), if no application removes it before; it is not removed by itself if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub removed_s: Option<f64>,
     /// What remains of it after it was removed; nothing if absent.

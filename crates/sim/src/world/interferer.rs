@@ -12,7 +12,7 @@ use crate::purpose;
 use crate::station::check_name;
 
 /// A source of noise at a place, as written in a scenario. It disturbs receptions and carrier sense in the channels of IEEE
-/// 802.15.4 into which its spectrum reaches; nobody can receive it. Obstacles, path loss and shadowing are those of the
+/// 802.15.4 into which its spectrum reaches; no station can receive it. Obstacles, path loss and shadowing are those of the
 /// channel of each network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -33,7 +33,7 @@ pub struct TargetSensorConfig {
 pub struct FieldSensorConfig {
     /// Time between two samples of a node (s).
     pub interval_s: f64,
-    /// Ratio of signal to offset (dB): each sensor is off by a constant of its own, which is normally distributed with
+    /// Ratio of signal to offset (dB): each sensor is off by another constant, which is normally distributed with
     /// zero mean (thesis, chapter 7, SNR). No offset if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_snr_db: Option<f64>,

@@ -9,12 +9,12 @@ use sextant_logs::{ColumnPattern, FieldNames, FormOptions, Missing, NoiseFloor};
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 #[command(next_help_heading = "Options for the forms of logs")]
 pub(crate) struct FormFlags {
-    /// Take the path of the robot from this file, with times of the clock of the packets: CSV (t_s,x_m,y_m or x_m,y_m,z_m or
-    /// t_s,lat,lon), TUM (time x y z and a quaternion a line), GPX, NMEA 0183, or a ROS 2 bag
+    /// Take the path of the robot from this file, with times of the clock of the packets. It is CSV (t_s,x_m,y_m or
+    /// x_m,y_m,z_m or t_s,lat,lon), TUM (time x y z and a quaternion a line), GPX, NMEA 0183, or a ROS 2 bag
     #[arg(long, value_name = "FILE")]
     pub(crate) path: Option<PathBuf>,
-    /// Take the packets from this file, with times of the clock of the path: CSV (t_s,node,rssi_dbm or t_s,node), the capture of a
-    /// sniffer (pcap, pcapng; or a folder of captures), or a ROS 2 bag
+    /// Take the packets from this file, with times of the clock of the path. It is CSV (t_s,node,rssi_dbm or
+    /// t_s,node), the capture of a sniffer (pcap, pcapng; or a folder of captures), or a ROS 2 bag
     #[arg(long, value_name = "FILE")]
     pub(crate) packets: Option<PathBuf>,
     /// How packets are written: KEY=NAME,.. where NAME is the column of a CSV file, or the field of a bag's messages
@@ -33,8 +33,9 @@ pub(crate) struct FormFlags {
     /// In such a table: the columns that are nodes, by name or as AP*. The default is all that are not places or times
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(crate) node_columns: Vec<ColumnPattern>,
-    /// Map fixed receivers that heard a moving transmitter: the path or the stops are those of the transmitter, and the nodes
-    /// are the receivers, because the loss of a link is the same both ways. In packets the column `receiver` names them, in
+    /// Map fixed receivers that heard a moving transmitter. The path or the stops are those of the transmitter, and
+    /// the nodes are the receivers, because the loss of a link is the same both ways. In packets the column
+    /// `receiver` names them, in
     /// receptions.csv `stop`, and in captures the name of each file
     #[arg(long)]
     pub(crate) reciprocal: bool,

@@ -1,11 +1,11 @@
 //! The grid solver: which vertices a node may be at, and how likely each is.
 //!
 //! The likelihood of a node at vertex g is `Π S(d)^received (1 − S(d))^missed` over all stops. Only stops within R
-//! of g carry information; the others multiply every vertex by the same constant. The work is kept small in this
-//! order: the bounding box of the places within R of every reception; for each lattice row in it, the span that
-//! lies within R of the receptions on the rim (those whose ball does not hold the whole box); for the vertices
-//! that survive, the product over the receptions and the stops in range that heard nothing, of which a bound in single
-//! precision spares all but a few vertices if only the highest is wanted. Nothing is stored
+//! of g carry information; the others multiply every vertex by the same constant. The work is kept small in three
+//! steps. First comes the bounding box of the places within R of every reception. For each lattice row in it follows
+//! the span that lies within R of the receptions on the rim (those whose ball does not hold the whole box). Last, for
+//! the vertices that survive, comes the product over the receptions and the stops in range that heard nothing. If
+//! only the highest is wanted, a bound of it in single precision spares all but a few vertices. Nothing is stored
 //! per vertex of the lattice, so that memory does not grow with it.
 //!
 //! If no vertex survives, outliers are admitted: a good place found near the median of the receptions bounds

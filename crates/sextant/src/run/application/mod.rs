@@ -1,4 +1,4 @@
-//! Applications on maps of the nodes: each is a simulation of its own.
+//! Applications on maps of the nodes: each is a separate simulation.
 
 mod maps;
 mod score;
@@ -6,10 +6,9 @@ mod simulate;
 mod summary;
 
 use sextant_kernel::{SimTime, Watch};
-use sextant_sim::Survey;
+use sextant_sim::{Observer, Survey};
 
 use super::error::RunError;
-use super::observer::{ApplicationEnd, RunObserver, SimulationStart};
 use super::stop::Stop;
 use super::witness::Witness;
 use crate::scenario::{Application, Scenario};
@@ -43,29 +42,41 @@ pub struct Performance {
     pub(super) scored: Vec<Scored>,
 }
 
-/// Runs an application on one of the maps.
-pub(super) fn perform(
-    stage: &Stage<'_>,
-    application: &Application,
-    observer: &mut dyn RunObserver,
-    watch: &dyn Watch,
-) -> Result<Performance, RunError> {
-    let Stage { scenario, made, survey, start } = *stage;
-    let map = GivenMap::of(scenario, application, made)?;
-    let prepared = Prepared::new(scenario, application, &map, survey)?;
-    let robots: Vec<String> = application.robots.iter().map(|&robot| scenario.bodies()[robot].name.clone()).collect();
-    observer.simulation_started(&SimulationStart {
-        scenario,
-        application: Some(application),
-        robots: &robots,
-        start,
-    })?;
-    let mut witness = Witness::new(scenario, robots.len());
-    let (survey, records) = prepared.run(&mut (&mut *observer, (&mut witness, Stop(watch))))?;
-    let scored = score::score(&witness, scenario.world().nodes.len(), &map.placement);
-    let summary = summary::sum_up(scenario, application, &map, (&survey, &records), (&witness, &scored));
-    let performance = Performance { summary, end: survey.end, witness, scored };
-    let end = ApplicationEnd { scenario, application, start, survey: &survey, performance: &performance };
-    observer.application_finished(&end)?;
-    Ok(performance)
+/// An application that is ready to run on its map.
+pub(super) struct ReadyApplication<'a> {
+    scenario: &'a Scenario,
+    application: &'a Application,
+    map: GivenMap,
+    prepared: Prepared,
+}
+
+impl<'a> ReadyApplication<'a> {
+    /// The application on one of the maps of the stage.
+    pub(super) fn new(stage: &Stage<'a>, application: &'a Application) -> Result<Self, RunError> {
+        let Stage { scenario, made, survey, .. } = *stage;
+        let map = GivenMap::of(scenario, application, made)?;
+        let prepared = Prepared::new(scenario, application, &map, survey)?;
+        Ok(Self { scenario, application, map, prepared })
+    }
+
+    /// The names of its robots.
+    pub(super) fn robots(&self) -> Vec<String> {
+        let robots = self.application.robots.iter();
+        robots.map(|&robot| self.scenario.bodies()[robot].name.clone()).collect()
+    }
+
+    /// Runs it. Returns what its simulation left behind, and what happened in it.
+    pub(super) fn run(
+        self,
+        observer: &mut impl Observer,
+        watch: &dyn Watch,
+    ) -> Result<(Survey, Performance), RunError> {
+        let Self { scenario, application, map, prepared } = self;
+        let mut witness = Witness::new(scenario, application.robots.len());
+        let (survey, records) = prepared.run(&mut (observer, (&mut witness, Stop(watch))))?;
+        let scored = score::score(&witness, scenario.world().nodes.len(), &map.placement);
+        let summary = summary::sum_up(scenario, application, &map, (&survey, &records), (&witness, &scored));
+        let performance = Performance { summary, end: survey.end, witness, scored };
+        Ok((survey, performance))
+    }
 }

@@ -42,7 +42,7 @@ struct RecordedSimulation {
     targets: Vec<String>,
     /// The fields, with the sources that were removed so far.
     fields: Vec<Field>,
-    /// The surveyed networks whose logs have topics of their own, by name: all but the first.
+    /// The surveyed networks whose logs have separate topics, by name: all but the first.
     others: Vec<(NetworkId, String)>,
     /// The name of each network, if it has one.
     network_names: Vec<String>,

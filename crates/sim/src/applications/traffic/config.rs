@@ -32,7 +32,7 @@ pub enum TrafficConfig {
     Once(OnceConfig),
     /// The frames of a table: which node has a frame of which size at which time.
     Trace(TraceConfig),
-    /// Groups of nodes with traffic of their own; other nodes send nothing.
+    /// Groups of nodes, each with its traffic; other nodes send nothing.
     Groups(Vec<GroupConfig>),
     /// Nothing.
     Silent(SilentConfig),

@@ -57,7 +57,7 @@ impl TrafficPlan {
 
     fn add(&mut self, number: usize, group: &GroupConfig, nodes: &[PlacedNode]) -> Result<(), SettingError> {
         if group.name.trim().is_empty() || self.groups.iter().any(|other| other.name.as_ref() == Some(&group.name)) {
-            let allowed = "a name of its own, of at least one letter";
+            let allowed = "a unique name of at least one letter";
             return Err(SettingError::new("name", format!("`{}`", group.name), allowed));
         }
         let number = u16::try_from(number).map_err(|_| SettingError::new("name", number, "at most 65536 groups"))?;

@@ -57,7 +57,7 @@ pub(super) fn coordinator(
         && listen < interval
     {
         let allowed = format!(
-            "at least the beacon interval, {} s: a stop without a beacon hears nobody",
+            "at least the beacon interval, {} s: a stop without a beacon hears no node",
             interval.as_secs_f64()
         );
         return Err(SettingError::new(format!("robots[{robot}].listen_s"), listen.as_secs_f64(), allowed));
