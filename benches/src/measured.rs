@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 use sextant_channel::Position;
 use sextant_kernel::Unwatched;
-use sextant_mapper::{Learned, MapError, Mapper, PositionError, Region};
+use sextant_mapper::{Choice, Learned, MapError, Mapper, PositionError, Region};
 
 use crate::laws::KnownLog;
 
@@ -61,10 +61,7 @@ pub fn measure(mapper: &Mapper, known: &KnownLog) -> Result<Option<Measured>, Ma
             Some(Region::of_95(estimate, map.grid_step_m.unwrap_or(0.0))?.contains(place))
         })
         .collect();
-    let chosen = match learned {
-        Some(Learned::Choice(choice)) => Some(choice.chosen.to_owned()),
-        _ => None,
-    };
+    let chosen = learned.as_ref().and_then(Learned::get::<Choice>).map(|choice| choice.chosen.to_owned());
     Ok(Some(Measured {
         in_plane_m,
         in_space_m,

@@ -26,43 +26,56 @@
 //! Cargo features, all on by default: `config` reads settings and writes results with serde and has their JSON schema;
 //! `obstacles` maps among known obstacles, for which it needs a geometry library. A log is mapped without either.
 
+mod absorption;
 mod algorithm;
 mod auto;
+mod comparable;
 mod comparators;
 mod error;
+mod estimator;
 mod grid_ml;
 mod knowledge;
+mod lattice;
+mod learned;
 mod link_model;
 mod log_facts;
 mod metrics;
 mod numerics;
 mod own_place;
 mod posterior;
+mod profile;
 mod purpose;
 mod ranging;
 mod rss_grid;
 mod self_calibrated;
+mod surface;
 mod topology_map;
 
-pub use algorithm::{AlgorithmConfig, Learned, MapConfig, Mapper, ProfileSetting};
+pub use absorption::{AbsorptionMap, ObstacleClaim};
+pub use algorithm::{AlgorithmConfig, MapConfig};
 pub use auto::{Auto, AutoConfig, Choice, ChoiceReason, EstimatorFit, Score};
+pub use comparable::Comparable;
 pub use comparators::{
-    Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, Comparator, CountConfig, DrMds, DrMdsConfig, DvHop,
-    DvHopConfig, ExtremeConfig, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength, LandmarksConfig,
-    LogDistance, LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, PacketCentroid,
-    PacketCentroidConfig, RssMl, RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop,
-    StrongestStopConfig, Tpm, TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid,
-    WeightedCentroidConfig, lateration,
+    Apit, ApitConfig, AxesConfig, Centroid, CentroidConfig, CountConfig, DrMds, DrMdsConfig, DvHop, DvHopConfig,
+    ExtremeConfig, FrameConfig, GaussianProcess, GaussianProcessConfig, HopLength, LandmarksConfig, LogDistance,
+    LogDistanceConfig, MdsMap, MdsMapConfig, NtldvHop, NtldvHopConfig, PacketCentroid, PacketCentroidConfig, RssMl,
+    RssMlConfig, RssiCentroid, RssiCentroidConfig, Smacof, SmacofConfig, StrongestStop, StrongestStopConfig, Tpm,
+    TpmConfig, TriangleCentroid, TriangleCentroidConfig, TriangleWeights, WeightedCentroid, WeightedCentroidConfig,
+    lateration,
 };
 pub use error::MapError;
+pub use estimator::{
+    AnyLog, Estimator, EstimatorSettings, Landmarks, Mapper, Messages, NodeOfLog, ProfileSetting, ReceiverSetting,
+};
 #[cfg(feature = "obstacles")]
 pub use grid_ml::ObstacleMlTm;
 pub use grid_ml::{
-    ChannelProfileConfig, CountRule, Fit, Fitted, FittedConfig, FittedMlTm, JointConfig, JointMlTm,
-    JointNetworkConfig, Lattice, MlTm, MlTmConfig, MmTm, ObstacleUse, ProfileConfig, ReceptionProfile, Surface,
-    TableProfile, Trapezoid, TrapezoidConfig, at_least_one,
+    CountRule, Fit, Fitted, FittedMlTm, JointConfig, JointMlTm, JointNetworkConfig, MlTm, MlTmConfig, MmTm,
+    NetworkFits,
 };
 pub use knowledge::{Knowledge, KnowledgeKind};
+pub use lattice::Lattice;
+pub use learned::{Finding, Learned, LearnedCurve, Line, Section};
 pub use link_model::{Law, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Losses, Receiver};
 pub use log_facts::{
     HeightReason, SectorLayoutConfig, SectorModel, SectorTolerance, SectorsConfig, SilenceRule, SoftSectorsConfig,
@@ -81,10 +94,12 @@ pub use own_place::{
 pub use posterior::{
     Area, Concern, Estimate, EstimateKind, PlacePrior, Region, TieRule, TrueModel, posterior_bound_m,
 };
+pub use profile::{
+    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
+    TrapezoidConfig, at_least_one,
+};
 pub use ranging::{Ranging, RangingConfig};
 pub use rss_grid::{FittedChannel, RssGrid, RssGridConfig};
-pub use self_calibrated::{
-    AbsorptionMap, CalibratedCurve, Calibration, ObstacleClaim, ObstacleKnowledge, SelfCalibrated,
-    SelfCalibratedConfig,
-};
+pub use self_calibrated::{CalibratedCurve, Calibration, ObstacleKnowledge, SelfCalibrated, SelfCalibratedConfig};
+pub use surface::Surface;
 pub use topology_map::{CoordinateFrame, TopologyMap};

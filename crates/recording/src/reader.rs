@@ -1,7 +1,8 @@
 //! Reads from a recording what mappers, metrics and figures need.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
@@ -10,12 +11,12 @@ use sextant_channel::{
     Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorConfig,
     SectorTable, Stop,
 };
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{Files, NodeId, SimTime};
 
 use super::drawing;
 use super::error::RecordingError;
 use super::messages;
-use super::names::{LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
+use super::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use crate::mcap_file::{Piece, scan};
 
 /// The reception log of a recording, with its metadata and attachments.
@@ -68,6 +69,16 @@ impl RecordedRun {
     #[must_use]
     pub fn attachment(&self, name: &str) -> Option<&Attachment> {
         self.attachments.iter().rfind(|attachment| attachment.name == name)
+    }
+
+    /// The files that the scenario names, by their paths as written there.
+    #[must_use]
+    pub fn files(&self) -> Files {
+        let file = |attachment: &Attachment| {
+            let path = attachment.name.strip_prefix(FILES_ATTACHMENTS)?;
+            Some((PathBuf::from(path), attachment.data.clone()))
+        };
+        Files::Attached(Arc::new(self.attachments.iter().filter_map(file).collect()))
     }
 }
 

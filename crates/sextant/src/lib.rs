@@ -9,7 +9,7 @@
 //! let map = &run.summary().maps[0];
 //! let error_m = map.position_error_m.expect("the true places are known").mean;
 //! println!("{}: {error_m:.2} m, {} nodes mapped", map.algorithm, map.mapped);
-//! let log = &run.survey().expect("robots survey").log;
+//! let log = &run.survey().expect("robots survey").logs.first();
 //! let by_the_log_alone = sextant::map_log(log, "auto".parse()?, &Unwatched)?;
 //! println!("{} nodes mapped", by_the_log_alone.summary.mapped);
 //! # assert!(error_m < 5.0 && by_the_log_alone.summary.mapped > 0);

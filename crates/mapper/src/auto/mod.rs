@@ -4,6 +4,7 @@ mod agreement;
 mod fall_of_strength;
 mod folds;
 mod predict;
+mod report;
 mod score;
 
 #[cfg(feature = "config")]
@@ -18,9 +19,10 @@ use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::{
-    Calibration, EstimateKind, Fit, FittedConfig, FittedMlTm, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig,
-    MapError, MlTmConfig, PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated,
-    SelfCalibratedConfig, SoughtHeights, TopologyMap,
+    AnyLog, Calibration, EstimateKind, Estimator, EstimatorSettings, Fit, FittedConfig, FittedMlTm, Knowledge,
+    KnowledgeKind, Learned, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig, PacketCentroid,
+    PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig, SoughtHeights,
+    TopologyMap,
 };
 
 /// The choice of an estimator as written in a scenario.
@@ -291,5 +293,41 @@ impl TryFrom<AutoConfig> for Auto {
             })?,
             centroids: centroids.into_iter().collect::<Result<_, _>>()?,
         })
+    }
+}
+
+impl Estimator for Auto {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn uses_prior(&self) -> bool {
+        true
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        let (map, choice) = self.map(knowledge.log, knowledge.prior, watch)?;
+        Ok((map, choice.map(Learned::new)))
+    }
+}
+
+impl EstimatorSettings for AutoConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "auto",
+        rank: 0,
+        description: "The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Auto::try_from(self).map(Mapper::new)
     }
 }

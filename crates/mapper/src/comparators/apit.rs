@@ -12,7 +12,10 @@ use super::graph::Graph;
 use super::heard_anchors::{HeardAnchor, HeardAnchors};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::numerics::whole;
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
+    TopologyMap,
+};
 
 /// APIT as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,6 +190,38 @@ fn holds([a, b, c]: [Position; 3], point: Position) -> bool {
         |p: Position, q: Position| (q.x_m - p.x_m) * (point.y_m - p.y_m) - (q.y_m - p.y_m) * (point.x_m - p.x_m);
     let sides = [side(a, b), side(b, c), side(c, a)];
     sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
+}
+
+impl Estimator for Apit {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, _: usize) -> usize {
+        3
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for ApitConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Apit::try_from(self).map(Mapper::new)
+    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,10 @@ use sextant_kernel::{SettingError, Watch};
 use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
+    TopologyMap,
+};
 
 /// The centroid as written in a scenario: it has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -117,4 +120,72 @@ pub(super) fn weighted_mean(places: &[(Position, f64)]) -> Option<Position> {
     let total: f64 = places.iter().map(|(_, weight)| weight).sum();
     (total > 0.0)
         .then(|| places.iter().fold(Position::ORIGIN, |sum, &(place, weight)| sum + place * (weight / total)))
+}
+
+impl Estimator for Centroid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, _: usize) -> usize {
+        1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Beacons
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for CentroidConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Ok(Mapper::new(Centroid))
+    }
+}
+
+impl Estimator for WeightedCentroid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, _: usize) -> usize {
+        1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Beacons
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for WeightedCentroidConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        WeightedCentroid::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
 }

@@ -14,7 +14,9 @@ use super::mds_map::of_parts;
 use super::smacof::{Dissimilarity, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages, TopologyMap,
+};
 
 /// DR-MDS as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,4 +128,40 @@ fn usual_reach_m(pairs: &[Dissimilarity]) -> f64 {
     distances_m.sort_unstable_by(f64::total_cmp);
     let last = distances_m.len().saturating_sub(1) as f64;
     distances_m.get(crate::numerics::whole(APART * last)).copied().unwrap_or(0.0)
+}
+
+impl Estimator for DrMds {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        self.least_anchors(dimensions)
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for DrMdsConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        DrMds::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
 }

@@ -11,7 +11,10 @@ use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::comparators::lateration::{Range, multilaterate};
 use crate::numerics::memory::check_table;
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
+    TopologyMap,
+};
 
 /// DV-Hop as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,4 +125,36 @@ pub(super) fn hop_length_m(rule: HopLength, anchor: &Anchor, hops: &[u32], ancho
         below += weight * count;
     }
     (below > 0.0).then(|| above / below)
+}
+
+impl Estimator for DvHop {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for DvHopConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        DvHop::try_from(self).map(Mapper::new)
+    }
 }

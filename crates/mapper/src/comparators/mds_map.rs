@@ -13,7 +13,9 @@ use super::graph::Graph;
 use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::numerics::memory::check_table;
-use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages, TopologyMap,
+};
 
 /// MDS-MAP as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,4 +135,36 @@ pub(super) fn scaled(
         }
     }
     Ok(classical_mds(hops, algorithm, dimensions, watch)?)
+}
+
+impl Estimator for MdsMap {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        self.least_anchors(dimensions)
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for MdsMapConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        MdsMap::try_from(self).map(Mapper::new)
+    }
 }

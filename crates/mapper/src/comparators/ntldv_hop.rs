@@ -12,7 +12,10 @@ use super::graph::{Graph, UNREACHED};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::comparators::lateration::{Range, multilaterate_linear, refine};
 use crate::numerics::memory::check_table;
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
+    TopologyMap,
+};
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,6 +220,38 @@ fn clamped(place: Position, field: &Field<'_>, margin_m: f64) -> Position {
             place[axis].clamp(low, along(axis).fold(f64::NEG_INFINITY, f64::max) + margin_m)
         })
         .into()
+}
+
+impl Estimator for NtldvHop {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for NtldvHopConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        NtldvHop::try_from(self).map(Mapper::new)
+    }
 }
 
 #[cfg(test)]

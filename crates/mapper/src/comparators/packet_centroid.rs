@@ -5,9 +5,12 @@ use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{NodeId, SettingError, Watch};
 
-use crate::{CoordinateFrame, KnowledgeKind, TopologyMap};
+use crate::{
+    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
+    TopologyMap,
+};
 
 /// The packet centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +81,33 @@ impl TryFrom<PacketCentroidConfig> for PacketCentroid {
         } else {
             Err(SettingError::new("power", power, "a number above 0, at most 100"))
         }
+    }
+}
+
+impl Estimator for PacketCentroid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn estimate(&self, knowledge: &Knowledge<'_>, _: &dyn Watch) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        Ok((self.map(knowledge.log), None))
+    }
+}
+
+impl EstimatorSettings for PacketCentroidConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "packet-centroid",
+        rank: 2,
+        description: "The mean of the stops that heard a node, weighted by a power of the share of packets that they received",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        PacketCentroid::try_from(self).map(Mapper::new)
     }
 }
 

@@ -11,7 +11,10 @@ use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 use super::centroid::weighted_mean;
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
+    TopologyMap,
+};
 
 /// Cooperative maximum likelihood as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -288,4 +291,40 @@ impl LeastSquares for Fit<'_> {
 
 fn dot(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
+
+impl Estimator for RssMl {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for RssMlConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        RssMl::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
 }

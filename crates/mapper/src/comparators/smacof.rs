@@ -13,7 +13,9 @@ use super::graph::Graph;
 use super::mds_map::{of_parts, scaled};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages, TopologyMap,
+};
 
 /// SMACOF as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -297,6 +299,42 @@ fn majorised(
         before = after;
     }
     Ok(Some(places))
+}
+
+impl Estimator for Smacof {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        self.least_anchors(dimensions)
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for SmacofConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Smacof::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
 }
 
 #[cfg(test)]

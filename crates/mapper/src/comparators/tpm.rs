@@ -15,7 +15,10 @@ use super::landmarks::{CountConfig, LandmarksConfig};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::numerics::memory::check_table;
 use crate::purpose;
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Landmarks, Learned, MapError, Mapper,
+    Messages, TopologyMap,
+};
 
 /// The topology-preserving map as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,17 +94,6 @@ impl Tpm {
 
     /// The kinds of knowledge that it uses. It never uses the places of anchors, even if hops are counted from them.
     pub const USES: &'static [KnowledgeKind] = &[KnowledgeKind::Neighbours];
-
-    /// Nodes from which hops are counted in a network of one part with `anchors` anchors; `None` if the search decides.
-    #[must_use]
-    pub fn landmark_count(&self, anchors: usize) -> Option<usize> {
-        match self.landmarks {
-            LandmarksConfig::FarthestPoints(CountConfig { count })
-            | LandmarksConfig::Random(CountConfig { count }) => Some(count),
-            LandmarksConfig::Anchors {} => Some(anchors),
-            LandmarksConfig::ExtremeNodeSearch(_) => None,
-        }
-    }
 
     /// Least number of anchors for a map.
     pub(super) fn least_anchors(&self, dimensions: usize) -> usize {
@@ -193,6 +185,43 @@ fn right_singular_vectors(p: &DMatrix<f64>, count: usize, watch: &dyn Watch) -> 
         }
     }
     Ok(v)
+}
+
+impl Estimator for Tpm {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        self.least_anchors(dimensions)
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Floods(match self.landmarks {
+            LandmarksConfig::FarthestPoints(CountConfig { count })
+            | LandmarksConfig::Random(CountConfig { count }) => Landmarks::Count(count),
+            LandmarksConfig::Anchors {} => Landmarks::Anchors,
+            LandmarksConfig::ExtremeNodeSearch(_) => Landmarks::Sought,
+        })
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for TpmConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Tpm::try_from(self).map(Mapper::new)
+    }
 }
 
 #[cfg(test)]

@@ -13,7 +13,10 @@ use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
 use crate::comparators::lateration::{Range, multilaterate_linear};
 use crate::ranging::{Ranging, RangingConfig};
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
+    TopologyMap,
+};
 
 /// The RSSI triangle centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,6 +198,42 @@ fn tetrahedron(spheres: [Circle; 4]) -> Option<Position> {
         return None;
     }
     multilaterate_linear(&spheres.map(|sphere| Range::new(sphere.centre, sphere.radius_m)), 3).ok()
+}
+
+impl Estimator for TriangleCentroid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        dimensions + 1
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Beacons
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for TriangleCentroidConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        TriangleCentroid::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
 }
 
 #[cfg(test)]

@@ -3,12 +3,14 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
+use super::ml_tm::uses_under;
 use crate::grid_ml::fitted::WideSearch;
 use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::Limits;
+use crate::posterior::FitState;
 use crate::{
-    Concern, CoordinateFrame, Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap,
-    TrapezoidConfig,
+    CoordinateFrame, Estimator, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, Learned, MapError, MlTm,
+    MlTmConfig, NodeOfLog, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
 };
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
@@ -99,12 +101,9 @@ impl FittedMlTm {
             ml_tm.map_within(&evidence, Some(&limits), watch)?
         };
         map.heights = Some(fit.heights);
+        let state = FitState { is_reach_known: fit.is_reach_known, is_settled: fit.converged };
         for estimate in map.estimates.iter_mut().flatten() {
-            estimate.concern = match estimate.concern {
-                _ if !fit.is_reach_known => Some(Concern::NoEvidence),
-                None if !fit.converged => Some(Concern::Unsettled),
-                concern => concern,
-            };
+            estimate.concern = state.concern(estimate.concern);
         }
         Ok(map)
     }
@@ -126,5 +125,33 @@ impl FittedMlTm {
             }
             None => Ok((self.ml_tm.map(log, watch)?, None)),
         }
+    }
+}
+
+impl Estimator for FittedMlTm {
+    fn name(&self) -> &'static str {
+        MlTm::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        uses_under(None)
+    }
+
+    fn surface(
+        &self,
+        learned: Option<&Learned>,
+        NodeOfLog { log, node }: NodeOfLog<'_>,
+        watch: &dyn Watch,
+    ) -> Option<Result<Surface, MapError>> {
+        let fit: &Fit = learned?.get()?;
+        Some(self.with_fit(fit).surface(&fit.evidence(log), node, watch))
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::new)))
     }
 }

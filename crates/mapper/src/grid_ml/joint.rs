@@ -11,13 +11,15 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{ReceptionLog, Stop};
 use sextant_kernel::{NodeId, SettingError, Watch, Work};
 
+use super::ml_tm::uses_under;
 use crate::grid_ml::findings::Findings;
 use crate::grid_ml::ml_tm::DEFAULT_MEMORY_MB;
 use crate::grid_ml::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
 use crate::log_facts::reach::heard_nodes;
 use crate::{
-    CoordinateFrame, CountRule, Estimate, EstimateKind, Fit, FittedMlTm, Lattice, MapError, MlTm, MlTmConfig,
-    ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
+    CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorSettings, Fit, FittedMlTm, Knowledge,
+    KnowledgeKind, Lattice, Learned, MapError, Mapper, MlTm, MlTmConfig, NetworkFits, ProfileConfig, ProfileSetting,
+    ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
 };
 
 /// A joint map as written in a scenario.
@@ -357,5 +359,53 @@ impl TryFrom<JointConfig> for JointMlTm {
         }
         let allowed_bytes = u64::from(max_memory_mb.unwrap_or(DEFAULT_MEMORY_MB)) * 1_000_000;
         Ok(Self { members, grid_step_m, estimate, ties, z_range_m, allowed_bytes })
+    }
+}
+
+impl Estimator for JointMlTm {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        uses_under(self.profiles().find(|profile| matches!(profile, ReceptionProfile::Table(_))))
+    }
+
+    fn networks(&self) -> Vec<&str> {
+        self.networks().collect()
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        let logs: Result<Vec<_>, MapError> = self.networks().map(|network| knowledge.log_of(network)).collect();
+        let (map, fits) = self.map(&logs?, watch)?;
+        let fitted = self.networks().zip(fits).filter_map(|(name, fit)| Some((name.to_owned(), fit?)));
+        let fitted: Vec<_> = fitted.collect();
+        Ok((map, (!fitted.is_empty()).then(|| Learned::new(NetworkFits(fitted)))))
+    }
+}
+
+impl EstimatorSettings for JointConfig {
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        JointMlTm::try_from(self).map(Mapper::new)
+    }
+
+    fn profiles_mut(&mut self) -> Vec<ProfileSetting<'_>> {
+        self.networks
+            .iter_mut()
+            .enumerate()
+            .map(|(i, member)| ProfileSetting {
+                key: format!("networks[{i}].profile"),
+                network: Some(member.network.clone()),
+                profile: &mut member.profile,
+            })
+            .collect()
+    }
+
+    fn networks(&self) -> Option<Vec<&str>> {
+        Some(self.networks.iter().map(|member| member.network.as_str()).collect())
     }
 }

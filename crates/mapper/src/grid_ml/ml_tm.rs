@@ -19,7 +19,8 @@ use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
 use crate::{
-    Concern, CoordinateFrame, Estimate, EstimateKind, Lattice, MapError, ProfileConfig, ReceptionProfile,
+    AnyLog, Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorSettings, FittedMlTm, Knowledge,
+    KnowledgeKind, Lattice, Learned, MapError, Mapper, NodeOfLog, ProfileConfig, ProfileSetting, ReceptionProfile,
     SectorsConfig, SoughtHeights, Surface, TieRule, TopologyMap,
 };
 
@@ -302,7 +303,6 @@ impl MlTm {
     ) -> (Option<Estimate>, u64) {
         let receptions = log.of(node);
         let lattice = solver.lattice();
-        let step_m = lattice.step_m();
         let mut concern = None;
         scratch.keep_within(within.map(|within| [within.low, within.high]));
         let (search, findings) = match (self.estimate, within) {
@@ -311,8 +311,9 @@ impl MlTm {
                 (solver.search(scratch, receptions, 0.0, &mut peak), Findings { peak, moments: None })
             }
             (EstimateKind::Argmax, Some(within)) => {
-                let mut bounded = BoundedSink::new(Peak::default(), within, step_m);
-                let search = solver.search(scratch, receptions, 0.0, &mut bounded);
+                let mut bounded = BoundedSink::new(Peak::default(), within, lattice);
+                let margin = BoundedSink::<Peak>::MARGIN;
+                let search = solver.search(scratch, receptions, margin, &mut bounded);
                 concern = bounded.concern();
                 (search, Findings { peak: bounded.inner, moments: None })
             }
@@ -323,7 +324,7 @@ impl MlTm {
             }
             (EstimateKind::PosteriorMean, Some(within)) => {
                 let both = (Peak::default(), Moments::new(lattice));
-                let mut bounded = BoundedSink::new(both, within, step_m);
+                let mut bounded = BoundedSink::new(both, within, lattice);
                 let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut bounded);
                 concern = bounded.concern();
                 let (peak, moments) = bounded.inner;
@@ -368,5 +369,68 @@ impl TryFrom<MlTmConfig> for MlTm {
         }
         let allowed_bytes = u64::from(memory_mb) * 1_000_000;
         Ok(Self { grid_step_m, profile, counts, estimate, ties, z_range_m, sectors, allowed_bytes })
+    }
+}
+
+/// What a grid uses under a profile, which is fitted to the log if it is not given.
+pub(super) fn uses_under(profile: Option<&ReceptionProfile>) -> &'static [KnowledgeKind] {
+    match profile {
+        Some(ReceptionProfile::Table(_)) => &[KnowledgeKind::RobotReceptions, KnowledgeKind::PathLoss],
+        Some(ReceptionProfile::Trapezoid(_)) | None => &[KnowledgeKind::RobotReceptions],
+    }
+}
+
+impl Estimator for MlTm {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        uses_under(Some(&self.profile))
+    }
+
+    fn profile(&self) -> Option<&ReceptionProfile> {
+        Some(&self.profile)
+    }
+
+    fn surface(
+        &self,
+        _: Option<&Learned>,
+        NodeOfLog { log, node }: NodeOfLog<'_>,
+        watch: &dyn Watch,
+    ) -> Option<Result<Surface, MapError>> {
+        Some(self.surface(log, node, watch))
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge.log, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for MlTmConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "ml-tm",
+        rank: 3,
+        description: "Maximum likelihood on a grid, with a reception profile that is fitted first",
+        settings: "{ grid_step_m = 0.25, estimate = \"posterior_mean\", profile.fitted = {} }",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        match self.profile.clone() {
+            ProfileConfig::Fitted(fitted) => FittedMlTm::new(self, fitted).map(Mapper::new),
+            #[cfg(feature = "obstacles")]
+            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
+                crate::ObstacleMlTm::new(self, &channel).map(Mapper::new)
+            }
+            ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(self).map(Mapper::new),
+        }
+    }
+
+    fn profiles_mut(&mut self) -> Vec<ProfileSetting<'_>> {
+        vec![ProfileSetting { key: "profile".to_owned(), network: None, profile: &mut self.profile }]
     }
 }

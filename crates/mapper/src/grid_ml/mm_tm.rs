@@ -3,8 +3,10 @@
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{SettingError, Watch};
 
+use super::ml_tm::uses_under;
 use crate::{
-    Fit, FittedMlTm, MapError, MlTm, MlTmConfig, ProfileConfig, ReceptionProfile, SectorTolerance, TopologyMap,
+    Estimator, Fit, FittedMlTm, Knowledge, KnowledgeKind, Learned, MapError, Mapper, MlTm, MlTmConfig, NodeOfLog,
+    ProfileConfig, ReceptionProfile, SectorTolerance, Surface, TopologyMap,
 };
 
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
@@ -83,5 +85,52 @@ impl TryFrom<MlTmConfig> for MmTm {
                 MlTm::try_from(config).map(|ml_tm| Self(Likelihood::Given(ml_tm)))
             }
         }
+    }
+}
+
+impl Estimator for MmTm {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        uses_under(self.profile())
+    }
+
+    fn profile(&self) -> Option<&ReceptionProfile> {
+        self.profile()
+    }
+
+    fn surface(
+        &self,
+        learned: Option<&Learned>,
+        NodeOfLog { log, node }: NodeOfLog<'_>,
+        watch: &dyn Watch,
+    ) -> Option<Result<Surface, MapError>> {
+        match (&self.0, learned.and_then(Learned::get::<Fit>)) {
+            (Likelihood::Given(ml_tm), _) => Some(ml_tm.surface(log, node, watch)),
+            (Likelihood::Fitted(fitted), Some(fit)) => {
+                Some(fitted.with_fit(fit).surface(&fit.evidence(log), node, watch))
+            }
+            (Likelihood::Fitted(_), None) => None,
+        }
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::new)))
+    }
+}
+
+impl MmTm {
+    /// The estimator with the settings of a grid.
+    ///
+    /// # Errors
+    /// If a value is invalid.
+    pub fn mapper(config: MlTmConfig) -> Result<Mapper, SettingError> {
+        Self::try_from(config).map(Mapper::new)
     }
 }

@@ -7,26 +7,17 @@ pub(crate) mod findings;
 mod fitted;
 mod fitted_ml_tm;
 mod joint;
-mod lattice;
 mod ml_tm;
 mod mm_tm;
 #[cfg(feature = "obstacles")]
 mod obstacle_ml_tm;
-pub(crate) mod profile;
 mod sector_errors;
 pub(crate) mod solver;
-mod surface;
 
-pub use fitted::{Fit, Fitted};
+pub use fitted::{Fit, Fitted, NetworkFits};
 pub use fitted_ml_tm::FittedMlTm;
 pub use joint::{JointConfig, JointMlTm, JointNetworkConfig};
-pub use lattice::Lattice;
 pub use ml_tm::{CountRule, MlTm, MlTmConfig};
 pub use mm_tm::MmTm;
 #[cfg(feature = "obstacles")]
 pub use obstacle_ml_tm::ObstacleMlTm;
-pub use profile::{
-    ChannelProfileConfig, FittedConfig, ObstacleUse, ProfileConfig, ReceptionProfile, TableProfile, Trapezoid,
-    TrapezoidConfig, at_least_one,
-};
-pub use surface::Surface;

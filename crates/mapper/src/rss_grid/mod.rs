@@ -4,6 +4,7 @@ mod channel;
 mod curves;
 mod evidence;
 mod fitted_channel;
+mod report;
 mod search;
 mod tiles;
 mod zoom;
@@ -27,10 +28,11 @@ use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, strengths};
+use crate::posterior::FitState;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    Concern, CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights,
-    TopologyMap,
+    AnyLog, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Lattice,
+    Learned, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
 };
 
 /// The Bayesian grid as written in a scenario.
@@ -223,7 +225,7 @@ impl RssGrid {
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;
         watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
-        let is_known = is_reach_known(&heard);
+        let state = FitState { is_reach_known: is_reach_known(&heard), is_settled: channel.converged };
         let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = nodes
             .par_iter()
             .map(|(links, within)| {
@@ -234,11 +236,7 @@ impl RssGrid {
                 }
                 let posterior = Posterior::of(links, &evidence, within, step_m, Detail::Fine);
                 let estimate = posterior.estimate(self.estimate);
-                let concern = match estimate.concern {
-                    _ if !is_known => Some(Concern::NoEvidence),
-                    None if !channel.converged => Some(Concern::Unsettled),
-                    concern => concern,
-                };
+                let concern = state.concern(estimate.concern);
                 Ok((Some(Estimate { concern, ..estimate }), posterior.vertices))
             })
             .collect();
@@ -326,4 +324,49 @@ fn longest_m(log: &ReceptionLog, nodes: &[(Links, SearchBox)]) -> f64 {
         }
     }
     Position::from(low).distance_m(high.into())
+}
+
+impl Estimator for RssGrid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        self.uses()
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        let (map, channel) = self.map_and_learn(knowledge, watch)?;
+        Ok((map, channel.map(Learned::new)))
+    }
+}
+
+impl EstimatorSettings for RssGridConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "rss-grid",
+        rank: 5,
+        description: "Maximum likelihood of signal strengths, with a channel that is fitted first",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        RssGrid::try_from(self).map(Mapper::new)
+    }
+
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        Some(&mut self.ranging)
+    }
+
+    fn receiver_mut(&mut self) -> Option<ReceiverSetting<'_>> {
+        let Self { sensitivity_dbm, max_range_m, .. } = self;
+        Some(ReceiverSetting { sensitivity_dbm, max_range_m })
+    }
 }

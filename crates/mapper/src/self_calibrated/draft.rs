@@ -2,7 +2,6 @@
 
 use sextant_kernel::{Interrupted, Watch};
 
-use super::absorption::AbsorptionMap;
 use super::belief::Belief;
 use super::beliefs::Beliefs;
 use super::counts::Counts;
@@ -13,6 +12,7 @@ use super::shadows::Shadows;
 use super::start::Start;
 use super::tomography::{Division, Tomography};
 use super::window::Detail;
+use crate::absorption::AbsorptionMap;
 use crate::log_facts::search_box::Limits;
 
 /// Number of rounds in which all stops have the same efficiency, because the first curves are too rough to compare
@@ -55,8 +55,7 @@ impl<'a> Draft<'a> {
             mean: bounds.nearest(heard.middle),
             highest: f64::NEG_INFINITY,
             covariance: [[0.0; 3]; 3],
-            at_bound: false,
-            is_flat: false,
+            concern: None,
             is_cramped: false,
             shift_m: 0.0,
         });

@@ -2,9 +2,9 @@
 
 use sextant_channel::Position;
 
-use super::absorption::{AbsorptionMap, slant};
-use super::claims::CellEvidence;
 use super::model::{CEILING, FLOOR, Model};
+use crate::absorption::claims::CellEvidence;
+use crate::absorption::{AbsorptionMap, slant};
 use crate::numerics::normal::density;
 
 /// Least curvature of the log-likelihood along a line, per packet. It keeps steps short where the log-likelihood is

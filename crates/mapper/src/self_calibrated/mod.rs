@@ -16,25 +16,22 @@
 //! explains the other half. An open network is therefore mapped as if it were known to be open. Antenna
 //! sectors are evidence of directions. Signal strengths are not used.
 
-mod absorption;
 mod algorithm;
 mod belief;
 mod beliefs;
-mod claims;
 mod counts;
 mod draft;
 mod likelihood;
 mod lines;
 mod model;
 mod posterior;
+mod report;
 mod settings;
 mod shadows;
 mod start;
 mod tomography;
 mod window;
 
-pub use absorption::AbsorptionMap;
 pub use algorithm::{Calibration, SelfCalibrated};
-pub use claims::ObstacleClaim;
 pub use model::CalibratedCurve;
 pub use settings::{ObstacleKnowledge, SelfCalibratedConfig};

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sextant_channel::{Position, Stop};
 use sextant_kernel::{Interrupted, Watch};
 
-use super::absorption::AbsorptionMap;
+use crate::absorption::AbsorptionMap;
 use crate::numerics::normal::index;
 
 /// Maximum size of the tables (values). Larger surveys get coarser tables.

@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, Seed, Watch};
 
-use super::absorption::AbsorptionMap;
 use super::belief::Belief;
-use super::claims::{CellEvidence, ObstacleClaim, regions};
 use super::counts::{Counts, Record};
 use super::lines::{Half, Line, Lines};
 use super::model::Model;
 use super::settings::ObstacleKnowledge;
+use crate::absorption::AbsorptionMap;
+use crate::absorption::claims::{CellEvidence, ObstacleClaim, regions};
 use crate::log_facts::reach::gap_m;
 use crate::purpose;
 

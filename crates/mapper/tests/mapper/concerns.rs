@@ -3,8 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    AlgorithmConfig, Concern, EstimateKind, HeightReason, Learned, MapError, Mapper, MlTmConfig, ProfileConfig,
-    TopologyMap,
+    AlgorithmConfig, Calibration, Concern, EstimateKind, FittedChannel, HeightReason, Learned, MapError, Mapper,
+    MlTmConfig, ProfileConfig, TopologyMap,
 };
 
 fn draw(address: [u64; 3]) -> f64 {
@@ -98,7 +98,7 @@ fn nodes_that_were_heard_alike_everywhere_have_no_evidence() {
             let (map, learned) = map(config, &everywhere);
             assert!(all_have(&map, Concern::NoEvidence), "{:?}", map.concerns().collect::<Vec<_>>());
             assert!(farthest_m(&map, &everywhere) < 12.0);
-            if let Some(Learned::Calibration(calibration)) = learned {
+            if let Some(calibration) = learned.as_ref().and_then(Learned::get::<Calibration>) {
                 assert!(!calibration.converged && calibration.curve_at_bound);
             }
         }
@@ -198,7 +198,8 @@ fn the_channel_is_found_in_the_strengths_and_a_log_without_them_is_refused() {
     let nodes = scattered(12, 60, [24.0, 24.0, 0.0]);
     let log = log(&scattered(13, 80, [24.0, 24.0, 0.0]), &nodes, 9.0);
     let (found, learned) = map(strengths(), &log);
-    let Some(Learned::Channel(channel)) = learned else { panic!("{learned:?}") };
+    let learned = learned.expect("the channel");
+    let channel: &FittedChannel = learned.get().expect("the channel");
     assert!(channel.converged, "{channel:?}");
     // 22 dB a decade; the strength is -90 dBm at 9 m; shadowing of 4 dB and fading of 3 dB.
     assert!((channel.exponent - 2.2).abs() < 0.5, "{channel:?}");

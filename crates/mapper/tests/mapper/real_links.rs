@@ -3,8 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    Area, Auto, AutoConfig, Concern, Learned, LinkEvidence, LinkModel, LinkModelConfig, Mapper, PacketCentroid,
-    PacketCentroidConfig, PlacePrior, Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
+    Area, Auto, AutoConfig, Choice, Concern, LinkEvidence, LinkFit, LinkModel, LinkModelConfig, Mapper,
+    PacketCentroid, PacketCentroidConfig, PlacePrior, Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
 };
 
 const WORLD: Purpose = Purpose::new(9001);
@@ -284,12 +284,12 @@ fn places_keep_to_the_area_that_is_known() {
 #[test]
 fn the_mappers_tell_what_they_learned() {
     let log = World { nodes: 12, ..World::usual() }.log();
-    let mapper = Mapper::LinkModel(link_model());
+    let mapper = Mapper::new(link_model());
     let (map, learned) = mapper.map_and_learn(&log, &Unwatched).unwrap();
     assert_eq!((map.algorithm, map.mapped()), ("link-model", 12));
-    assert!(matches!(learned, Some(Learned::Links(_))));
-    let mapper = Mapper::Auto(Auto::try_from(AutoConfig::default()).unwrap());
+    assert!(learned.unwrap().get::<LinkFit>().is_some());
+    let mapper = Mapper::new(Auto::try_from(AutoConfig::default()).unwrap());
     let (map, learned) = mapper.map_and_learn(&log, &Unwatched).unwrap();
     assert_eq!(map.algorithm, "auto");
-    assert!(matches!(learned, Some(Learned::Choice(choice)) if choice.fit.is_some()));
+    assert!(learned.unwrap().get::<Choice>().unwrap().fit.is_some());
 }

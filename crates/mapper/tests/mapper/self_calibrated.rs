@@ -3,8 +3,8 @@
 use sextant_channel::{Contact, Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    AlgorithmConfig, Calibration, EstimateKind, Learned, Mapper, MlTmConfig, ObstacleKnowledge, ProfileConfig,
-    Region, SelfCalibrated, SelfCalibratedConfig, TopologyMap,
+    AlgorithmConfig, Calibration, EstimateKind, Mapper, MlTmConfig, ObstacleKnowledge, ProfileConfig, Region,
+    SelfCalibrated, SelfCalibratedConfig, TopologyMap,
 };
 
 /// Nothing is received farther away than this (m).
@@ -413,7 +413,7 @@ fn the_mapper_returns_what_was_learned() {
     assert_eq!(mapper.name(), "self-calibrated");
     let (map, learned) = mapper.map_and_learn(&log, &Unwatched).expect("a small grid");
     assert_eq!(map.algorithm, "self-calibrated");
-    assert!(matches!(learned, Some(Learned::Calibration(Calibration { curve: Some(_), .. }))));
+    assert!(learned.unwrap().get::<Calibration>().unwrap().curve.is_some());
     let bad = SelfCalibratedConfig { max_rounds: 0, ..SelfCalibratedConfig::default() };
     let error = Mapper::try_from(AlgorithmConfig::SelfCalibrated(bad)).expect_err("no rounds");
     assert_eq!(error.key, "self_calibrated.max_rounds");

@@ -2,9 +2,7 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, RobotId};
-use sextant_mapper::{
-    AbsorptionMap, CalibratedCurve, Calibration, EstimatorFit, Fit, Learned, LinkFit, Mapper, ReceptionProfile,
-};
+use sextant_mapper::{LearnedCurve, ReceptionProfile};
 
 use super::input::Input;
 use super::logs::MapLogs;
@@ -67,86 +65,28 @@ pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>
 fn estimated<'a>(computed: &'a ComputedMap<'_>, input: &'a Input) -> EstimatedMap<'a> {
     let ComputedMap { named, map, learned } = computed;
     let logs = MapLogs::from(&input.logs);
-    let curves = match (learned, &named.mapper) {
-        (Some(Learned::Profiles(fits)), Mapper::Joint(_)) => fits
-            .iter()
-            .filter_map(|(network, fit)| {
-                let log = logs.named(network)?;
-                Some(ReceptionCurve { network: Some(network), log, model: Some(of_fit(fit)) })
-            })
-            .collect(),
-        (learned, mapper) => {
-            let model = learned.as_ref().and_then(of_learned).or_else(|| given(mapper).map(of_profile));
-            vec![ReceptionCurve { network: None, log: logs.of(named), model }]
-        }
+    let model = |curve: LearnedCurve<'a>| Model {
+        name: curve.name.to_owned(),
+        probability: curve.probability,
+        of_stops: curve.of_stops,
+        range_m: curve.range_m,
     };
-    EstimatedMap { name: &named.name, map, curves, obstacles: learned.as_ref().and_then(obstacles) }
-}
-
-/// What absorbs, if it was estimated with a map.
-fn obstacles(learned: &Learned) -> Option<&AbsorptionMap> {
-    let calibration = match learned {
-        Learned::Calibration(calibration) => calibration,
-        Learned::Choice(choice) => match choice.fit.as_ref()? {
-            EstimatorFit::Calibration(calibration) => calibration,
-            EstimatorFit::Links(_) | EstimatorFit::Profile(_) => return None,
-        },
-        _ => return None,
-    };
-    calibration.obstacles.as_ref()
-}
-
-/// The curve that was estimated from the log of a map.
-fn of_learned(learned: &Learned) -> Option<Model<'_>> {
-    match learned {
-        Learned::Profile(fit) => Some(of_fit(fit)),
-        Learned::Calibration(calibration) => of_calibration(calibration),
-        Learned::Links(fit) => Some(of_links(fit)),
-        Learned::Choice(choice) => match choice.fit.as_ref()? {
-            EstimatorFit::Links(fit) => Some(of_links(fit)),
-            EstimatorFit::Profile(fit) => Some(of_fit(fit)),
-            EstimatorFit::Calibration(calibration) => of_calibration(calibration),
-        },
-        _ => None,
+    let learned_curves = learned.as_ref().map(|learned| learned.curves()).unwrap_or_default();
+    let mut curves: Vec<ReceptionCurve<'a>> = Vec::new();
+    for curve in learned_curves {
+        let network = curve.network;
+        let Some(log) = network.map_or(Some(logs.of(named)), |network| logs.named(network)) else { continue };
+        curves.push(ReceptionCurve { network, log, model: Some(model(curve)) });
     }
-}
-
-fn of_fit(fit: &Fit) -> Model<'_> {
-    Model {
-        name: "fitted curve".to_owned(),
-        probability: Box::new(|distance_m| fit.curve.probability(distance_m)),
-        of_stops: Vec::new(),
-        range_m: Some(fit.curve.range_m()),
+    if curves.is_empty() {
+        let model = named.mapper.profile().map(of_profile);
+        curves.push(ReceptionCurve { network: None, log: logs.of(named), model });
     }
-}
-
-fn of_links(fit: &LinkFit) -> Model<'_> {
-    Model {
-        name: "law of links".to_owned(),
-        probability: Box::new(|distance_m| fit.probability(distance_m)),
-        of_stops: Vec::new(),
-        range_m: None,
-    }
-}
-
-fn of_calibration(calibration: &Calibration) -> Option<Model<'_>> {
-    let curve = calibration.curve.as_ref()?;
-    let stops = calibration.efficiency.len().max(1) as f64;
-    let mean = calibration.efficiency.iter().sum::<f64>() / stops;
-    Some(Model {
-        name: "calibrated curve over clear links".to_owned(),
-        probability: Box::new(|distance_m| curve.probability(distance_m)),
-        of_stops: calibration.efficiency.iter().map(|efficiency| efficiency / mean.max(1e-9)).collect(),
-        range_m: Some(CalibratedCurve::range_m(curve)),
-    })
-}
-
-/// The profile that the settings of a map give.
-fn given(mapper: &Mapper) -> Option<&ReceptionProfile> {
-    match mapper {
-        Mapper::MlTm(ml_tm) => Some(ml_tm.profile()),
-        Mapper::MmTm(mm_tm) => mm_tm.profile(),
-        _ => None,
+    EstimatedMap {
+        name: &named.name,
+        map,
+        curves,
+        obstacles: learned.as_ref().and_then(|learned| learned.obstacles()),
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use sextant_channel::{NetworkLogs, Position, ReceptionLog};
-use sextant_kernel::Seed;
+use sextant_kernel::{Files, Seed};
 use sextant_mapper::PlacePrior;
 
 use super::error::MapLogError;
@@ -24,6 +24,8 @@ pub struct Input {
     pub recording: Option<PathBuf>,
     /// The scenario of the log, if it is from a recording.
     pub scenario: Option<String>,
+    /// The files that the scenario names.
+    pub files: Files,
     /// The true positions of nodes, by name.
     pub truth: Option<BTreeMap<String, Position>>,
     /// In how many dimensions they are known.
@@ -56,6 +58,7 @@ impl Input {
                 paths: Vec::new(),
                 recording: None,
                 scenario: None,
+                files: Files::default(),
                 truth: None,
                 true_dimensions: Dimensions::Space,
                 prior: None,
@@ -76,6 +79,7 @@ impl Input {
         }
         let scenario = run.attachment(SCENARIO_ATTACHMENT);
         let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
+        let files = run.files();
         let mut notes = Vec::new();
         if run.cut_stops > 0 {
             notes.push(
@@ -93,6 +97,7 @@ impl Input {
             paths: run.paths,
             recording: Some(path.to_owned()),
             scenario,
+            files,
             truth,
             true_dimensions: Dimensions::Space,
             prior: None,

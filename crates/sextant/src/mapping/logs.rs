@@ -1,7 +1,7 @@
 //! The logs of the networks that robots surveyed.
 
 use sextant_channel::{NetworkLog, NetworkLogs, ReceptionLog};
-use sextant_mapper::{Knowledge, Mapper};
+use sextant_mapper::Knowledge;
 
 use crate::scenario::NamedMap;
 
@@ -28,10 +28,7 @@ impl<'a> MapLogs<'a> {
     /// any network.
     #[must_use]
     pub fn of(&self, map: &NamedMap) -> &'a ReceptionLog {
-        let name = match &map.mapper {
-            Mapper::Joint(joint) => joint.networks().next(),
-            _ => map.network.as_deref(),
-        };
+        let name = map.mapper.networks().first().copied().or(map.network.as_deref());
         name.and_then(|name| self.named(name)).unwrap_or(self.logs[0].1)
     }
 

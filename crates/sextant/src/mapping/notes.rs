@@ -2,7 +2,7 @@
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
-use sextant_mapper::{EstimatorFit, Learned};
+use sextant_mapper::Learned;
 
 use crate::measure::axes;
 use sextant_kernel::text::{counted, listed};
@@ -62,23 +62,10 @@ pub(super) fn of_map(
     learned: Option<&Learned>,
     truth: Option<&[Option<Position>]>,
 ) -> Vec<String> {
-    let exponent = learned.and_then(path_loss_exponent);
+    let exponent = learned.and_then(|learned| learned.path_loss_exponent());
     let law = exponent.and_then(|found| exponent::finding(log, places, found));
     let axes = truth.and_then(|truth| axes(truth, places));
     [law, axes].into_iter().flatten().map(|finding| finding.to_string()).collect()
-}
-
-/// The path-loss exponent that was estimated with a map, if one was.
-fn path_loss_exponent(learned: &Learned) -> Option<f64> {
-    match learned {
-        Learned::Links(fit) => fit.path_loss_exponent(),
-        Learned::Channel(channel) => Some(channel.exponent),
-        Learned::Choice(choice) => match choice.fit.as_ref()? {
-            EstimatorFit::Links(fit) => fit.path_loss_exponent(),
-            EstimatorFit::Profile(_) | EstimatorFit::Calibration(_) => None,
-        },
-        _ => None,
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What is measured: a map by its name.
 
-use sextant_mapper::{KnowledgeKind, Mapper};
+use sextant_mapper::KnowledgeKind;
 
 use crate::scenario::NamedMap;
 
@@ -17,9 +17,11 @@ pub struct Subject<'a> {
 
 impl<'a> From<&'a NamedMap> for Subject<'a> {
     fn from(named: &'a NamedMap) -> Self {
-        let networks = match &named.mapper {
-            Mapper::Joint(joint) => joint.networks().map(str::to_owned).collect(),
-            _ => named.network.iter().cloned().collect(),
+        let joint = named.mapper.networks();
+        let networks = if joint.is_empty() {
+            named.network.iter().cloned().collect()
+        } else {
+            joint.into_iter().map(str::to_owned).collect()
         };
         Self { name: &named.name, knowledge: named.mapper.uses(), networks }
     }

@@ -101,10 +101,8 @@ impl RunCapture {
 
 /// The technologies of the networks.
 fn technologies(scenario: &Scenario) -> Technologies {
-    let mut all = scenario
-        .networks()
-        .iter()
-        .map(|network| matches!(network.technology.frame_format(), FrameFormat::Radiotap { .. }));
+    let is_radiotap = |network: &Network| matches!(network.technology.frame_format(), FrameFormat::Radiotap { .. });
+    let mut all = scenario.networks().iter().map(is_radiotap);
     let first = all.next().unwrap_or(false);
     match (first, all.all(|other| other == first)) {
         (_, false) => Technologies::Both,

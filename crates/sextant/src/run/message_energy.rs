@@ -2,7 +2,7 @@
 
 use sextant_kernel::NodeId;
 use sextant_mac::MessageEnergy;
-use sextant_mapper::{Comparator, KnowledgeKind, Mapper};
+use sextant_mapper::{KnowledgeKind, Landmarks, Mapper, Messages};
 use sextant_sim::{Antennas, Discovered, NetworkId, Survey};
 
 use super::discovery::Discoveries;
@@ -61,23 +61,25 @@ fn packets_j(
     let members = (0..scenario.world().nodes.len()).filter(|&node| network.has(NodeId::from_index(node)));
     let (nodes, anchors) = (count(members.count()), scenario.anchors().len());
     let mean = |round: &Discovered, nodes: f64| count(round.log.links().len()) / nodes;
-    match mapper {
-        Mapper::Comparator(Comparator::Tpm(tpm)) => {
+    match mapper.messages() {
+        Messages::Floods(landmarks) => {
             let neighbours = mean(discoveries.neighbours.as_ref()?, nodes);
-            Some(packet.tpm_j(nodes, count(tpm.landmark_count(anchors)?), 1.0, neighbours))
+            let landmarks = match landmarks {
+                Landmarks::Count(landmarks) => landmarks,
+                Landmarks::Anchors => anchors,
+                Landmarks::Sought => return None,
+            };
+            Some(packet.tpm_j(nodes, count(landmarks), 1.0, neighbours))
         }
-        Mapper::Comparator(
-            Comparator::TriangleCentroid(_) | Comparator::Centroid(_) | Comparator::WeightedCentroid(_),
-        ) => {
+        Messages::Beacons => {
             let beacons = discoveries.beacons.as_ref()?;
             let is_anchor = |node| scenario.anchors().iter().any(|anchor| anchor.node == node);
             let heard = beacons.log.links().iter().filter(|link| !is_anchor(link.listener)).count();
             let others = (nodes - count(anchors)).max(1.0);
             Some(packet.rssi_j(nodes, count(anchors), count(heard) / others))
         }
-        Mapper::Comparator(_) => None,
-        _ if mapper.uses().contains(&KnowledgeKind::RobotReceptions) => Some(packet.ml_tm_j(nodes, count(stops))),
-        _ => None,
+        Messages::Survey => Some(packet.ml_tm_j(nodes, count(stops))),
+        Messages::Unknown => None,
     }
 }
 

@@ -2,7 +2,9 @@
 
 use sextant_apps::ControllerConfig;
 use sextant_kernel::SettingError;
-use sextant_mapper::{AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig};
+use sextant_mapper::{
+    AlgorithmConfig, ChannelProfileConfig, MapConfig, ProfileConfig, RangingConfig, ReceiverSetting,
+};
 use sextant_sim::{RobotConfig, RoleConfig, TrafficConfig};
 
 use super::networks::{CheckedLinks, NetworkTables};
@@ -102,7 +104,7 @@ impl KnownNetworks {
     /// # Errors
     /// If robots survey no network of that name.
     pub(super) fn complete(&self, map: &mut MapConfig) -> Result<(), SettingError> {
-        if let (Some(name), AlgorithmConfig::Joint(_)) = (&map.network, &map.algorithm) {
+        if let (Some(name), Some(_)) = (&map.network, map.algorithm.networks()) {
             let allowed = "no key: `algorithm.joint.networks` names the networks";
             return Err(SettingError::new("network", format!("`{name}`"), allowed));
         }
@@ -110,10 +112,8 @@ impl KnownNetworks {
         if let Some(network) = of_map {
             network.complete(&mut map.algorithm);
         }
-        if let AlgorithmConfig::Joint(joint) = &map.algorithm {
-            for (i, member) in joint.networks.iter().enumerate() {
-                self.find(&format!("algorithm.joint.networks[{i}].network"), Some(&member.network))?;
-            }
+        for (i, member) in map.algorithm.networks().into_iter().flatten().enumerate() {
+            self.find(&format!("algorithm.{}.networks[{i}].network", map.algorithm.key()), Some(member))?;
         }
         for setting in map.algorithm.profiles_mut() {
             let network = match &setting.network {
@@ -156,9 +156,9 @@ impl KnownNetwork {
             reference_distance_m.get_or_insert(path_loss.reference_distance_m());
             sigma_db.get_or_insert(channel.shadowing().sigma_db());
         }
-        if let AlgorithmConfig::RssGrid(grid) = algorithm {
-            grid.sensitivity_dbm.get_or_insert(links.technology.sensitivity().0);
-            grid.max_range_m = grid.max_range_m.or(links.max_range_m());
+        if let Some(ReceiverSetting { sensitivity_dbm, max_range_m }) = algorithm.receiver_mut() {
+            sensitivity_dbm.get_or_insert(links.technology.sensitivity().0);
+            *max_range_m = max_range_m.or(links.max_range_m());
         }
     }
 

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
+use sextant_kernel::Files;
 use sextant_mac::EnergyConfig;
-use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig};
+use sextant_mapper::{AlgorithmConfig, AnyLog, KnowledgeKind, MapConfig};
 use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, Technology, TrafficConfig, WorldConfig};
 
 use super::config::MetricsConfig;
@@ -22,138 +24,59 @@ use super::maps::{NamedMap, check_maps};
 use super::network_config::NetworkConfig;
 use super::networks::{CheckedLinks, NetworkTables, ScenarioTables};
 
-/// The default map of `sextant map`.
-const DEFAULT: &str = "[[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.25, estimate = \"posterior_mean\", \
-                       profile.fitted = {} }\n";
-
-/// The default map by the self-calibrated algorithm.
-const SELF_CALIBRATED: &str = "[[maps]]\nalgorithm.self_calibrated = {}\n";
-
-/// The default map by the grid of signal strengths.
-const RSS_GRID: &str = "[[maps]]\nalgorithm.rss_grid = {}\n";
-
-/// The map of a log without a scenario.
-const AUTO: &str = "[[maps]]\nalgorithm.auto = {}\n";
-
-/// The default maps by other algorithms.
-const LINK_MODEL: &str = "[[maps]]\nalgorithm.link_model = {}\n";
-const PACKET_CENTROID: &str = "[[maps]]\nalgorithm.packet_centroid = {}\n";
-const STRONGEST_STOP: &str = "[[maps]]\nalgorithm.strongest_stop = {}\n";
-const RSSI_CENTROID: &str = "[[maps]]\nalgorithm.rssi_centroid = {}\n";
-const LEAST_SQUARES: &str = "[[maps]]\nalgorithm.least_squares = {}\n";
-const GAUSSIAN_PROCESS: &str = "[[maps]]\nalgorithm.gaussian_process = {}\n";
+/// The key of the algorithm that has reception profiles, and of the one that chooses by the log.
+const WITH_PROFILE: &str = "ml_tm";
+const AUTO: &str = "auto";
 
 /// An algorithm whose default settings suit any log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AlgorithmName {
-    /// The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid.
-    Auto,
-    /// A model of real radio links, estimated from the log; uses signal strengths where the log has them.
-    LinkModel,
-    /// The mean of the stops that heard a node, weighted by a power of the share of packets that they received.
-    PacketCentroid,
-    /// Maximum likelihood on a grid, with a reception profile that is fitted first.
-    MlTm,
-    /// Joint estimate of positions, reception curve, stops and obstacles.
-    SelfCalibrated,
-    /// Maximum likelihood of signal strengths, with a channel that is fitted first.
-    RssGrid,
-    /// The stop that received a node with the greatest strength.
-    StrongestStop,
-    /// The mean of the stops that received a node, weighted by signal strength.
-    RssiCentroid,
-    /// Place, power and path-loss exponent of each node that fit its strengths best.
-    LeastSquares,
-    /// Where a Gaussian process over the strengths of a node is greatest.
-    GaussianProcess,
-}
+pub struct AlgorithmName(AnyLog);
 
 impl AlgorithmName {
-    /// All of them.
-    pub const ALL: [Self; 10] = [
-        Self::Auto,
-        Self::LinkModel,
-        Self::PacketCentroid,
-        Self::MlTm,
-        Self::SelfCalibrated,
-        Self::RssGrid,
-        Self::StrongestStop,
-        Self::RssiCentroid,
-        Self::LeastSquares,
-        Self::GaussianProcess,
-    ];
+    /// All of them, those that are tried first before the others.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        AlgorithmConfig::of_any_log().into_iter().map(Self).collect()
+    }
+
+    /// The one with this key, which is registered.
+    fn of_key(key: &str) -> Self {
+        Self::all().into_iter().find(|name| name.0.key() == key).expect("it is registered")
+    }
 
     /// Its name, as in `[[maps]]` of a scenario but with hyphens.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::LinkModel => "link-model",
-            Self::PacketCentroid => "packet-centroid",
-            Self::MlTm => "ml-tm",
-            Self::SelfCalibrated => "self-calibrated",
-            Self::RssGrid => "rss-grid",
-            Self::StrongestStop => "strongest-stop",
-            Self::RssiCentroid => "rssi-centroid",
-            Self::LeastSquares => "least-squares",
-            Self::GaussianProcess => "gaussian-process",
-        }
+        self.0.name
     }
 
     /// What it computes, in a sentence without a full stop.
     #[must_use]
     pub fn description(self) -> &'static str {
-        match self {
-            Self::Auto => {
-                "The estimator that the log chooses: link model, fitted grid, self-calibrated or packet centroid"
-            }
-            Self::LinkModel => {
-                "A model of real radio links, estimated from the log; uses signal strengths where the log has them"
-            }
-            Self::PacketCentroid => {
-                "The mean of the stops that heard a node, weighted by a power of the share of packets that they received"
-            }
-            Self::MlTm => "Maximum likelihood on a grid, with a reception profile that is fitted first",
-            Self::SelfCalibrated => "Joint estimate of positions, reception curve, stops and obstacles",
-            Self::RssGrid => "Maximum likelihood of signal strengths, with a channel that is fitted first",
-            Self::StrongestStop => "The stop that received a node with the greatest strength",
-            Self::RssiCentroid => "The mean of the stops that received a node, weighted by signal strength",
-            Self::LeastSquares => "Place, power and path-loss exponent of each node that fit its strengths best",
-            Self::GaussianProcess => "Where a Gaussian process over the strengths of a node is greatest",
-        }
+        self.0.description
     }
 
     /// The algorithm of a log without a scenario, if none is named: the one whose settings are given, `ml-tm` for a
     /// profile, otherwise the choice of the log.
     fn meant(has_scenario: bool, has_profile: bool, set: &[String]) -> Option<Self> {
         let is_set = |name: &Self| {
-            let key = format!("algorithm.{}", name.name().replace('-', "_"));
+            let key = format!("algorithm.{}", name.0.key());
             set.iter().any(|setting| setting.contains(&key))
         };
-        let set_up = Self::ALL.into_iter().find(is_set);
-        (!has_scenario).then(|| set_up.unwrap_or(if has_profile { Self::MlTm } else { Self::Auto }))
+        let set_up = Self::all().into_iter().find(is_set);
+        let usual = if has_profile { WITH_PROFILE } else { AUTO };
+        (!has_scenario).then(|| set_up.unwrap_or_else(|| Self::of_key(usual)))
     }
 
     /// One map by the algorithm, as written in a scenario.
-    fn text(self) -> &'static str {
-        match self {
-            Self::Auto => AUTO,
-            Self::LinkModel => LINK_MODEL,
-            Self::PacketCentroid => PACKET_CENTROID,
-            Self::MlTm => DEFAULT,
-            Self::SelfCalibrated => SELF_CALIBRATED,
-            Self::RssGrid => RSS_GRID,
-            Self::StrongestStop => STRONGEST_STOP,
-            Self::RssiCentroid => RSSI_CENTROID,
-            Self::LeastSquares => LEAST_SQUARES,
-            Self::GaussianProcess => GAUSSIAN_PROCESS,
-        }
+    fn text(self) -> String {
+        format!("[[maps]]\nalgorithm.{} = {}\n", self.0.key(), self.0.settings)
     }
 }
 
 /// The name is that of no algorithm.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{found}` is not an algorithm; allowed: {}", AlgorithmName::ALL.map(AlgorithmName::name).join(", "))]
+#[error("`{found}` is not an algorithm; allowed: {}", AlgorithmName::all().into_iter().map(AlgorithmName::name).collect::<Vec<_>>().join(", "))]
 pub struct UnknownAlgorithm {
     /// The name.
     pub found: String,
@@ -163,9 +86,20 @@ impl FromStr for AlgorithmName {
     type Err = UnknownAlgorithm;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let named = Self::ALL.into_iter().find(|algorithm| algorithm.name() == text);
+        let named = Self::all().into_iter().find(|algorithm| algorithm.name() == text);
         named.ok_or_else(|| UnknownAlgorithm { found: text.to_owned() })
     }
+}
+
+/// The scenario of a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordedScenario<'a> {
+    /// Its name in messages.
+    pub name: &'a str,
+    /// Its text.
+    pub text: &'a str,
+    /// The files that it names.
+    pub files: &'a Files,
 }
 
 /// The maps to compute from a log, and how to compare them with the truth.
@@ -229,7 +163,7 @@ impl MapSettingsConfig {
 }
 
 impl MapSettings {
-    /// The maps of `scenario`, which is a name for messages and a text. If `algorithm` is given, it is one map by that
+    /// The maps of `scenario`. If `algorithm` is given, it is one map by that
     /// algorithm instead. If the scenario has no maps, it is one `ml-tm` map with a fitted profile. Without a scenario, it is
     /// the map that the log chooses (`auto`), or one by the algorithm that `profile` or `set` are for.
     ///
@@ -241,7 +175,7 @@ impl MapSettings {
     /// # Errors
     /// All errors found.
     pub fn new(
-        scenario: Option<(&str, &str)>,
+        scenario: Option<RecordedScenario<'_>>,
         algorithm: Option<AlgorithmName>,
         (profile, network): (Option<&str>, Option<&str>),
         set: &[String],
@@ -255,19 +189,21 @@ impl MapSettings {
             document.lay_setting("setting", setting, Path::new(""))?;
         }
         let mut config: MapSettingsConfig = deserialize(&document)?;
-        let is_joint = |map: &MapConfig| matches!(map.algorithm, AlgorithmConfig::Joint(_));
+        let is_joint = |map: &MapConfig| map.algorithm.networks().is_some();
         if let Some(network) = network.filter(|_| !config.networks.is_empty()) {
             let alone = config.maps.iter_mut().filter(|map| !is_joint(map));
             alone.for_each(|map| map.network = Some(network.to_owned()));
         }
         let mut errors = Errors { document: &document, found: Vec::new() };
         let tables = NetworkTables::all(config.tables());
-        let links: Vec<_> = tables.iter().map(|table| known_links(table, &mut errors)).collect();
+        let none = Files::Attached(Arc::default());
+        let files = scenario.map_or(&none, |scenario| scenario.files);
+        let links: Vec<_> = tables.iter().map(|table| known_links(table, files, &mut errors)).collect();
         let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &links, &config.robots), &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
-            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, Path::new("")))
+            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, files))
         } else {
             None
         };
@@ -276,25 +212,24 @@ impl MapSettings {
     }
 }
 
-/// What maps may know of the links of a network. A log of a real robot has no channel, and files of antennas cannot be
-/// read.
-fn known_links(table: &NetworkTables<'_>, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
+/// What maps may know of the links of a network. A log of a real robot has no channel.
+fn known_links(table: &NetworkTables<'_>, files: &Files, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
     table.radio.value?;
     let channel = table.law(errors)?;
-    let config = table.link_config();
-    if config.antenna.is_some_and(|antennas| antennas.clone().files_mut().next().is_some()) {
-        return None;
-    }
-    let technology = Technology::read(&config, None, Path::new("")).ok()?;
+    let technology = Technology::read(&table.link_config(), None, files).ok()?;
     Some(CheckedLinks { channel, technology })
 }
 
 /// The settings before any flag: those of the scenario that maps need. If `algorithm` is given or the scenario has no
 /// maps, its maps are replaced by the default map.
-fn document(scenario: Option<(&str, &str)>, algorithm: Option<AlgorithmName>) -> Result<Document, ScenarioError> {
-    let defaults = ("the defaults", algorithm.unwrap_or(AlgorithmName::MlTm).text());
+fn document(
+    scenario: Option<RecordedScenario<'_>>,
+    algorithm: Option<AlgorithmName>,
+) -> Result<Document, ScenarioError> {
+    let text = algorithm.unwrap_or_else(|| AlgorithmName::of_key(WITH_PROFILE)).text();
+    let defaults = ("the defaults", text.as_str());
     let mut document = Document::default();
-    let (name, text) = scenario.unwrap_or(defaults);
+    let (name, text) = scenario.map_or(defaults, |scenario| (scenario.name, scenario.text));
     document.lay_text(name, text)?;
     if let Value::Table(settings) = &mut document.root.value {
         let keys = keys_of::<MapSettingsConfig>();
@@ -330,10 +265,18 @@ fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), Scenar
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use sextant_channel::{ChannelLaw, CloseInConfig, PathLossConfig};
 
     use super::super::config::ScenarioConfig;
     use super::*;
+
+    /// A recorded scenario that names no files.
+    fn recorded(text: &str) -> Option<RecordedScenario<'_>> {
+        static NONE: LazyLock<Files> = LazyLock::new(|| Files::Attached(Arc::default()));
+        Some(RecordedScenario { name: "x", text, files: &NONE })
+    }
 
     const PROFILE: &str = "p0=0.9,plateau_m=2,range_m=10";
 
@@ -354,9 +297,9 @@ mod tests {
     fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
-        let kept = MapSettings::new(Some(("x", text)), None, (None, None), &[]).unwrap();
+        let kept = MapSettings::new(recorded(text), None, (None, None), &[]).unwrap();
         assert_eq!(kept.maps[0].name, "a");
-        let changed = MapSettings::new(Some(("x", text)), None, (Some(PROFILE), None), &[]).unwrap();
+        let changed = MapSettings::new(recorded(text), None, (Some(PROFILE), None), &[]).unwrap();
         assert_ne!(changed.maps[0].mapper, kept.maps[0].mapper);
     }
 
@@ -364,8 +307,8 @@ mod tests {
     fn an_algorithm_replaces_the_maps_of_a_scenario_and_a_profile_is_rejected_if_it_has_none() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
-        let algorithm = Some(AlgorithmName::SelfCalibrated);
-        for scenario in [None, Some(("x", text)), Some(("x", "name = \"x\"\n"))] {
+        let algorithm = Some(AlgorithmName::of_key("self_calibrated"));
+        for scenario in [None, recorded(text), recorded("name = \"x\"\n")] {
             let settings = MapSettings::new(scenario, algorithm, (None, None), &[]).unwrap();
             assert_eq!((settings.maps.len(), settings.maps[0].name.as_str()), (1, "self-calibrated"));
             let set = ["maps.0.algorithm.self_calibrated.grid_step_m=0.5".to_owned()];
@@ -390,7 +333,7 @@ mod tests {
                  traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
                  algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
             );
-            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
@@ -413,7 +356,7 @@ mod tests {
                  antenna.nodes.sectors = {nodes}\nantenna.robots.sectors = {robots}\n\
                  [[maps]]\nalgorithm.mmtm = {{ grid_step_m = 0.5, profile.channel = {{ {profile} }} }}\n"
             );
-            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let law = CloseInConfig { carrier_ghz: Some(73.0), exponent: Some(1.7), ..CloseInConfig::default() };
@@ -438,7 +381,7 @@ mod tests {
                  controller.waypoints.places_m = [[0, 0]]\n\
                  [[maps]]\n{network}algorithm.ml_tm = {{ grid_step_m = 0.5, profile.channel = {{}} }}\n"
             );
-            MapSettings::new(Some(("x", &text)), None, (None, flag), &[])
+            MapSettings::new(recorded(&text), None, (None, flag), &[])
         };
         let mapper = |network, flag| new(network, flag).unwrap().maps[0].mapper.clone();
         let (first, second) = (mapper("", None), mapper("network = \"b\"\n", None));

@@ -1,7 +1,7 @@
 //! One map and its errors.
 
 use serde::Serialize;
-use sextant_mapper::{Concern, KnowledgeKind, LinkEvidence};
+use sextant_mapper::{Concern, KnowledgeKind, Line};
 
 use super::distributed::DistributedSummary;
 
@@ -57,34 +57,9 @@ pub struct MapSummary {
     /// Share of the mapped nodes whose true position is in their 95 % region, 0 to 1, if the map has such regions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_95: Option<f64>,
-    /// The reception profile, if it was estimated from the log.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fitted_profile: Option<FittedProfileSummary>,
-    /// The reception profiles of the networks of a joint map that were estimated from their logs.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub fitted_profiles: Vec<NetworkProfileSummary>,
-    /// The channel, if it was estimated from the log.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fitted_channel: Option<FittedChannelSummary>,
-    /// What was estimated with the map, if it is self-calibrated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub calibration: Option<CalibrationSummary>,
-    /// The law of links, if the link model estimated one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub link_law: Option<LinkLawSummary>,
-    /// The estimator that the log chose.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub chosen: Option<&'static str>,
-    /// Why it was chosen, in words.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub chosen_because: Option<&'static str>,
-    /// Factor by which the variances of the chosen map were enlarged, if its maps from parts of the stops differ by more than
-    /// its own regions tell.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub region_enlargement: Option<f64>,
-    /// How well each estimator that could be chosen predicted the stops that were left out.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub scores: Vec<EstimatorScoreSummary>,
+    /// What the algorithm learned from the log in addition to the map: keys of its own.
+    #[serde(flatten)]
+    pub learned: LearnedSummary,
     /// Nodes whose position is unreliable, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub concerns: Vec<ConcernSummary>,
@@ -134,60 +109,23 @@ pub struct MapSummary {
     pub distributed: Option<DistributedSummary>,
 }
 
+/// What an algorithm learned from a log in addition to the map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LearnedSummary {
+    /// The keys in the summary, in their order.
+    #[serde(flatten)]
+    pub keys: serde_json::Map<String, serde_json::Value>,
+    /// The lines under the table.
+    #[serde(skip)]
+    pub lines: Vec<Line>,
+}
+
 /// Where a map is measured, if not in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MeasuredIn {
     /// In the plane of x and y.
     Plane,
-}
-
-/// A reception profile that was estimated from the log.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct FittedProfileSummary {
-    /// Rounds of the estimation.
-    pub rounds: u32,
-    /// Whether it converged, and no node has a concern.
-    pub converged: bool,
-    /// Distance beyond which receptions are outliers (m).
-    pub range_m: f64,
-    /// Probability of a reception at 0, 1/8, 2/8, .. of the range.
-    pub probability: Vec<f64>,
-    /// Stops that were ignored because the receiver did not work.
-    pub dead_stops: Vec<u32>,
-    /// Receptions that were ignored because they came from far beyond the range.
-    pub outliers: usize,
-}
-
-/// A channel that was estimated from the log.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct FittedChannelSummary {
-    /// Rounds of the estimation.
-    pub rounds: u32,
-    /// Whether it converged, and no node has a concern.
-    pub converged: bool,
-    /// Path loss exponent.
-    pub exponent: f64,
-    /// Mean signal strength over the reference distance (dBm).
-    pub tx_power_dbm: f64,
-    /// The reference distance (m).
-    pub reference_distance_m: f64,
-    /// Standard deviation of the signal strengths (dB).
-    pub sigma_db: f64,
-    /// Least signal strength at which packets are received (dBm).
-    pub sensitivity_dbm: f64,
-    /// Probability that a link that is strong enough is silent all the same, 0 to 1.
-    pub loss: f64,
-}
-
-/// The reception profile of one network of a joint map.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct NetworkProfileSummary {
-    /// Name of the network.
-    pub network: String,
-    /// The profile.
-    #[serde(flatten)]
-    pub profile: FittedProfileSummary,
 }
 
 /// A node whose position is unreliable.
@@ -223,100 +161,6 @@ pub enum HeightsSource {
     Stops,
     /// The stops, which have different heights, and the range of the packets.
     Reach,
-}
-
-/// What was estimated with a self-calibrated map, and from which knowledge.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct CalibrationSummary {
-    /// Rounds of the estimation.
-    pub rounds: u32,
-    /// Whether it converged. It did not if a node has a concern, or the curve is at its bound.
-    pub converged: bool,
-    /// Distance beyond which less than one packet in a hundred is received (m). Absent if the log has too few receptions
-    /// for a curve.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub range_m: Option<f64>,
-    /// Whether packets are received even at the longest distance of the curve, so that its range is unreliable. Absent
-    /// if not.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub curve_at_bound: bool,
-    /// Probability of a reception at 0, 1/8, 2/8, .. of the range, over a clear link at a stop of average efficiency.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub probability: Vec<f64>,
-    /// Minimum, lower quartile, median, upper quartile and maximum of the efficiency of the stops.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub efficiency: Vec<f64>,
-    /// Knowledge used to estimate obstacles: `none`, `from_receptions`, or `from_log` (receptions, the paths of the
-    /// robots, and their contacts with obstacles).
-    pub obstacle_knowledge: &'static str,
-    /// Area of the obstacles that the log is sure of (m²): cells whose absorption is clearly above zero, that are crossed in
-    /// several directions, and that explain the receptions of nodes which did not show them. Absent if obstacles were not
-    /// estimated, or nothing absorbs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub absorbing_m2: Option<f64>,
-    /// Area of the obstacles for which the evidence is weak (m²). Absent if there are none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub unsure_m2: Option<f64>,
-}
-
-/// What the link model estimated from the log. Margins are in standard deviations of the fading over packets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LinkLawSummary {
-    /// Which measurements were used: `packets`, `rssi` or `packets-and-rssi`.
-    pub evidence: LinkEvidence,
-    /// Rounds of the search for the law.
-    pub rounds: u32,
-    /// Whether the search ended by itself, within the bounds of the law.
-    pub settled: bool,
-    /// Distance at which the mean margin is given: the usual one of a link (m).
-    pub distance_m: f64,
-    /// Mean margin at this distance.
-    pub margin: f64,
-    /// How much the margin falls when the distance grows by a factor of e.
-    pub slope: f64,
-    /// Standard deviation of the slopes of nodes, as a share of `slope`.
-    pub slope_spread: f64,
-    /// Standard deviation of the static shadowing of links.
-    pub shadowing: f64,
-    /// Share of its variance that neighbouring stops share, 0 to 1.
-    pub shared: f64,
-    /// Distance over which it is correlated (m).
-    pub correlation_m: f64,
-    /// Standard deviation of the offsets of nodes.
-    pub offset: f64,
-    /// Standard deviation of the amplitudes of the dependence on direction.
-    pub direction: f64,
-    /// Share of the packets of a usual link that are lost whatever their strength, 0 to 1.
-    pub lapse: f64,
-    /// Standard deviation over the links of the logit of this share.
-    pub lapse_scatter: f64,
-    /// Share of the links that are dead whatever their power, 0 to 1: nothing is heard, and that says nothing of the place.
-    pub outage: f64,
-    /// Strength at which half of the packets are received (dBm). Absent without signal strengths, as the next three.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub threshold_dbm: Option<f64>,
-    /// Standard deviation of the strength over the packets of a link (dB).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fading_db: Option<f64>,
-    /// Path-loss exponent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub path_loss_exponent: Option<f64>,
-    /// Standard deviation of the static shadowing (dB).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shadowing_db: Option<f64>,
-}
-
-/// The score of an estimator on stops that were left out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct EstimatorScoreSummary {
-    /// Name of the estimator.
-    pub estimator: &'static str,
-    /// Mean natural logarithm of the probability that it gave to what was heard of a node at a stop that was left out.
-    pub log_probability: f64,
-    /// Standard error of its difference to the highest score; 0 for the highest.
-    pub standard_error: f64,
-    /// Number of pairs of node and stop.
-    pub pairs: usize,
 }
 
 /// Statistics of an error (m).

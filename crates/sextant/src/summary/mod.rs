@@ -28,9 +28,8 @@ pub use gathering::{
 };
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
-    AlignmentSummary, CalibrationSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, EstimatorScoreSummary,
-    FittedChannelSummary, FittedProfileSummary, HeightsSource, HeightsSummary, LinkLawSummary, MapSummary,
-    MeasuredIn, NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
+    AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
+    LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M,
 };
 pub use measures::{Measure, Number, Unit};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use sextant_mapper::{Concern, LinkEvidence};
+use sextant_mapper::{Concern, Section};
 
 use super::applications_table;
 use super::distributed_table;
@@ -45,10 +45,9 @@ pub fn write(summary: &Summary, out: &mut impl Write) -> io::Result<()> {
     if !summary.maps.is_empty() {
         maps(&summary.maps, out)?;
         measured(&summary.maps, out)?;
-        fitted_profiles(&summary.maps, out)?;
-        fitted_channels(&summary.maps, out)?;
-        calibrations(&summary.maps, out)?;
-        laws_and_choices(&summary.maps, out)?;
+        for section in Section::ALL.into_iter().filter(|section| *section != Section::Warnings) {
+            summary.maps.iter().try_for_each(|map| learned(map, section, out))?;
+        }
         displacements(&summary.maps, out)?;
         distributed_table::write(&summary.maps, summary.interrupted, out)?;
         concerns(&summary.maps, out)?;
@@ -208,48 +207,10 @@ fn knowledge(map: &MapSummary) -> String {
     words.join(", ").replace(", (", " (")
 }
 
-fn fitted_profiles(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    let of_map = |map: &MapSummary| {
-        let name = map.name.clone().unwrap_or_else(|| map.algorithm.clone());
-        let of_networks = map.fitted_profiles.iter();
-        let named = of_networks.map(|of| (format!("{name}, {}", of.network), of.profile.clone()));
-        let named: Vec<_> = named.collect();
-        map.fitted_profile.clone().map(|profile| (name, profile)).into_iter().chain(named)
-    };
-    for (name, profile) in maps.iter().flat_map(of_map) {
-        let rounds = counted(profile.rounds as usize, "round");
-        let end = if profile.converged { "converged" } else { "did not converge" };
-        write!(out, "{name}: fitted profile of range {:.2} m {end} in {rounds}", profile.range_m)?;
-        if !profile.dead_stops.is_empty() {
-            write!(out, ", {} ignored (receiver did not work)", counted(profile.dead_stops.len(), "stop"))?;
-        }
-        if profile.outliers > 0 {
-            write!(out, ", {} ignored (far beyond the range)", counted(profile.outliers, "reception"))?;
-        }
-        writeln!(out)?;
-    }
-    Ok(())
-}
-
-fn fitted_channels(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let Some(channel) = &map.fitted_channel else { continue };
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        let end = if channel.converged { "converged" } else { "did not converge" };
-        writeln!(
-            out,
-            "{name}: fitted channel: exponent {:.2}, {:.1} dBm at {} m, deviation {:.1} dB, sensitivity {:.1} dBm, {:.0} % \
-             lost; {end} in {}",
-            channel.exponent,
-            channel.tx_power_dbm,
-            channel.reference_distance_m,
-            channel.sigma_db,
-            channel.sensitivity_dbm,
-            100.0 * channel.loss,
-            counted(channel.rounds as usize, "round")
-        )?;
-    }
-    Ok(())
+/// What the algorithm of a map learned from the log, in one section.
+fn learned(map: &MapSummary, section: Section, out: &mut impl Write) -> io::Result<()> {
+    let lines = map.learned.lines.iter().filter(|line| line.section == section);
+    lines.map(|line| &line.text).try_for_each(|text| writeln!(out, "{text}"))
 }
 
 /// Shares of the nodes by sector displacement.
@@ -259,92 +220,6 @@ fn displacements(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
         let shares = map.sector_displacement.iter().enumerate();
         let shares: Vec<_> = shares.map(|(sectors, share)| format!("{sectors}: {:.1} %", 100.0 * share)).collect();
         writeln!(out, "{name}: nodes by sector displacement: {}", shares.join(", "))?;
-    }
-    Ok(())
-}
-
-fn calibrations(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let Some(calibration) = &map.calibration else { continue };
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        match calibration.range_m {
-            Some(range_m) => write!(out, "{name}: curve of range {range_m:.2} m")?,
-            None => write!(out, "{name}: too few receptions for a curve")?,
-        }
-        let end = if calibration.converged { "converged" } else { "did not converge" };
-        write!(out, ", {end} in {}", counted(calibration.rounds as usize, "round"))?;
-        let knowledge = match calibration.obstacle_knowledge {
-            "from_log" => "receptions, drives and contacts",
-            "from_receptions" => "receptions",
-            _ => {
-                writeln!(out, "; obstacles not estimated")?;
-                continue;
-            }
-        };
-        match calibration.absorbing_m2 {
-            Some(area_m2) if area_m2 > 0.0 => write!(out, "; {area_m2:.1} m² of obstacles found from {knowledge}")?,
-            Some(_) | None => write!(out, "; no obstacles found from {knowledge}")?,
-        }
-        match calibration.unsure_m2 {
-            Some(area_m2) => writeln!(out, ", {area_m2:.1} m² unsure: the evidence is weak")?,
-            None => writeln!(out)?,
-        }
-    }
-    Ok(())
-}
-
-/// Least share of lapses or outages that is told.
-const LEAST_SHARE: f64 = 0.01;
-
-/// The laws of links, and which estimators the log chose.
-fn laws_and_choices(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
-    for map in maps {
-        let name = map.name.as_ref().unwrap_or(&map.algorithm);
-        if let Some(chosen) = map.chosen {
-            write!(out, "{name}: the log chose {chosen}")?;
-            if let Some(because) = map.chosen_because {
-                write!(out, " ({because})")?;
-            }
-            for (number, score) in map.scores.iter().enumerate() {
-                let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
-                write!(out, "{lead}{} {:.3}", score.estimator, score.log_probability)?;
-            }
-            if let Some(factor) = map.region_enlargement {
-                let times = factor.sqrt();
-                write!(
-                    out,
-                    "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much"
-                )?;
-            }
-            writeln!(out)?;
-        }
-        let Some(law) = &map.link_law else { continue };
-        let evidence = match law.evidence {
-            LinkEvidence::Packets => "packets",
-            LinkEvidence::Rssi => "signal strengths",
-            LinkEvidence::PacketsAndRssi => "packets and signal strengths",
-        };
-        write!(out, "{name}: law of links from {evidence}: ")?;
-        match (law.path_loss_exponent, law.shadowing_db, law.fading_db) {
-            (Some(exponent), Some(shadowing_db), Some(fading_db)) => write!(
-                out,
-                "path-loss exponent {exponent:.1}, shadowing {shadowing_db:.1} dB, fading {fading_db:.1} dB"
-            )?,
-            _ => write!(out, "slope {:.1} and shadowing {:.1} in units of the fading", law.slope, law.shadowing)?,
-        }
-        for (share, what) in [(law.lapse, "lapses"), (law.outage, "outages")] {
-            if share >= LEAST_SHARE {
-                write!(out, ", {what} {:.0} %", 100.0 * share)?;
-            }
-        }
-        let end = if law.settled { "settled" } else { "did not settle" };
-        writeln!(
-            out,
-            ", {:.0} % of the shadowing shared over {:.1} m, {end} in {}",
-            100.0 * law.shared,
-            law.correlation_m,
-            counted(law.rounds as usize, "round")
-        )?;
     }
     Ok(())
 }
@@ -373,14 +248,7 @@ fn concerns(maps: &[MapSummary], out: &mut impl Write) -> io::Result<()> {
                 counted(count, "node")
             )?;
         }
-        if let Some(calibration) = map.calibration.as_ref().filter(|calibration| calibration.curve_at_bound) {
-            let range_m = calibration.range_m.unwrap_or_default();
-            writeln!(
-                out,
-                "{name}: warning: packets are received at all distances in the log, so the range of the curve \
-                 ({range_m:.2} m) is unreliable"
-            )?;
-        }
+        learned(map, Section::Warnings, out)?;
     }
     Ok(())
 }

@@ -1,11 +1,10 @@
 //! The technologies of links.
 
 use std::ops::Range;
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::{Files, SimTime, StationId};
 use sextant_mac::{MessageEnergy, RadioStates};
 
 use super::antennas::Antennas;
@@ -51,9 +50,9 @@ macro_rules! technologies {
             ///
             /// # Errors
             /// All that is wrong with its tables.
-            pub fn read(config: &LinkConfig<'_>, nodes: Option<&[PlacedNode]>, folder: &Path) -> Result<Self, Vec<LinkError>> {
+            pub fn read(config: &LinkConfig<'_>, nodes: Option<&[PlacedNode]>, files: &Files) -> Result<Self, Vec<LinkError>> {
                 match config.mac {
-                    $($mac => <$folder::Settings>::read(config, nodes, folder).map(|settings| Self::$name(settings.into())),)+
+                    $($mac => <$folder::Settings>::read(config, nodes, files).map(|settings| Self::$name(settings.into())),)+
                 }
             }
 

@@ -1,14 +1,13 @@
 //! Robots that drive straight, along arcs, halt, and listen and send while they drive, against geometry.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{
     BoxConfig, ChannelConfig, Dbm, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShadowingConfig,
     ShapeConfig,
 };
-use sextant_kernel::SimTime;
+use sextant_kernel::{Files, SimTime};
 use sextant_mac::csma::CsmaConfig;
 use sextant_sim::{
     Application, CommandOutcome, Controller, Delivery, Destination, DriveEnd, Driving, Ending, Faults, FrameOnAir,
@@ -151,7 +150,7 @@ fn hard_range() -> ChannelConfig {
 }
 
 fn field(obstacles: Vec<ObstacleConfig>) -> ObstacleField {
-    let read = |obstacle| Obstacle::read(obstacle, Path::new("")).expect("a good obstacle");
+    let read = |obstacle| Obstacle::read(obstacle, &Files::default()).expect("a good obstacle");
     ObstacleField::new(obstacles.into_iter().map(read).collect())
 }
 

@@ -7,11 +7,14 @@ use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::{Watch, Work};
+use sextant_kernel::{SettingError, Watch, Work};
 
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
+use crate::{
+    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
+    Messages, SoughtHeights, TopologyMap,
+};
 
 /// The Gaussian process as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -176,6 +179,41 @@ impl<'a> Process<'a> {
 /// The squared-exponential kernel.
 fn kernel(a: Position, b: Position, length_m: f64) -> f64 {
     libm::exp(-0.5 * (a.distance_m(b) / length_m).powi(2))
+}
+
+impl Estimator for GaussianProcess {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for GaussianProcessConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "gaussian-process",
+        rank: 9,
+        description: "Where a Gaussian process over the strengths of a node is greatest",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Ok(Mapper::new(GaussianProcess))
+    }
 }
 
 #[cfg(test)]

@@ -17,7 +17,10 @@ use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
-use crate::{Concern, CoordinateFrame, Knowledge, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
+use crate::{
+    AnyLog, Concern, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError,
+    Mapper, Messages, SoughtHeights, TopologyMap,
+};
 
 /// The least-squares fit as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -265,6 +268,41 @@ impl LeastSquares for Fit<'_> {
 
     fn is_last(&self, at: &Position, step: &Vector3<f64>, _: bool) -> bool {
         self.moved(at, step).distance_m(*at) <= SMALL_M
+    }
+}
+
+impl Estimator for LogDistance {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for LogDistanceConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "least-squares",
+        rank: 8,
+        description: "Place, power and path-loss exponent of each node that fit its strengths best",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        LogDistance::try_from(self).map(Mapper::new)
     }
 }
 

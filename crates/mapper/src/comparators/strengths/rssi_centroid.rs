@@ -9,7 +9,10 @@ use sextant_kernel::{SettingError, Watch};
 
 use crate::comparators::node_by_node;
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
+    Messages, TopologyMap,
+};
 
 /// The RSSI centroid as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,6 +82,41 @@ impl TryFrom<RssiCentroidConfig> for RssiCentroid {
         } else {
             Err(SettingError::new("g", g, "a number above 0, at most 100"))
         }
+    }
+}
+
+impl Estimator for RssiCentroid {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for RssiCentroidConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "rssi-centroid",
+        rank: 7,
+        description: "The mean of the stops that received a node, weighted by signal strength",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        RssiCentroid::try_from(self).map(Mapper::new)
     }
 }
 

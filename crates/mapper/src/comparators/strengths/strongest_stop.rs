@@ -5,11 +5,14 @@ use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
-use sextant_kernel::Watch;
+use sextant_kernel::{SettingError, Watch};
 
 use crate::comparators::node_by_node;
 use crate::log_facts::strengths::{Strength, all_strengths};
-use crate::{CoordinateFrame, Knowledge, KnowledgeKind, MapError, TopologyMap};
+use crate::{
+    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
+    Messages, TopologyMap,
+};
 
 /// The strongest stop as written in a scenario. It has no settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +57,41 @@ fn strongest(strengths: &[Strength]) -> Option<Position> {
         count += 1.0;
     }
     Some(sum * (1.0 / count))
+}
+
+impl Estimator for StrongestStop {
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn uses(&self) -> &'static [KnowledgeKind] {
+        Self::USES
+    }
+
+    fn messages(&self) -> Messages {
+        Messages::Unknown
+    }
+
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        self.map(knowledge, watch).map(|map| (map, None))
+    }
+}
+
+impl EstimatorSettings for StrongestStopConfig {
+    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
+        name: "strongest-stop",
+        rank: 6,
+        description: "The stop that received a node with the greatest strength",
+        settings: "{}",
+    });
+
+    fn mapper(self) -> Result<Mapper, SettingError> {
+        Ok(Mapper::new(StrongestStop))
+    }
 }
 
 #[cfg(test)]

@@ -4,18 +4,20 @@ mod belief;
 mod curve;
 mod dead_stops;
 mod expectation;
+mod report;
 mod wide;
 
 use rayon::prelude::*;
+pub use report::NetworkFits;
 use sextant_channel::{Position, Reception, ReceptionLog, ReceptionLogBuilder, Stop};
 use sextant_kernel::{Interrupted, NodeId, SettingError, Watch, Work};
 
 use crate::grid_ml::directions::{CoverageEdge, Directions};
-use crate::grid_ml::profile::averaged_over_cell;
 use crate::log_facts::heights::{Heights, SoughtHeights};
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
+use crate::profile::averaged_over_cell;
 use crate::{FittedConfig, MapError, ReceptionProfile, TableProfile};
 use belief::Belief;
 use curve::{Counts, FittedCurve};

@@ -3,7 +3,7 @@
 use super::evidence::Evidence;
 use super::single::single;
 use crate::ReceptionProfile;
-use crate::grid_ml::profile::DEFAULT_FLOOR;
+use crate::profile::DEFAULT_FLOOR;
 
 /// `S(d) = clamp(s(d), floor, top)` with the trapezoid `s(d) = slope (R − d)`, its plateau being a clamp, or the
 /// table `s(d)` of a profile.

@@ -1,10 +1,8 @@
 //! The maps of a run in its recording.
 
-use std::borrow::Cow;
-
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
-use sextant_mapper::{Learned, Mapper, Surface, TopologyMap};
+use sextant_mapper::{MapError, NodeOfLog, Surface, TopologyMap};
 use sextant_recording::{FileRecorder, GridPlane, Level, PlacedNode};
 
 use crate::mapping::MapLogs;
@@ -82,27 +80,17 @@ fn record_likelihoods(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &Nam
     let MapEnd { scenario, simulated: Simulated { survey, .. }, watch, .. } = end;
     let logs = MapLogs::from(&survey.logs);
     let log = logs.of(named);
-    let fit = match end.learned() {
-        Some(Learned::Profile(fit)) => Some(fit),
-        _ => None,
-    };
-    let ml_tm = match (&named.mapper, fit) {
-        (Mapper::MlTm(ml_tm), _) => Some(ml_tm.clone()),
-        (Mapper::MmTm(mm_tm), fit) => mm_tm.ml_tm(fit),
-        (Mapper::FittedMlTm(fitted), Some(fit)) => Some(fitted.with_fit(fit)),
-        _ => None,
-    };
-    let Some(ml_tm) = ml_tm else { return Ok(()) };
-    let log = fit.map_or(Cow::Borrowed(log), |fit| Cow::Owned(fit.evidence(log)));
     for name in &scenario.recording().likelihood {
         let at = log.names().iter().position(|other| other == name).expect("the scenario was checked");
-        if log.of(NodeId::from_index(at)).is_empty() {
-            let note = format!("node {name} was never heard and has no likelihood");
-            recorder.note(survey.end, Level::Warning, &named.name, &note)?;
-            continue;
+        let node = NodeOfLog { log, node: NodeId::from_index(at) };
+        match named.mapper.surface(end.learned(), node, *watch) {
+            None => return Ok(()),
+            Some(Err(MapError::NotHeard { .. })) => {
+                let note = format!("node {name} was never heard and has no likelihood");
+                recorder.note(survey.end, Level::Warning, &named.name, &note)?;
+            }
+            Some(surface) => recorder.likelihood(survey.end, &named.name, name, &plane(&surface?))?,
         }
-        let surface = ml_tm.surface(&log, NodeId::from_index(at), *watch)?;
-        recorder.likelihood(survey.end, &named.name, name, &plane(&surface))?;
     }
     Ok(())
 }

@@ -1,10 +1,9 @@
 //! The settings of the links of a network of IEEE 802.11ad.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 use sextant_mac::dmg::timing::{PREAMBLE, control_airtime};
 use sextant_mac::dmg::{AnswerSettings, SweepSettings, beacon_octets};
 
@@ -53,7 +52,7 @@ impl Ieee80211ad {
     pub(in crate::link) fn read(
         config: &LinkConfig<'_>,
         _nodes: Option<&[PlacedNode]>,
-        folder: &Path,
+        files: &Files,
     ) -> Result<Self, Vec<LinkError>> {
         let MacConfig::SectorSweep(sweep) = config.mac else {
             unreachable!("the channel access chose the technology")
@@ -64,7 +63,7 @@ impl Ieee80211ad {
             None => LinkError::missing("radio", &mut errors),
         };
         let antennas = match config.antenna {
-            Some(antennas) => LinkError::take("antenna", Antennas::read(antennas, folder), &mut errors),
+            Some(antennas) => LinkError::take("antenna", Antennas::read(antennas, files), &mut errors),
             None => LinkError::missing("antenna", &mut errors),
         };
         let within = |error: SettingError| error.within("sector_sweep");

@@ -1,10 +1,9 @@
 //! The settings of the links of a network of IEEE 802.15.4.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_kernel::{Files, NodeId, Seed, SettingError, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::DataFrame;
 use sextant_mac::{Band, Phy, oqpsk};
@@ -43,7 +42,7 @@ impl Ieee802154 {
     pub(in crate::link) fn read(
         config: &LinkConfig<'_>,
         nodes: Option<&[PlacedNode]>,
-        _folder: &Path,
+        _files: &Files,
     ) -> Result<Self, Vec<LinkError>> {
         let mut errors = Vec::new();
         let radio = match (config.radio, nodes) {

@@ -1,8 +1,11 @@
 //! The map of obstacles: a plane of upright cells that absorb.
 
+pub(crate) mod claims;
+
 use sextant_channel::Position;
 
-use super::claims::{NEGLIGIBLE, ObstacleClaim};
+use claims::NEGLIGIBLE;
+pub use claims::ObstacleClaim;
 
 /// Absorption estimated from receptions, in upright cells. Its unit is standard deviations of the shadowing per
 /// metre, because signal strengths are not used, only how often packets are lost.
@@ -12,16 +15,16 @@ pub struct AbsorptionMap {
     cell_m: f64,
     counts: [usize; 2],
     /// Loss in each cell of a line as long as the cell is wide (standard deviations).
-    pub(super) cells: Vec<f64>,
+    pub(crate) cells: Vec<f64>,
     /// Number of absorbing cells below and left of a corner.
     absorbing: Vec<u32>,
     /// The obstacles that the log is evidence of.
-    pub(super) claims: Vec<ObstacleClaim>,
+    pub(crate) claims: Vec<ObstacleClaim>,
 }
 
 impl AbsorptionMap {
     /// Empty cells about `cell_m` wide from `low` to `high`; wider if there would be more than `most` cells.
-    pub(super) fn new(low: [f64; 2], high: [f64; 2], cell_m: f64, most: f64) -> Self {
+    pub(crate) fn new(low: [f64; 2], high: [f64; 2], cell_m: f64, most: f64) -> Self {
         let size = [high[0] - low[0], high[1] - low[1]];
         let cell_m = cell_m.max((size[0] * size[1] / most).sqrt());
         let counts = size.map(|size| crate::numerics::whole(size / cell_m) + 1);
@@ -85,7 +88,7 @@ impl AbsorptionMap {
     }
 
     /// The loss of the projection of the line on the plane.
-    pub(super) fn absorbed_level(&self, from: Position, to: Position) -> f64 {
+    pub(crate) fn absorbed_level(&self, from: Position, to: Position) -> f64 {
         let mut sum = 0.0;
         self.crossings(from, to, |cell, enter, leave| sum += self.cells[cell] * (leave - enter));
         sum
@@ -93,7 +96,7 @@ impl AbsorptionMap {
 
     /// Calls `visit` with each cell that the projection of the line on the plane crosses, in order, and where along
     /// the projection the line enters and leaves the cell, in widths of a cell.
-    pub(super) fn crossings(&self, from: Position, to: Position, mut visit: impl FnMut(usize, f64, f64)) {
+    pub(crate) fn crossings(&self, from: Position, to: Position, mut visit: impl FnMut(usize, f64, f64)) {
         let per_m = 1.0 / self.cell_m;
         let start = [(from.x_m - self.low[0]) * per_m, (from.y_m - self.low[1]) * per_m];
         let way = [(to.x_m - from.x_m) * per_m, (to.y_m - from.y_m) * per_m];
@@ -148,7 +151,7 @@ impl AbsorptionMap {
     }
 
     /// The cell that holds `place`.
-    pub(super) fn cell(&self, place: Position) -> Option<usize> {
+    pub(crate) fn cell(&self, place: Position) -> Option<usize> {
         let [x, y] = [place.x_m - self.low[0], place.y_m - self.low[1]].map(|along| along / self.cell_m);
         let (i, j) = (crate::numerics::whole(x), crate::numerics::whole(y));
         (x >= 0.0 && y >= 0.0 && i < self.counts[0] && j < self.counts[1]).then(|| j * self.counts[0] + i)
@@ -161,7 +164,7 @@ impl AbsorptionMap {
     }
 
     /// Whether nothing absorbs in the cells that a box touches, as of the last [`count`](Self::count).
-    pub(super) fn is_clear_within(&self, low: [f64; 2], high: [f64; 2]) -> bool {
+    pub(crate) fn is_clear_within(&self, low: [f64; 2], high: [f64; 2]) -> bool {
         let mut from = [0; 2];
         let mut to = [0; 2];
         for axis in 0..2 {
@@ -178,7 +181,7 @@ impl AbsorptionMap {
     }
 
     /// Counts the cells that absorb.
-    pub(super) fn count(&mut self) {
+    pub(crate) fn count(&mut self) {
         let [columns, rows] = self.counts;
         for j in 0..rows {
             let mut row = 0;
@@ -191,7 +194,7 @@ impl AbsorptionMap {
 }
 
 /// Length of a line divided by that of its projection on the plane; 1 for an upright line.
-pub(super) fn slant(way: Position) -> f64 {
+pub(crate) fn slant(way: Position) -> f64 {
     let level = (way.x_m * way.x_m + way.y_m * way.y_m).sqrt();
     if level > 1e-9 { way.length_m() / level } else { 1.0 }
 }

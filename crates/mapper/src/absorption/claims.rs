@@ -3,7 +3,7 @@
 use crate::numerics::whole;
 
 /// Absorption of a cell that is too small to matter.
-pub(super) const NEGLIGIBLE: f64 = 1e-3;
+pub(crate) const NEGLIGIBLE: f64 = 1e-3;
 
 /// A cell counts if it absorbs at least [`EDGE`] of what [`STRONG`] of the absorbing cells do not exceed: tomography smears
 /// obstacles, so that cells around them absorb a little.
@@ -22,23 +22,23 @@ const WEAK: f64 = 1.645;
 
 /// The evidence of the absorption of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct CellEvidence {
+pub(crate) struct CellEvidence {
     /// Fisher information of its absorption where nothing absorbs: that by which chance is judged.
-    pub(super) information: f64,
+    pub(crate) information: f64,
     /// Sums of the cosines and of the sines of twice the directions of its lines, weighted by their information.
-    pub(super) directions: [f64; 2],
+    pub(crate) directions: [f64; 2],
 }
 
 impl CellEvidence {
     /// Adds a line of this information with the cosine and the sine of twice its direction.
-    pub(super) fn add(&mut self, information: f64, doubled: [f64; 2]) {
+    pub(crate) fn add(&mut self, information: f64, doubled: [f64; 2]) {
         self.information += information;
         self.directions[0] += information * doubled[0];
         self.directions[1] += information * doubled[1];
     }
 
     /// The same of two sets of lines.
-    pub(super) fn joined(self, other: &Self) -> Self {
+    pub(crate) fn joined(self, other: &Self) -> Self {
         let [x, y] = [0, 1].map(|axis| self.directions[axis] + other.directions[axis]);
         Self { information: self.information + other.information, directions: [x, y] }
     }
@@ -75,7 +75,7 @@ pub struct ObstacleClaim {
 impl ObstacleClaim {
     /// The claim of these cells, each `cell_m` wide. `gains` are the gains in log-likelihood of the nodes. `None` if these may be
     /// due to chance.
-    pub(super) fn new(cells: Vec<[usize; 2]>, cell_m: f64, gains: impl Iterator<Item = f64>) -> Option<Self> {
+    pub(crate) fn new(cells: Vec<[usize; 2]>, cell_m: f64, gains: impl Iterator<Item = f64>) -> Option<Self> {
         let (sum, squares) = gains.fold((0.0, 0.0), |(sum, squares), gain| (sum + gain, squares + gain * gain));
         let evidence = if squares > 0.0 { sum / squares.sqrt() } else { 0.0 };
         let is_sure = evidence > SURE && cells.len() >= FEWEST;
@@ -86,7 +86,7 @@ impl ObstacleClaim {
 
 /// The number of the region of each cell of a map with this many columns, and the number of regions. A region is a set of
 /// neighbouring cells that absorb much, and where lines cross: in the cell or beside it.
-pub(super) fn regions(cells: &[f64], evidence: &[CellEvidence], columns: usize) -> (Vec<Option<usize>>, usize) {
+pub(crate) fn regions(cells: &[f64], evidence: &[CellEvidence], columns: usize) -> (Vec<Option<usize>>, usize) {
     let mut absorbing: Vec<f64> = cells.iter().copied().filter(|&cell| cell > NEGLIGIBLE).collect();
     absorbing.sort_unstable_by(f64::total_cmp);
     let strong = absorbing.get(whole(STRONG * absorbing.len() as f64)).copied().unwrap_or(f64::INFINITY);

@@ -1,0 +1,138 @@
+//! How a choice among estimators reads.
+
+use std::fmt::Write;
+
+use sextant_kernel::NodeId;
+
+use super::{Choice, ChoiceReason, EstimatorFit};
+use crate::{AbsorptionMap, Finding, LearnedCurve, Line, Section, TopologyMap};
+
+#[cfg(feature = "config")]
+/// The keys of a choice.
+#[derive(serde::Serialize)]
+struct ChoiceKeys {
+    /// The estimator that the log chose.
+    chosen: &'static str,
+    /// Why it was chosen, in words.
+    chosen_because: &'static str,
+    /// Factor by which the variances of the chosen map were enlarged, if its maps from parts of the stops differ by more than
+    /// its own regions tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    region_enlargement: Option<f64>,
+    /// How well each estimator that could be chosen predicted the stops that were left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    scores: Vec<ScoreKeys>,
+}
+
+#[cfg(feature = "config")]
+/// The score of an estimator on stops that were left out.
+#[derive(serde::Serialize)]
+struct ScoreKeys {
+    /// Name of the estimator.
+    estimator: &'static str,
+    /// Mean natural logarithm of the probability that it gave to what was heard of a node at a stop that was left out.
+    log_probability: f64,
+    /// Standard error of its difference to the highest score; 0 for the highest.
+    standard_error: f64,
+    /// Number of pairs of node and stop.
+    pairs: usize,
+}
+
+impl EstimatorFit {
+    fn finding(&self) -> &dyn Finding {
+        match self {
+            Self::Links(fit) => fit,
+            Self::Profile(fit) => fit,
+            Self::Calibration(calibration) => calibration,
+        }
+    }
+}
+
+impl Choice {
+    fn finding(&self) -> Option<&dyn Finding> {
+        self.fit.as_ref().map(EstimatorFit::finding)
+    }
+
+    /// Factor by which variances were enlarged, if they were.
+    fn enlargement(&self) -> Option<f64> {
+        Some(self.enlargement).filter(|factor| *factor > 1.0)
+    }
+
+    fn line(&self, name: &str) -> String {
+        let mut text = format!("{name}: the log chose {} ({})", self.chosen, because(self.reason));
+        for (number, score) in self.scores.iter().enumerate() {
+            let lead = if number == 0 { "; log-probability a pair of stops left out: " } else { ", " };
+            let _ = write!(text, "{lead}{} {:.3}", score.estimator, score.log_probability);
+        }
+        if let Some(factor) = self.enlargement() {
+            let times = factor.sqrt();
+            let _ = write!(
+                text,
+                "; its regions are {times:.1} times as wide as it says, as its maps from parts of the stops differ by so much"
+            );
+        }
+        text
+    }
+}
+
+impl Finding for Choice {
+    #[cfg(feature = "config")]
+    fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
+        let score = |score: &super::Score| ScoreKeys {
+            estimator: score.estimator,
+            log_probability: score.log_probability,
+            standard_error: score.error,
+            pairs: score.pairs,
+        };
+        let own = ChoiceKeys {
+            chosen: self.chosen,
+            chosen_because: because(self.reason),
+            region_enlargement: self.enlargement(),
+            scores: self.scores.iter().map(score).collect(),
+        };
+        let mut keys = self.finding().map(|finding| finding.keys(map)).unwrap_or_default();
+        if let Ok(serde_json::Value::Object(own)) = serde_json::to_value(own) {
+            keys.extend(own);
+        }
+        keys
+    }
+
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
+        let own = Line { section: Section::Laws, text: self.line(name) };
+        let chosen = self.finding().map(|finding| finding.lines(name, map)).unwrap_or_default();
+        std::iter::once(own).chain(chosen).collect()
+    }
+
+    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+        self.finding().map(Finding::curves).unwrap_or_default()
+    }
+
+    fn obstacles(&self) -> Option<&AbsorptionMap> {
+        self.finding()?.obstacles()
+    }
+
+    fn path_loss_exponent(&self) -> Option<f64> {
+        self.finding()?.path_loss_exponent()
+    }
+
+    fn at_bound(&self) -> &[NodeId] {
+        self.finding().map(Finding::at_bound).unwrap_or_default()
+    }
+}
+
+/// The reason of a choice in words.
+fn because(reason: ChoiceReason) -> &'static str {
+    match reason {
+        ChoiceReason::KnownPlaces => "only it can use what is known of the places",
+        ChoiceReason::TooLittle => "the log has too few stops or nodes to compare estimators",
+        ChoiceReason::IndependentPackets => {
+            "it predicts the stops left out no worse than the link model: packets of a link seem independent"
+        }
+        ChoiceReason::DependentPackets => {
+            "it predicts the stops left out best: packets of a link share what they lose, so that they are not independent"
+        }
+        ChoiceReason::BetterPlaces => {
+            "its places predict the stops left out clearly better than those of the link model"
+        }
+    }
+}

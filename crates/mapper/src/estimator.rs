@@ -1,0 +1,244 @@
+//! What every estimator has in common: what it is called, what it needs to know, how it maps, and what can be said of it.
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use sextant_channel::ReceptionLog;
+use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
+
+use crate::{
+    Comparable, Knowledge, KnowledgeKind, Learned, MapError, PlacePrior, ProfileConfig, RangingConfig,
+    ReceptionProfile, Surface, TopologyMap,
+};
+
+/// An algorithm that maps the nodes of a log, with its settings.
+pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
+    /// Its name in tables and topics: `ml-tm`.
+    fn name(&self) -> &'static str;
+
+    /// The kinds of knowledge that it uses.
+    fn uses(&self) -> &'static [KnowledgeKind];
+
+    /// The map, and what else was learned from the log, if anything. `watch` receives the progress, and may end the work.
+    ///
+    /// # Errors
+    /// If the map would need more memory than allowed, the algorithm lacks knowledge that it needs, or `watch` ends the
+    /// work.
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError>;
+
+    /// Whether it uses what is known of the places of nodes.
+    fn uses_prior(&self) -> bool {
+        false
+    }
+
+    /// Least number of anchors for a map in two or three `dimensions`.
+    fn least_anchors(&self, dimensions: usize) -> usize {
+        let _ = dimensions;
+        0
+    }
+
+    /// The networks whose logs it maps together, by name; none if it maps the log of one network.
+    fn networks(&self) -> Vec<&str> {
+        Vec::new()
+    }
+
+    /// The reception profile of its settings, if they give one.
+    fn profile(&self) -> Option<&ReceptionProfile> {
+        None
+    }
+
+    /// The likelihood of a node over a grid, where the estimator learned this from the log; `None` if it has no grid that can
+    /// be shown.
+    ///
+    /// # Errors
+    /// [`MapError::NotHeard`]; if `watch` ends the work.
+    fn surface(
+        &self,
+        learned: Option<&Learned>,
+        of: NodeOfLog<'_>,
+        watch: &dyn Watch,
+    ) -> Option<Result<Surface, MapError>> {
+        let _ = (learned, of, watch);
+        None
+    }
+
+    /// The packets that nodes send for its map.
+    fn messages(&self) -> Messages {
+        if self.uses().contains(&KnowledgeKind::RobotReceptions) { Messages::Survey } else { Messages::Unknown }
+    }
+}
+
+/// A node of a log.
+#[derive(Clone, Copy, Debug)]
+pub struct NodeOfLog<'a> {
+    /// The log.
+    pub log: &'a ReceptionLog,
+    /// The node.
+    pub node: NodeId,
+}
+
+/// The packets that nodes send for a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Messages {
+    /// Those that a robot hears at its stops.
+    Survey,
+    /// Hop counts that are flooded from landmarks. Holds their number, if the settings give it.
+    Floods(Landmarks),
+    /// Those that anchors send to the nodes around them.
+    Beacons,
+    /// It is not known which.
+    Unknown,
+}
+
+/// The nodes from which hops are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Landmarks {
+    /// So many nodes.
+    Count(usize),
+    /// The anchors.
+    Anchors,
+    /// They are sought in the network.
+    Sought,
+}
+
+/// An estimator, ready to map any log.
+#[derive(Clone, Debug)]
+pub struct Mapper(Arc<dyn Estimator>);
+
+/// The names of the estimators that use what is known of the places of nodes, in messages.
+const WITH_PRIOR: &str = "`auto`, `link-model`";
+
+impl Mapper {
+    /// The mapper that is `estimator`.
+    #[must_use]
+    pub fn new(estimator: impl Estimator + 'static) -> Self {
+        Self(Arc::new(estimator))
+    }
+
+    /// Checks that the estimator uses `prior`, if there is one.
+    ///
+    /// # Errors
+    /// [`MapError::UnusedPrior`] if it does not.
+    pub fn check_prior(&self, prior: Option<&PlacePrior>) -> Result<(), MapError> {
+        if prior.is_none() || self.uses_prior() {
+            return Ok(());
+        }
+        Err(MapError::UnusedPrior { algorithm: self.name(), known: WITH_PRIOR.to_owned() })
+    }
+
+    /// The map of the nodes in the log of `knowledge`, which may be a log alone.
+    ///
+    /// # Errors
+    /// If the map would need more memory than allowed, or the algorithm lacks knowledge that it needs.
+    pub fn map<'a>(&self, knowledge: impl Into<Knowledge<'a>>) -> Result<TopologyMap, MapError> {
+        self.map_and_learn(knowledge, &Unwatched).map(|(map, _)| map)
+    }
+
+    /// The map of the nodes in the log, and what else the algorithm learned from the log, if anything. `watch`
+    /// receives the progress, and may end the work within a fraction of a second.
+    ///
+    /// # Errors
+    /// If the map would need more memory than allowed, the algorithm lacks knowledge that it needs or cannot use the
+    /// prior, or `watch` ends the work.
+    pub fn map_and_learn<'a>(
+        &self,
+        knowledge: impl Into<Knowledge<'a>>,
+        watch: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+        let knowledge = knowledge.into();
+        self.check_prior(knowledge.prior)?;
+        self.0.estimate(&knowledge, watch)
+    }
+}
+
+impl PartialEq for Mapper {
+    fn eq(&self, other: &Self) -> bool {
+        (*self.0).is_same(&*other.0)
+    }
+}
+
+impl std::ops::Deref for Mapper {
+    type Target = dyn Estimator;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+/// The settings of an estimator as written in a scenario.
+pub trait EstimatorSettings {
+    /// What suits any log, for an estimator that can be named without settings.
+    const ANY_LOG: Option<AnyLog> = None;
+
+    /// The estimator with these settings.
+    ///
+    /// # Errors
+    /// If a value is invalid.
+    fn mapper(self) -> Result<Mapper, SettingError>;
+
+    /// The reception profiles in the settings.
+    fn profiles_mut(&mut self) -> Vec<ProfileSetting<'_>> {
+        Vec::new()
+    }
+
+    /// The law that turns signal strengths into distances.
+    fn ranging_mut(&mut self) -> Option<&mut RangingConfig> {
+        None
+    }
+
+    /// The receiver of the signal strengths.
+    fn receiver_mut(&mut self) -> Option<ReceiverSetting<'_>> {
+        None
+    }
+
+    /// The networks whose logs are mapped together, by name; `None` if the log of one network is mapped.
+    fn networks(&self) -> Option<Vec<&str>> {
+        None
+    }
+}
+
+/// How an estimator can be named without settings, because its defaults suit any log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnyLog {
+    /// Its name, which is its key in a scenario with hyphens: `ml-tm`.
+    pub name: &'static str,
+    /// Where it stands in lists, from 0: those that are tried first come first.
+    pub rank: u8,
+    /// What it computes, in a sentence without a full stop.
+    pub description: &'static str,
+    /// Its settings, as a table in a scenario.
+    pub settings: &'static str,
+}
+
+impl AnyLog {
+    /// Its key in a scenario: `ml_tm`.
+    #[must_use]
+    pub fn key(&self) -> String {
+        self.name.replace('-', "_")
+    }
+}
+
+/// A reception profile in the settings of an algorithm.
+#[derive(Debug, PartialEq)]
+pub struct ProfileSetting<'a> {
+    /// Its key within the settings.
+    pub key: String,
+    /// Name of the network that it is for; `None` for that of the map.
+    pub network: Option<String>,
+    /// The profile.
+    pub profile: &'a mut ProfileConfig,
+}
+
+/// A receiver of signal strengths in the settings of an algorithm.
+#[derive(Debug, PartialEq)]
+pub struct ReceiverSetting<'a> {
+    /// Least strength at which packets are received (dBm).
+    pub sensitivity_dbm: &'a mut Option<f64>,
+    /// Hard communication radius (m).
+    pub max_range_m: &'a mut Option<f64>,
+}

@@ -1,0 +1,121 @@
+//! How a fitted profile reads.
+
+use std::fmt::Write;
+
+use sextant_kernel::text::counted;
+
+use super::Fit;
+use crate::{Finding, LearnedCurve, Line, Section, TopologyMap};
+
+#[cfg(feature = "config")]
+/// A reception profile that was estimated from the log.
+#[derive(serde::Serialize)]
+struct FitKeys {
+    /// Rounds of the estimation.
+    rounds: u32,
+    /// Whether it converged, and no node has a concern.
+    converged: bool,
+    /// Distance beyond which receptions are outliers (m).
+    range_m: f64,
+    /// Probability of a reception at 0, 1/8, 2/8, .. of the range.
+    probability: Vec<f64>,
+    /// Stops that were ignored because the receiver did not work.
+    dead_stops: Vec<u32>,
+    /// Receptions that were ignored because they came from far beyond the range.
+    outliers: usize,
+}
+
+#[cfg(feature = "config")]
+/// The reception profile of one network of a joint map.
+#[derive(serde::Serialize)]
+struct NetworkKeys {
+    /// Name of the network.
+    network: String,
+    /// The profile.
+    #[serde(flatten)]
+    profile: FitKeys,
+}
+
+/// The profiles of networks that were fitted to their logs, by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NetworkFits(pub Vec<(String, Fit)>);
+
+impl Fit {
+    #[cfg(feature = "config")]
+    fn keys_if(&self, converged: bool) -> FitKeys {
+        let range_m = self.curve.range_m();
+        FitKeys {
+            rounds: self.rounds,
+            converged,
+            range_m,
+            probability: (0..8).map(|i| self.curve.probability(range_m * f64::from(i) / 8.0)).collect(),
+            dead_stops: self.dead_stops.clone(),
+            outliers: self.outliers.len(),
+        }
+    }
+
+    fn line(&self, name: &str, converged: bool) -> Line {
+        let rounds = counted(self.rounds as usize, "round");
+        let end = if converged { "converged" } else { "did not converge" };
+        let range_m = self.curve.range_m();
+        let mut text = format!("{name}: fitted profile of range {range_m:.2} m {end} in {rounds}");
+        for (count, what, why) in [
+            (self.dead_stops.len(), "stop", "receiver did not work"),
+            (self.outliers.len(), "reception", "far beyond the range"),
+        ] {
+            if count > 0 {
+                let _ = write!(text, ", {} ignored ({why})", counted(count, what));
+            }
+        }
+        Line { section: Section::Profiles, text }
+    }
+
+    fn learned_curve<'a>(&'a self, network: Option<&'a str>) -> LearnedCurve<'a> {
+        LearnedCurve {
+            network,
+            name: "fitted curve",
+            probability: Box::new(|distance_m| self.curve.probability(distance_m)),
+            of_stops: Vec::new(),
+            range_m: Some(self.curve.range_m()),
+        }
+    }
+
+    /// A node whose place is not reliable has not converged.
+    fn converged_in(&self, map: &TopologyMap) -> bool {
+        self.converged && map.concerns().next().is_none()
+    }
+}
+
+impl Finding for Fit {
+    #[cfg(feature = "config")]
+    fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
+        crate::learned::one_key("fitted_profile", &self.keys_if(self.converged_in(map)))
+    }
+
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line> {
+        vec![self.line(name, self.converged_in(map))]
+    }
+
+    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+        vec![self.learned_curve(None)]
+    }
+}
+
+impl Finding for NetworkFits {
+    #[cfg(feature = "config")]
+    fn keys(&self, _: &TopologyMap) -> serde_json::Map<String, serde_json::Value> {
+        let keys = |(network, fit): &(String, Fit)| NetworkKeys {
+            network: network.clone(),
+            profile: fit.keys_if(fit.converged),
+        };
+        crate::learned::one_key("fitted_profiles", &self.0.iter().map(keys).collect::<Vec<_>>())
+    }
+
+    fn lines(&self, name: &str, _: &TopologyMap) -> Vec<Line> {
+        self.0.iter().map(|(network, fit)| fit.line(&format!("{name}, {network}"), fit.converged)).collect()
+    }
+
+    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+        self.0.iter().map(|(network, fit)| fit.learned_curve(Some(network))).collect()
+    }
+}

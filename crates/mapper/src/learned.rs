@@ -1,0 +1,122 @@
+//! What an estimator learned from a log in addition to the map, and how it reads in a summary, a table and a figure.
+
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+use sextant_kernel::NodeId;
+
+use crate::{AbsorptionMap, Comparable, TopologyMap};
+
+/// Something that an estimator learned from a log in addition to the map.
+pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
+    /// Its keys in the summary of `map`, in their order.
+    #[cfg(feature = "config")]
+    fn keys(&self, map: &TopologyMap) -> serde_json::Map<String, serde_json::Value>;
+
+    /// Its lines under a table of results that calls `map` by `name`.
+    fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line>;
+
+    /// The shares of packets that arrive over distances, to be drawn.
+    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+        Vec::new()
+    }
+
+    /// What absorbs, to be drawn.
+    fn obstacles(&self) -> Option<&AbsorptionMap> {
+        None
+    }
+
+    /// The path-loss exponent.
+    fn path_loss_exponent(&self) -> Option<f64> {
+        None
+    }
+
+    /// Nodes that may be farther away than they were searched for.
+    fn at_bound(&self) -> &[NodeId] {
+        &[]
+    }
+}
+
+/// What an estimator learned from a log in addition to the map.
+#[derive(Clone, Debug)]
+pub struct Learned(Arc<dyn Finding>);
+
+impl Learned {
+    /// `finding` was learned.
+    #[must_use]
+    pub fn new(finding: impl Finding) -> Self {
+        Self(Arc::new(finding))
+    }
+
+    /// The finding, if it is of this type: a [`Fit`](crate::Fit), a [`Calibration`](crate::Calibration) or another.
+    #[must_use]
+    pub fn get<T: Finding>(&self) -> Option<&T> {
+        let finding: &dyn Any = &*self.0;
+        finding.downcast_ref()
+    }
+}
+
+impl PartialEq for Learned {
+    fn eq(&self, other: &Self) -> bool {
+        (*self.0).is_same(&*other.0)
+    }
+}
+
+impl std::ops::Deref for Learned {
+    type Target = dyn Finding;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.0
+    }
+}
+
+/// A line under a table of results.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// The section that it is in: sections of several maps are put together.
+    pub section: Section,
+    /// The line, without its end.
+    pub text: String,
+}
+
+/// The sections of lines under a table of results, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Section {
+    /// Reception profiles.
+    Profiles,
+    /// Channels of signal strengths.
+    Channels,
+    /// Reception curves, stops and obstacles.
+    Calibrations,
+    /// Laws of links, choices, and what else there is.
+    Laws,
+    /// Warnings, with those of places that are not reliable.
+    Warnings,
+}
+
+impl Section {
+    /// All of them, in their order.
+    pub const ALL: [Self; 5] = [Self::Profiles, Self::Channels, Self::Calibrations, Self::Laws, Self::Warnings];
+}
+
+/// The share of packets that arrive over a distance.
+pub struct LearnedCurve<'a> {
+    /// The network that it holds for, of several; `None` for that of the map.
+    pub network: Option<&'a str>,
+    /// What it is.
+    pub name: &'static str,
+    /// Probability that a packet arrives over a distance (m).
+    pub probability: Box<dyn Fn(f64) -> f64 + 'a>,
+    /// Factor for each stop, if stops differ.
+    pub of_stops: Vec<f64>,
+    /// Distance at which it ends, if it ends (m).
+    pub range_m: Option<f64>,
+}
+
+/// The keys of one finding that is written as one value.
+#[cfg(feature = "config")]
+pub(crate) fn one_key(key: &str, value: &impl serde::Serialize) -> serde_json::Map<String, serde_json::Value> {
+    let value = serde_json::to_value(value).expect("plain numbers and names");
+    std::iter::once((key.to_owned(), value)).collect()
+}
