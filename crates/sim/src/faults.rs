@@ -120,8 +120,9 @@ impl FaultsConfig {
 impl DeathsConfig {
     fn draw(&self, nodes: &[PlacedNode], seed: Seed) -> Result<Vec<Death>, SettingError> {
         let all: Vec<NodeId> = (0..nodes.len()).map(NodeId::from_index).collect();
-        let mut chosen =
-            chosen((self.share, self.names.as_deref()), (&all, "the name of a node"), nodes, purpose::DEATHS, seed)?;
+        let allowed = "the name of a node";
+        let affected = Affected { share: self.share, names: self.names.as_deref(), candidates: &all, allowed };
+        let mut chosen = chosen(&affected, nodes, purpose::DEATHS, seed)?;
         chosen.sort_unstable();
         let from_s = SettingError::in_range("from_s", self.from_s, 0.0, LATEST_S)?;
         let to_s = SettingError::in_range("to_s", self.to_s, 0.0, LATEST_S)?;
@@ -140,8 +141,9 @@ impl DeathsConfig {
 impl LyingAnchorsConfig {
     fn believed(&self, anchors: &[Anchor], nodes: &[PlacedNode], seed: Seed) -> Result<Vec<Anchor>, SettingError> {
         let all: Vec<NodeId> = anchors.iter().map(|anchor| anchor.node).collect();
-        let names = (self.share, self.names.as_deref());
-        let lying = chosen(names, (&all, "the name of an anchor"), nodes, purpose::LYING, seed)?;
+        let allowed = "the name of an anchor";
+        let affected = Affected { share: self.share, names: self.names.as_deref(), candidates: &all, allowed };
+        let lying = chosen(&affected, nodes, purpose::LYING, seed)?;
         SettingError::positive("distance_m", self.distance_m)?;
         let distance_m = SettingError::in_range("distance_m", self.distance_m, 0.0, FARTHEST_M)?;
         let belief = |&anchor: &Anchor| {
@@ -157,20 +159,29 @@ impl LyingAnchorsConfig {
     }
 }
 
-/// The nodes among `candidates` that a share or names mean.
+/// Which nodes a fault affects: a share of the candidates, or those with these names.
+struct Affected<'a> {
+    share: Option<f64>,
+    names: Option<&'a [String]>,
+    candidates: &'a [NodeId],
+    /// What the names may be, for errors.
+    allowed: &'a str,
+}
+
+/// The nodes that are affected.
 fn chosen(
-    (share, names): (Option<f64>, Option<&[String]>),
-    (candidates, allowed): (&[NodeId], &str),
+    affected: &Affected<'_>,
     nodes: &[PlacedNode],
     purpose: Purpose,
     seed: Seed,
 ) -> Result<Vec<NodeId>, SettingError> {
+    let Affected { share, names, candidates, allowed } = *affected;
     match (share, names) {
         (Some(share), None) => {
             let count = number_of(share, candidates.len())?;
             Ok(drawn(candidates.iter().copied(), purpose, seed).take(count).collect())
         }
-        (None, Some(names)) => named(names, nodes, (allowed, |node| candidates.contains(&node))),
+        (None, Some(names)) => named(names, nodes, allowed, |node| candidates.contains(&node)),
         (None, None) => Err(SettingError::missing("share", "`share` or `names`")),
         (Some(_), Some(_)) => Err(SettingError::conflict("share", "`names`", "set one of them")),
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use sextant_channel::Position;
 use sextant_kernel::{EventKey, EventQueue, Seed, SimTime, StationId};
 
-use crate::air::{Air, ReceiverId};
+use crate::air::{Air, Interface};
 use crate::event::Event;
 use crate::purpose;
 use crate::service::network_id::NetworkId;
@@ -40,12 +40,8 @@ impl Scene {
     }
 
     /// The receiver of a station in an air listens from now on, or is deaf for a reason.
-    pub(crate) fn tune(
-        &mut self,
-        air: usize,
-        (receiver, station): (ReceiverId, StationId),
-        deafness: Option<Deafness>,
-    ) {
+    pub(crate) fn tune(&mut self, air: usize, interface: Interface, deafness: Option<Deafness>) {
+        let Interface { receiver, station } = interface;
         let (now, motion, air) = (self.now, &self.motions[station.index()], &mut self.airs[air]);
         match deafness {
             None => air.listen(now, receiver, station, motion),

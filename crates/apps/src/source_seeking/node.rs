@@ -48,7 +48,8 @@ impl SeekNode {
         self.record
     }
 
-    fn ask(&mut self, (robot, rssi): (StationId, Dbm), request: Request, field: FieldId, port: &mut Port<'_>) {
+    fn ask(&mut self, delivery: &Delivery<'_>, request: Request, field: FieldId, port: &mut Port<'_>) {
+        let &Delivery { from: robot, rssi, .. } = delivery;
         if !self.place.is_some_and(|place| request.concerns(place, rssi)) {
             return;
         }
@@ -77,7 +78,7 @@ impl Application for SeekNode {
         if let (true, Ok(SeekMessage::Request(request, field))) =
             (delivery.network == self.network, SeekMessage::read(delivery.payload))
         {
-            self.ask((delivery.from, delivery.rssi), request, field, port);
+            self.ask(delivery, request, field, port);
         }
     }
 

@@ -114,7 +114,8 @@ impl SearchNode {
     }
 
     /// A robot asks: the node answers later in the window if it is near, or has something new to tell.
-    fn ask(&mut self, (robot, rssi): (StationId, Dbm), request: Request, port: &mut Port<'_>) {
+    fn ask(&mut self, delivery: &Delivery<'_>, request: Request, port: &mut Port<'_>) {
+        let &Delivery { from: robot, rssi, .. } = delivery;
         let Some(place) = self.place else { return };
         let has_news = self.settings.tells_all() && self.told.get(&robot).copied().unwrap_or(0) < self.version;
         if !request.concerns(place, rssi) && !has_news {
@@ -223,7 +224,7 @@ impl Application for SearchNode {
         let Ok(message) = Message::read(delivery.payload) else { return };
         let flooded: Option<FloodKey> = match &message {
             Message::Request(request) => {
-                self.ask((delivery.from, delivery.rssi), *request, port);
+                self.ask(delivery, *request, port);
                 None
             }
             Message::Detection(detection) => {

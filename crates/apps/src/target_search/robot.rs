@@ -89,7 +89,8 @@ impl SearchRobot {
         settings: Arc<TargetSearch>,
         map: Arc<NavigationMap>,
         network: NetworkId,
-        (body, team): (&RobotBody, usize),
+        body: &RobotBody,
+        team: usize,
         targets: usize,
         duration: Duration,
     ) -> Self {
@@ -293,8 +294,8 @@ impl SearchRobot {
         self.alarms.entry(target).or_insert(start);
         if let Pilot::Detarsk { method, trackers } = &mut self.pilot {
             let (sample, bounds) = (method.sample, self.map.bounds());
-            let id = (target, port.seed());
-            trackers.entry(target).or_insert_with(|| Tracker::new(method, id, sample, first, bounds));
+            let seed = port.seed();
+            trackers.entry(target).or_insert_with(|| Tracker::new(method, target, seed, sample, first, bounds));
         }
     }
 
@@ -310,7 +311,7 @@ impl SearchRobot {
             let first = sightings.iter().map(|sighting| sighting.entered).min().unwrap_or(now);
             self.alarms.entry(target).or_insert(first + self.settings.start_delay);
             let tracker = (trackers.entry(target))
-                .or_insert_with(|| Tracker::new(method, (target, port.seed()), sample, (first, place), bounds));
+                .or_insert_with(|| Tracker::new(method, target, port.seed(), sample, (first, place), bounds));
             tracker.learn(node, place, &sightings, now);
         }
     }

@@ -69,7 +69,7 @@ impl TargetSearch {
         };
         let robot = |body: &RobotBody| {
             let robot =
-                SearchRobot::new(Arc::clone(self), Arc::clone(map), network, (body, robots.len()), targets, duration);
+                SearchRobot::new(Arc::clone(self), Arc::clone(map), network, body, robots.len(), targets, duration);
             SearchStation::Robot(Box::new(robot))
         };
         Applications {

@@ -41,7 +41,8 @@ impl Tracker {
     /// A target that was detected first at this time and place. `bounds` are those of the map.
     pub(super) fn new(
         method: &Detarsk,
-        (target, seed): (TargetId, Seed),
+        target: TargetId,
+        seed: Seed,
         sample: Duration,
         first: (SimTime, Position),
         bounds: Bounds,

@@ -8,7 +8,7 @@ use sextant_kernel::StationId;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::signal::{Aim, Emission, Signal};
-use super::ways::Ways;
+use super::ways::{End, Ways};
 
 /// Number of links that are remembered: a power of two.
 const LINKS: usize = 1 << 20;
@@ -227,7 +227,8 @@ impl Budget {
     /// of the power that its way carries.
     fn gain_over_ways(&mut self, signal: &Signal, listener: &Listener<Position>) -> Db {
         let Self { channel, mounts, ways, .. } = self;
-        let rays = ways.between(channel, (signal.source, signal.position), (listener.station, listener.place));
+        let from = End { station: signal.source, place: signal.position };
+        let rays = ways.between(channel, from, End { station: listener.station, place: listener.place });
         let (mut all, mut with_gain) = (0.0, 0.0);
         for ray in rays {
             let share = (Db(0.0) - ray.loss).to_factor();

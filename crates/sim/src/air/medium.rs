@@ -8,6 +8,7 @@ use sextant_kernel::{SimTime, StationId};
 
 use super::budget::Budget;
 use super::cells::Cells;
+use super::interface::Interface;
 use super::listener::Listener;
 use super::mounts::Mounts;
 use super::receiver_id::ReceiverId;
@@ -96,7 +97,7 @@ impl Medium {
     /// Mean power that a radio hears from others during `[from, to)`.
     pub(crate) fn sensed(
         &mut self,
-        (receiver, station): (ReceiverId, StationId),
+        Interface { receiver, station }: Interface,
         place: Position,
         from: SimTime,
         to: SimTime,

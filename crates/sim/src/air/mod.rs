@@ -2,6 +2,7 @@
 
 mod budget;
 mod cells;
+mod interface;
 mod listener;
 mod medium;
 mod mounts;
@@ -27,6 +28,7 @@ use medium::Medium;
 use reached::Reached;
 use receiver::{Heard, Receiver};
 
+pub(crate) use interface::Interface;
 pub(crate) use mounts::Mount;
 pub(crate) use noise::Burst;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
@@ -260,20 +262,20 @@ impl Air {
     /// Whether carrier sense finds power at or above `threshold` in `[from, to)`.
     pub(crate) fn is_busy(
         &mut self,
-        (receiver, station): (ReceiverId, StationId),
+        interface: Interface,
         place: Position,
         from: SimTime,
         to: SimTime,
         threshold: Milliwatts,
     ) -> bool {
-        self.medium.sensed((receiver, station), place, from, to) >= threshold
+        self.medium.sensed(interface, place, from, to) >= threshold
     }
 
     /// The station of `sender` starts to send a frame, to the station of the receiver `to` or to all of its network.
     pub(crate) fn begin(
         &mut self,
         now: SimTime,
-        (sender, source): (ReceiverId, StationId),
+        Interface { receiver: sender, station: source }: Interface,
         to: Option<ReceiverId>,
         position: Position,
         emission: Emission,

@@ -9,6 +9,13 @@ use sextant_kernel::StationId;
 #[derive(Debug, Default)]
 pub(super) struct Ways(BTreeMap<(StationId, StationId), Known>);
 
+/// An end of a link: a station at a place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    pub(super) station: StationId,
+    pub(super) place: Position,
+}
+
 #[derive(Debug)]
 struct Known {
     places: [Position; 2],
@@ -16,17 +23,14 @@ struct Known {
 }
 
 impl Ways {
-    /// The ways from `a` at `pa` to `b` at `pb`; none beyond the hard radius.
-    pub(super) fn between(
-        &mut self,
-        channel: &Channel,
-        (a, pa): (StationId, Position),
-        (b, pb): (StationId, Position),
-    ) -> &[Ray] {
-        let known = self.0.entry((a, b)).or_insert_with(|| Known { places: [pa, pa], rays: Vec::new() });
-        if known.places != [pa, pb] || known.rays.is_empty() {
-            channel.rays(pa, pb, &mut known.rays);
-            known.places = [pa, pb];
+    /// The ways from one end to another; none beyond the hard radius.
+    pub(super) fn between(&mut self, channel: &Channel, from: End, to: End) -> &[Ray] {
+        let places = [from.place, to.place];
+        let unknown = || Known { places: [from.place, from.place], rays: Vec::new() };
+        let known = self.0.entry((from.station, to.station)).or_insert_with(unknown);
+        if known.places != places || known.rays.is_empty() {
+            channel.rays(from.place, to.place, &mut known.rays);
+            known.places = places;
         }
         &known.rays
     }

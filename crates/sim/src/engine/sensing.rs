@@ -6,7 +6,7 @@ use super::Engine;
 use crate::application::{Application, Port};
 use crate::observer::Observer;
 use crate::sensing::Turned;
-use crate::service::sensed::{Sensed, TargetId};
+use crate::service::sensed::{FieldId, Sensed, TargetId};
 
 impl<A: Application> Engine<A> {
     /// A target begins its next leg.
@@ -41,7 +41,8 @@ impl<A: Application> Engine<A> {
     pub(super) fn sample(&mut self, station: StationId, observer: &mut impl Observer) {
         for number in 0..self.model.world.fields.len() {
             let model = &self.model;
-            let sampled = model.sensing.read(station, (number, &model.world.fields[number]), &model.scene);
+            let sampled =
+                model.sensing.read(station, FieldId::from_index(number), &model.world.fields[number], &model.scene);
             self.tell_sensed(station, &sampled, observer);
         }
         self.model.sensing.sample_later(station, &mut self.model.scene);

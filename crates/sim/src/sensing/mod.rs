@@ -160,15 +160,15 @@ impl Sensing {
         detected.binary_search(&NodeId(station.0)).map(|place| detected.remove(place)).is_ok()
     }
 
-    /// What a node reads now of the field number `field`.
+    /// What a node reads now of the field `field` with this identity.
     ///
     /// # Panics
     /// If the node samples no fields.
-    pub(crate) fn read(&self, station: StationId, (number, field): (usize, &Field), scene: &Scene) -> Sensed {
+    pub(crate) fn read(&self, station: StationId, id: FieldId, field: &Field, scene: &Scene) -> Sensed {
         let readings = self.readings.as_ref().expect("samples are scheduled for nodes with a sensor");
         let truth = field.value(scene.place(station), scene.now);
-        let value = readings.read(NodeId(station.0), number, truth, scene.now);
-        Sensed::Sampled { field: FieldId::from_index(number), value }
+        let value = readings.read(NodeId(station.0), id.index(), truth, scene.now);
+        Sensed::Sampled { field: id, value }
     }
 
     /// Schedules the next samples of a node.

@@ -44,7 +44,8 @@ pub(crate) fn drawn(
 pub(crate) fn named(
     names: &[String],
     nodes: &[PlacedNode],
-    (allowed, is_allowed): (&str, impl Fn(NodeId) -> bool),
+    allowed: &str,
+    is_allowed: impl Fn(NodeId) -> bool,
 ) -> Result<Vec<NodeId>, SettingError> {
     let mut chosen = Vec::new();
     for (i, name) in names.iter().enumerate() {

@@ -8,7 +8,7 @@ use sextant_mac::RadioState;
 use sextant_mac::dmg::{self, MacAddress, SweepFrame};
 
 use super::stack::{RadioStack, Role};
-use crate::air::{Aim, Emission, ReceiverId};
+use crate::air::{Aim, Emission, Interface, ReceiverId};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee80211ad::Event;
 use crate::event::link::LinkEvent;
@@ -69,7 +69,7 @@ impl Transceiver<'_> {
             return;
         }
         self.stack.deafness = deafness;
-        self.scene.tune(self.radios.air, (receiver, self.station), deafness);
+        self.scene.tune(self.radios.air, Interface { receiver, station: self.station }, deafness);
     }
 }
 
@@ -103,7 +103,7 @@ impl dmg::Radio for Transceiver<'_> {
 
     fn start_transmission(&mut self, frame: SweepFrame, airtime: Duration) {
         let (now, place) = (self.scene.now, self.scene.place(self.station));
-        let sender = (self.radios.receiver(self.station), self.station);
+        let sender = Interface { receiver: self.radios.receiver(self.station), station: self.station };
         let to = (frame.to != MacAddress::BROADCAST).then(|| frame.to.station()).flatten();
         let to = to.map(|to| self.radios.receiver(to));
         let emission = Emission { power: self.radios.power, aim: self.stack.aim };

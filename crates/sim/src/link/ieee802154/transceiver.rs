@@ -6,7 +6,7 @@ use sextant_kernel::{EventKey, StationId};
 use sextant_mac::{Phy, RadioState, coordinator, csma, device, responder};
 
 use super::stack::Stack;
-use crate::air::{Aim, Emission, ReceiverId};
+use crate::air::{Aim, Emission, Interface, ReceiverId};
 use crate::event::Event as EngineEvent;
 use crate::event::ieee802154::Event;
 use crate::event::link::LinkEvent;
@@ -64,7 +64,8 @@ impl Transceiver<'_> {
         let place = self.scene.place(self.station);
         let receiver = self.radios.receiver(self.station);
         let air = &mut self.scene.airs[self.radios.air];
-        air.is_busy((receiver, self.station), place, from, now, self.stack.cca_threshold)
+        let interface = Interface { receiver, station: self.station };
+        air.is_busy(interface, place, from, now, self.stack.cca_threshold)
     }
 
     /// Brings the receiver in line with the state of the radio.
@@ -76,13 +77,13 @@ impl Transceiver<'_> {
             return;
         }
         self.stack.deafness = deafness;
-        self.scene.tune(self.radios.air, (receiver, self.station), deafness);
+        self.scene.tune(self.radios.air, Interface { receiver, station: self.station }, deafness);
     }
 
     /// Puts a frame on air, to one station or to all.
     fn begin_transmission(&mut self, to: Option<StationId>, airtime: Duration) -> crate::air::Transmission {
         let (now, place) = (self.scene.now, self.scene.place(self.station));
-        let sender = (self.radios.receiver(self.station), self.station);
+        let sender = Interface { receiver: self.radios.receiver(self.station), station: self.station };
         let to = to.map(|to| self.radios.receiver(to));
         let emission = Emission { power: self.stack.tx_power, aim: Aim::Omnidirectional };
         self.scene.airs[self.radios.air].begin(now, sender, to, place, emission, airtime)

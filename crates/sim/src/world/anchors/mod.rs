@@ -54,7 +54,7 @@ impl AnchorsConfig {
                 drawn(all, purpose::ANCHORS, seed).take(count).collect::<Vec<_>>()
             }
             Self::Count(count) => drawn(all, purpose::ANCHORS, seed).take(at_most(*count, nodes.len())?).collect(),
-            Self::Names(names) => named(names, nodes, ("the name of a node", |_| true))?,
+            Self::Names(names) => named(names, nodes, "the name of a node", |_| true)?,
             Self::Optimised(optimised) => {
                 let chosen = optimised.choose(nodes, obstacles).map_err(|error| error.within("optimised"))?;
                 chosen.into_iter().map(NodeId::from_index).collect()

@@ -9,7 +9,7 @@ use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
 
 use super::super::layout::{Region, RegionConfig};
-use super::gait::{CLEARANCE_M, Gait, LEAST_LEG_M, MARGIN_M, StraightConfig, Stroll, TurnConfig};
+use super::gait::{CLEARANCE_M, Gait, Ground, LEAST_LEG_M, MARGIN_M, StraightConfig, Stroll, TurnConfig};
 use super::leg::Leg;
 use super::{inside, speed};
 
@@ -100,13 +100,13 @@ impl Evader {
         let in_sight = || robots.iter().copied().filter(|robot| robot.distance_m(from) <= *sight_m);
         let nearest = in_sight().min_by(|a, b| a.distance_m(from).total_cmp(&b.distance_m(from)));
         let to = match nearest {
-            None => self.stroll.step(from, |_| most_m, (region, obstacles)).map(|(to, _)| to),
+            None => self.stroll.step(from, |_| most_m, Ground { region, obstacles }).map(|(to, _)| to),
             Some(nearest) => {
                 let away = from - nearest;
                 let away_m = away.length_m();
                 let ahead = if away_m > 0.0 { away * (1.0 / away_m) } else { self.stroll.direction() };
                 let ends = directions(ahead, region.is_planar())
-                    .filter_map(|direction| reach(from, direction, most_m, (region, obstacles)));
+                    .filter_map(|direction| reach(from, direction, most_m, Ground { region, obstacles }));
                 let distance_m =
                     |place: Position| in_sight().map(|robot| robot.distance_m(place)).fold(f64::INFINITY, f64::min);
                 let best = ends.reduce(|best, end| if distance_m(end.0) > distance_m(best.0) { end } else { best });
@@ -166,7 +166,7 @@ fn reach(
     from: Position,
     direction: Position,
     most_m: f64,
-    (region, obstacles): (&Region, &ObstacleField),
+    Ground { region, obstacles }: Ground<'_>,
 ) -> Option<(Position, Position)> {
     let inside_m = (region.way_out(from, direction).distance_m - MARGIN_M).clamp(0.0, most_m);
     let length_m = obstacles.clearance_m(from, direction, inside_m, CLEARANCE_M);

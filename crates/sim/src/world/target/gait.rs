@@ -10,6 +10,13 @@ use sextant_kernel::{Seed, SettingError};
 use super::super::layout::Region;
 use crate::purpose;
 
+/// Where a target can go: within a region, around obstacles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ground<'a> {
+    pub(super) region: &'a Region,
+    pub(super) obstacles: &'a ObstacleField,
+}
+
 /// Distance that a walk keeps from the border of its region (m), so that rounding does not carry it outside.
 pub(super) const MARGIN_M: f64 = 1e-6;
 /// Distance that a walk keeps from obstacles (m).
@@ -146,7 +153,7 @@ impl Stroll {
         &mut self,
         from: Position,
         most_m: impl Fn(Position) -> f64,
-        (region, obstacles): (&Region, &ObstacleField),
+        Ground { region, obstacles }: Ground<'_>,
     ) -> Option<(Position, f64)> {
         for _ in 0..ATTEMPTS {
             let border = region.way_out(from, self.direction);

@@ -6,7 +6,7 @@ use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
 
 use super::super::layout::{Region, RegionConfig};
-use super::gait::{Gait, StraightConfig, Stroll, TurnConfig};
+use super::gait::{Gait, Ground, StraightConfig, Stroll, TurnConfig};
 use super::leg::Leg;
 use super::{inside, speed};
 
@@ -68,7 +68,7 @@ pub(super) struct Walker {
 impl Walker {
     /// The leg that begins at `from` at the time `start`; `None` if there is no way out of that place.
     pub(super) fn leg(&mut self, from: Position, start: SimTime, obstacles: &ObstacleField) -> Option<Leg> {
-        let (to, _) = self.stroll.step(from, |_| f64::INFINITY, (&self.walk.region, obstacles))?;
+        let (to, _) = self.stroll.step(from, |_| f64::INFINITY, Ground { region: &self.walk.region, obstacles })?;
         Some(Leg::new(from, to, start, self.walk.speed_m_per_s))
     }
 }

@@ -9,7 +9,7 @@ use sextant_channel::{ObstacleField, Position};
 use sextant_kernel::{Seed, SettingError, SimTime};
 
 use super::super::layout::{Region, RegionConfig};
-use super::gait::{CLEARANCE_M, Gait, LEAST_LEG_M, MARGIN_M, StraightConfig, Stroll, TurnConfig};
+use super::gait::{CLEARANCE_M, Gait, Ground, LEAST_LEG_M, MARGIN_M, StraightConfig, Stroll, TurnConfig};
 use super::leg::Leg;
 use super::speed;
 
@@ -130,8 +130,11 @@ impl Visit<'_> {
         let mut last_turns = 0;
         while places.len() < 4 * MOST_LEGS {
             let home = self.to - here;
-            let walked =
-                stroll.step(here, |ahead| turning_back_m(home, left_m, ahead), (self.region, self.obstacles));
+            let walked = stroll.step(
+                here,
+                |ahead| turning_back_m(home, left_m, ahead),
+                Ground { region: self.region, obstacles: self.obstacles },
+            );
             let (there, length_m) = walked?;
             if left_m - length_m - there.distance_m(self.to) < HOME_M {
                 if self.is_free(there) {

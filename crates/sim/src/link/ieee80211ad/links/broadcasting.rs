@@ -91,7 +91,8 @@ impl Links {
         &mut self,
         i: usize,
         sender: StationId,
-        (sector, sequence): (TxSector, u8),
+        sector: TxSector,
+        sequence: u8,
         snr: Db,
         scene: &mut Scene,
     ) {

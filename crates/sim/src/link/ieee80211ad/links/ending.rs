@@ -61,7 +61,7 @@ impl Links {
                 scene.upcalls.push(Upcall::Announced { station, announcement });
             }
             SweepBody::Beacon { sector, sequence, .. } if self.hears[station.index()] => {
-                self.deliver(i, sender, (sector, sequence), sinr, scene);
+                self.deliver(i, sender, sector, sequence, sinr, scene);
             }
             SweepBody::Iss { .. } | SweepBody::Feedback { .. } | SweepBody::Ack { .. } | SweepBody::Beacon { .. } => {
             }
