@@ -32,7 +32,7 @@ pub use map::{
     FittedChannelSummary, FittedProfileSummary, HeightsSource, HeightsSummary, LinkLawSummary, MapSummary,
     MeasuredIn, NODE_ERRORS, NetworkProfileSummary, POSITION_ERRORS_M,
 };
-pub use measures::{Measure, Number, Unit};
+pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};
