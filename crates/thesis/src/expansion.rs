@@ -45,8 +45,14 @@ impl<'a> Expansion<'a> {
             ..Entry::default()
         };
         let (mut lines, mut claims, mut charts) = (Vec::new(), Vec::new(), Vec::new());
-        self.singles(&table.lines, &group, &scope, &mut |single| Ok(lines.push(quantity(&single)?)))?;
-        self.singles(&table.conclusions, &group, &scope, &mut |single| Ok(claims.push(claim(&single)?)))?;
+        self.singles(&table.lines, &group, &scope, &mut |single| {
+            lines.push(quantity(&single)?);
+            Ok(())
+        })?;
+        self.singles(&table.conclusions, &group, &scope, &mut |single| {
+            claims.push(claim(&single)?);
+            Ok(())
+        })?;
         for entry in &table.charts {
             charts.extend(self::charts(entry, &group, &scope)?);
         }

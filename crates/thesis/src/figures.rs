@@ -26,7 +26,7 @@ pub fn write_pictures(
     watch: &dyn Watch,
 ) -> Result<(), ReproductionError> {
     names.par_iter().try_for_each(|name| {
-        let scenario = Scenario::load(&scenarios.join(name))?;
+        let scenario = Scenario::load(scenarios.join(name))?;
         let folder = out.join(scenario.name());
         std::fs::create_dir_all(&folder).map_err(|error| OutputError::new(&folder, &error))?;
         let recording = folder.join("run.mcap");

@@ -226,7 +226,7 @@ fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
             let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
                 continue;
             };
-            let scenario = Scenario::load(&folder.path().join(&term.scenario)).unwrap();
+            let scenario = Scenario::load(folder.path().join(&term.scenario)).unwrap();
             let column = term.measure.column();
             let index = match column.split_once("connectivity_errors.") {
                 Some((_, rest)) => rest[..1].parse().unwrap(),
@@ -249,7 +249,7 @@ fn published_connectivity_errors_are_only_given_for_the_radius_of_communication(
             let Some((_, rest)) = what.split_once("neighbourhood of ") else { continue };
             let terms = ours.terms();
             let (Some(published), [term, ..]) = (published, terms.as_slice()) else { continue };
-            let scenario = Scenario::load(&folder.path().join(&term.scenario)).unwrap();
+            let scenario = Scenario::load(folder.path().join(&term.scenario)).unwrap();
             let radius_m = scenario.config().channel.max_range_m.unwrap();
             assert_eq!(rest, format!("{radius_m} m"), "{what}: {published:?}");
         }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError};
 
+use super::weight_power;
 use crate::{CoordinateFrame, KnowledgeKind, TopologyMap};
 
 /// The packet centroid as written in a scenario.
@@ -73,11 +74,7 @@ impl TryFrom<PacketCentroidConfig> for PacketCentroid {
     type Error = SettingError;
 
     fn try_from(PacketCentroidConfig { power }: PacketCentroidConfig) -> Result<Self, SettingError> {
-        if power > 0.0 && power <= 100.0 {
-            Ok(Self { power })
-        } else {
-            Err(SettingError::new("power", power, "a number above 0, at most 100"))
-        }
+        Ok(Self { power: weight_power("power", power)? })
     }
 }
 
