@@ -301,7 +301,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="scenarios at a time [1]")
     parser.add_argument("--cache", type=pathlib.Path, default=ROOT / "target" / "same-bytes", metavar="FOLDER")
     parser.add_argument("--allow-attachments", action="store_true", help="NEW may attach more files to recordings")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     old = options.old.resolve()
     new = None if str(options.new) == "-" else options.new.resolve()
     if options.cpu is not None:

@@ -90,14 +90,8 @@ impl Curve {
                 })?;
                 Ok(Self { order, cell_m })
             }
-            (Some(_), Some(spacing_m)) => Err(SettingError::new(
-                "spacing_m",
-                format!("{spacing_m}, together with `order`"),
-                "one of `order` and `spacing_m`",
-            )),
-            (None, None) => {
-                Err(SettingError::new("order", "absent, and so is `spacing_m`", "one of `order` and `spacing_m`"))
-            }
+            (Some(_), Some(_)) => Err(SettingError::conflict("spacing_m", "`order`", "set one of them")),
+            (None, None) => Err(SettingError::missing("order", "`order` or `spacing_m`")),
         }
     }
 

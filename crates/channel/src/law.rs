@@ -80,11 +80,11 @@ impl TryFrom<ChannelConfig> for ChannelLaw {
             }
             (None, Some(_)) => PathLossConfig::LogDistance(LogDistanceConfig::default()),
             (None, None) => {
-                let allowed = format!(
+                let needed = format!(
                     "one of {}, or a table `path_loss.log_distance` or `path_loss.close_in`",
                     Environment::names()
                 );
-                return Err(SettingError::new("environment", "absent", allowed));
+                return Err(SettingError::missing("environment", needed));
             }
         };
         let exponent = environment.map(Environment::exponent);

@@ -301,6 +301,6 @@ mod tests {
         let brick = Material::named("brick").unwrap();
         assert_eq!(brick.check_carrier(40.0), Ok(()));
         let error = brick.check_carrier(73.0).unwrap_err();
-        assert!(error.found.contains("73") && error.allowed.contains("1 to 40 GHz"), "{error}");
+        assert!(error.found().contains("73") && error.allowed().contains("1 to 40 GHz"), "{error}");
     }
 }

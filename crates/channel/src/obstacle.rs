@@ -1,11 +1,11 @@
 //! One obstacle: a shape made of a material.
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 use crate::{Db, Material, Position, Shape, ShapeConfig};
 
@@ -76,16 +76,16 @@ impl TryFrom<ObstacleConfig> for Obstacle {
 
     /// File paths are relative to the working folder.
     fn try_from(config: ObstacleConfig) -> Result<Self, SettingError> {
-        Self::read(config, Path::new(""))
+        Self::read(config, &Files::default())
     }
 }
 
 impl Obstacle {
-    /// The obstacle that `config` describes; its file paths are relative to `folder`.
+    /// The obstacle that `config` describes; its file paths are among `files`.
     ///
     /// # Errors
     /// If a value is invalid, the shape has no volume, or a file cannot be read.
-    pub fn read(config: ObstacleConfig, folder: &Path) -> Result<Self, SettingError> {
+    pub fn read(config: ObstacleConfig, files: &Files) -> Result<Self, SettingError> {
         let material = match &config.material {
             Some(name) => Some(
                 Material::named(name)
@@ -98,12 +98,11 @@ impl Obstacle {
             (None, Some(alpha)) => SettingError::not_negative("absorption_per_m", alpha)?,
             (None, None) if config.loss_db.is_some() => 0.0,
             (None, None) => {
-                let allowed = format!("one of {}; or give `absorption_per_m` or `loss_db`", Material::names());
-                return Err(SettingError::new("material", "absent", allowed));
+                let needed = format!("one of {}; or give `absorption_per_m` or `loss_db`", Material::names());
+                return Err(SettingError::missing("material", needed));
             }
-            (Some(material), Some(alpha)) => {
-                let found = format!("{alpha} beside material {:?}", material.name);
-                return Err(SettingError::new("absorption_per_m", found, "either `material` or `absorption_per_m`"));
+            (Some(_), Some(_)) => {
+                return Err(SettingError::conflict("absorption_per_m", "`material`", "set one of them"));
             }
         };
         let loss_db = config.loss_db.unwrap_or(0.0);
@@ -114,7 +113,7 @@ impl Obstacle {
             Some(loss_db) => Some(Db(SettingError::not_negative("reflection_loss_db", loss_db)?)),
             None => None,
         };
-        let shape = Shape::read(config.shape, folder).map_err(|error| error.within("shape"))?;
+        let shape = Shape::read(config.shape, files).map_err(|error| error.within("shape"))?;
         Ok(Self {
             name: config.name,
             shape,

@@ -124,7 +124,7 @@ impl TryFrom<LogDistanceConfig> for LogDistance {
 
     fn try_from(config: LogDistanceConfig) -> Result<Self, SettingError> {
         let exponent = config.exponent.ok_or_else(|| {
-            SettingError::new("exponent", "absent", "a finite number above 0, or an environment that has one")
+            SettingError::missing("exponent", "a finite number above 0, or an environment that has one")
         })?;
         Ok(Self {
             exponent: SettingError::positive("exponent", exponent)?,
@@ -155,7 +155,7 @@ impl CloseInConfig {
     /// The carrier (GHz), checked.
     pub(crate) fn carrier(&self) -> Result<f64, SettingError> {
         let carrier_ghz = self.carrier_ghz.ok_or_else(|| {
-            SettingError::new("carrier_ghz", "absent", "0.1 to 1000, or an environment that has a carrier")
+            SettingError::missing("carrier_ghz", "0.1 to 1000, or an environment that has a carrier")
         })?;
         SettingError::in_range("carrier_ghz", carrier_ghz, 0.1, 1000.0)
     }

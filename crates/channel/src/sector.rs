@@ -192,7 +192,7 @@ impl TryFrom<EvenSectorsConfig> for SectorTable {
         Self::new(sectors).map_err(|error| {
             SettingError::new(
                 "elevations_deg",
-                error.found,
+                error.found(),
                 "pairs of elevations from -90 to 90, the lower one first",
             )
         })

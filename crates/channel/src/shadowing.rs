@@ -67,7 +67,7 @@ impl TryFrom<ShadowingConfig> for ShadowingLaw {
 
     fn try_from(config: ShadowingConfig) -> Result<Self, SettingError> {
         let sigma_db = config.sigma_db.ok_or_else(|| {
-            SettingError::new("sigma_db", "absent", "a finite number, 0 or above, or an environment that has one")
+            SettingError::missing("sigma_db", "a finite number, 0 or above, or an environment that has one")
         })?;
         Ok(Self {
             sigma_db: SettingError::not_negative("sigma_db", sigma_db)?,

@@ -130,6 +130,12 @@ impl From<SweepError> for Failure {
         match error {
             SweepError::Interrupted(_) => Self::Interrupted,
             SweepError::Scenario(errors) => errors.into(),
+            SweepError::Unfinished { .. } => {
+                Self::of(&error, Some("continue it with --resume, or remove the folder to start again"), false)
+            }
+            SweepError::OtherParts { .. } => {
+                Self::of(&error, Some("remove the folder to start again, or choose another --out"), false)
+            }
             error => Self::of(&error, error.advice(), error.is_system_error()),
         }
     }

@@ -11,7 +11,7 @@
 //!
 //! let recording = Path::new("circular.mcap");
 //! let (run, drawn) = (read_log(recording)?, read_drawn(recording)?);
-//! for figure in all(&Source { title: "circular", log: &run.log, drawn: &drawn, sector_displacements: &[] }) {
+//! for figure in all(&Source { title: "circular", log: run.log(), drawn: &drawn, sector_displacements: &[] }) {
 //!     figure.write(Path::new("."), FileFormat::Svg)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -14,6 +14,7 @@
 //! assert_eq!(queue.pop(), Some((instant, "end of transmission")));
 //! ```
 
+mod files;
 mod node;
 mod queue;
 mod random;
@@ -24,11 +25,12 @@ pub mod text;
 mod time;
 mod watch;
 
+pub use files::Files;
 pub use node::NodeId;
 pub use queue::{EventKey, EventQueue, Rank};
 pub use random::{Purpose, Seed, Stream};
 pub use robot::RobotId;
-pub use setting::SettingError;
+pub use setting::{SettingError, SettingProblem};
 pub use station::StationId;
 pub use time::SimTime;
 pub use watch::{Interrupted, Unreported, Unwatched, Watch, Work};

@@ -2,23 +2,94 @@
 
 use std::fmt;
 
-/// An invalid setting: the key, the value found and the values allowed.
+/// A setting that is missing, conflicts with another one, or is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{key}` is {found}; allowed: {allowed}")]
 pub struct SettingError {
     /// Path of the key below the table that was checked, for example `log_distance.exponent` or
     /// `obstacles[2].size_m`.
     pub key: String,
-    /// The value found, as a person would write it.
-    pub found: String,
-    /// The values allowed, in words.
-    pub allowed: String,
+    /// What is wrong with it.
+    pub problem: SettingProblem,
+}
+
+/// What is wrong with a setting.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SettingProblem {
+    /// The table is not there.
+    MissingTable,
+    /// The value is not there.
+    Missing {
+        /// What is needed, in words.
+        needed: String,
+    },
+    /// It cannot be together with something else.
+    Conflict {
+        /// What it conflicts with.
+        with: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// Its value is not allowed.
+    Invalid {
+        /// The value found, as a person would write it.
+        found: String,
+        /// The values allowed, in words.
+        allowed: String,
+    },
+}
+
+impl fmt::Display for SettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let key = &self.key;
+        match &self.problem {
+            SettingProblem::MissingTable => write!(f, "the table `[{key}]` is missing"),
+            SettingProblem::Missing { needed } => write!(f, "`{key}` is missing; needed: {needed}"),
+            SettingProblem::Conflict { with, remedy } => write!(f, "`{key}` conflicts with {with}; {remedy}"),
+            SettingProblem::Invalid { found, allowed } => write!(f, "`{key}` is {found}; allowed: {allowed}"),
+        }
+    }
 }
 
 impl SettingError {
     /// The value `found` under `key` is not one of those `allowed`.
     pub fn new(key: impl Into<String>, found: impl fmt::Display, allowed: impl Into<String>) -> Self {
-        Self { key: key.into(), found: found.to_string(), allowed: allowed.into() }
+        let problem = SettingProblem::Invalid { found: found.to_string(), allowed: allowed.into() };
+        Self { key: key.into(), problem }
+    }
+
+    /// There is no table `key`, which is needed.
+    pub fn missing_table(key: impl Into<String>) -> Self {
+        Self { key: key.into(), problem: SettingProblem::MissingTable }
+    }
+
+    /// There is nothing under `key`, where this is `needed`.
+    pub fn missing(key: impl Into<String>, needed: impl Into<String>) -> Self {
+        Self { key: key.into(), problem: SettingProblem::Missing { needed: needed.into() } }
+    }
+
+    /// What is under `key` cannot be together `with` this; the `remedy` is a command: "set one of them".
+    pub fn conflict(key: impl Into<String>, with: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { key: key.into(), problem: SettingProblem::Conflict { with: with.into(), remedy: remedy.into() } }
+    }
+
+    /// What was found: the value, or what it conflicts with.
+    #[must_use]
+    pub fn found(&self) -> &str {
+        match &self.problem {
+            SettingProblem::MissingTable | SettingProblem::Missing { .. } => "absent",
+            SettingProblem::Conflict { with: found, .. } | SettingProblem::Invalid { found, .. } => found,
+        }
+    }
+
+    /// What would be right: what is needed, what to do, or the values allowed.
+    #[must_use]
+    pub fn allowed(&self) -> &str {
+        match &self.problem {
+            SettingProblem::MissingTable => "a table",
+            SettingProblem::Missing { needed: allowed }
+            | SettingProblem::Conflict { remedy: allowed, .. }
+            | SettingProblem::Invalid { allowed, .. } => allowed,
+        }
     }
 
     /// The same error seen from the table that holds this one under `parent` (a key path,
@@ -78,6 +149,13 @@ mod tests {
     fn an_error_names_its_key_from_the_outermost_table() {
         let error = SettingError::positive("exponent", -2.0).unwrap_err().within("log_distance").within("path_loss");
         assert_eq!(error.to_string(), "`path_loss.log_distance.exponent` is -2; allowed: a finite number above 0");
+        let missing = SettingError::missing("carrier_ghz", "0.1 to 1000").within("close_in");
+        assert_eq!(missing.to_string(), "`close_in.carrier_ghz` is missing; needed: 0.1 to 1000");
+        let table = SettingError::missing_table("radio").within("networks.a");
+        assert_eq!(table.to_string(), "the table `[networks.a.radio]` is missing");
+        let conflict = SettingError::conflict("order", "`spacing_m`", "set one of them").within("hilbert");
+        assert_eq!(conflict.to_string(), "`hilbert.order` conflicts with `spacing_m`; set one of them");
+        assert_eq!((conflict.found(), conflict.allowed()), ("`spacing_m`", "set one of them"));
         assert!(SettingError::not_negative("x", f64::NAN).is_err());
         assert!(SettingError::in_range("x", f64::NAN, 0.0, 1.0).is_err());
     }

@@ -32,7 +32,7 @@ pub(super) fn read(path: &Path, notes: &mut Vec<String>) -> Result<SectorTable, 
         if let Err(wrong) = config.wedge() {
             let columns = [azimuths, elevations].concat();
             let name = AZIMUTHS.iter().chain(&ELEVATIONS).position(|name| *name == wrong.key).unwrap_or(0);
-            return Err(row.wrong(columns[name], wrong.allowed));
+            return Err(row.wrong(columns[name], wrong.allowed()));
         }
         if sectors.iter().any(|other| other.sector == config.sector) {
             return Err(row.wrong(sector, "each sector once; this sector is already given above"));

@@ -40,7 +40,7 @@ impl TryFrom<RangingConfig> for Ranging {
 
     fn try_from(config: RangingConfig) -> Result<Self, SettingError> {
         let needed = |key, value: Option<f64>| {
-            value.ok_or_else(|| SettingError::new(key, "absent", "a number; in a scenario, that of its channel"))
+            value.ok_or_else(|| SettingError::missing(key, "a number; in a scenario, that of its channel"))
         };
         Ok(Self {
             exponent: SettingError::positive("exponent", needed("exponent", config.exponent)?)?,

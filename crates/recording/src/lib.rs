@@ -17,7 +17,7 @@
 //! recorder.stop(None, "surveyor", 0, &stop, &[heard])?;
 //! recorder.finish()?;
 //!
-//! assert_eq!(read_log(&path)?.log.receptions(), [heard]);
+//! assert_eq!(read_log(&path)?.log().receptions(), [heard]);
 //! # std::fs::remove_file(&path).ok();
 //! # Ok::<(), sextant_recording::RecordingError>(())
 //! ```
@@ -55,7 +55,7 @@ pub use inspect::{AttachmentInfo, Inspection, Topic, inspect};
 pub use known::{Known, read_known};
 pub use link_quality::link_quality;
 pub use mcap_file::{Damage, DamageKind};
-pub use names::{ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
+pub use names::{FILES_ATTACHMENTS, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
 pub use phase::{Phase, SURVEY};
 pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
 pub use recorder::{FileRecorder, Origin, Recorder};

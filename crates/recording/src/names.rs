@@ -4,6 +4,8 @@ use std::borrow::Cow;
 
 /// Name of the attachment with the text of the scenario.
 pub const SCENARIO_ATTACHMENT: &str = "scenario.toml";
+/// The names of attachments with files that the scenario names begin with this; the path as written there follows.
+pub const FILES_ATTACHMENTS: &str = "files/";
 /// Name of the attachment with the summary.
 pub const SUMMARY_ATTACHMENT: &str = "summary.json";
 /// Name of the metadata record with `seed`, `version` and `scenario`.

@@ -1,31 +1,29 @@
 //! Reads from a recording what mappers, metrics and figures need.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::robot_names::RobotNames;
 use foxglove::messages::PointCloud;
 use prost::Message as _;
 use sextant_channel::{
-    Contact, LogError, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorConfig, SectorTable, Stop,
+    Contact, LogError, NetworkLog, NetworkLogs, Position, Reception, ReceptionLog, ReceptionLogBuilder, SectorConfig,
+    SectorTable, Stop,
 };
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{Files, NodeId, SimTime};
 
 use super::drawing;
 use super::error::RecordingError;
 use super::messages;
-use super::names::{LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
+use super::names::{FILES_ATTACHMENTS, LogTopics, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC};
 use crate::mcap_file::{Piece, scan};
 
 /// The reception log of a recording, with its metadata and attachments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedRun {
-    /// The reception log, of the first network if robots surveyed several.
-    pub log: ReceptionLog,
-    /// Name of the network of `log`, if robots surveyed several.
-    pub network: Option<String>,
-    /// The logs of the other networks, by name.
-    pub other_logs: Vec<(String, ReceptionLog)>,
+    /// The reception logs of the networks that robots surveyed.
+    pub logs: NetworkLogs,
     /// The paths of the robots, by name; empty if the recording is incomplete.
     pub paths: Vec<(String, Vec<Position>)>,
     /// Number of ignored stops, 0 or 1 in each log. Receptions of the last stop of a recovered recording may be missing, and
@@ -38,25 +36,10 @@ pub struct RecordedRun {
 }
 
 impl RecordedRun {
-    /// Makes the log of the network `name` the first one. A log without other networks is that of any network.
-    ///
-    /// # Errors
-    /// The names of the networks, if robots did not survey this one.
-    pub fn put_first(&mut self, name: &str) -> Result<(), String> {
-        let Some(first) = self.network.as_mut().filter(|first| *first != name) else { return Ok(()) };
-        match self.other_logs.iter_mut().find(|(other, _)| other == name) {
-            Some((other, log)) => {
-                std::mem::swap(first, other);
-                std::mem::swap(&mut self.log, log);
-                Ok(())
-            }
-            None => {
-                let others = self.other_logs.iter().map(|(name, _)| name);
-                let names: Vec<String> =
-                    std::iter::once(&*first).chain(others).map(|name| format!("`{name}`")).collect();
-                Err(names.join(", "))
-            }
-        }
+    /// The reception log, of the first network if robots surveyed several.
+    #[must_use]
+    pub fn log(&self) -> &ReceptionLog {
+        self.logs.first()
     }
 
     /// Shares of the nodes by sector displacement, of each map in the summary that has them, by its name.
@@ -87,6 +70,16 @@ impl RecordedRun {
     pub fn attachment(&self, name: &str) -> Option<&Attachment> {
         self.attachments.iter().rfind(|attachment| attachment.name == name)
     }
+
+    /// The files that the scenario names, by their paths as written there.
+    #[must_use]
+    pub fn files(&self) -> Files {
+        let file = |attachment: &Attachment| {
+            let path = attachment.name.strip_prefix(FILES_ATTACHMENTS)?;
+            Some((PathBuf::from(path), attachment.data.clone()))
+        };
+        Files::Attached(Arc::new(self.attachments.iter().filter_map(file).collect()))
+    }
 }
 
 /// A file within a recording.
@@ -107,7 +100,7 @@ pub struct Attachment {
 /// If the file cannot be read, is damaged, or holds no reception log.
 pub fn read_log(path: &Path) -> Result<RecordedRun, RecordingError> {
     let (run, topics) = read(path)?;
-    if run.log.stops().is_empty() {
+    if run.log().stops().is_empty() {
         let topics = if topics.is_empty() { "none".to_owned() } else { topics.join(", ") };
         return Err(RecordingError::NoLog { path: path.to_owned(), topics });
     }
@@ -153,9 +146,8 @@ fn read(path: &Path) -> Result<(RecordedRun, Vec<String>), RecordingError> {
     })?;
     let cut_stops = draft.cut_last_stops();
     let paths = std::mem::take(&mut draft.paths);
-    let network = draft.networks.first().cloned();
-    let (log, other_logs) = draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
-    Ok((RecordedRun { log, network, other_logs, paths, cut_stops, metadata, attachments }, topics))
+    let logs = draft.build().map_err(|why| RecordingError::Log { path: path.to_owned(), why })?;
+    Ok((RecordedRun { logs, paths, cut_stops, metadata, attachments }, topics))
 }
 
 /// Reads the true positions of the nodes of the recording `path`, by name (m); `None` if it does not have them.
@@ -298,19 +290,20 @@ impl RunDraft {
         std::iter::once(&mut self.log).chain(others).map(LogDraft::cut_last_stop).sum()
     }
 
-    /// The log of the first network, and those of the others by name.
-    fn build(self) -> Result<(ReceptionLog, Vec<(String, ReceptionLog)>), LogError> {
+    /// The logs of the networks.
+    fn build(self) -> Result<NetworkLogs, LogError> {
         let (names, robots, contacts) = (self.names, self.robots.into_vec(), self.contacts);
-        let build = |LogDraft { stops, receptions, sectors, .. }: LogDraft| {
+        let build = |network, LogDraft { stops, receptions, sectors, .. }: LogDraft| {
             let log = receptions.build(names.clone(), stops, contacts.clone())?.with_robots(robots.clone())?;
-            match sectors {
-                Some(sectors) => log.with_sectors(sectors),
-                None => Ok(log),
-            }
+            let log = match sectors {
+                Some(sectors) => log.with_sectors(sectors)?,
+                None => log,
+            };
+            Ok(NetworkLog { network, log })
         };
-        let others = self.others.into_iter().map(|(name, log)| Ok((name, build(log)?)));
-        let others = others.collect::<Result<_, _>>()?;
-        Ok((build(self.log)?, others))
+        let first = build(self.networks.into_iter().next(), self.log)?;
+        let others = self.others.into_iter().map(|(name, log)| build(Some(name), log));
+        Ok(NetworkLogs::new(first, others.collect::<Result<_, _>>()?))
     }
 }
 

@@ -22,8 +22,8 @@ use super::error::RecordingError;
 use super::link_quality::link_quality;
 use super::messages;
 use super::names::{
-    ANCHORS_TOPIC, BEACONS_TOPIC, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC, ORIGIN_METADATA,
-    SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
+    ANCHORS_TOPIC, BEACONS_TOPIC, FILES_ATTACHMENTS, LogTopics, MAPPED_NODES_TOPIC, NEIGHBOURS_TOPIC, NETWORKS_TOPIC,
+    ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT, WORLD_NODES_TOPIC, WORLD_SINKS_TOPIC,
 };
 use super::sink::Sink;
 use crate::output::Draft;
@@ -134,6 +134,14 @@ impl<W: Write> Recorder<W> {
     /// If any write failed, now or before.
     pub fn scenario(&mut self, toml: &str) -> Result<(), RecordingError> {
         self.attach(SCENARIO_ATTACHMENT, "application/toml", toml.as_bytes())
+    }
+
+    /// Writes a file that the scenario names, so that the recording says all; `path` is as written there.
+    ///
+    /// # Errors
+    /// If any write failed, now or before.
+    pub fn named_file(&mut self, path: &str, content: &[u8]) -> Result<(), RecordingError> {
+        self.attach(&format!("{FILES_ATTACHMENTS}{path}"), "application/octet-stream", content)
     }
 
     /// Writes the summary (JSON). Leave out its `timing`, so that the recording depends on scenario, seed and version

@@ -171,10 +171,8 @@ fn chosen(
             Ok(drawn(candidates.iter().copied(), purpose, seed).take(count).collect())
         }
         (None, Some(names)) => named(names, nodes, (allowed, |node| candidates.contains(&node))),
-        (None, None) => Err(SettingError::new("share", "absent", "`share` or `names`")),
-        (Some(share), Some(_)) => {
-            Err(SettingError::new("share", format!("{share}, beside `names`"), "one of the two keys"))
-        }
+        (None, None) => Err(SettingError::missing("share", "`share` or `names`")),
+        (Some(_), Some(_)) => Err(SettingError::conflict("share", "`names`", "set one of them")),
     }
 }
 

@@ -35,7 +35,7 @@ pub fn write_pictures(
         let (run, drawn) = (read_run(&recording)?, read_drawn(&recording)?);
         let displacements = run.sector_displacements();
         let source =
-            Source { title: scenario.name(), log: &run.log, drawn: &drawn, sector_displacements: &displacements };
+            Source { title: scenario.name(), log: run.log(), drawn: &drawn, sector_displacements: &displacements };
         for figure in figure::all(&source) {
             figure.write(&folder, FileFormat::Svg).map_err(|error| OutputError::new(&folder, &error))?;
         }

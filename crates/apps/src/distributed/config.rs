@@ -187,15 +187,15 @@ impl TryFrom<&DistributedMappingConfig> for DistributedMapping {
         if let Some(share) = config.doubt_below {
             SettingError::in_range("doubt_below", share, 0.0, 1.0)?;
             if config.directions != DirectionRule::Intervals {
-                let found = format!("{share}, with `directions = \"circular_mean\"`");
-                return Err(SettingError::new("doubt_below", found, "`directions = \"intervals\"` beside it"));
+                let with = "`directions = \"circular_mean\"`";
+                return Err(SettingError::conflict("doubt_below", with, "set `directions = \"intervals\"`"));
             }
         }
         let place = OwnPlace::try_from(config.place.clone()).map_err(|error| error.within("place"))?;
         let needs_posterior = config.exchange == Exchange::Posterior || config.new_anchor_sigma_m.is_some();
         if needs_posterior && config.place.estimate != EstimateKind::PosteriorMean {
-            let allowed = "`posterior_mean`, for it alone has the covariance that `exchange = \"posterior\"` and \
-                           `new_anchor_sigma_m` need";
+            let allowed =
+                "`posterior_mean`, because `exchange = \"posterior\"` and `new_anchor_sigma_m` need a covariance";
             return Err(SettingError::new("place.estimate", "`argmax`", allowed));
         }
         Ok(Self {

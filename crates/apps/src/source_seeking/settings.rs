@@ -89,9 +89,8 @@ impl SourceSeeking {
         let goal = goal(&config.goal, fields).map_err(|error| error.within("goal"))?;
         let is_thesis = config.preset == Preset::Thesis;
         let climb = match (config.delta, config.climb_share) {
-            (Some(delta), Some(_)) => {
-                let found = format!("{delta}, beside `climb_share`");
-                return Err(SettingError::new("delta", found, "one of `delta` and `climb_share`"));
+            (Some(_), Some(_)) => {
+                return Err(SettingError::conflict("delta", "`climb_share`", "set one of them"));
             }
             (Some(delta), None) => Climb::Delta(SettingError::positive("delta", delta)?),
             (None, Some(share)) => Climb::Share(SettingError::in_range("climb_share", share, 0.01, 0.99)?),
@@ -103,13 +102,13 @@ impl SourceSeeking {
             Preset::Adaptive => EstimateConfig::default(),
         });
         if matches!((climb, estimate), (Climb::Share(_), EstimateConfig::PowerWeights {})) {
-            let allowed = "`delta`, because power weights do not tell how steep the field is";
-            return Err(SettingError::new("climb_share", "beside `estimate.power_weights`", allowed));
+            let remedy = "set `delta`, because power weights do not show how steep the field is";
+            return Err(SettingError::conflict("climb_share", "`estimate.power_weights`", remedy));
         }
         let boundary_layer = config.boundary_layer.unwrap_or(if is_thesis { 0.0 } else { 0.5 });
         if config.space.is_some() && estimate == (EstimateConfig::PowerWeights {}) {
-            let allowed = "`estimate.local_fit`, because power weights do not tell where the field is higher";
-            return Err(SettingError::new("space", "beside `estimate.power_weights`", allowed));
+            let remedy = "use `estimate.local_fit`, because power weights do not show where the field is higher";
+            return Err(SettingError::conflict("space", "`estimate.power_weights`", remedy));
         }
         let torsion = config.space.map(|SpaceConfig { torsion_per_m }| match torsion_per_m {
             None => Ok(Torsion::LikeCurvature),
@@ -240,7 +239,7 @@ fn field(name: Option<&str>, fields: &[Field]) -> Result<FieldId, SettingError> 
             .position(|field| field.name() == name)
             .ok_or_else(|| SettingError::new("field", format!("`{name}`"), names()))?,
         (None, [_]) => 0,
-        (None, _) => return Err(SettingError::new("field", "absent", names())),
+        (None, _) => return Err(SettingError::missing("field", names())),
     };
     Ok(FieldId(u16::try_from(index).expect("at most 65536 fields")))
 }

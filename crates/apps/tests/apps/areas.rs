@@ -107,7 +107,7 @@ fn a_robot_that_starts_outside_its_area_is_rejected() {
     let world = world(ObstacleField::default());
     let area = RegionConfig::Disc { center_m: at(0.0, 0.0), radius_m: 5.0 };
     let error = AutomatedS::plan(&in_area(&area, 2.0), &world.surroundings(at(6.0, 0.0))).unwrap_err();
-    assert_eq!((error.key.as_str(), error.found.as_str()), ("area", "a region without the robot's start [6, 0, 0]"));
+    assert_eq!((error.key.as_str(), error.found()), ("area", "a region without the robot's start [6, 0, 0]"));
     let flat = RegionConfig::Disc { center_m: at(0.0, 0.0), radius_m: 0.0 };
     let error = AutomatedS::plan(&in_area(&flat, 2.0), &world.surroundings(at(0.0, 0.0))).unwrap_err();
     assert_eq!(error.key, "area.disc.radius_m");

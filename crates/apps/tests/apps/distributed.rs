@@ -1,6 +1,5 @@
 //! Maps that are computed in the nodes, over simulated links.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use sextant_apps::distributed::{
@@ -9,7 +8,7 @@ use sextant_apps::distributed::{
 };
 use sextant_apps::{Surroundings, WaypointsConfig};
 use sextant_channel::{AntennaConfig, ChannelConfig, ObstacleField, Position};
-use sextant_kernel::Seed;
+use sextant_kernel::{Files, Seed};
 use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_mac::dmg::SweepConfig;
@@ -77,7 +76,7 @@ impl Scene {
         let text = "nodes.omnidirectional = {}\nrobots.omnidirectional = {}";
         let config =
             AntennasConfig { nodes: antenna.clone(), robots: antenna, ..toml::from_str(text).expect("antennas") };
-        Antennas::read(&config, Path::new("")).expect("good antennas")
+        Antennas::read(&config, &Files::default()).expect("good antennas")
     }
 
     fn technology(&self) -> Technology {

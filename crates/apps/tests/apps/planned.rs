@@ -95,7 +95,7 @@ fn places_that_cannot_be_reached_are_rejected_with_their_index() {
     let fault = |places_m: Vec<Position>| {
         let error =
             ControllerConfig::Waypoints(WaypointsConfig { places_m }).build(&surroundings).err().expect("refused");
-        (error.key, error.found)
+        (error.key.clone(), error.found().to_owned())
     };
     assert_eq!(fault(vec![]).0, "waypoints.places_m");
     assert_eq!(fault(vec![at(1.0, f64::NAN)]).0, "waypoints.places_m[0]");

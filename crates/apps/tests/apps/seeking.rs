@@ -345,5 +345,5 @@ fn invalid_settings_are_rejected_with_their_key() {
         "estimate.local_fit.bandwidth_spacings"
     );
     let absent = error("goal.level = 9.0", &[]);
-    assert_eq!(absent.to_string(), "`goal.field` is absent; allowed: a field in [[world.fields]]: there is none");
+    assert_eq!(absent.to_string(), "`goal.field` is missing; needed: a field in [[world.fields]]: there is none");
 }

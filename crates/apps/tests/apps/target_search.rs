@@ -1,7 +1,6 @@
 //! Searches for targets, over simulated links.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -10,7 +9,7 @@ use sextant_apps::target_search::{
     MessageCounts, RobotSearchRecord, SearchRecord, SearchStation, SearchTeam, TargetSearch,
 };
 use sextant_channel::{ChannelConfig, Position};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime, StationId};
+use sextant_kernel::{Files, NodeId, Purpose, Seed, SimTime, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::csma::CsmaSettings;
 use sextant_sim::layout::PlacedNode;
@@ -92,7 +91,7 @@ impl Scene {
             self.obstacles
         );
         let config: WorldConfig = toml::from_str(&text).expect("a world");
-        let obstacles = config.build(Seed(1), Path::new("")).expect("a good world").obstacles;
+        let obstacles = config.build(Seed(1), &Files::default()).expect("a good world").obstacles;
         let seed = Seed(self.seed);
         let jitter = |node: usize, axis| 0.4 * (seed.uniform(Purpose::new(1001), [node as u64, axis, 0]) - 0.5);
         let place = |node: usize| {

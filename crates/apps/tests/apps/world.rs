@@ -2,7 +2,7 @@
 
 use sextant_apps::Surroundings;
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
-use sextant_kernel::{NodeId, Purpose, Seed, SimTime};
+use sextant_kernel::{Files, NodeId, Purpose, Seed, SimTime};
 use sextant_sim::layout::NodesConfig;
 use sextant_sim::{CommandOutcome, Controller, Ending, Heard, RobotCommand, Situation};
 
@@ -75,7 +75,7 @@ fn concrete(boxes: impl Iterator<Item = BoxConfig>) -> ObstacleField {
 }
 
 pub(crate) fn place(nodes: &NodesConfig, field: &ObstacleField, seed: u64) -> Vec<Position> {
-    let nodes = nodes.place(field, Seed(seed), std::path::Path::new("")).expect("a layout that fits");
+    let nodes = nodes.place(field, Seed(seed), &Files::default()).expect("a layout that fits");
     nodes.into_iter().map(|node| node.position).collect()
 }
 

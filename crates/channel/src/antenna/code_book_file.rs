@@ -1,9 +1,8 @@
 //! Reading code books, from the settings themselves or from CSV files.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 use super::SECTORS_OF_ANTENNA;
 use super::code_book::{CodeBook, CodeBookConfig, Flaw, Steps};
@@ -16,24 +15,24 @@ type MicroDegrees = i64;
 /// A gain and the line that has it.
 type Entry = (f64, usize);
 
-/// The code book that `config` describes; a file path is relative to `folder`.
+/// The code book that `config` describes; a file path is among `files`.
 ///
 /// # Errors
 /// If a value is invalid, or the file cannot be read or has a flaw.
-pub(super) fn read(config: &CodeBookConfig, folder: &Path) -> Result<CodeBook, SettingError> {
+pub(super) fn read(config: &CodeBookConfig, files: &Files) -> Result<CodeBook, SettingError> {
     let book = match (&config.file, &config.azimuths_deg, &config.elevations_deg, &config.sectors) {
         (Some(file), None, None, None) => {
-            let path = folder.join(file);
+            let path = files.path(file);
             let error = |found: String, allowed: String| SettingError::new("file", found, allowed);
-            let text = std::fs::read_to_string(&path).map_err(|cause| {
+            let text = files.read_text(file).map_err(|cause| {
                 let found = format!("`{}`, which cannot be read: {cause}", path.display());
                 error(found, "a readable CSV file".into())
             })?;
             parse(&text).map_err(|flaw| error(format!("`{}`, {}", path.display(), flaw.found), flaw.allowed))?
         }
         (Some(_), ..) => {
-            let allowed = "either `file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
-            return Err(SettingError::new("file", "beside a grid", allowed));
+            let with = "`azimuths_deg`, `elevations_deg` or `sectors`";
+            return Err(SettingError::conflict("file", with, "set either the file or the grid"));
         }
         (None, Some(azimuths), Some(elevations), Some(sectors)) => CodeBook::written(azimuths, elevations, sectors)?,
         (None, azimuths, elevations, _) => {
@@ -42,8 +41,8 @@ pub(super) fn read(config: &CodeBookConfig, folder: &Path) -> Result<CodeBook, S
                 (_, None) => "elevations_deg",
                 _ => "sectors",
             };
-            let allowed = "`file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
-            return Err(SettingError::new(key, "absent", allowed));
+            let needed = "`file`, or `azimuths_deg`, `elevations_deg` and `sectors`";
+            return Err(SettingError::missing(key, needed));
         }
     };
     book.with_gains(config)

@@ -7,13 +7,13 @@ mod pattern;
 mod sectors;
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{Seed, SettingError, StationId};
+use sextant_kernel::{Files, Seed, SettingError, StationId};
 
 pub use code_book::{CodeBookConfig, SectorGainsConfig};
 pub use orientation::{Orientation, OrientationConfig};
@@ -118,16 +118,16 @@ impl TryFrom<AntennaConfig> for Antenna {
 
     /// File paths are relative to the working folder.
     fn try_from(config: AntennaConfig) -> Result<Self, SettingError> {
-        Self::read(&config, Path::new(""))
+        Self::read(&config, &Files::default())
     }
 }
 
 impl Antenna {
-    /// The antenna that `config` describes; its file paths are relative to `folder`.
+    /// The antenna that `config` describes; its file paths are among `files`.
     ///
     /// # Errors
     /// If a value is invalid, or a file cannot be read or has a flaw.
-    pub fn read(config: &AntennaConfig, folder: &Path) -> Result<Self, SettingError> {
+    pub fn read(config: &AntennaConfig, files: &Files) -> Result<Self, SettingError> {
         match config {
             AntennaConfig::Omnidirectional(config) => {
                 let gain = gain("gain_dbi", config.gain_dbi).map_err(|error| error.within("omnidirectional"))?;
@@ -141,7 +141,7 @@ impl Antenna {
                     Self::new(Beams::Sectors(sectors), greatest, config.quasi_omni_gain_dbi, ripple_db)
                 })
                 .map_err(|error| error.within("sectors")),
-            AntennaConfig::CodeBook(config) => code_book_file::read(config, folder)
+            AntennaConfig::CodeBook(config) => code_book_file::read(config, files)
                 .and_then(|book| {
                     let greatest = book.greatest_dbi();
                     Self::new(Beams::CodeBook(book), greatest, config.quasi_omni_gain_dbi, config.gain_ripple_db)

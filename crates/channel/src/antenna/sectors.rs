@@ -159,8 +159,8 @@ fn beam_width_deg(config: &AntennaSectorsConfig) -> Result<f64, SettingError> {
         config.pattern,
         PatternConfig::Ieee802153c(Ieee802153cConfig { sector_edge: SectorEdge::MainLobe, .. })
     ) {
-        let found = format!("{deg} beside `pattern.ieee802153c.sector_edge` = \"main_lobe\"");
-        return Err(SettingError::new("beam_width_deg", found, "one of the two"));
+        let with = "`pattern.ieee802153c.sector_edge = \"main_lobe\"`";
+        return Err(SettingError::conflict("beam_width_deg", with, "set one of them"));
     }
     if deg > 0.0 && deg <= 180.0 {
         Ok(deg)

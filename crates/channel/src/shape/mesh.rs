@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 use super::clip::GRAZE_M;
 use super::obj;
@@ -45,13 +45,13 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
-    /// The solid that `config` describes; a file path is relative to `folder`.
-    pub(crate) fn read(config: MeshConfig, folder: &Path) -> Result<Self, SettingError> {
+    /// The solid that `config` describes; a file path is among `files`.
+    pub(crate) fn read(config: MeshConfig, files: &Files) -> Result<Self, SettingError> {
         match (config.file, config.vertices_m, config.triangles) {
             (Some(file), None, None) => {
-                let path = folder.join(&file);
+                let path = files.path(&file);
                 let error = |found: String, allowed: &str| SettingError::new("file", found, allowed);
-                let text = std::fs::read_to_string(&path).map_err(|cause| {
+                let text = files.read_text(&file).map_err(|cause| {
                     error(format!("`{}`, which cannot be read: {cause}", path.display()), "a readable .obj file")
                 })?;
                 obj::parse(&text)
@@ -59,14 +59,13 @@ impl Mesh {
                     .and_then(|surface| Self::new(surface, "file"))
             }
             (None, Some(vertices), Some(triangles)) => Self::new(Surface { vertices, triangles }, "triangles"),
-            (Some(_), _, _) => Err(SettingError::new(
-                "file",
-                "beside `vertices_m` or `triangles`",
-                "either `file` or `vertices_m` and `triangles`",
-            )),
-            (None, None, _) => Err(SettingError::new("vertices_m", "absent", "a list of places, or `file`")),
+            (Some(_), _, _) => {
+                let remedy = "set either `file`, or `vertices_m` and `triangles`";
+                Err(SettingError::conflict("file", "`vertices_m` or `triangles`", remedy))
+            }
+            (None, None, _) => Err(SettingError::missing("vertices_m", "a list of places, or `file`")),
             (None, Some(_), None) => {
-                Err(SettingError::new("triangles", "absent", "a list of triangles, three vertex indices each"))
+                Err(SettingError::missing("triangles", "a list of triangles, three vertex indices each"))
             }
         }
     }

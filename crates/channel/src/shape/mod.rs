@@ -12,13 +12,11 @@ mod surface;
 mod sweep;
 mod triangle;
 
-use std::path::Path;
-
 #[cfg(feature = "config")]
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 pub use cuboid::BoxConfig;
 pub use cylinder::CylinderConfig;
@@ -70,11 +68,11 @@ enum Form {
 }
 
 impl Shape {
-    /// The shape that `config` describes; its file paths are relative to `folder`.
+    /// The shape that `config` describes; its file paths are among `files`.
     ///
     /// # Errors
     /// If it has no volume, or a file cannot be read.
-    pub fn read(config: ShapeConfig, folder: &Path) -> Result<Self, SettingError> {
+    pub fn read(config: ShapeConfig, files: &Files) -> Result<Self, SettingError> {
         let form = match config {
             ShapeConfig::Box(config) => config.try_into().map(Form::Box).map_err(|error| error.within("box")),
             ShapeConfig::Cylinder(config) => {
@@ -87,7 +85,7 @@ impl Shape {
                 config.try_into().map(Form::Polytope).map_err(|error| error.within("convex"))
             }
             ShapeConfig::Mesh(config) => {
-                Mesh::read(config, folder).map(Form::Mesh).map_err(|error| error.within("mesh"))
+                Mesh::read(config, files).map(Form::Mesh).map_err(|error| error.within("mesh"))
             }
         }?;
         let bounds = match &form {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sextant_channel::{Antenna, AntennaConfig, CodeBookConfig};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 use crate::antenna::{antenna, towards};
 
@@ -34,7 +34,7 @@ fn read(text: &str, outside_gain_dbi: Option<f64>) -> Result<Antenna, SettingErr
     let name = format!("{:?}.csv", std::thread::current().id());
     std::fs::write(folder.join(&name), text).expect("a file");
     let config = CodeBookConfig { file: Some(name.into()), outside_gain_dbi, ..CodeBookConfig::default() };
-    Antenna::read(&AntennaConfig::CodeBook(config), &folder)
+    Antenna::read(&AntennaConfig::CodeBook(config), &Files::of_folder(&folder))
 }
 
 fn whole() -> Antenna {
@@ -85,7 +85,7 @@ fn a_measurement_of_one_side_needs_the_gain_of_the_other() {
     let text = rows(&[0, 1], (-90..=90).step_by(5), &[0, 10, 20]);
     let error = read(&text, None).unwrap_err();
     assert_eq!(error.key, "code_book.outside_gain_dbi");
-    assert!(error.found.contains("from -90 to 90"), "{error}");
+    assert!(error.found().contains("from -90 to 90"), "{error}");
     let book = read(&text, Some(-20.0)).unwrap();
     let gain = |azimuth, elevation| book.gain(1, towards(azimuth, elevation)).0;
     assert!(
@@ -162,10 +162,10 @@ fn flaws_of_a_file_are_named_with_their_line() {
     ] {
         let error = read(&text, None).expect_err(words);
         assert_eq!(error.key, "code_book.file");
-        assert!(error.found.contains(words), "{error}\nshould say: {words}");
+        assert!(error.found().contains(words), "{error}\nshould say: {words}");
     }
     let missing = CodeBookConfig { file: Some("missing.csv".into()), ..CodeBookConfig::default() };
-    assert!(Antenna::read(&AntennaConfig::CodeBook(missing), Path::new("/none")).is_err());
+    assert!(Antenna::read(&AntennaConfig::CodeBook(missing), &Files::of_folder(Path::new("/none"))).is_err());
 }
 
 proptest! {

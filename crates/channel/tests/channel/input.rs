@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use sextant_channel::{ChannelConfig, ChannelLaw, Obstacle, ObstacleConfig};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 fn obstacle(text: &str) -> Result<Obstacle, SettingError> {
     toml::from_str::<ObstacleConfig>(text).unwrap_or_else(|error| panic!("{error}")).try_into()
@@ -101,7 +101,7 @@ fn a_mesh_that_is_not_closed_is_rejected() {
     assert_flaw(mesh("triangles = []"), "shape.mesh.triangles", "volume of 0");
     // Both sides of one triangle: closed, but flat.
     assert_flaw(mesh("triangles = [[0, 1, 2], [0, 2, 1]]"), "shape.mesh.triangles", "volume of 0");
-    assert_flaw(mesh("file = \"a.obj\""), "shape.mesh.file", "beside");
+    assert_flaw(mesh("file = \"a.obj\""), "shape.mesh.file", "conflicts with");
     assert_flaw(
         obstacle(&format!("material = \"brick\"\nshape.mesh = {{{TETRAHEDRON}}}")),
         "shape.mesh.triangles",
@@ -122,7 +122,7 @@ fn errors_in_a_mesh_file_name_their_lines() {
     let read = |name: &str, text: &str| {
         std::fs::write(folder.join(name), text).unwrap();
         let config = format!("absorption_per_m = 1\nshape.mesh.file = \"{name}\"");
-        Obstacle::read(toml::from_str(&config).unwrap(), &folder)
+        Obstacle::read(toml::from_str(&config).unwrap(), &Files::of_folder(&folder))
     };
     let vertices = "# a tetrahedron\no t\nv 0 0 0\nv 1 0 0 1.0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n";
     let good =
@@ -136,7 +136,7 @@ fn errors_in_a_mesh_file_name_their_lines() {
     assert_flaw(read("zero.obj", &format!("{vertices}f 0 1 2\n")), "shape.mesh.file", "line 8: corner `0`");
     assert_flaw(read("open.obj", &format!("{vertices}f 1 2 3\n")), "shape.mesh.file", "open or twisted");
     let missing = toml::from_str("absorption_per_m = 1\nshape.mesh.file = \"missing.obj\"").unwrap();
-    assert_flaw(Obstacle::read(missing, &folder), "shape.mesh.file", "cannot be read");
+    assert_flaw(Obstacle::read(missing, &Files::of_folder(&folder)), "shape.mesh.file", "cannot be read");
 }
 
 #[test]

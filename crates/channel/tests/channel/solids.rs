@@ -1,19 +1,17 @@
 //! Solids for the tests, each with its own rule for what is inside.
 
-use std::path::Path;
-
 use sextant_channel::{
     BoxConfig, ConvexConfig, CylinderConfig, MeshConfig, Obstacle, ObstacleConfig, Position, PrismConfig, Shape,
     ShapeConfig,
 };
-use sextant_kernel::{Purpose, Seed};
+use sextant_kernel::{Files, Purpose, Seed};
 
 pub(crate) fn at(x: f64, y: f64, z: f64) -> Position {
     Position::new(x, y, z)
 }
 
 pub(crate) fn shape(config: ShapeConfig) -> Shape {
-    Shape::read(config, Path::new("")).expect("a good shape")
+    Shape::read(config, &Files::default()).expect("a good shape")
 }
 
 pub(crate) fn upright_box(center_m: Position, size_m: [f64; 3], yaw_deg: f64) -> ShapeConfig {

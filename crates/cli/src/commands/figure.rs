@@ -51,7 +51,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let run = recording::read_run(path)?;
     let drawn = recording::read_drawn(path)?;
     let is_empty = drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty();
-    if is_empty && drawn.applications.is_empty() && drawn.sinks.is_empty() && run.log.stops().is_empty() {
+    if is_empty && drawn.applications.is_empty() && drawn.sinks.is_empty() && run.log().stops().is_empty() {
         return Err(Failure::bad_input_with_help(
             format!("`{}` has no maps, stops, sinks, targets or fields, so there is nothing to draw", path.display()),
             "`sextant run` records each stop of a robot, and a map for each [[maps]] of the scenario",
@@ -61,7 +61,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let scenario = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("scenario"));
     let source = Source {
         title: scenario.map_or(&*stem, String::as_str),
-        log: &run.log,
+        log: run.log(),
         drawn: &drawn,
         sector_displacements: &run.sector_displacements(),
     };

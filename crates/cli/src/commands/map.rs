@@ -12,7 +12,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
 use sextant::mapping::{self, Input};
-use sextant::scenario::{AlgorithmName, MapSettings};
+use sextant::scenario::{AlgorithmName, MapSettings, RecordedScenario};
 use sextant::summary::Stopwatch;
 use sextant_figure::Figure;
 use sextant_logs::{self as robot_log, Names};
@@ -97,11 +97,11 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     let network = arguments.network.as_deref();
     let mut input = Input::read(&arguments.log, network, &arguments.reading.options())?;
     let name = format!("{} of {}", SCENARIO_ATTACHMENT, arguments.log.display());
-    let scenario = input.scenario.as_deref().map(|text| (name.as_str(), text));
+    let scenario = input.scenario.as_deref().map(|text| RecordedScenario { name: &name, text, files: &input.files });
     let set = &arguments.overrides.set;
     let settings = MapSettings::new(scenario, arguments.algorithm, (arguments.profile.as_deref(), network), set)?;
     if let Some(name) = network
-        && input.network.is_none()
+        && input.logs.names().next().is_none()
         && settings.maps.iter().all(|map| map.network.is_none())
     {
         let problem = format!("`--network` is `{name}`, but the log is of one network without a name");

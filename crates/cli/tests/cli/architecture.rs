@@ -1,81 +1,17 @@
-//! Crates, and the modules within each crate, depend on each other in one direction only.
+//! Crates, and the modules within each crate, depend on each other in one direction only; guides name files that exist.
 
+mod crates;
+mod guides;
 mod modules;
 mod source;
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
 use modules::Modules;
 
-/// The crates that each crate may depend on, also in tests and benchmarks, as in the crate graph in README.md.
-const ALLOWED: [(&str, &[&str]); 12] = [
-    ("sextant-kernel", &[]),
-    ("sextant-channel", &["sextant-kernel"]),
-    ("sextant-mac", &["sextant-kernel", "sextant-channel"]),
-    ("sextant-sim", &["sextant-kernel", "sextant-channel", "sextant-mac"]),
-    ("sextant-mapper", &["sextant-kernel", "sextant-channel"]),
-    ("sextant-apps", &["sextant-kernel", "sextant-channel", "sextant-mac", "sextant-sim", "sextant-mapper"]),
-    ("sextant-recording", &["sextant-kernel", "sextant-channel"]),
-    ("sextant-logs", &["sextant-kernel", "sextant-channel", "sextant-mac", "sextant-mapper", "sextant-recording"]),
-    ("sextant-figure", &["sextant-kernel", "sextant-channel", "sextant-mapper", "sextant-recording"]),
-    ("sextant", LIBRARY),
-    ("sextant-thesis", ALL),
-    ("sextant-cli", ALL),
-];
-
-/// What the library uses.
-const LIBRARY: &[&str] = &[
-    "sextant-kernel",
-    "sextant-channel",
-    "sextant-mac",
-    "sextant-sim",
-    "sextant-mapper",
-    "sextant-apps",
-    "sextant-recording",
-    "sextant-logs",
-    "sextant-figure",
-];
-
-/// The library and what it uses, and the reproduction.
-const ALL: &[&str] = &[
-    "sextant-kernel",
-    "sextant-channel",
-    "sextant-mac",
-    "sextant-sim",
-    "sextant-mapper",
-    "sextant-apps",
-    "sextant-recording",
-    "sextant-logs",
-    "sextant-figure",
-    "sextant",
-    "sextant-thesis",
-];
-
-#[test]
-fn crates_depend_in_one_direction() {
-    let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("cargo runs, as it runs this test");
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("cargo prints JSON");
-    let mut found = BTreeMap::new();
-    for package in metadata["packages"].as_array().expect("a list of packages") {
-        let name = package["name"].as_str().expect("a package has a name");
-        let dependencies = package["dependencies"].as_array().expect("a list of dependencies").iter();
-        let own: BTreeSet<_> = (dependencies.filter_map(|dependency| dependency["name"].as_str()))
-            .filter(|dependency| dependency.starts_with("sextant"))
-            .collect();
-        found.insert(name, own);
-    }
-    for (name, allowed) in ALLOWED {
-        let own = found.get(name).unwrap_or_else(|| panic!("no crate {name}"));
-        let beyond: Vec<_> = own.iter().filter(|dependency| !allowed.contains(dependency)).collect();
-        assert!(beyond.is_empty(), "{name} must not depend on {beyond:?}");
-    }
-    assert_eq!(found.len(), ALLOWED.len() + 1, "a new crate (except the benchmarks) needs a line here");
+/// The root of the tree.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// The modules of the library from top to bottom: each may use only those below it.
@@ -89,7 +25,7 @@ const FOLDERS: [&str; 12] =
     ["kernel", "channel", "mac", "sim", "mapper", "apps", "recording", "logs", "figure", "sextant", "thesis", "cli"];
 
 fn modules_of(folder: &str) -> Modules {
-    Modules::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(folder).join("src"))
+    Modules::read(&root().join("crates").join(folder).join("src"))
 }
 
 #[test]

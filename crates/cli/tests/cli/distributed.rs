@@ -311,10 +311,10 @@ fn invalid_tables_are_refused_at_their_key() {
         ),
         (
             good.replace("range_m = 5.0\n[", "range_m = 5.0\nmobile_phase_s = 3\n["),
-            "`distributed_mapping.mobile_phase_s` is 3",
-            "no key",
+            "`distributed_mapping.mobile_phase_s` conflicts with",
+            "none has `role",
         ),
-        (mobile.replace("mobile_phase_s = 12.0\n", ""), "`distributed_mapping.mobile_phase_s` is absent", "a time"),
+        (mobile.replace("mobile_phase_s = 12.0\n", ""), "`distributed_mapping.mobile_phase_s` is missing", "a time"),
         (
             mobile.replace(&MAPPING.replace("range_m = 5.0\n[", "range_m = 5.0\nmobile_phase_s = 12.0\n["), ""),
             "`robots[0].role` is \"anchor\"",

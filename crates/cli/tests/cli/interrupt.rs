@@ -96,7 +96,7 @@ fn a_signal_during_mapping_keeps_the_survey_and_the_finished_maps() {
         let inspected = sextant().arg("inspect").arg(&out).output().expect("it starts");
         let text = String::from_utf8_lossy(&inspected.stdout).into_owned();
         assert!(inspected.status.success() && text.contains("/map/quick") && !text.contains("/map/slow"), "{text}");
-        let log = recording::read_log(&out).expect("a whole recording").log;
+        let log = recording::read_log(&out).expect("a whole recording").logs.first().clone();
         assert_eq!(summary["gathering"]["stops"].as_u64(), Some(log.stops().len() as u64));
     }
 }

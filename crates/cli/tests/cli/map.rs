@@ -252,7 +252,7 @@ fn bad_input_exits_with_two_and_a_failed_write_with_one() {
     let profile = ["--profile", PROFILE];
     let with = |words: &[&'static str]| [&profile[..], words].concat();
     refused(&["--profile", "square"], 2, "unknown choice `square`");
-    refused(&["--profile", "channel:sigma_db=8"], 2, "tx_power_dbm` is absent; allowed: a number");
+    refused(&["--profile", "channel:sigma_db=8"], 2, "tx_power_dbm` is missing; needed: a number");
     refused(&["--profile", "fitted:max_rounds=0"], 2, "max_rounds` is 0; allowed: 1 or more");
     refused(&["--profile", "p0=2,plateau_m=1,range_m=3"], 2, "p0` is 2; allowed: above 0, at most 1");
     refused(&["--profile", "p0=0.9,plateau=1,range_m=3"], 2, "did you mean `plateau_m`?");

@@ -68,7 +68,7 @@ fn a_recording_has_the_believed_and_the_true_poses() {
         assert!(truth.distance_m(believed * 1.05) < 1e-9, "{truth} and {believed}");
     }
     // Stops are at believed places, on the lattice of the path; the path is the true one.
-    let log = read_log(&run.recording).expect("a recording").log;
+    let log = read_log(&run.recording).expect("a recording").logs.first().clone();
     assert_eq!(log.stops().len(), 121);
     for stop in log.stops() {
         let Position { x_m, y_m, .. } = stop.position;
@@ -122,7 +122,7 @@ fn a_map_is_worse_the_more_the_odometry_drifts_and_has_no_bound() {
     assert_eq!(messages::<PoseInFrame>(&none.recording, topic).len(), 0);
     // The network and the path are those of trajectory-s.
     let plain = run("ml-tm/trajectory-s.toml", &[]);
-    assert_eq!(read_log(&none.recording).expect("a log").log, read_log(&plain.recording).expect("a log").log);
+    assert_eq!(read_log(&none.recording).expect("a log").logs, read_log(&plain.recording).expect("a log").logs);
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn an_algorithm_that_cannot_use_an_area_is_rejected_and_those_that_can_are_named
     for words in [["--area", "-1,-1,5,3"], ["--area", "area.csv"], ["--near-stops", "2"]] {
         let (code, message) = map(folder.path(), &[&["--algorithm", "self-calibrated"], &words[..]].concat());
         assert_eq!(code, 2, "{message}");
-        assert!(message.contains(&format!("{}: `self-calibrated` cannot use", words[0])), "{message}");
+        assert!(message.contains(": `self-calibrated` cannot use"), "{message}");
         assert!(message.contains("algorithms that can: `auto`, `link-model`"), "{message}");
     }
 }
@@ -45,14 +45,14 @@ fn an_algorithm_that_cannot_use_an_area_is_rejected_and_those_that_can_are_named
 fn an_invalid_area_or_length_is_rejected_with_what_was_found() {
     let folder = log();
     for (words, expected) in [
-        (["--area", "5,0,1,3"], "--area is `5,0,1,3`; allowed: four numbers x0,y0,x1,y1"),
-        (["--area", "1,2,3"], "--area is `1,2,3`; allowed: four numbers"),
+        (["--area", "5,0,1,3"], "the area is `5,0,1,3`; allowed: four numbers x0,y0,x1,y1"),
+        (["--area", "1,2,3"], "the area is `1,2,3`; allowed: four numbers"),
         (["--area", "1,2,3,nan"], "allowed: four numbers"),
-        (["--area", "nowhere.csv"], "--area is `nowhere.csv`, and there is no such file"),
+        (["--area", "nowhere.csv"], "the area is `nowhere.csv`, and there is no such file"),
         (["--area", "line.csv"], "a polygon without area"),
         (["--area", "receptions.csv"], "receptions.csv"),
-        (["--near-stops", "0"], "--near-stops is 0; allowed: a finite number above 0"),
-        (["--near-stops", "-3"], "--near-stops is -3"),
+        (["--near-stops", "0"], "the distance to the stops is 0; allowed: a finite number above 0"),
+        (["--near-stops", "-3"], "the distance to the stops is -3"),
     ] {
         let (code, message) = map(folder.path(), &words);
         assert_eq!(code, 2, "{message}");

@@ -281,7 +281,7 @@ fn ctrl_c_leaves_a_complete_recording_of_the_finished_stops() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
     let run = recording::read_log(&out).expect("a whole recording");
-    assert!(!run.log.stops().is_empty() && run.log.stops().len() < 100, "{} stops", run.log.stops().len());
+    assert!(!run.log().stops().is_empty() && run.log().stops().len() < 100, "{} stops", run.log().stops().len());
     assert!(!out.with_extension("mcap.part").exists());
 }
 

@@ -131,7 +131,7 @@ fn a_recording_of_sector_sweeps_is_mapped_as_in_the_run() {
     let path = folder.path().join("run.mcap");
     let count = |topic: &str| inspect(&path).unwrap().topics.iter().find(|t| t.topic == topic).map(|t| t.messages);
     assert_eq!((count("/sectors"), count("/networks")), (Some(2 * 16), None));
-    let log = read_log(&path).unwrap().log;
+    let log = read_log(&path).unwrap().logs.first().clone();
     let sectors = log.sectors().unwrap();
     assert_eq!(sectors.identities(), "0 to 31");
     let low = sectors.iter().next().unwrap();
@@ -192,13 +192,13 @@ fn the_logs_of_two_networks_are_recorded_and_mapped_by_name() {
     let (folder, found) = run(&two(), &[]);
     let path = folder.path().join("run.mcap");
     let recorded = read_log(&path).unwrap();
-    assert_eq!(recorded.network.as_deref(), Some("mm"));
-    let (name, zigbee) = &recorded.other_logs[0];
-    assert_eq!((name.as_str(), zigbee.sectors(), zigbee.stops().len()), ("zigbee", None, 9));
-    assert!(recorded.log.sectors().is_some() && zigbee.names() == recorded.log.names());
+    assert_eq!(recorded.logs.names().collect::<Vec<_>>(), ["mm", "zigbee"]);
+    let zigbee = recorded.logs.named("zigbee").unwrap();
+    assert_eq!((zigbee.sectors(), zigbee.stops().len()), (None, 9));
+    assert!(recorded.log().sectors().is_some() && zigbee.names() == recorded.log().names());
     assert_eq!(found["gathering"]["stops"], 9);
     let pairs = |log: &sextant_channel::ReceptionLog| log.receptions().iter().filter(|r| r.received > 0).count();
-    assert_eq!(found["gathering"]["receptions"], pairs(&recorded.log) + pairs(zigbee));
+    assert_eq!(found["gathering"]["receptions"], pairs(recorded.log()) + pairs(zigbee));
 
     let again = map(folder.path(), "run.mcap", &[]).unwrap();
     let names = ["mmtm", "ml-tm", "joint-ml-tm"];
@@ -219,12 +219,12 @@ fn the_logs_of_two_networks_are_recorded_and_mapped_by_name() {
         let words = ["--network", network, "--algorithm", "ml-tm"];
         map(folder.path(), "run.mcap", &words).unwrap()["gathering"]["receptions"].clone()
     };
-    assert_eq!(of("mm"), pairs(&recorded.log));
+    assert_eq!(of("mm"), pairs(recorded.log()));
     assert_eq!(of("zigbee"), pairs(zigbee));
 
     let copy = folder.path().join("copy.mcap");
     recover(&path, &copy, &sextant_kernel::Unwatched).unwrap();
-    assert_eq!(read_log(&copy).unwrap().other_logs, recorded.other_logs);
+    assert_eq!(read_log(&copy).unwrap().logs, recorded.logs);
 }
 
 #[test]

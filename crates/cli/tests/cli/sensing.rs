@@ -123,12 +123,12 @@ fn sensors_do_not_change_what_a_robot_hears() {
     let log = |set: &[&str]| {
         let path = folder.path().join("run.mcap");
         run("smoke.toml", set, &path);
-        (read_log(&path).unwrap().log, read_drawn(&path).unwrap().detections.len())
+        (read_log(&path).unwrap().logs, read_drawn(&path).unwrap().detections.len())
     };
     let (without, none) = log(&[]);
     let target = format!("world.targets=[{}]", standing("cat", "[3.0, 3.0]"));
     let (with, some) = log(&[&target, "sensors.targets.radius_m=2.0"]);
-    assert!(none == 0 && some > 0 && !without.receptions().is_empty());
+    assert!(none == 0 && some > 0 && !without.first().receptions().is_empty());
     assert_eq!(with, without);
 }
 

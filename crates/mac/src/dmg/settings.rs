@@ -295,7 +295,9 @@ mod tests {
 
     fn refused(contention: ContentionConfig, window_ms: f64) -> Option<(String, String, String)> {
         let config = SweepConfig { contention, window_ms, ..SweepConfig::default() };
-        SweepSettings::try_from(config).err().map(|error| (error.key, error.found, error.allowed))
+        SweepSettings::try_from(config)
+            .err()
+            .map(|error| (error.key.clone(), error.found().to_owned(), error.allowed().to_owned()))
     }
 
     fn abft(slots: u8, frames_per_slot: u8) -> ContentionConfig {

@@ -6,8 +6,9 @@ use sextant_kernel::{SettingError, Watch};
 use crate::grid_ml::fitted::WideSearch;
 use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::Limits;
+use crate::posterior::FitState;
 use crate::{
-    Concern, CoordinateFrame, Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap,
+    CoordinateFrame, Fit, Fitted, FittedConfig, MapError, MlTm, MlTmConfig, ProfileConfig, TopologyMap,
     TrapezoidConfig,
 };
 
@@ -99,12 +100,9 @@ impl FittedMlTm {
             ml_tm.map_within(&evidence, Some(&limits), watch)?
         };
         map.heights = Some(fit.heights);
+        let state = FitState { is_reach_known: fit.is_reach_known, is_settled: fit.converged };
         for estimate in map.estimates.iter_mut().flatten() {
-            estimate.concern = match estimate.concern {
-                _ if !fit.is_reach_known => Some(Concern::NoEvidence),
-                None if !fit.converged => Some(Concern::Unsettled),
-                concern => concern,
-            };
+            estimate.concern = state.concern(estimate.concern);
         }
         Ok(map)
     }

@@ -302,7 +302,6 @@ impl MlTm {
     ) -> (Option<Estimate>, u64) {
         let receptions = log.of(node);
         let lattice = solver.lattice();
-        let step_m = lattice.step_m();
         let mut concern = None;
         scratch.keep_within(within.map(|within| [within.low, within.high]));
         let (search, findings) = match (self.estimate, within) {
@@ -311,8 +310,9 @@ impl MlTm {
                 (solver.search(scratch, receptions, 0.0, &mut peak), Findings { peak, moments: None })
             }
             (EstimateKind::Argmax, Some(within)) => {
-                let mut bounded = BoundedSink::new(Peak::default(), within, step_m);
-                let search = solver.search(scratch, receptions, 0.0, &mut bounded);
+                let mut bounded = BoundedSink::new(Peak::default(), within, lattice);
+                let margin = BoundedSink::<Peak>::MARGIN;
+                let search = solver.search(scratch, receptions, margin, &mut bounded);
                 concern = bounded.concern();
                 (search, Findings { peak: bounded.inner, moments: None })
             }
@@ -323,7 +323,7 @@ impl MlTm {
             }
             (EstimateKind::PosteriorMean, Some(within)) => {
                 let both = (Peak::default(), Moments::new(lattice));
-                let mut bounded = BoundedSink::new(both, within, step_m);
+                let mut bounded = BoundedSink::new(both, within, lattice);
                 let search = solver.search(scratch, receptions, Moments::NEGLIGIBLE, &mut bounded);
                 concern = bounded.concern();
                 let (peak, moments) = bounded.inner;

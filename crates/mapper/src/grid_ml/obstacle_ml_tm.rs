@@ -7,7 +7,7 @@ use sextant_kernel::{NodeId, SettingError, Watch, Work};
 use crate::grid_ml::profile::KnownLink;
 use crate::log_facts::heights::Heights;
 use crate::posterior::NodeEvidence;
-use crate::posterior::{LocalPosterior, covariance, local_posterior};
+use crate::posterior::local_posterior;
 use crate::{ChannelProfileConfig, Estimate, EstimateKind, MapError, MlTm, MlTmConfig, SoughtHeights, TopologyMap};
 
 /// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
@@ -113,16 +113,9 @@ impl ObstacleMlTm {
             })
         };
         let summit = self.scan(near, heights, &log_likelihood);
-        let LocalPosterior { places, mean, .. } =
-            local_posterior(heights, summit, [SPREAD_M; 3], LEAST_STEP_M, &log_likelihood)?;
-        let best = places.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(mean, |&(place, _)| place);
-        let apart = places.iter().map(|&(place, probability)| (place - mean, probability));
-        let (position, covariance) = match self.estimate {
-            EstimateKind::Argmax => (best, None),
-            EstimateKind::PosteriorMean => (mean, Some(covariance(apart))),
-        };
-        let log_likelihood = Some(log_likelihood(best));
-        Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false, concern: None })
+        let found = local_posterior(heights, summit, [SPREAD_M; 3], LEAST_STEP_M, &log_likelihood)?;
+        let best = found.likeliest();
+        Some(found.estimate(self.estimate, (best, log_likelihood(best))))
     }
 
     /// The likeliest place on a coarse grid round `near`, including `near` itself.

@@ -21,11 +21,13 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 #[cfg(feature = "config")]
 use serde::{Deserialize, Serialize};
-use sextant_channel::{Position, ReceptionLog};
+use sextant_channel::ReceptionLog;
 use sextant_kernel::{Interrupted, SettingError, Watch, Work};
 
 use crate::log_facts::heights::check_z_range;
+use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
+use crate::posterior::{FitState, Verdict};
 use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, PlacePrior, SoughtHeights, TopologyMap};
 use fit::Found;
 use hearing::Hearing;
@@ -36,7 +38,7 @@ use outages::Outages;
 use posterior::{Evidence, Grid, Posterior};
 pub(crate) use predict::{Placed, Predictor};
 pub use receiver::Receiver;
-use window::Window;
+use window::{Bounds, Window};
 
 /// The link model as written in a scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,11 +123,6 @@ impl LinkFit {
 const VERTICES: [[f64; 2]; 2] = [[180.0, 350.0], [500.0, 900.0]];
 /// Heights of stops that differ by less than this share of the reach are level, as far as a step of a grid goes.
 const LEVEL: f64 = 0.025;
-/// A posterior whose variance is more than this share of that before anything was heard says nothing.
-const NO_EVIDENCE: f64 = 0.8;
-/// A node with at least this probability within a step of the end of the window is at its edge.
-const AT_EDGE: f64 = 0.2;
-
 impl LinkModel {
     /// The algorithm's name in tables and topics.
     pub const NAME: &'static str = "link-model";
@@ -196,7 +193,8 @@ impl LinkModel {
             })
             .collect();
         for (node, (estimate, vertices)) in links.nodes.iter().zip(located?) {
-            let concern = estimate.concern.or((!settled).then_some(Concern::Unsettled));
+            // A law that is assumed where the log does not tell it has a reach.
+            let concern = FitState { is_reach_known: true, is_settled: settled }.concern(estimate.concern);
             map.estimates[node.node().index()] = Some(Estimate { concern, ..estimate });
             map.vertices_evaluated += vertices;
         }
@@ -258,7 +256,7 @@ impl Fitted<'_> {
         self.weigh(&mut evidence, &coarse, &second);
         let fine = evidence.fine_grid(self.window, &coarse, &second, fine);
         let posterior = evidence.posterior(&self.law, &fine, &mut scratch);
-        let concern = self.concern(node, &coarse, &second);
+        let concern = self.concern(node, [(&coarse, &second), (&fine, &posterior)]);
         let vertices = (2 * coarse.vertices.len() + fine.vertices.len()) as u64;
         let Posterior { mean, covariance, highest, .. } = posterior;
         let estimate = Estimate {
@@ -279,24 +277,20 @@ impl Fitted<'_> {
         evidence.refine(&self.law, grid, posterior, self.links, self.hearing);
     }
 
-    fn concern(&self, node: &NodeLinks, grid: &Grid, posterior: &Posterior) -> Option<Concern> {
-        let variance_m2 = posterior.covariance[0][0] + posterior.covariance[1][1];
-        if variance_m2 > NO_EVIDENCE * posterior.prior_variance_m2 {
-            return Some(Concern::NoEvidence);
+    /// What the window says of a posterior. The coarse grid spans all of the window, and the fine one its likely part.
+    fn concern(&self, node: &NodeLinks, [coarse, fine]: [(&Grid, &Posterior); 2]) -> Option<Concern> {
+        let mut verdict = Verdict::default();
+        let (grid, posterior) = coarse;
+        for (log_density, log_likelihood) in grid.logarithms(posterior) {
+            verdict.take_dense(log_density, log_likelihood);
         }
-        let bounds = self.window.of(node);
-        let is_near_edge = |place: Position| {
-            let at: [f64; 3] = place.into();
-            (0..2).any(|axis| at[axis] - bounds.low[axis] < grid.step_m || bounds.high[axis] - at[axis] < grid.step_m)
-        };
-        let at_edge: f64 = grid
-            .vertices
-            .iter()
-            .zip(&posterior.shares)
-            .filter(|(vertex, _)| is_near_edge(**vertex))
-            .map(|(_, share)| share)
-            .sum();
-        (at_edge > AT_EDGE).then_some(Concern::AtEdge)
+        let Bounds { low, high } = self.window.of(node);
+        let area = SearchBox { low, high, is_guessed: self.window.is_guessed() };
+        let (grid, posterior) = fine;
+        let shares = || grid.vertices.iter().zip(posterior.shares.iter().copied());
+        let highest = shares().map(|(_, share)| share).fold(0.0, f64::max);
+        let at_edge = shares().filter(|(vertex, _)| area.is_at_edge(**vertex, grid.step_m));
+        verdict.concern(libm::log(highest / at_edge.map(|(_, share)| share).fold(0.0, f64::max)))
     }
 }
 

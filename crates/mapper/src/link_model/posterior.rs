@@ -47,6 +47,13 @@ pub(super) struct Grid {
     columns: Columns,
 }
 
+impl Grid {
+    /// The logarithm of the density of each vertex before anything was heard, and of its likelihood, but for a constant.
+    pub(super) fn logarithms(&self, posterior: &Posterior) -> impl Iterator<Item = (f64, f64)> {
+        self.log_densities.iter().zip(&posterior.shares).map(|(&before, &share)| (before, libm::log(share) - before))
+    }
+}
+
 /// A posterior on a grid.
 #[derive(Clone, Debug)]
 pub(super) struct Posterior {
@@ -58,8 +65,6 @@ pub(super) struct Posterior {
     pub(super) highest: f64,
     /// The share of each vertex.
     pub(super) shares: Vec<f64>,
-    /// Variance of x and y before anything was heard (m²).
-    pub(super) prior_variance_m2: f64,
 }
 
 impl<'a> Evidence<'a> {
@@ -144,14 +149,12 @@ impl<'a> Evidence<'a> {
         }
         let posterior = normalised(scratch);
         let (mean, covariance) = moments(&grid.vertices, &posterior.shares, grid.step_m);
-        let (_, before) = moments(&grid.vertices, &prior.shares, grid.step_m);
         Posterior {
             mean,
             covariance,
             evidence: posterior.log_total - prior.log_total,
             highest,
             shares: posterior.shares,
-            prior_variance_m2: before[0][0] + before[1][1],
         }
     }
 

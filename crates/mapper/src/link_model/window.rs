@@ -102,6 +102,12 @@ impl<'a> Window<'a> {
         self.heights
     }
 
+    /// Whether the ends of the window along each axis are guessed, and neither given nor those of a plane.
+    pub(super) fn is_guessed(&self) -> [bool; 3] {
+        let has_area = self.prior.is_some_and(|prior| prior.area.is_some());
+        [!has_area, !has_area, !self.is_bounded_in_height]
+    }
+
     /// Where `node` can be: within reach of the places that heard it, and in the window.
     pub(super) fn of(&self, node: &NodeLinks) -> Bounds {
         let [corner_low, corner_high] = node.heard.corners;
@@ -129,10 +135,9 @@ impl<'a> Window<'a> {
     /// Logarithm of the density of nodes at `place`, up to a constant.
     pub(super) fn log_density(&self, place: Position) -> f64 {
         let at: [f64; 3] = place.into();
-        let has_area = self.prior.is_some_and(|prior| prior.area.is_some());
-        let counts = [!has_area, !has_area, !self.is_bounded_in_height];
+        let is_guessed = self.is_guessed();
         let mut log = 0.0;
-        for (axis, along_m) in at.into_iter().enumerate().filter(|(axis, _)| counts[*axis]) {
+        for (axis, along_m) in at.into_iter().enumerate().filter(|(axis, _)| is_guessed[*axis]) {
             let beyond_m = (self.low[axis] - along_m).max(along_m - self.high[axis]).max(0.0);
             log -= beyond_m / self.length_m[axis];
         }

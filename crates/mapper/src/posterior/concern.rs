@@ -10,12 +10,13 @@ use serde::Serialize;
 #[cfg_attr(feature = "config", derive(Serialize))]
 #[cfg_attr(feature = "config", serde(rename_all = "kebab-case"))]
 pub enum Concern {
-    /// The node is as likely at the edge of the area in which it was searched for: it may be farther away.
+    /// The 95 % region of the node reaches an end of the area in which it was searched for that no setting gives: the node
+    /// may be farther away.
     AtEdge,
     /// The fit that places the node did not settle: more rounds would move the node.
     Unsettled,
-    /// Receptions and silence say nothing: the node is about equally likely everywhere in the area in which it was
-    /// searched for.
+    /// Receptions and silence say nothing: of the area in which the node was searched for, its posterior leaves at least
+    /// four fifths, or the log does not tell how far nodes are heard.
     NoEvidence,
 }
 

@@ -2,7 +2,8 @@
 
 use sextant_channel::Position;
 
-use crate::Concern;
+use crate::posterior::covariance;
+use crate::{Concern, EstimateKind};
 
 /// Where one node is.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,4 +21,25 @@ pub struct Estimate {
     pub infeasible: bool,
     /// Why the place is not reliable, if there is a reason.
     pub concern: Option<Concern>,
+}
+
+impl Estimate {
+    /// The estimate from places with probabilities that sum to 1, their mean (m), and the likeliest place with its
+    /// log-likelihood. It has no concern.
+    pub(crate) fn of_places(
+        kind: EstimateKind,
+        places: &[(Position, f64)],
+        mean: Position,
+        likeliest: (Position, f64),
+    ) -> Self {
+        let (position, covariance) = match kind {
+            EstimateKind::Argmax => (likeliest.0, None),
+            EstimateKind::PosteriorMean => {
+                let apart = places.iter().map(|&(place, probability)| (place - mean, probability));
+                (mean, Some(covariance(apart)))
+            }
+        };
+        let log_likelihood = Some(likeliest.1);
+        Self { position, log_likelihood, ties: 1, covariance, infeasible: false, concern: None }
+    }
 }

@@ -3,6 +3,7 @@
 use sextant_channel::Position;
 
 use crate::log_facts::heights::Heights;
+use crate::{Estimate, EstimateKind};
 
 /// Places with their posterior probabilities, and how far they spread.
 #[derive(Clone, Debug)]
@@ -13,6 +14,18 @@ pub(crate) struct LocalPosterior {
     pub(crate) mean: Position,
     /// Standard deviation along each axis (m).
     pub(crate) spread_m: [f64; 3],
+}
+
+impl LocalPosterior {
+    /// The likeliest place.
+    pub(crate) fn likeliest(&self) -> Position {
+        self.places.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(self.mean, |&(place, _)| place)
+    }
+
+    /// The estimate, where the likeliest place has this log-likelihood.
+    pub(crate) fn estimate(&self, kind: EstimateKind, likeliest: (Position, f64)) -> Estimate {
+        Estimate::of_places(kind, &self.places, self.mean, likeliest)
+    }
 }
 
 /// Covariance (m²) of places with probabilities, each given by how far it is from their mean.

@@ -9,6 +9,7 @@ mod local;
 mod node_evidence;
 mod prior;
 mod region;
+mod verdict;
 
 pub use bound::{TrueModel, posterior_bound_m};
 pub use concern::Concern;
@@ -18,3 +19,4 @@ pub(crate) use local::{LocalPosterior, covariance, local_posterior};
 pub(crate) use node_evidence::NodeEvidence;
 pub use prior::{Area, PlacePrior};
 pub use region::Region;
+pub(crate) use verdict::{FitState, LIKELY, Verdict};

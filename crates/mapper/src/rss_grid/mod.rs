@@ -27,10 +27,10 @@ use crate::log_facts::heights::check_z_range;
 use crate::log_facts::reach::{heard_nodes, is_reach_known, reach_m};
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, strengths};
+use crate::posterior::FitState;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    Concern, CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights,
-    TopologyMap,
+    CoordinateFrame, Estimate, EstimateKind, Knowledge, KnowledgeKind, Lattice, MapError, SoughtHeights, TopologyMap,
 };
 
 /// The Bayesian grid as written in a scenario.
@@ -223,7 +223,7 @@ impl RssGrid {
         #[expect(clippy::cast_precision_loss, reason = "numbers for people")]
         let operations = nodes.len() as f64 * log.stops().len() as f64 * 1e4;
         watch.begin(Work { name: Self::NAME, unit: "node", steps: nodes.len() as u64, operations });
-        let is_known = is_reach_known(&heard);
+        let state = FitState { is_reach_known: is_reach_known(&heard), is_settled: channel.converged };
         let solved: Result<Vec<(Option<Estimate>, u64)>, MapError> = nodes
             .par_iter()
             .map(|(links, within)| {
@@ -234,11 +234,7 @@ impl RssGrid {
                 }
                 let posterior = Posterior::of(links, &evidence, within, step_m, Detail::Fine);
                 let estimate = posterior.estimate(self.estimate);
-                let concern = match estimate.concern {
-                    _ if !is_known => Some(Concern::NoEvidence),
-                    None if !channel.converged => Some(Concern::Unsettled),
-                    concern => concern,
-                };
+                let concern = state.concern(estimate.concern);
                 Ok((Some(Estimate { concern, ..estimate }), posterior.vertices))
             })
             .collect();

@@ -4,7 +4,7 @@ use sextant_channel::Position;
 
 use super::evidence::{Evidence, Links};
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::covariance;
+use crate::posterior::Verdict;
 use crate::{Concern, Estimate, EstimateKind};
 
 /// Vertices along each axis, in the plane and in space.
@@ -15,11 +15,6 @@ const COARSE: [u32; 2] = [24, 10];
 const KEPT: f64 = 12.0;
 /// Most grids for a node.
 const MOST_GRIDS: usize = 12;
-/// The 95 % region holds places whose log-likelihood is at most this much below the highest: half the quantile of the
-/// chi-squared law with two degrees of freedom.
-const LIKELY: f64 = 3.0;
-/// A posterior is flat if at least this share of the vertices of its box is likely.
-const FLAT: f64 = 0.9;
 /// Places with a lower probability do not count.
 const SLIGHT: f64 = 1e-4;
 
@@ -60,7 +55,7 @@ impl Posterior {
                     if value > best.1 { (place, value) } else { best }
                 });
             if grid == 0 {
-                concern = of_box(&found, best.1, within, steps);
+                concern = of_box(&found, within, steps);
             }
             let is_last = steps.iter().all(|&step| step <= step_m) || grid + 1 == MOST_GRIDS;
             let before = [low, high];
@@ -101,13 +96,7 @@ impl Posterior {
 
     /// The estimate.
     pub(super) fn estimate(&self, kind: EstimateKind) -> Estimate {
-        let apart = self.places.iter().map(|&(place, probability)| (place - self.mean, probability));
-        let (position, covariance) = match kind {
-            EstimateKind::Argmax => (self.best.0, None),
-            EstimateKind::PosteriorMean => (self.mean, Some(covariance(apart))),
-        };
-        let log_likelihood = Some(self.best.1);
-        Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false, concern: self.concern }
+        Estimate { concern: self.concern, ..Estimate::of_places(kind, &self.places, self.mean, self.best) }
     }
 }
 
@@ -125,13 +114,10 @@ fn each(low: [f64; 3], steps: [f64; 3], count: u32, mut visit: impl FnMut(Positi
 }
 
 /// What the grid over the whole box says of the posterior.
-fn of_box(found: &[(Position, f64)], highest: f64, within: &SearchBox, steps: [f64; 3]) -> Option<Concern> {
-    let likely = || found.iter().filter(|(_, value)| *value >= highest - LIKELY);
+fn of_box(found: &[(Position, f64)], within: &SearchBox, steps: [f64; 3]) -> Option<Concern> {
+    let mut verdict = Verdict::default();
+    found.iter().for_each(|&(_, value)| verdict.take(value));
     let widest_m = steps.into_iter().fold(0.0, f64::max);
-    let is_cut = likely().any(|&(place, _)| within.is_at_edge(place, 0.6 * widest_m));
-    match is_cut {
-        true if likely().count() as f64 >= FLAT * found.len() as f64 => Some(Concern::NoEvidence),
-        true => Some(Concern::AtEdge),
-        false => None,
-    }
+    let at_edge = found.iter().filter(|(place, _)| within.is_at_edge(*place, 0.6 * widest_m));
+    verdict.concern(verdict.highest() - at_edge.map(|&(_, value)| value).fold(f64::NEG_INFINITY, f64::max))
 }

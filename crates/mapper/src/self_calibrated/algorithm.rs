@@ -15,7 +15,8 @@ use crate::log_facts::heights::are_level;
 use crate::log_facts::reach::{is_reach_known, reach_m};
 use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
-use crate::{Concern, CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
+use crate::posterior::FitState;
+use crate::{CoordinateFrame, Estimate, KnowledgeKind, MapError, SoughtHeights, TopologyMap};
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
 const STEPS_PER_RANGE: [f64; 2] = [60.0, 40.0];
@@ -117,14 +118,10 @@ impl SelfCalibrated {
         watch.begin(self.work(log, start.nodes.len(), is_spatial));
         let settled = self.run(&mut draft, start.range_m, step_m, knowledge)?;
         draft.widen(step_m)?;
-        let is_known = is_reach_known(&start.nodes);
-        let concern = |belief: &Belief| match belief {
-            _ if !is_known => Some(Concern::NoEvidence),
-            Belief { at_bound: true, is_flat: true, .. } => Some(Concern::NoEvidence),
-            Belief { at_bound: true, .. } => Some(Concern::AtEdge),
-            Belief { is_cramped: true, .. } => Some(Concern::Unsettled),
-            Belief { shift_m, .. } if !settled && *shift_m >= SETTLED * step_m => Some(Concern::Unsettled),
-            _ => None,
+        let is_reach_known = is_reach_known(&start.nodes);
+        let concern = |belief: &Belief| {
+            let is_settled = !belief.is_cramped && (settled || belief.shift_m < SETTLED * step_m);
+            FitState { is_reach_known, is_settled }.concern(belief.concern)
         };
         for belief in &draft.beliefs.nodes {
             map.estimates[belief.node.index()] = Some(Estimate {
@@ -139,7 +136,7 @@ impl SelfCalibrated {
         map.grid_step_m = Some(step_m);
         map.vertices_evaluated = draft.vertices;
         let at_bound: Vec<NodeId> =
-            draft.beliefs.nodes.iter().filter(|belief| belief.at_bound).map(|belief| belief.node).collect();
+            draft.beliefs.nodes.iter().filter(|belief| belief.concern.is_some()).map(|belief| belief.node).collect();
         let curve_at_bound = start.is_rich && draft.model.is_at_bound();
         let calibration = Calibration {
             curve: start.is_rich.then(|| draft.model.curve()),

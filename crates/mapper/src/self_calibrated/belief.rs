@@ -3,6 +3,8 @@
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
+use crate::Concern;
+
 /// The current estimate of the place of one node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Belief {
@@ -13,10 +15,8 @@ pub(super) struct Belief {
     pub(super) highest: f64,
     /// Posterior covariance (m²).
     pub(super) covariance: [[f64; 3]; 3],
-    /// Whether places at the bounds of the node are about as likely as the likeliest.
-    pub(super) at_bound: bool,
-    /// Whether nearly all places in the window are about as likely as the likeliest.
-    pub(super) is_flat: bool,
+    /// What the bounds of the node say of the posterior.
+    pub(super) concern: Option<Concern>,
     /// Whether the window does not hold the posterior: there is probability at its edge, but within the bounds.
     pub(super) is_cramped: bool,
     /// How far the mean moved in the last round (m).

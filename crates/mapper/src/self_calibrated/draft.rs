@@ -55,8 +55,7 @@ impl<'a> Draft<'a> {
             mean: bounds.nearest(heard.middle),
             highest: f64::NEG_INFINITY,
             covariance: [[0.0; 3]; 3],
-            at_bound: false,
-            is_flat: false,
+            concern: None,
             is_cramped: false,
             shift_m: 0.0,
         });

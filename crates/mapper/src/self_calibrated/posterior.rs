@@ -10,18 +10,13 @@ use super::likelihood::Likelihood;
 use super::model::{FLOOR, Logarithms, Model};
 use super::shadows::Shadows;
 use super::window::{Detail, Window};
+use crate::Concern;
 use crate::grid_ml::directions::Directions;
 use crate::log_facts::search_box::SearchBox;
-use crate::posterior::covariance;
+use crate::posterior::{Verdict, covariance};
 
 /// Probability above which a vertex counts.
 const NEGLIGIBLE: f64 = 1e-4;
-/// The 95 % region holds places whose log-likelihood is at most this much below the highest: half the quantile of the
-/// chi-squared law with two degrees of freedom.
-const LIKELY: f64 = 3.0;
-
-/// A posterior is flat if at least this share of the window is about as likely as the likeliest place.
-const FLAT: f64 = 0.9;
 /// A window does not hold the posterior if more than this probability is at its ends.
 const CRAMPED: f64 = 0.02;
 
@@ -112,7 +107,7 @@ impl Surroundings<'_> {
         self.gather(scratch, before, tally);
         self.weigh(scratch);
         tally.vertices += scratch.window.len() as u64;
-        let belief = scratch.moments(before.node);
+        let belief = scratch.moments(before.node, bounds);
         self.tally(scratch, &belief, tally);
         belief
     }
@@ -226,7 +221,7 @@ impl Surroundings<'_> {
 
 impl Scratch {
     /// Turns log-likelihoods into the posterior and its moments.
-    fn moments(&mut self, node: NodeId) -> Belief {
+    fn moments(&mut self, node: NodeId, bounds: &SearchBox) -> Belief {
         let Self { window, likelihood, likely, .. } = self;
         let (best, highest) = likelihood.highest();
         let log_likelihood = likelihood.logarithms();
@@ -249,20 +244,23 @@ impl Scratch {
         }
         let mean = mode + offset;
         let covariance = covariance(likely.iter().map(|&(place, weight)| (place - mean, weight / total)));
-        let is_likely = |vertex: &usize| self.likelihood.logarithms()[*vertex] >= highest - LIKELY;
-        let likely = (0..self.window.len()).filter(is_likely);
         let at_open_end = (0..self.window.len()).filter(|&vertex| self.window.is_at_open_end(vertex));
         let weight = |vertex: usize| libm::exp(self.likelihood.logarithms()[vertex] - highest) / sum;
         let is_cramped = at_open_end.map(weight).sum::<f64>() > CRAMPED;
-        let share = likely.count() as f64 / self.window.len() as f64;
-        let (at_bound, is_flat) = (self.is_likely_at_cut(highest), share >= FLAT);
-        Belief { node, mean, highest, covariance, at_bound, is_flat, is_cramped, shift_m: 0.0 }
+        let concern = self.concern(bounds);
+        Belief { node, mean, highest, covariance, concern, is_cramped, shift_m: 0.0 }
     }
 
-    /// Whether a place where the window is cut off is about as likely as the likeliest, whose log-likelihood is `highest`.
-    fn is_likely_at_cut(&self, highest: f64) -> bool {
-        let is_likely = |vertex: usize| self.likelihood.logarithms()[vertex] >= highest - LIKELY;
-        self.window.is_cut()
-            && (0..self.window.len()).any(|vertex| is_likely(vertex) && self.window.is_at_cut(vertex))
+    /// What the window says of the posterior in the bounds of the node.
+    fn concern(&self, bounds: &SearchBox) -> Option<Concern> {
+        let mut verdict = Verdict::default();
+        let mut highest_at_cut = f64::NEG_INFINITY;
+        for (vertex, &value) in self.likelihood.logarithms().iter().enumerate() {
+            verdict.take(value);
+            if value > highest_at_cut && self.window.is_cut() && self.window.is_at_cut(vertex) {
+                highest_at_cut = value;
+            }
+        }
+        verdict.among(self.window.vertices_in(bounds)).concern(verdict.highest() - highest_at_cut)
     }
 }

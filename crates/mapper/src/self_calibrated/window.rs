@@ -63,6 +63,17 @@ impl Window {
         self.axes.iter().map(|axis| axis.coordinates.len()).product()
     }
 
+    /// Number of vertices with which a box would be filled, at least that of the window: one that does not reach an end of
+    /// the box leaves out only places that are not likely.
+    pub(super) fn vertices_in(&self, bounds: &SearchBox) -> f64 {
+        let along = |(number, axis): (usize, &Axis)| {
+            let (count, [first, last]) = (axis.coordinates.len() as f64, axis.ends());
+            let step_m = (last - first) / (count - 1.0);
+            if step_m > 0.0 { count.max((bounds.high[number] - bounds.low[number]) / step_m) } else { count }
+        };
+        self.axes.iter().enumerate().map(along).product()
+    }
+
     /// Coordinates of the first and the last vertices along an axis (m).
     pub(super) fn ends(&self, axis: usize) -> [f64; 2] {
         self.axes[axis].ends()

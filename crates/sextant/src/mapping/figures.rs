@@ -7,6 +7,7 @@ use sextant_mapper::{
 };
 
 use super::input::Input;
+use super::logs::MapLogs;
 use super::pipeline::ComputedMap;
 use crate::measure::Dimensions;
 use sextant_figure::{self as figure, EstimatedMap, Figure, Model, ReceptionCurve, Source};
@@ -20,7 +21,7 @@ pub fn drawn(input: &Input) -> Result<Drawn, RecordingError> {
     let recorded = input.recording.as_deref().map(recording::read_drawn).transpose()?;
     let truth = input.truth.as_ref();
     let place = |(node, name): (usize, &String)| Some((NodeId::from_index(node), *truth?.get(name)?));
-    let nodes = input.log.names().iter().enumerate().filter_map(place).collect();
+    let nodes = input.log().names().iter().enumerate().filter_map(place).collect();
     Ok(match recorded {
         Some(Drawn { sinks, anchors, obstacles, paths, .. }) => {
             Drawn { nodes, sinks, anchors, obstacles, paths, ..Drawn::default() }
@@ -31,7 +32,7 @@ pub fn drawn(input: &Input) -> Result<Drawn, RecordingError> {
 
 /// The path of each robot, as straight lines between its stops.
 fn paths_of_stops(input: &Input) -> Vec<(String, Vec<Position>)> {
-    let log = &input.log;
+    let log = input.log();
     let robots = (0..log.robot_count()).map(RobotId::from_index);
     let path = |robot| {
         let stops = log.stops().iter().filter(|stop| stop.robot == robot);
@@ -57,7 +58,7 @@ pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>
         }
     }
     let drawn = Drawn { maps: maps.iter().map(places).collect(), ..drawn };
-    let source = Source { title, log: &input.log, drawn: &drawn, sector_displacements: &[] };
+    let source = Source { title, log: input.log(), drawn: &drawn, sector_displacements: &[] };
     let estimated = |map| estimated(map, input);
     figure::all_of_maps(&source, &maps.iter().map(estimated).collect::<Vec<_>>())
 }
@@ -65,7 +66,7 @@ pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>
 /// A map with its curves.
 fn estimated<'a>(computed: &'a ComputedMap<'_>, input: &'a Input) -> EstimatedMap<'a> {
     let ComputedMap { named, map, learned } = computed;
-    let logs = input.logs();
+    let logs = MapLogs::from(&input.logs);
     let curves = match (learned, &named.mapper) {
         (Some(Learned::Profiles(fits)), Mapper::Joint(_)) => fits
             .iter()

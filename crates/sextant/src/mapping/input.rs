@@ -3,12 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use sextant_channel::{Position, ReceptionLog};
-use sextant_kernel::Seed;
+use sextant_channel::{NetworkLogs, Position, ReceptionLog};
+use sextant_kernel::{Files, Seed};
 use sextant_mapper::PlacePrior;
 
 use super::error::MapLogError;
-use super::logs::MapLogs;
 use crate::measure::Dimensions;
 use sextant_kernel::text::{counted, listed};
 use sextant_logs::{self as robot_log, LocalPlane, Names, ReadOptions, RobotLog, Source, TrueNodes};
@@ -17,18 +16,16 @@ use sextant_recording::{self as recording, Known, ORIGIN_METADATA, SCENARIO_ATTA
 /// A reception log and what is known with it.
 #[derive(Debug)]
 pub struct Input {
-    /// The reception log to map.
-    pub log: ReceptionLog,
-    /// Name of its network, if robots surveyed several.
-    pub network: Option<String>,
-    /// The logs of the other networks, by name.
-    pub other_logs: Vec<(String, ReceptionLog)>,
+    /// The reception logs of the networks that robots surveyed; the first one is that to map.
+    pub logs: NetworkLogs,
     /// The known paths of robots, by name.
     pub paths: Vec<(String, Vec<Position>)>,
     /// The recording of `run` that it was read from, if it was one.
     pub recording: Option<PathBuf>,
     /// The scenario of the log, if it is from a recording.
     pub scenario: Option<String>,
+    /// The files that the scenario names.
+    pub files: Files,
     /// The true positions of nodes, by name.
     pub truth: Option<BTreeMap<String, Position>>,
     /// In how many dimensions they are known.
@@ -57,12 +54,11 @@ impl Input {
             notes.extend(findings.iter().map(ToString::to_string));
             let known = Known::default();
             return Ok(Self {
-                log,
-                network: None,
-                other_logs: Vec::new(),
+                logs: log.into(),
                 paths: Vec::new(),
                 recording: None,
                 scenario: None,
+                files: Files::default(),
                 truth: None,
                 true_dimensions: Dimensions::Space,
                 prior: None,
@@ -75,12 +71,15 @@ impl Input {
         robot_log::refuse_flags(path, options)?;
         let mut run = recording::read_log(path)?;
         if let Some(name) = network
-            && let Err(known) = run.put_first(name)
+            && let Err(known) = run.logs.put_first(name)
         {
+            let known: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
+            let known = known.join(", ");
             return Err(MapLogError::Network { name: name.to_owned(), path: path.to_owned(), known });
         }
         let scenario = run.attachment(SCENARIO_ATTACHMENT);
         let scenario = scenario.map(|attachment| String::from_utf8_lossy(&attachment.data).into_owned());
+        let files = run.files();
         let mut notes = Vec::new();
         if run.cut_stops > 0 {
             notes.push(
@@ -91,15 +90,14 @@ impl Input {
             notes.push("the recording does not name its scenario".to_owned());
         }
         let seed = run.metadata.get(ORIGIN_METADATA).and_then(|origin| origin.get("seed")?.parse().ok());
-        let known = recording::read_known(path, run.log.node_count())?;
+        let known = recording::read_known(path, run.log().node_count())?;
         let truth = recording::read_truth(path)?;
         Ok(Self {
-            log: run.log,
-            network: run.network,
-            other_logs: run.other_logs,
+            logs: run.logs,
             paths: run.paths,
             recording: Some(path.to_owned()),
             scenario,
+            files,
             truth,
             true_dimensions: Dimensions::Space,
             prior: None,
@@ -110,10 +108,10 @@ impl Input {
         })
     }
 
-    /// The logs by network.
-    pub(super) fn logs(&self) -> MapLogs<'_> {
-        let others = self.other_logs.iter().map(|(name, log)| (name.as_str(), log));
-        MapLogs::new((self.network.as_deref(), &self.log), others)
+    /// The reception log to map, of the first network if robots surveyed several.
+    #[must_use]
+    pub fn log(&self) -> &ReceptionLog {
+        self.logs.first()
     }
 
     /// Gives the nodes of the log, and of the true positions `truth`, their names. Returns the true positions.
@@ -125,14 +123,15 @@ impl Input {
             return Err(MapLogError::Names { path: recording.clone() });
         }
         let (places, has_heights) = truth.map(|truth| (truth.places, truth.has_heights)).unzip();
-        let (log, places) = names.apply(std::mem::take(&mut self.log), places)?;
-        self.log = log;
+        let log = self.logs.first_mut();
+        let (renamed, places) = names.apply(std::mem::take(log), places)?;
+        *log = renamed;
         Ok(places.zip(has_heights).map(|(places, has_heights)| TrueNodes { places, has_heights }))
     }
 
     /// Takes the true positions of nodes from a file of the user, instead of those of the recording.
     pub fn take_truth(&mut self, TrueNodes { places: truth, has_heights }: TrueNodes) {
-        let names: BTreeSet<&String> = self.log.names().iter().collect();
+        let names: BTreeSet<&String> = self.log().names().iter().collect();
         let strangers: Vec<&String> = truth.keys().filter(|name| !names.contains(name)).collect();
         if !strangers.is_empty() {
             let (are, they) = if strangers.len() == 1 { ("is", "it is") } else { ("are", "they are") };
@@ -150,7 +149,7 @@ impl Input {
     /// measured.
     pub(super) fn true_places(&mut self) -> Option<Vec<Option<Position>>> {
         let truth = self.truth.as_ref()?;
-        let names = self.log.names();
+        let names = self.log().names();
         let places: Vec<Option<Position>> = names.iter().map(|name| truth.get(name).copied()).collect();
         let unknown: Vec<&String> =
             names.iter().zip(&places).filter(|(_, place)| place.is_none()).map(|(name, _)| name).collect();

@@ -19,12 +19,9 @@ impl<'a> From<&'a NetworkLogs> for MapLogs<'a> {
 }
 
 impl<'a> MapLogs<'a> {
-    /// The log of the first network and its name, if it has one, and those of the others.
-    pub fn new(
-        (name, first): (Option<&'a str>, &'a ReceptionLog),
-        others: impl IntoIterator<Item = (&'a str, &'a ReceptionLog)>,
-    ) -> Self {
-        Self { logs: std::iter::once((name.unwrap_or_default(), first)).chain(others).collect() }
+    /// The log of a network without a name.
+    pub(super) fn alone(log: &'a ReceptionLog) -> Self {
+        Self { logs: vec![("", log)] }
     }
 
     /// The log of the network of `map`. For a joint map it is that of its first network. A log that is alone is that of

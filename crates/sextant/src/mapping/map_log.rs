@@ -46,7 +46,7 @@ pub struct LogMap {
 pub fn map_log(log: &ReceptionLog, algorithm: AlgorithmName, watch: &dyn Watch) -> Result<LogMap, MapLogError> {
     let settings = MapSettings::new(None, Some(algorithm), (None, None), &[])?;
     let job = &settings.maps[0];
-    let logs = MapLogs::new((None, log), []);
+    let logs = MapLogs::alone(log);
     let (map, learned) = job.mapper.map_and_learn(logs.knowledge(job), watch)?;
     let (map, alignment) = in_world(map, None);
     let summary = measure(&job.into(), &map, learned.as_ref(), log.names(), None, &settings.metrics, watch)?;

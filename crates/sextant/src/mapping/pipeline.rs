@@ -7,6 +7,7 @@ use sextant_mapper::{Knowledge, Learned, TopologyMap};
 
 use super::error::MapLogError;
 use super::input::Input;
+use super::logs::MapLogs;
 use super::notes;
 use crate::measure::{Truth, in_world, measure};
 use crate::scenario::{MapSettings, NamedMap};
@@ -38,11 +39,11 @@ pub fn map<'a>(
 ) -> Result<(Summary, Vec<ComputedMap<'a>>), MapLogError> {
     let truth = input.true_places();
     let dimensions = input.true_dimensions;
-    input.notes.extend(notes::of_log(&input.log));
+    input.notes.extend(notes::of_log(input.log()));
     let map_start = Stopwatch::start();
     let mut summaries: Vec<MapSummary> = Vec::new();
     let mut maps = Vec::new();
-    let logs = input.logs();
+    let logs = MapLogs::from(&input.logs);
     let knowledge = |named| Knowledge {
         neighbours: input.known.neighbours.as_ref(),
         beacons: input.known.beacons.as_ref(),
@@ -61,7 +62,7 @@ pub fn map<'a>(
                 let truth =
                     truth.as_deref().map(|places| Truth { places, anchors: &input.known.anchors, dimensions });
                 let subject = named.into();
-                let names = input.log.names();
+                let names = input.log().names();
                 let summary = measure(&subject, &map, learned.as_ref(), names, truth, &settings.metrics, watch)?;
                 Ok((ComputedMap { named, map, learned }, alignment, summary))
             },
@@ -76,11 +77,11 @@ pub fn map<'a>(
         summaries.push(MapSummary { alignment: Some(alignment), ..summary });
         if let Some(out) = out {
             let path = if summaries.len() > 1 { beside(out, &named.name) } else { out.to_owned() };
-            sextant_logs::write_map(&path, input.log.names(), &computed.map, input.plane.as_ref())?;
+            sextant_logs::write_map(&path, input.log().names(), &computed.map, input.plane.as_ref())?;
         }
         if input.recording.is_none() {
             for note in
-                notes::of_map(&input.log, &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
+                notes::of_map(input.log(), &computed.map.positions(), computed.learned.as_ref(), truth.as_deref())
             {
                 if !found.contains(&note) {
                     found.push(note);
@@ -91,7 +92,7 @@ pub fn map<'a>(
     }
     input.notes.extend(found);
     let summary = Summary {
-        gathering: Some(GatheringSummary::of_log(&input.log, &input.paths)),
+        gathering: Some(GatheringSummary::of_log(input.log(), &input.paths)),
         interrupted,
         notes: input.notes.clone(),
         maps: summaries,

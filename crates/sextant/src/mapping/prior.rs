@@ -24,8 +24,11 @@ pub fn place_prior(
         return Ok(None);
     }
     let area = area.map(|text| read(text, plane)).transpose()?;
-    let refused =
-        |error: SettingError| MapLogError::Prior { what: NEAR_STOPS, found: error.found, allowed: error.allowed };
+    let refused = |error: SettingError| MapLogError::Prior {
+        what: NEAR_STOPS,
+        found: error.found().to_owned(),
+        allowed: error.allowed().to_owned(),
+    };
     let prior = PlacePrior::new(area, near_stops_m).map_err(refused)?;
     let what = if prior.area.is_some() { AREA } else { NEAR_STOPS };
     let refused = |why: MapError| MapLogError::UnusedPrior { what, why };

@@ -38,6 +38,7 @@ enum Receiver {
 }
 
 /// A network whose frames are captured.
+#[derive(Clone, Copy)]
 struct CapturedNetwork {
     format: FrameFormat,
     /// Carrier frequency that its channel names; that of the radios if absent (Hz).
@@ -83,8 +84,8 @@ impl RunCapture {
             },
         };
         let FrameOnAir { airtime, bytes, .. } = *frame;
-        let CapturedNetwork { format, carrier_hz } = &self.networks[frame.network.index()];
-        match *format {
+        let CapturedNetwork { format, carrier_hz } = self.networks[frame.network.index()];
+        match format {
             FrameFormat::Tap { page, channel, sensitivity } => {
                 let signal = power.map(|power| Signal { power, sensitivity });
                 let channel = self.channel.unwrap_or(channel);

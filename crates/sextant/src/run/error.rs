@@ -1,5 +1,7 @@
 //! Errors of a run.
 
+use std::path::PathBuf;
+
 use sextant_kernel::text::counted;
 use sextant_kernel::{Interrupted, SettingError};
 use sextant_mapper::MapError;
@@ -29,6 +31,23 @@ pub enum RunError {
     /// The recording or the capture cannot be written.
     #[error(transparent)]
     Recording(#[from] RecordingError),
+    /// A file that the scenario names cannot be read any more.
+    #[error("`{}`, which the scenario names, cannot be read: {why}", .path.display())]
+    NamedFile {
+        /// The file.
+        path: PathBuf,
+        /// The system's answer.
+        why: String,
+    },
+    /// Two layers of the scenario name different files by the same path.
+    #[error(
+        "the scenario and the one that it extends name two different files `{}`; a recording needs one name for each",
+        .written.display()
+    )]
+    TwoFiles {
+        /// The path.
+        written: PathBuf,
+    },
     /// An output file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -47,7 +66,12 @@ impl RunError {
         match self {
             Self::Recording(error) => error.is_system_error(),
             Self::Output(_) | Self::Observer(_) => true,
-            Self::Setting(_) | Self::Map(_) | Self::FewPlaces { .. } | Self::Interrupted(_) => false,
+            Self::NamedFile { .. }
+            | Self::TwoFiles { .. }
+            | Self::Setting(_)
+            | Self::Map(_)
+            | Self::FewPlaces { .. }
+            | Self::Interrupted(_) => false,
         }
     }
 

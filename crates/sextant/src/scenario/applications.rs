@@ -1,11 +1,10 @@
 //! The applications of a scenario.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_apps::{AlgorithmConfig, ApplicationConfig, MapSourceConfig};
 use sextant_channel::{Bounds, Position};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, TargetMotionConfig, World};
 
@@ -64,7 +63,7 @@ impl ApplicationMap {
 /// What applications may name.
 pub(super) struct Surroundings<'a> {
     pub(super) config: &'a ScenarioConfig,
-    pub(super) folder: &'a Path,
+    pub(super) files: &'a Files,
     pub(super) setup: &'a Setup,
     pub(super) tables: &'a [NetworkTables<'a>],
     pub(super) bodies: &'a [RobotBody],
@@ -141,7 +140,7 @@ impl Surroundings<'_> {
                 Err(SettingError::new("map.computed", format!("`{name}`"), allowed))
             }
             MapSourceConfig::File(file) => {
-                let path = self.folder.join(file);
+                let path = self.files.path(file);
                 let refuse = |found: String, allowed: &str| Err(SettingError::new("map.file", found, allowed));
                 let read = match sextant_logs::read_map(&path) {
                     Ok(read) => read,

@@ -1,10 +1,9 @@
 //! Checks a scenario and builds everything that a run needs, before anything runs.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Anchor, Bounds};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 use sextant_sim::{Applications, Discovery, Interferer, RobotBody, RoleConfig, Sensors, Setup, Simulation, World};
 
 use super::applications::{Application, Surroundings, check_applications};
@@ -38,22 +37,22 @@ pub(super) struct Parts {
 /// Checks each part of the scenario, then all parts together.
 pub(super) fn check(
     config: &ScenarioConfig,
-    folder: &Path,
+    files: &Files,
     errors: &mut Errors<'_>,
 ) -> (Option<Parts>, Vec<NamedMap>) {
     if config.name.trim().is_empty() {
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
-    let world = errors.take("world", config.world.build(Seed(config.seed), folder));
+    let world = errors.take("world", config.world.build(Seed(config.seed), files));
     let sensors = errors.take("sensors", Sensors::try_from(config.sensors));
     let interferers = check_interferers(config, errors);
     let world = world.zip(sensors).map(|(world, sensors)| World { sensors, interferers, ..world });
     let tables = NetworkTables::all(config);
     let nodes = world.as_ref().map(|world| world.nodes.as_slice());
-    let links: Vec<_> = tables.iter().map(|network| network.links(nodes, folder, errors)).collect();
+    let links: Vec<_> = tables.iter().map(|network| network.links(nodes, files, errors)).collect();
     let known = KnownNetworks::new(&tables, &links, &config.robots);
     let networks: Vec<_> = (tables.iter().zip(links))
-        .map(|(network, links)| network.check(config, links, nodes, folder, errors))
+        .map(|(network, links)| network.check(config, links, nodes, files, errors))
         .collect();
     let robots = check_robots(config, world.as_ref(), errors);
     let sinks = check_sinks(config, world.as_ref(), errors);
@@ -62,13 +61,12 @@ pub(super) fn check(
         errors.take("", checked)
     });
     if !config.has_traffic() && config.distributed_mapping.is_none() && config.applications.is_empty() {
-        let allowed = "at least one robot, or `duration_s` to end a simulation without robots";
-        errors.refuse(&SettingError::new("robots", "none", allowed));
+        let needed = "at least one robot, or `duration_s` to end a simulation without robots";
+        errors.refuse(&SettingError::missing("robots", needed));
     }
     if has_no_receiver(config) {
-        let allowed = "at least one sink in `[[sinks]]`, or a robot that surveys: without either nobody receives the \
-                       packets, and there is nothing to tell";
-        errors.refuse(&SettingError::new("sinks", "none, and no robot surveys", allowed));
+        let needed = "at least one sink in `[[sinks]]`, or a robot that surveys, to receive the packets";
+        errors.refuse(&SettingError::missing("sinks", needed));
     }
     let warm_up = check_warm_up(config, errors);
     let maps = check_maps(&config.maps, &known, errors);
@@ -104,7 +102,7 @@ pub(super) fn check(
     let distributed = check_distributed(config, &tables, &mut setup, (&anchors, &maps), errors);
     let surroundings = Surroundings {
         config,
-        folder,
+        files,
         setup: &setup,
         tables: &tables,
         bodies: &bodies,
@@ -144,13 +142,17 @@ fn check_interferers(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Vec<In
 /// What is left out of the counts at the start.
 fn check_warm_up(config: &ScenarioConfig, errors: &mut Errors<'_>) -> Duration {
     let Some(warm_up_s) = config.warm_up_s else { return Duration::ZERO };
-    let refusal = |allowed: &str| Err(SettingError::new("warm_up_s", warm_up_s, allowed));
     let has_sweeps = NetworkTables::all(config).iter().any(NetworkTables::sweeps_sectors);
     let checked = match config.duration_s {
-        None => refusal("no key without `duration_s`: a survey counts from its start"),
-        Some(_) if has_sweeps => refusal("no key with `mac.sector_sweep`: all sweeps count"),
+        None => {
+            let remedy = "set `duration_s` or remove it, because a survey counts from its start";
+            Err(SettingError::conflict("warm_up_s", "a scenario without `duration_s`", remedy))
+        }
+        Some(_) if has_sweeps => {
+            Err(SettingError::conflict("warm_up_s", "`mac.sector_sweep`", "remove it, because all sweeps count"))
+        }
         Some(duration_s) if !(warm_up_s >= 0.0 && warm_up_s < duration_s) => {
-            refusal(&format!("0 to less than `duration_s`, {duration_s}"))
+            Err(SettingError::new("warm_up_s", warm_up_s, format!("0 to less than `duration_s`, {duration_s}")))
         }
         Some(_) => Ok(Duration::from_secs_f64(warm_up_s)),
     };

@@ -113,12 +113,16 @@ pub(super) fn check_distributed(
 
 /// The time of mobile anchors is given if, and only if, there are any.
 fn check_phase(written: &DistributedMappingConfig, has_mobile: bool, errors: &mut Errors<'_>) {
-    let (found, allowed) = match (written.mobile_phase_s, has_mobile) {
-        (None, true) => ("absent".to_owned(), "a time: a robot has `role = \"anchor\"`"),
-        (Some(phase_s), false) => (phase_s.to_string(), "no key: no robot has `role = \"anchor\"`"),
+    const KEY: &str = "mobile_phase_s";
+    let error = match (written.mobile_phase_s, has_mobile) {
+        (None, true) => SettingError::missing(KEY, "a time, because a robot has `role = \"anchor\"`"),
+        (Some(_), false) => {
+            let with = "the robots, of which none has `role = \"anchor\"`";
+            SettingError::conflict(KEY, with, "remove it, or add a robot with that role")
+        }
         _ => return,
     };
-    errors.refuse(&SettingError::new("mobile_phase_s", found, allowed).within(TABLE));
+    errors.refuse(&error.within(TABLE));
 }
 
 /// Nodes must hear each other.

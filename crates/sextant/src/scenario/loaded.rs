@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use sextant_apps::{ControllerConfig, MapSourceConfig};
 use sextant_channel::Anchor;
-use sextant_kernel::Seed;
+use sextant_kernel::{Files, Seed};
 use sextant_mapper::Mapper;
 use sextant_sim::{Discovery, Network, NetworkId, RobotBody, RobotConfig, RoleConfig, Setup, World};
 
@@ -30,10 +30,19 @@ use sextant_kernel::text::counted;
 pub struct Scenario {
     base: Base,
     config: ScenarioConfig,
-    named_files: Vec<PathBuf>,
+    named_files: Vec<NamedFile>,
     text: String,
     parts: Parts,
     maps: Vec<NamedMap>,
+}
+
+/// A file that a scenario names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedFile {
+    /// Its path as written in the scenario.
+    pub written: PathBuf,
+    /// Its path on the disk.
+    pub path: PathBuf,
 }
 
 /// A scenario as it was read, and what overrides it.
@@ -101,8 +110,9 @@ impl Scenario {
         let text = std::mem::take(&mut document.text);
         let mut config: ScenarioConfig = deserialize(&document)?;
         let named_files = named_files(&mut config, &mut document, &base.folder);
+        let files = Files::of_folder(&base.folder);
         let mut errors = Errors { document: &document, found: Vec::new() };
-        let (parts, maps) = check(&config, &base.folder, &mut errors);
+        let (parts, maps) = check(&config, &files, &mut errors);
         ScenarioErrors::check(errors.found)?;
         let parts = parts.expect("what has no errors has all its parts");
         Ok(Self { base, config, named_files, text, parts, maps })
@@ -142,7 +152,7 @@ impl Scenario {
     /// The files that its settings name: tables of nodes and meshes of obstacles. They are not part of its
     /// [`text`](Self::text).
     #[must_use]
-    pub fn named_files(&self) -> &[PathBuf] {
+    pub fn named_files(&self) -> &[NamedFile] {
         &self.named_files
     }
 
@@ -274,16 +284,18 @@ impl Scenario {
 }
 
 /// The files that the settings name, whose paths become relative to the folder of the scenario.
-fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Path) -> Vec<PathBuf> {
+fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Path) -> Vec<NamedFile> {
     let mut named_files = Vec::new();
     for (key, file) in config.world.files_mut() {
+        let written = file.clone();
         document.rebase(&format!("world.{key}"), file, folder);
-        named_files.push(folder.join(file));
+        named_files.push(NamedFile { written, path: folder.join(file) });
     }
     for (i, application) in config.applications.iter_mut().enumerate() {
         if let MapSourceConfig::File(file) = &mut application.map {
+            let written = file.clone();
             document.rebase(&format!("applications[{i}].map.file"), file, folder);
-            named_files.push(folder.join(file));
+            named_files.push(NamedFile { written, path: folder.join(file) });
         }
     }
     let of_traffic = config.traffic.iter_mut().map(|traffic| ("traffic".to_owned(), traffic));
@@ -293,8 +305,9 @@ fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Pa
         .filter_map(|(name, network)| Some((format!("networks.{name}.traffic"), network.traffic.as_mut()?)));
     for (table, traffic) in of_traffic.chain(of_networks) {
         for (key, file) in traffic.files_mut() {
+            let written = file.clone();
             document.rebase(&format!("{table}.{key}"), file, folder);
-            named_files.push(folder.join(file));
+            named_files.push(NamedFile { written, path: folder.join(file) });
         }
     }
     let of_antennas = config.antenna.iter_mut().map(|antenna| ("antenna".to_owned(), antenna));
@@ -304,8 +317,9 @@ fn named_files(config: &mut ScenarioConfig, document: &mut Document, folder: &Pa
         .filter_map(|(name, network)| Some((format!("networks.{name}.antenna"), network.antenna.as_mut()?)));
     for (table, antenna) in of_antennas.chain(of_networks) {
         for (key, file) in antenna.files_mut() {
+            let written = file.clone();
             document.rebase(&format!("{table}.{key}"), file, folder);
-            named_files.push(folder.join(file));
+            named_files.push(NamedFile { written, path: folder.join(file) });
         }
     }
     named_files

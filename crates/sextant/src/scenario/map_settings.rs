@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use serde::Deserialize;
 use sextant_apps::ControllerConfig;
 use sextant_channel::{ChannelConfig, ObstacleConfig, ObstacleField};
+use sextant_kernel::Files;
 use sextant_mac::EnergyConfig;
 use sextant_mapper::{AlgorithmConfig, KnowledgeKind, MapConfig};
 use sextant_sim::{AntennasConfig, MacConfig, RadioConfig, RobotConfig, Technology, TrafficConfig, WorldConfig};
@@ -168,6 +170,17 @@ impl FromStr for AlgorithmName {
     }
 }
 
+/// The scenario of a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordedScenario<'a> {
+    /// Its name in messages.
+    pub name: &'a str,
+    /// Its text.
+    pub text: &'a str,
+    /// The files that it names.
+    pub files: &'a Files,
+}
+
 /// The maps to compute from a log, and how to compare them with the truth.
 #[derive(Clone, Debug)]
 pub struct MapSettings {
@@ -229,7 +242,7 @@ impl MapSettingsConfig {
 }
 
 impl MapSettings {
-    /// The maps of `scenario`, which is a name for messages and a text. If `algorithm` is given, it is one map by that
+    /// The maps of `scenario`. If `algorithm` is given, it is one map by that
     /// algorithm instead. If the scenario has no maps, it is one `ml-tm` map with a fitted profile. Without a scenario, it is
     /// the map that the log chooses (`auto`), or one by the algorithm that `profile` or `set` are for.
     ///
@@ -241,7 +254,7 @@ impl MapSettings {
     /// # Errors
     /// All errors found.
     pub fn new(
-        scenario: Option<(&str, &str)>,
+        scenario: Option<RecordedScenario<'_>>,
         algorithm: Option<AlgorithmName>,
         (profile, network): (Option<&str>, Option<&str>),
         set: &[String],
@@ -262,12 +275,14 @@ impl MapSettings {
         }
         let mut errors = Errors { document: &document, found: Vec::new() };
         let tables = NetworkTables::all(config.tables());
-        let links: Vec<_> = tables.iter().map(|table| known_links(table, &mut errors)).collect();
+        let none = Files::Attached(Arc::default());
+        let files = scenario.map_or(&none, |scenario| scenario.files);
+        let links: Vec<_> = tables.iter().map(|table| known_links(table, files, &mut errors)).collect();
         let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &links, &config.robots), &mut errors);
         errors.take("metrics", config.metrics.check());
         let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
-            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, Path::new("")))
+            errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, files))
         } else {
             None
         };
@@ -276,25 +291,23 @@ impl MapSettings {
     }
 }
 
-/// What maps may know of the links of a network. A log of a real robot has no channel, and files of antennas cannot be
-/// read.
-fn known_links(table: &NetworkTables<'_>, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
+/// What maps may know of the links of a network. A log of a real robot has no channel.
+fn known_links(table: &NetworkTables<'_>, files: &Files, errors: &mut Errors<'_>) -> Option<CheckedLinks> {
     table.radio.value?;
     let channel = table.law(errors)?;
-    let config = table.link_config();
-    if config.antenna.is_some_and(|antennas| antennas.clone().files_mut().next().is_some()) {
-        return None;
-    }
-    let technology = Technology::read(&config, None, Path::new("")).ok()?;
+    let technology = Technology::read(&table.link_config(), None, files).ok()?;
     Some(CheckedLinks { channel, technology })
 }
 
 /// The settings before any flag: those of the scenario that maps need. If `algorithm` is given or the scenario has no
 /// maps, its maps are replaced by the default map.
-fn document(scenario: Option<(&str, &str)>, algorithm: Option<AlgorithmName>) -> Result<Document, ScenarioError> {
+fn document(
+    scenario: Option<RecordedScenario<'_>>,
+    algorithm: Option<AlgorithmName>,
+) -> Result<Document, ScenarioError> {
     let defaults = ("the defaults", algorithm.unwrap_or(AlgorithmName::MlTm).text());
     let mut document = Document::default();
-    let (name, text) = scenario.unwrap_or(defaults);
+    let (name, text) = scenario.map_or(defaults, |scenario| (scenario.name, scenario.text));
     document.lay_text(name, text)?;
     if let Value::Table(settings) = &mut document.root.value {
         let keys = keys_of::<MapSettingsConfig>();
@@ -330,10 +343,18 @@ fn replace_profiles(document: &mut Document, profile: &str) -> Result<(), Scenar
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use sextant_channel::{ChannelLaw, CloseInConfig, PathLossConfig};
 
     use super::super::config::ScenarioConfig;
     use super::*;
+
+    /// A recorded scenario that names no files.
+    fn recorded(text: &str) -> Option<RecordedScenario<'_>> {
+        static NONE: LazyLock<Files> = LazyLock::new(|| Files::Attached(Arc::default()));
+        Some(RecordedScenario { name: "x", text, files: &NONE })
+    }
 
     const PROFILE: &str = "p0=0.9,plateau_m=2,range_m=10";
 
@@ -354,9 +375,9 @@ mod tests {
     fn the_maps_of_a_scenario_are_used_and_its_other_parts_ignored() {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
-        let kept = MapSettings::new(Some(("x", text)), None, (None, None), &[]).unwrap();
+        let kept = MapSettings::new(recorded(text), None, (None, None), &[]).unwrap();
         assert_eq!(kept.maps[0].name, "a");
-        let changed = MapSettings::new(Some(("x", text)), None, (Some(PROFILE), None), &[]).unwrap();
+        let changed = MapSettings::new(recorded(text), None, (Some(PROFILE), None), &[]).unwrap();
         assert_ne!(changed.maps[0].mapper, kept.maps[0].mapper);
     }
 
@@ -365,7 +386,7 @@ mod tests {
         let text = "name = \"x\"\n[[maps]]\nname = \"a\"\n[maps.algorithm.ml_tm]\ngrid_step_m = 1\n\
                     profile.trapezoid = { p0 = 1, plateau_m = 1, range_m = 5 }\n";
         let algorithm = Some(AlgorithmName::SelfCalibrated);
-        for scenario in [None, Some(("x", text)), Some(("x", "name = \"x\"\n"))] {
+        for scenario in [None, recorded(text), recorded("name = \"x\"\n")] {
             let settings = MapSettings::new(scenario, algorithm, (None, None), &[]).unwrap();
             assert_eq!((settings.maps.len(), settings.maps[0].name.as_str()), (1, "self-calibrated"));
             let set = ["maps.0.algorithm.self_calibrated.grid_step_m=0.5".to_owned()];
@@ -390,7 +411,7 @@ mod tests {
                  traffic.beacon = {{ interval_s = 2.0 }}\n[[maps]]\nalgorithm.ml_tm.grid_step_m = 0.25\n\
                  algorithm.ml_tm.profile.channel = {{ {profile} }}\n"
             );
-            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let channel = "channel = { environment = \"light-tree\", max_range_m = 10 }";
@@ -413,7 +434,7 @@ mod tests {
                  antenna.nodes.sectors = {nodes}\nantenna.robots.sectors = {robots}\n\
                  [[maps]]\nalgorithm.mmtm = {{ grid_step_m = 0.5, profile.channel = {{ {profile} }} }}\n"
             );
-            let settings = MapSettings::new(Some(("x", &text)), None, (None, None), &[]).unwrap();
+            let settings = MapSettings::new(recorded(&text), None, (None, None), &[]).unwrap();
             settings.maps[0].mapper.clone()
         };
         let law = CloseInConfig { carrier_ghz: Some(73.0), exponent: Some(1.7), ..CloseInConfig::default() };
@@ -438,7 +459,7 @@ mod tests {
                  controller.waypoints.places_m = [[0, 0]]\n\
                  [[maps]]\n{network}algorithm.ml_tm = {{ grid_step_m = 0.5, profile.channel = {{}} }}\n"
             );
-            MapSettings::new(Some(("x", &text)), None, (None, flag), &[])
+            MapSettings::new(recorded(&text), None, (None, flag), &[])
         };
         let mapper = |network, flag| new(network, flag).unwrap().maps[0].mapper.clone();
         let (first, second) = (mapper("", None), mapper("network = \"b\"\n", None));

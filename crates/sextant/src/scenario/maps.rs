@@ -1,6 +1,6 @@
 //! The maps of a scenario.
 
-use sextant_kernel::SettingError;
+use sextant_kernel::{SettingError, SettingProblem};
 use sextant_mapper::{KnowledgeKind, MapConfig, Mapper};
 use sextant_sim::RoleConfig;
 
@@ -30,7 +30,8 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
         }
         let mapper = Mapper::try_from(config.algorithm).map_err(|error| error.within("algorithm"));
         // A setting may only be absent because the network that should say it is invalid.
-        if mapper.is_err() && !networks.are_known() && !errors.found.is_empty() {
+        let is_missing = |error: &SettingError| matches!(error.problem, SettingProblem::Missing { .. });
+        if mapper.as_ref().is_err_and(is_missing) && !networks.are_known() && !errors.found.is_empty() {
             continue;
         }
         let Some(mapper) = errors.take(&table, mapper) else {

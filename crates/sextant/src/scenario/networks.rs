@@ -1,10 +1,9 @@
 //! The networks of a scenario: one, as the tables of the scenario say, or several by name.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use sextant_channel::{ChannelConfig, ChannelLaw};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 use sextant_mac::{EnergyConfig, RadioStates};
 use sextant_sim::layout::PlacedNode;
 use sextant_sim::{
@@ -147,11 +146,11 @@ impl<'a> NetworkTables<'a> {
     pub(super) fn links(
         &self,
         nodes: Option<&[PlacedNode]>,
-        folder: &Path,
+        files: &Files,
         errors: &mut Errors<'_>,
     ) -> Option<CheckedLinks> {
         let channel = self.law(errors);
-        let technology = Technology::read(&self.link_config(), nodes, folder);
+        let technology = Technology::read(&self.link_config(), nodes, files);
         let technology = technology.map_err(|found| {
             found.into_iter().for_each(|error| match error {
                 LinkError::Missing(table) => errors.refuse(&self.missing(table)),
@@ -159,8 +158,8 @@ impl<'a> NetworkTables<'a> {
             });
         });
         if !self.sweeps_sectors() && (self.antenna.is_own || self.is_alone && self.antenna.value.is_some()) {
-            let allowed = "no table: only `mac.sector_sweep` has antennas with sectors";
-            errors.refuse(&SettingError::new(&self.antenna.key, "a table", allowed));
+            let with = "this `mac`: only `mac.sector_sweep` has antennas with sectors";
+            errors.refuse(&SettingError::conflict(&self.antenna.key, with, "remove the table"));
         }
         Some(CheckedLinks { channel: channel?, technology: technology.ok()? })
     }
@@ -191,19 +190,19 @@ impl<'a> NetworkTables<'a> {
         config: &ScenarioConfig,
         links: Option<CheckedLinks>,
         nodes: Option<&[PlacedNode]>,
-        folder: &Path,
+        files: &Files,
         errors: &mut Errors<'_>,
     ) -> Option<Network> {
         let radio_states = errors.take(&self.energy.key, RadioStates::try_from(*self.energy.value));
         let silent = || nodes.map(|nodes| TrafficPlan::silent(nodes.len()));
         let traffic = match self.traffic.value {
             Some(_) if self.sweeps_sectors() && (self.is_alone || self.traffic.is_own) => {
-                let allowed = "no table: nodes answer sector sweeps, and send nothing else";
-                errors.take("", Err(SettingError::new(&self.traffic.key, "a table", allowed)))
+                let remedy = "remove the table, because nodes answer sector sweeps and send nothing else";
+                errors.take("", Err(SettingError::conflict(&self.traffic.key, "`mac.sector_sweep`", remedy)))
             }
             _ if self.sweeps_sectors() => silent(),
             Some(traffic) => {
-                let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), folder);
+                let plan = TrafficPlan::new(traffic, nodes.unwrap_or_default(), files);
                 // Names of nodes are not known without a world.
                 nodes.and_then(|_| errors.take(&self.traffic.key, plan))
             }
@@ -231,7 +230,7 @@ impl<'a> NetworkTables<'a> {
 
     fn missing(&self, table: &str) -> SettingError {
         let place = self.name.map_or(String::new(), |name| format!("networks.{name}."));
-        SettingError::new(format!("{place}{table}"), "no such table", format!("a table `[{place}{table}]`"))
+        SettingError::missing_table(format!("{place}{table}"))
     }
 }
 

@@ -34,7 +34,7 @@ impl Document {
         match KeyPath::parse(&error.key) {
             Ok(path) => {
                 let (entry, exact) = self.nearest(&path);
-                let label = if exact { value_label(&error.allowed) } else { "in this table".to_owned() };
+                let label = if exact { value_label(error.allowed()) } else { "in this table".to_owned() };
                 self.pointing(this, entry, exact, label)
             }
             Err(_) => this,

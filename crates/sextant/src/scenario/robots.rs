@@ -85,8 +85,8 @@ fn surveyed(
     if robot.networks.is_empty() {
         return Ok(vec![networks::number("network", robot.network.as_deref(), networks)?]);
     }
-    if let Some(name) = &robot.network {
-        return Err(SettingError::new("network", format!("`{name}`, beside `networks`"), "one of the two keys"));
+    if robot.network.is_some() {
+        return Err(SettingError::conflict("network", "`networks`", "set one of them"));
     }
     let mut numbers = Vec::new();
     for (i, name) in robot.networks.iter().enumerate() {
@@ -124,12 +124,12 @@ fn controller(
     let config = match (&robot.controller, robot.role) {
         (None, RoleConfig::Agent) => return Ok(None),
         (Some(_), RoleConfig::Agent) => {
-            let allowed = "no table: applications drive a robot with `role = \"agent\"`";
-            return Err(SettingError::new("controller", "a table", allowed));
+            let remedy = "remove the table, because applications drive this robot";
+            return Err(SettingError::conflict("controller", "`role = \"agent\"`", remedy));
         }
         (None, RoleConfig::Survey | RoleConfig::Anchor) => {
-            let allowed = "a table, which says how the robot drives, or `role = \"agent\"` for applications alone";
-            return Err(SettingError::new("controller", "absent", allowed));
+            let needed = "a table with the path of the robot, or `role = \"agent\"` for applications alone";
+            return Err(SettingError::missing("controller", needed));
         }
         (Some(config), RoleConfig::Survey | RoleConfig::Anchor) => config,
     };

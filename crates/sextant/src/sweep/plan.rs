@@ -79,7 +79,7 @@ impl Sweep {
             first_seed.get_or_insert(scenario.seed().0);
             digest.update(scenario.text());
             for file in scenario.named_files() {
-                digest.update(contents.of(file)?);
+                digest.update(contents.of(&file.path)?);
             }
             let by_nodes = scenario.distributed().map(|map| &map.name);
             let maps = by_nodes.into_iter().chain(scenario.maps().iter().map(|named| &named.name));

@@ -30,15 +30,14 @@ pub(super) fn bands(networks: &[Network]) -> Result<Vec<Vec<usize>>, SettingErro
             None => bands.push(vec![i]),
             Some(band) => {
                 if let Some(what) = settings.unshared() {
-                    let found = format!("{what} on the radio channel of network {}", band[0]);
-                    let allowed = format!("a radio channel of its own for each network with {what}");
-                    return Err(SettingError::new(format!("networks[{i}].radio.channel"), found, allowed));
+                    let with = format!("that of network {}: it is the same radio channel", band[0]);
+                    let remedy = format!("give each network with {what} its own");
+                    return Err(SettingError::conflict(format!("networks[{i}].radio.channel"), with, remedy));
                 }
                 if networks[band[0]].channel != network.channel {
-                    let found =
-                        format!("another channel than that of network {}, on the same radio channel", band[0]);
-                    let allowed = "one channel for all networks on a radio channel";
-                    return Err(SettingError::new(format!("networks[{i}].channel"), found, allowed));
+                    let with = format!("that of network {}, which is on the same radio channel", band[0]);
+                    let remedy = "write the same table in both";
+                    return Err(SettingError::conflict(format!("networks[{i}].channel"), with, remedy));
                 }
                 band.push(i);
             }

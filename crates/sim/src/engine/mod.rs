@@ -146,7 +146,7 @@ impl<A: Application> Engine<A> {
                 hears: hears.clone(),
                 coordinator: coordinator.take_if(|_| id == NetworkId::default()),
             };
-            links.push(settings.links(placement, &mut scene));
+            links.push(network.technology.links(placement, &mut scene));
         }
         let sectors = networks.iter().map(|network| network.technology.antennas());
         let sectors = sectors.map(|antennas| antennas.map(Antennas::robot_sectors).filter(|table| !table.is_empty()));

@@ -1,13 +1,13 @@
 //! The antennas of a network of IEEE 802.11ad: those of its nodes, and those of its robots and sinks.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Antenna, AntennaConfig, Db, Orientation, SectorTable};
-use sextant_kernel::{Seed, SettingError, StationId};
+use sextant_kernel::{Files, Seed, SettingError, StationId};
 use sextant_mac::dmg::SectorLayout;
 
 use crate::air::Mount;
@@ -85,13 +85,13 @@ pub struct Antennas {
 }
 
 impl Antennas {
-    /// The antennas that `config` describes; its file paths are relative to `folder`.
+    /// The antennas that `config` describes; its file paths are among `files`.
     ///
     /// # Errors
     /// If a value is invalid, a file has a flaw, or a sweep of a robot has more sectors than frames can name.
-    pub fn read(config: &AntennasConfig, folder: &Path) -> Result<Self, SettingError> {
+    pub fn read(config: &AntennasConfig, files: &Files) -> Result<Self, SettingError> {
         let antenna = |key: &str, config| -> Result<(Arc<Antenna>, SectorLayout), SettingError> {
-            let antenna = Antenna::read(config, folder).map_err(|error| error.within(key))?;
+            let antenna = Antenna::read(config, files).map_err(|error| error.within(key))?;
             let layout = layout(&antenna).map_err(|error| error.within(key))?;
             Ok((Arc::new(antenna), layout))
         };

@@ -22,8 +22,8 @@ pub use capture::FrameFormat;
 pub use config::{LinkConfig, LinkError, MacConfig, RadioConfig, RadioGroupConfig};
 pub use ieee80211ad::Ieee80211ad;
 pub use ieee802154::Ieee802154;
+pub(crate) use technology::Links;
 pub use technology::Technology;
-pub(crate) use technology::{LinkEvent, Links};
 
 /// Refuses bit errors of another physical layer, that of `radio`, than that of which they are known.
 fn refuse_bit_errors(reception: ReceptionModel, radio: &str) -> Result<(), SettingError> {

@@ -7,13 +7,11 @@ use sextant_kernel::{NodeId, Seed, SettingError, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::coordinator::Coordinator;
 
-use super::Links;
 use super::antennas::Antennas;
 use super::capture::FrameFormat;
 use super::clock::Clock;
 use super::coordinator::Coordination;
 use crate::air::ReceptionRules;
-use crate::scene::Scene;
 use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
 
@@ -162,7 +160,4 @@ pub(crate) trait LinkSettings {
     fn greatest_gain(&self) -> Db {
         self.antennas().map_or(Db(0.0), Antennas::greatest_gain)
     }
-
-    /// The links of all stations of `scene`.
-    fn links(&self, placement: Placement, scene: &mut Scene) -> Links;
 }

@@ -1,12 +1,11 @@
 //! The technologies of links.
 
 use std::ops::Range;
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::{SimTime, StationId};
-use sextant_mac::{Class, MessageEnergy, RadioStates};
+use sextant_kernel::{Files, SimTime, StationId};
+use sextant_mac::{MessageEnergy, RadioStates};
 
 use super::antennas::Antennas;
 use super::capture::FrameFormat;
@@ -14,7 +13,8 @@ use super::config::{LinkConfig, LinkError, MacConfig};
 use super::ieee80211ad::{self, Ieee80211ad};
 use super::ieee802154::{self, Ieee802154};
 use super::links::NetworkLinks;
-use super::settings::LinkSettings;
+use super::settings::{LinkSettings, Placement};
+use crate::event::link::LinkEvent;
 use crate::observer::Observer;
 use crate::scene::Scene;
 use crate::service::packets::NetworkRecord;
@@ -22,7 +22,7 @@ use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::sweep::{SweepAnswer, SweepError, SweepKind};
 use crate::world::layout::PlacedNode;
 
-/// Makes the enums of all technologies: of their settings, of the links of a network, and of events. Each technology is
+/// Makes the enums of all technologies: of their settings, and of the links of a network. Each technology is
 /// one line: the channel access of a scenario that chooses it, its name, its settings, its folder.
 macro_rules! technologies {
     ($d:tt $($(#[$doc:meta])+ $mac:pat => $name:ident($settings:ty) in $folder:ident;)+) => {
@@ -35,12 +35,6 @@ macro_rules! technologies {
         /// The links of a network, of any technology.
         pub(crate) enum Links {
             $($(#[$doc])+ $name($folder::Links),)+
-        }
-
-        /// An event of a link.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(crate) enum LinkEvent {
-            $($(#[$doc])+ $name($folder::Event),)+
         }
 
         /// Asks the links of whatever technology: no call is indirect.
@@ -56,9 +50,16 @@ macro_rules! technologies {
             ///
             /// # Errors
             /// All that is wrong with its tables.
-            pub fn read(config: &LinkConfig<'_>, nodes: Option<&[PlacedNode]>, folder: &Path) -> Result<Self, Vec<LinkError>> {
+            pub fn read(config: &LinkConfig<'_>, nodes: Option<&[PlacedNode]>, files: &Files) -> Result<Self, Vec<LinkError>> {
                 match config.mac {
-                    $($mac => <$folder::Settings>::read(config, nodes, folder).map(|settings| Self::$name(settings.into())),)+
+                    $($mac => <$folder::Settings>::read(config, nodes, files).map(|settings| Self::$name(settings.into())),)+
+                }
+            }
+
+            /// The links of all stations of `scene`.
+            pub(crate) fn links(&self, placement: Placement, scene: &mut Scene) -> Links {
+                match self {
+                    $(Self::$name(settings) => Links::$name($folder::Links::new(settings, placement, scene)),)+
                 }
             }
 
@@ -72,14 +73,6 @@ macro_rules! technologies {
                 match self {
                     $(Self::$name(settings) => { let settings: &mut $folder::Settings = settings; settings })+
                 }
-            }
-        }
-
-        impl LinkEvent {
-            /// Class of the event among those of the same instant.
-            #[inline]
-            pub(crate) const fn class(self) -> Class {
-                match self { $(Self::$name(event) => event.class(),)+ }
             }
         }
 
@@ -112,6 +105,17 @@ technologies! {$
 }
 
 impl Technology {
+    /// The settings of IEEE 802.15.4, if that is the technology.
+    #[must_use]
+    pub fn ieee802154(&self) -> Option<&Ieee802154> {
+        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
+    }
+
+    /// The same, to change them.
+    pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
+        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
+    }
+
     /// Transmit power, without antennas; but for groups of nodes.
     #[must_use]
     pub fn tx_power(&self) -> Dbm {

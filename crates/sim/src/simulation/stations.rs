@@ -131,8 +131,8 @@ impl<'a> Stations<'a> {
         let robot = self.robots_in(id).next();
         let sink = || (0..self.roll.sinks).find(|&sink| self.setup.sinks[sink].is_in(id));
         let station = robot.or_else(|| sink().map(|sink| self.roll.robots + sink)).ok_or_else(|| {
-            let allowed = "a robot or a sink in the network, to send the beacons";
-            SettingError::new(network.key("mac"), "beacon_enabled, without a robot or sink", allowed)
+            let with = "a network without a robot or a sink, because one of them sends the beacons";
+            SettingError::conflict(network.key("mac"), with, "add a robot or a sink")
         })?;
         let listen = robot.map(|robot| (robot, self.setup.robots[robot].body.listen));
         let post = Post { station: StationId::from_index(self.roll.nodes + station), listen };

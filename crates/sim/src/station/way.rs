@@ -91,7 +91,7 @@ fn nearest(place: Position, obstacles: &ObstacleField) -> Position {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
+    use sextant_kernel::Files;
 
     use proptest::prelude::*;
     use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ShapeConfig};
@@ -115,7 +115,7 @@ mod tests {
             solid: true,
             reflection_loss_db: None,
         };
-        ObstacleField::new(vec![Obstacle::read(config, Path::new("")).expect("a good block")])
+        ObstacleField::new(vec![Obstacle::read(config, &Files::default()).expect("a good block")])
     }
 
     fn arc(from: Position, heading_rad: f64, curve: Curve) -> Trip {

@@ -95,9 +95,9 @@ impl InterfererConfig {
             }
             (None, Some(center_mhz)) => SettingError::in_range("center_mhz", center_mhz, 1.0, 1e6)?,
             (Some(_), Some(_)) => {
-                return Err(SettingError::new("channel", "set beside `center_mhz`", "one of the two keys"));
+                return Err(SettingError::conflict("channel", "`center_mhz`", "set one of them"));
             }
-            (None, None) => return Err(SettingError::new("channel", "absent", "one of `channel` and `center_mhz`")),
+            (None, None) => return Err(SettingError::missing("channel", "`channel` or `center_mhz`")),
         };
         let bandwidth_mhz = SettingError::in_range("bandwidth_mhz", self.bandwidth_mhz, 1e-3, 1e4)?;
         let mut leakage: Vec<(f64, f64)> = vec![(0.0, 0.0)];

@@ -8,12 +8,12 @@ pub mod layout;
 pub(crate) mod sensors;
 pub(crate) mod target;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{Obstacle, ObstacleConfig, ObstacleField};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 
 use field::{Field, FieldConfig};
 use interferer::Interferer;
@@ -69,14 +69,14 @@ impl WorldConfig {
     }
 
     /// Sets up the world: the obstacles first, the nodes and targets between them. The nodes sense nothing. Paths are
-    /// relative to `folder`.
+    /// among `files`.
     ///
     /// # Errors
     /// If an obstacle has no volume, a node or target is in an obstacle, the nodes do not fit, a target is far from all
     /// nodes or has no way, or a field is invalid.
-    pub fn build(&self, seed: Seed, folder: &Path) -> Result<World, SettingError> {
-        let obstacles = Self::set_up_obstacles(&self.obstacles, folder)?;
-        let nodes = self.nodes.place(&obstacles, seed, folder).map_err(|error| error.within("nodes"))?;
+    pub fn build(&self, seed: Seed, files: &Files) -> Result<World, SettingError> {
+        let obstacles = Self::set_up_obstacles(&self.obstacles, files)?;
+        let nodes = self.nodes.place(&obstacles, seed, files).map_err(|error| error.within("nodes"))?;
         let target = |(i, config): (usize, &TargetConfig)| {
             config.check_places(&nodes)?;
             config.build(i as u64, &obstacles, seed)
@@ -88,13 +88,13 @@ impl WorldConfig {
         Ok(World { nodes, obstacles, targets, fields, sensors: Sensors::default(), interferers: Vec::new() })
     }
 
-    /// The obstacles alone. Paths are relative to `folder`.
+    /// The obstacles alone. Paths are among `files`.
     ///
     /// # Errors
     /// If an obstacle has no volume.
-    pub fn set_up_obstacles(configs: &[ObstacleConfig], folder: &Path) -> Result<ObstacleField, SettingError> {
+    pub fn set_up_obstacles(configs: &[ObstacleConfig], files: &Files) -> Result<ObstacleField, SettingError> {
         let obstacle = |(i, config): (usize, &ObstacleConfig)| {
-            Obstacle::read(config.clone(), folder).map_err(|error| error.within(format!("obstacles[{i}]")))
+            Obstacle::read(config.clone(), files).map_err(|error| error.within(format!("obstacles[{i}]")))
         };
         configs.iter().enumerate().map(obstacle).collect::<Result<Vec<_>, _>>().map(ObstacleField::new)
     }

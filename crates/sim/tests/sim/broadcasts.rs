@@ -1,10 +1,9 @@
 //! Broadcasts by sector sweeps: exact instants, sectors, contention, the queue, counts and energy.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{ChannelConfig, Db, LogDistanceConfig, PathLossConfig, Position};
-use sextant_kernel::{SimTime, StationId};
+use sextant_kernel::{Files, SimTime, StationId};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{SweepBody, SweepConfig, SweepFrame, beacon_payload};
 use sextant_sim::{
@@ -43,7 +42,7 @@ pub(crate) fn link(antennas: &str) -> Network {
     let radio = DmgRadio::try_from(radio).expect("good levels");
     let sweep = SweepConfig::default().try_into().expect("good settings");
     let antennas =
-        Antennas::read(&toml::from_str(antennas).expect("antennas"), Path::new("")).expect("good antennas");
+        Antennas::read(&toml::from_str(antennas).expect("antennas"), &Files::default()).expect("good antennas");
     let links = Ieee80211ad::new(radio, ReceptionModel::Overlap, sweep, antennas).expect("sectors that fit");
     Network {
         name: None,

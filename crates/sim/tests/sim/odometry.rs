@@ -1,12 +1,11 @@
 //! Robots whose odometry has errors: what they believe, and where they are.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{
     BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig,
 };
-use sextant_kernel::SimTime;
+use sextant_kernel::{Files, SimTime};
 use sextant_sim::{
     CommandOutcome, Controller, Ending, Observer, Odometry, OdometryConfig, PeriodicConfig, Pose, Robot, RobotBody,
     RobotCommand, RobotTask, Setup, Simulation, Situation, Survey, TrafficConfig,
@@ -199,7 +198,7 @@ fn range_sensors_measure_from_the_true_place_and_contacts_are_logged_where_the_r
     let robot =
         Robot { body: network::surveyor_body(), task: RobotTask::Survey(Box::new(ToTheWall { contacts: 0 })) };
     let mut setup = setup(robot, OdometryConfig { scale_error: 0.25, ..EXACT }, 1);
-    setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, Path::new("")).expect("a good wall")]);
+    setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, &Files::default()).expect("a good wall")]);
     let (survey, trace) = survey(setup);
     // The hull touches the wall at x = 6.75 m, 5.4 m by odometry; the wall is 0.25 m ahead of the robot's centre.
     let [first, second] = survey.log().contacts() else { panic!("{:?}", survey.log().contacts()) };

@@ -9,7 +9,7 @@ mod walks;
 use std::time::Duration;
 
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
-use sextant_kernel::{NodeId, Seed, SimTime};
+use sextant_kernel::{Files, NodeId, Seed, SimTime};
 use sextant_sim::{
     Application, AtEnd, Faults, Observer, Port, Sensed, Sensors, SensorsConfig, Setup, Target, TargetConfig,
     TargetId, TargetMotionConfig, TargetSensorConfig, WaypointsConfig, World,
@@ -128,5 +128,5 @@ fn block(center: [f64; 3], size_m: [f64; 3]) -> Obstacle {
         solid: true,
         reflection_loss_db: None,
     };
-    Obstacle::read(config, std::path::Path::new("")).expect("a good block")
+    Obstacle::read(config, &Files::default()).expect("a good block")
 }

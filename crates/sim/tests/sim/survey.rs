@@ -5,7 +5,7 @@ use std::time::Duration;
 use sextant_channel::{
     BoxConfig, ChannelConfig, Environment, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig, Stop,
 };
-use sextant_kernel::{NodeId, SimTime};
+use sextant_kernel::{Files, NodeId, SimTime};
 use sextant_sim::{
     Ending, FrameOnAir, NetworkId, Observer, OnceConfig, PeriodicConfig, Progress, Radio, ReceptionModel, Robot,
     Setup, Simulation, Survey, TrafficConfig, Unobserved,
@@ -119,8 +119,7 @@ fn a_block_of_concrete_silences_the_node_behind_it() {
     let places = [Position::new(0.0, 5.0, 0.0), Position::new(0.0, -5.0, 0.0)];
     let robot = tour(vec![Position::new(0.0, 0.1, 0.0)], Duration::from_secs(60));
     let mut setup = setup(&places, robot, 1);
-    setup.world.obstacles =
-        ObstacleField::new(vec![Obstacle::read(block, std::path::Path::new("")).expect("a good block")]);
+    setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(block, &Files::default()).expect("a good block")]);
     let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
     let [behind, free] = survey.robots[0].packets[..] else { panic!("two nodes") };
     // 40 dB more loss: the mean is 19.6 dB below the sensitivity, 2 of its standard deviations of 9.6 dB.
@@ -144,8 +143,7 @@ fn a_robot_stops_in_front_of_an_obstacle_and_reports_the_contact() {
     };
     let robot = tour(vec![Position::new(9.0, 0.0, 0.0)], Duration::from_secs(1));
     let mut setup = setup(&[Position::new(1.0, 1.0, 0.0)], robot, 1);
-    setup.world.obstacles =
-        ObstacleField::new(vec![Obstacle::read(wall, std::path::Path::new("")).expect("a good wall")]);
+    setup.world.obstacles = ObstacleField::new(vec![Obstacle::read(wall, &Files::default()).expect("a good wall")]);
     let survey = Simulation::new(setup).unwrap().run(&mut Unobserved);
     let [contact] = survey.log().contacts() else { panic!("one contact, not {:?}", survey.log().contacts()) };
     assert!(contact.position.distance_m(Position::new(4.0, 0.0, 0.0)) < 1e-6, "{contact:?}");

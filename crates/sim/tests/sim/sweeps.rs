@@ -1,13 +1,12 @@
 //! Sector sweeps over the air: exact instants of one answer, the sectors that nodes name, contention.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{
     AntennaConfig, ChannelConfig, LogDistanceConfig, Obstacle, ObstacleConfig, ObstacleField, PathLossConfig,
     Position, Reception,
 };
-use sextant_kernel::{NodeId, Seed, StationId, Unwatched};
+use sextant_kernel::{Files, NodeId, Seed, StationId, Unwatched};
 use sextant_mac::RadioStates;
 use sextant_mac::dmg::{ContentionConfig, MacAddress, SweepBody, SweepConfig, SweepFrame};
 use sextant_sim::{
@@ -89,7 +88,7 @@ impl Scene {
         let radio =
             sextant_sim::RadioConfig { sensitivity_dbm: -60.0, ..network::radio(-60.0 + 20.0 * libm::log10(7.0)) };
         let radio = DmgRadio::try_from(radio).expect("good levels");
-        let antennas = Antennas::read(antennas, Path::new("")).expect("good antennas");
+        let antennas = Antennas::read(antennas, &Files::default()).expect("good antennas");
         let sweep = sweep.try_into().expect("good settings");
         let links = Ieee80211ad::new(radio, self.reception, sweep, antennas).expect("sectors that fit");
         Technology::Ieee80211ad(Box::new(links))

@@ -1,16 +1,14 @@
 //! Antennas of nodes that are raised by angles drawn for each node.
 
-use std::path::Path;
-
 use sextant_channel::Position;
-use sextant_kernel::Seed;
+use sextant_kernel::{Files, Seed};
 use sextant_sim::{Antennas, AntennasConfig};
 
 /// The antennas of nodes with 8 sectors, half-power width 30 degrees in elevation, and these tilts.
 fn antennas(nodes: &str, tilts_deg: &str) -> Result<Antennas, String> {
     let text = format!("nodes = {nodes}\nrobots.omnidirectional = {{}}\nnode_tilts_deg = {tilts_deg}");
     let config: AntennasConfig = toml::from_str(&text).expect("antennas");
-    Antennas::read(&config, Path::new("")).map_err(|error| error.key)
+    Antennas::read(&config, &Files::default()).map_err(|error| error.key)
 }
 
 const RING: &str = "{ sectors = { azimuth_sectors = 8, vertical_width_deg = 30, pattern.elliptical = {} } }";

@@ -74,12 +74,12 @@ fn invalid_applications_are_refused_at_their_key() {
         (good.replacen("duration_s = 60.0", "duration_s = 0.0", 1), "`applications[0].duration_s` is 0", ""),
         (
             good.replace("role = \"agent\"", "role = \"agent\"\ncontroller.waypoints.places_m = [[1.0, 2.0]]"),
-            "`robots[0].controller` is a table",
+            "`robots[0].controller` conflicts with `role = \"agent\"`",
             "applications drive",
         ),
         (
             good.replace("role = \"agent\"\n", ""),
-            "`robots[0].controller` is absent",
+            "`robots[0].controller` is missing",
             "`role = \"agent\"` for applications alone",
         ),
     ] {

@@ -21,7 +21,7 @@ fn recorded(log: &ReceptionLog) -> (TempDir, PathBuf, Vec<u8>) {
 /// Checks that the log in `path` is the beginning of `log`; returns its number of stops.
 fn assert_prefix(path: &Path, log: &ReceptionLog) -> usize {
     let found = match read_log(path) {
-        Ok(run) => run.log,
+        Ok(run) => run.logs.first().clone(),
         Err(RecordingError::NoLog { .. }) => return 0,
         Err(other) => panic!("{other}"),
     };

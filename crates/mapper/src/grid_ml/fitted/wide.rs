@@ -9,8 +9,8 @@ use crate::log_facts::heights::Heights;
 use crate::log_facts::reach::HeardNode;
 use crate::log_facts::search_box::SearchBox;
 use crate::numerics::whole;
-use crate::posterior::{LocalPosterior, covariance, local_posterior};
-use crate::{Concern, Estimate, EstimateKind, MapError};
+use crate::posterior::{Verdict, local_posterior};
+use crate::{Estimate, EstimateKind, MapError};
 
 /// Places of the scan along each axis, in the plane and in space.
 const SCAN: [u32; 2] = [15, 9];
@@ -20,12 +20,6 @@ const MOST_OPERATIONS: [f64; 2] = [1e7, 4e8];
 const LONG_LOG: (usize, f64) = (50_000, 1e6);
 /// Operations of the adaptive grid for each link of a node, about.
 const OPERATIONS: f64 = 3000.0;
-/// A place is likely if its probability is at least this share of that of the likeliest: `exp(−3)`, as in a 95 % region.
-const LIKELY: f64 = 0.05;
-/// A posterior is flat if its standard deviation along each axis is more than this share of the box. That of a uniform law
-/// is 0.289 of its width.
-const FLAT: f64 = 0.25;
-
 /// The search for the nodes of a log in boxes that are too large for a grid.
 #[derive(Debug)]
 pub(crate) struct WideSearch<'a> {
@@ -126,7 +120,7 @@ impl WideSearch<'_> {
             }
             curve.log_likelihood(&links, place)
         };
-        let (start, gaps_m) = scan(within, within.nearest(heard.middle), &log_likelihood);
+        let Scan { start, gaps_m, verdict } = scan(within, within.nearest(heard.middle), &log_likelihood);
         let heights = if within.is_level() {
             Heights::Level(within.low[2])
         } else {
@@ -135,24 +129,14 @@ impl WideSearch<'_> {
         let least_step_m = 0.5 * self.step_m;
         let found =
             local_posterior(heights, start, gaps_m.map(|gap| gap.max(self.step_m)), least_step_m, &log_likelihood);
-        let LocalPosterior { places, mean, spread_m } = found?;
-        let (best, most) = places.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied()?;
-        let is_likely_at_edge = |&(place, probability): &(Position, f64)| {
-            probability >= LIKELY * most && within.is_at_edge(place, self.step_m)
-        };
-        let is_flat = |axis: usize| spread_m[axis] >= FLAT * (within.high[axis] - within.low[axis]);
-        let concern = match places.iter().any(is_likely_at_edge) {
-            true if (0..3).all(is_flat) => Some(Concern::NoEvidence),
-            true => Some(Concern::AtEdge),
-            false => None,
-        };
-        let apart = places.iter().map(|&(place, probability)| (place - mean, probability));
-        let (position, covariance) = match self.kind {
-            EstimateKind::Argmax => (best, None),
-            EstimateKind::PosteriorMean => (mean, Some(covariance(apart))),
-        };
-        let log_likelihood = Some(curve.log_likelihood(&links, best));
-        Some(Estimate { position, log_likelihood, ties: 1, covariance, infeasible: false, concern })
+        let found = found?;
+        let best = found.likeliest();
+        let most = curve.log_likelihood(&links, best);
+        let at_edge = found.places.iter().filter(|(place, _)| within.is_at_edge(*place, self.step_m));
+        let highest_at_edge = at_edge.map(|&(place, _)| log_likelihood(place)).fold(f64::NEG_INFINITY, f64::max);
+        // The scan holds places of the whole box, and the grid the likeliest.
+        let concern = verdict.concern(most - highest_at_edge);
+        Some(Estimate { concern, ..found.estimate(self.kind, (best, most)) })
     }
 
     /// The packets of a node at each stop that listened for it.
@@ -167,23 +151,34 @@ impl WideSearch<'_> {
     }
 }
 
-/// The likeliest place of `first` and of a coarse grid over the box, and the gaps of the grid along each axis (m).
-fn scan(within: &SearchBox, first: Position, log_likelihood: &impl Fn(Position) -> f64) -> (Position, [f64; 3]) {
+/// What a coarse grid over a box tells.
+struct Scan {
+    /// The likeliest of its places.
+    start: Position,
+    /// The gaps between them along each axis (m).
+    gaps_m: [f64; 3],
+    verdict: Verdict,
+}
+
+/// The scan of the box, and of `first`, which may be likelier than the places of the grid.
+fn scan(within: &SearchBox, first: Position, log_likelihood: &impl Fn(Position) -> f64) -> Scan {
     let count = SCAN[usize::from(!within.is_level())];
     let counts = [0, 1, 2].map(|axis| if within.high[axis] > within.low[axis] { count } else { 1 });
     let gaps_m = [0, 1, 2].map(|axis| (within.high[axis] - within.low[axis]) / f64::from(counts[axis]));
     let along = |axis: usize, i: u32| within.low[axis] + (f64::from(i) + 0.5) * gaps_m[axis];
     let mut best = (first, log_likelihood(first));
+    let mut verdict = Verdict::default();
     for k in 0..counts[2] {
         for j in 0..counts[1] {
             for i in 0..counts[0] {
                 let place = Position::new(along(0, i), along(1, j), along(2, k));
                 let value = log_likelihood(place);
+                verdict.take(value);
                 if value > best.1 {
                     best = (place, value);
                 }
             }
         }
     }
-    (best.0, gaps_m)
+    Scan { start: best.0, gaps_m, verdict }
 }

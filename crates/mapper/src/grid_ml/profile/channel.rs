@@ -153,7 +153,7 @@ impl ChannelProfileConfig {
     /// The law of one link.
     pub(crate) fn link(&self) -> Result<KnownLink, SettingError> {
         let needed = |key, value: Option<f64>| {
-            value.ok_or_else(|| SettingError::new(key, "absent", "a number; in a scenario, that of its channel"))
+            value.ok_or_else(|| SettingError::missing(key, "a number; in a scenario, that of its channel"))
         };
         let (tx, sensitivity) =
             (needed("tx_power_dbm", self.tx_power_dbm)?, needed("sensitivity_dbm", self.sensitivity_dbm)?);

@@ -1,15 +1,19 @@
 //! What a recording says before the first event.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::messages::SensorsMessage;
 use sextant_recording::{FileRecorder, Origin, PlacedNode, RecordingError, Solid};
 use sextant_sim::{FieldSensorConfig, SensorsConfig};
 
+use crate::run::error::RunError;
 use crate::run::observer::RunStart;
-use crate::scenario::Scenario;
+use crate::scenario::{NamedFile, Scenario};
 
 /// Records what is known before the first event.
-pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), RecordingError> {
+pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), RunError> {
     let world = scenario.world();
     recorder.origin(Origin {
         scenario: scenario.name(),
@@ -17,6 +21,7 @@ pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(
         version: env!("CARGO_PKG_VERSION"),
     })?;
     recorder.scenario(scenario.text())?;
+    named_files(recorder, scenario)?;
     let names: Vec<_> = world.nodes.iter().map(|node| node.name.clone()).collect();
     recorder.nodes(&names)?;
     logs(recorder, scenario)?;
@@ -36,6 +41,24 @@ pub(super) fn open(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(
     let config = &scenario.config().sensors;
     if *config != SensorsConfig::default() {
         recorder.sensors(&sensors(config))?;
+    }
+    Ok(())
+}
+
+/// Attaches the files that the scenario names, so that a map of the recording needs no other file.
+fn named_files(recorder: &mut FileRecorder, scenario: &Scenario) -> Result<(), RunError> {
+    let mut attached: BTreeMap<&Path, Vec<u8>> = BTreeMap::new();
+    for NamedFile { written, path } in scenario.named_files() {
+        let content =
+            std::fs::read(path).map_err(|why| RunError::NamedFile { path: path.clone(), why: why.to_string() })?;
+        match attached.get(written.as_path()) {
+            Some(same) if *same == content => {}
+            Some(_) => return Err(RunError::TwoFiles { written: written.clone() }),
+            None => {
+                recorder.named_file(&written.to_string_lossy(), &content)?;
+                attached.insert(written, content);
+            }
+        }
     }
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! Traffic as written in a scenario.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sextant_kernel::{SettingError, SimTime};
+use sextant_kernel::{Files, SettingError, SimTime};
 
 use super::{Schedule, Traffic, trace};
 use crate::world::layout::{NodesOfGroup, PlacedNode};
@@ -198,8 +198,8 @@ impl TrafficConfig {
         }
     }
 
-    /// The traffic of each of `nodes`, with `key` as the table in which it stands; paths are relative to `folder`.
-    pub(super) fn traffic(&self, nodes: &[PlacedNode], folder: &Path, table: &str) -> Result<Traffic, SettingError> {
+    /// The traffic of each of `nodes`, with `key` as the table in which it stands; paths are among `files`.
+    pub(super) fn traffic(&self, nodes: &[PlacedNode], files: &Files, table: &str) -> Result<Traffic, SettingError> {
         let key = self.key();
         let within = |error: SettingError| error.within(key);
         let traffic = |mpdu_octets, acknowledged: bool, to: &Option<String>, schedule| {
@@ -239,7 +239,7 @@ impl TrafficConfig {
                 traffic(octets, config.acknowledged, &config.to, Schedule::Saturated { spread_s })
             }
             Self::Trace(config) => {
-                let trace = trace::read(&config.file, nodes, folder).map_err(within)?;
+                let trace = trace::read(&config.file, nodes, files).map_err(within)?;
                 traffic(trace.largest_octets(), config.acknowledged, &config.to, Schedule::Trace(trace.into()))
             }
             Self::Silent(_) => traffic(0, false, &None, Schedule::Silent),

@@ -4,11 +4,10 @@ mod config;
 mod plan;
 mod trace;
 
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sextant_kernel::{NodeId, Seed, SettingError, SimTime};
+use sextant_kernel::{Files, NodeId, Seed, SettingError, SimTime};
 
 use crate::purpose;
 use trace::Trace;
@@ -55,7 +54,7 @@ impl TryFrom<TrafficConfig> for Traffic {
     type Error = SettingError;
 
     fn try_from(config: TrafficConfig) -> Result<Self, SettingError> {
-        config.traffic(&[], Path::new(""), "traffic")
+        config.traffic(&[], &Files::default(), "traffic")
     }
 }
 

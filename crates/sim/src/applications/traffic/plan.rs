@@ -1,8 +1,6 @@
 //! The traffic of all nodes of a network.
 
-use std::path::Path;
-
-use sextant_kernel::{NodeId, SettingError};
+use sextant_kernel::{Files, NodeId, SettingError};
 
 use super::{GroupConfig, Traffic, TrafficConfig};
 use crate::world::layout::PlacedNode;
@@ -35,13 +33,13 @@ impl TrafficPlan {
         Self::all(Traffic::silent(), nodes)
     }
 
-    /// The plan as `config` says; paths are relative to `folder`. Keys of errors stand in the table of the traffic.
+    /// The plan as `config` says; paths are among `files`. Keys of errors stand in the table of the traffic.
     ///
     /// # Errors
     /// If a number is out of range, a group has no node or a node that is in another group, or a trace cannot be read.
-    pub fn new(config: &TrafficConfig, nodes: &[PlacedNode], folder: &Path) -> Result<Self, SettingError> {
+    pub fn new(config: &TrafficConfig, nodes: &[PlacedNode], files: &Files) -> Result<Self, SettingError> {
         let TrafficConfig::Groups(groups) = config else {
-            return Ok(Self::all(config.traffic(nodes, folder, "traffic")?, nodes.len()));
+            return Ok(Self::all(config.traffic(nodes, files, "traffic")?, nodes.len()));
         };
         if groups.is_empty() {
             return Err(SettingError::new("groups", "empty", "at least one group"));
@@ -50,7 +48,7 @@ impl TrafficPlan {
         for (i, group) in groups.iter().enumerate() {
             let table = format!("groups[{i}]");
             plan.add(i, group, nodes).map_err(|error| error.within(&table))?;
-            let traffic = group.traffic.traffic(nodes, folder, &format!("traffic.{table}.traffic"));
+            let traffic = group.traffic.traffic(nodes, files, &format!("traffic.{table}.traffic"));
             let traffic = traffic.map_err(|error| error.within("traffic").within(&table))?;
             plan.groups.push(Group { name: Some(group.name.clone()), traffic });
         }

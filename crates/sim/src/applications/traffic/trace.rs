@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use serde::Deserialize;
-use sextant_kernel::{NodeId, SettingError, SimTime};
+use sextant_kernel::{Files, NodeId, SettingError, SimTime};
 
 use crate::csv_rows::{cell_fault, line_of, row_fault};
 use crate::world::layout::PlacedNode;
@@ -41,10 +41,10 @@ impl Trace {
     }
 }
 
-/// Reads the table `file`, whose path is relative to `folder`.
-pub(super) fn read(file: &Path, nodes: &[PlacedNode], folder: &Path) -> Result<Trace, SettingError> {
-    let path = folder.join(file);
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+/// Reads the table `file`, whose path is among `files`.
+pub(super) fn read(file: &Path, nodes: &[PlacedNode], files: &Files) -> Result<Trace, SettingError> {
+    let path = files.path(file);
+    let text = files.read_text(file).map_err(|error| {
         SettingError::new("file", format!("`{}`: {error}", path.display()), "a CSV file that can be read")
     })?;
     parse(&text, &file.display().to_string(), nodes)
@@ -100,7 +100,7 @@ mod tests {
 
     fn parsed(text: &str) -> Result<Trace, String> {
         let node = |name: &str| PlacedNode { name: name.into(), position: Position::ORIGIN };
-        parse(text, "trace.csv", &[node("a"), node("b")]).map_err(|error| error.found)
+        parse(text, "trace.csv", &[node("a"), node("b")]).map_err(|error| error.found().to_owned())
     }
 
     #[test]

@@ -13,13 +13,13 @@ use sextant_channel::Milliwatts;
 use sextant_kernel::{SimTime, StationId};
 use sextant_mac::dmg::{self, Answer, Initiator, MacAddress, Responder, SectorLayout};
 
-use super::event::Event;
 use super::settings::Ieee80211ad;
 use super::stack::{RadioStack, Role, Stack};
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, CarrierChange};
 use crate::event::Event as EngineEvent;
-use crate::link::LinkEvent;
+use crate::event::ieee80211ad::Event;
+use crate::event::link::LinkEvent;
 use crate::link::antennas::Antennas;
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
@@ -70,7 +70,7 @@ struct Gathered {
 
 impl Links {
     /// The links of all stations of `scene`.
-    pub(super) fn new(settings: &Ieee80211ad, placement: Placement, scene: &mut Scene) -> Self {
+    pub(in crate::link) fn new(settings: &Ieee80211ad, placement: Placement, scene: &mut Scene) -> Self {
         let Ieee80211ad { radio, answers, antennas, .. } = settings;
         let roll = scene.roll;
         let ledger = Ledger::new(&placement, roll);

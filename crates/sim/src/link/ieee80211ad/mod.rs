@@ -2,14 +2,12 @@
 //! data to all from each of them.
 
 mod broadcast;
-mod event;
 mod links;
 mod radio;
 mod settings;
 mod stack;
 mod transceiver;
 
-pub(crate) use event::Event;
 pub(super) use links::Links;
 pub use radio::DmgRadio;
 pub use settings::Ieee80211ad;

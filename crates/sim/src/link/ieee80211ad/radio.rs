@@ -28,20 +28,16 @@ impl TryFrom<RadioConfig> for DmgRadio {
 
     fn try_from(config: RadioConfig) -> Result<Self, SettingError> {
         if config.phy != Phy::default() {
-            let found = format!("\"{}\", with sector sweeps", config.phy.name());
-            return Err(SettingError::new(
-                "phy",
-                found,
-                "no key: sector sweeps have the control PHY of IEEE 802.11ad",
-            ));
+            let remedy = "remove it, because sector sweeps have the control PHY of IEEE 802.11ad";
+            return Err(SettingError::conflict("phy", "`mac.sector_sweep`", remedy));
         }
         if config.clock_ppm.abs() > 0.0 || config.clock_ppm.is_nan() {
-            let allowed = "no key: with sector sweeps clocks are exact";
-            return Err(SettingError::new("clock_ppm", config.clock_ppm, allowed));
+            let remedy = "remove it, because clocks are exact with sector sweeps";
+            return Err(SettingError::conflict("clock_ppm", "`mac.sector_sweep`", remedy));
         }
         if !config.groups.is_empty() {
-            let allowed = "no table: with sector sweeps all nodes have the same radio";
-            return Err(SettingError::new("groups", format!("a list of {}", config.groups.len()), allowed));
+            let remedy = "remove the table, because all nodes have the same radio with sector sweeps";
+            return Err(SettingError::conflict("groups", "`mac.sector_sweep`", remedy));
         }
         let channel = config.channel.unwrap_or(1);
         if !(1..=4).contains(&channel) {

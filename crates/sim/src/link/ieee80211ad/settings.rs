@@ -1,22 +1,19 @@
 //! The settings of the links of a network of IEEE 802.11ad.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 use sextant_mac::dmg::timing::{PREAMBLE, control_airtime};
 use sextant_mac::dmg::{AnswerSettings, SweepSettings, beacon_octets};
 
-use super::links::Links;
 use super::radio::DmgRadio;
 use crate::air::{CarrierThresholds, ReceptionConfig, ReceptionModel, ReceptionRules, ThresholdConfig};
+use crate::link;
 use crate::link::antennas::Antennas;
 use crate::link::capture::FrameFormat;
 use crate::link::config::{LinkConfig, LinkError, MacConfig};
-use crate::link::settings::{LinkSettings, Placement, Spectrum};
-use crate::link::{self, Technology};
-use crate::scene::Scene;
+use crate::link::settings::{LinkSettings, Spectrum};
 use crate::world::layout::PlacedNode;
 
 /// Minimum ratio of signal to interference and noise at which a radio locks on to a frame of the control PHY: its
@@ -34,14 +31,6 @@ pub struct Ieee80211ad {
     pub(super) answers: AnswerSettings,
     /// The antennas.
     pub(super) antennas: Antennas,
-}
-
-impl Technology {
-    /// The settings of IEEE 802.11ad, if that is the technology.
-    #[must_use]
-    pub fn ieee80211ad(&self) -> Option<&Ieee80211ad> {
-        if let Self::Ieee80211ad(settings) = self { Some(settings) } else { None }
-    }
 }
 
 impl Ieee80211ad {
@@ -63,7 +52,7 @@ impl Ieee80211ad {
     pub(in crate::link) fn read(
         config: &LinkConfig<'_>,
         _nodes: Option<&[PlacedNode]>,
-        folder: &Path,
+        files: &Files,
     ) -> Result<Self, Vec<LinkError>> {
         let MacConfig::SectorSweep(sweep) = config.mac else {
             unreachable!("the channel access chose the technology")
@@ -74,7 +63,7 @@ impl Ieee80211ad {
             None => LinkError::missing("radio", &mut errors),
         };
         let antennas = match config.antenna {
-            Some(antennas) => LinkError::take("antenna", Antennas::read(antennas, folder), &mut errors),
+            Some(antennas) => LinkError::take("antenna", Antennas::read(antennas, files), &mut errors),
             None => LinkError::missing("antenna", &mut errors),
         };
         let within = |error: SettingError| error.within("sector_sweep");
@@ -156,9 +145,5 @@ impl LinkSettings for Ieee80211ad {
 
     fn airtime(&self, frame_octets: u16) -> Option<Duration> {
         Some(control_airtime(frame_octets))
-    }
-
-    fn links(&self, placement: Placement, scene: &mut Scene) -> link::Links {
-        link::Links::Ieee80211ad(Links::new(self, placement, scene))
     }
 }

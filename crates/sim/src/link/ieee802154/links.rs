@@ -16,7 +16,7 @@ use sextant_mac::frame::Address;
 use sextant_mac::responder::Responder;
 use sextant_mac::{RadioState, csma};
 
-use super::event::Event;
+use super::addressing::{first_sequence, pan};
 use super::frame_queue::QueuedFrame;
 use super::mac::NodeMac;
 use super::settings::Ieee802154;
@@ -24,25 +24,21 @@ use super::stack::Stack;
 use super::transceiver::{Radios, Transceiver};
 use crate::air::{Arrival, Transmission};
 use crate::event::Event as EngineEvent;
-use crate::link::LinkEvent;
+use crate::event::ieee802154::Event;
+use crate::event::link::LinkEvent;
 use crate::link::clock::Clock;
 use crate::link::ledger::Ledger;
 use crate::link::links::NetworkLinks;
 use crate::link::payloads::Payloads;
 use crate::link::settings::Placement;
 use crate::observer::{HeardFrame, Observer};
-use crate::purpose;
 use crate::scene::Scene;
-use crate::service::network_id::NetworkId;
 use crate::service::outcome::FrameOutcome;
 use crate::service::packets::NetworkRecord;
 use crate::service::report::{Destination, FrameId, Payload, SendError};
 use crate::service::upcall::Upcall;
 use crate::station::Kind;
 use sending::data_frame;
-
-/// PAN of the first network; the others follow.
-const FIRST_PAN: u16 = 0x5E87;
 
 /// A network of IEEE 802.15.4: the links of all its stations.
 pub(crate) struct Links {
@@ -65,20 +61,9 @@ pub(crate) struct Links {
     payload: Range<usize>,
 }
 
-/// PAN of a network.
-pub(crate) fn pan(network: NetworkId) -> u16 {
-    FIRST_PAN + u16::from(network.0)
-}
-
-/// The number before that of the first frame of a station.
-pub(crate) fn first_sequence(scene_seed: sextant_kernel::Seed, station: StationId, network: NetworkId) -> u8 {
-    let place = [station.0.into(), network.0.into(), 0];
-    scene_seed.bits(purpose::SEQUENCE, place).to_be_bytes()[0]
-}
-
 impl Links {
     /// The links of all stations of `scene`.
-    pub(super) fn new(settings: &Ieee802154, placement: Placement, scene: &Scene) -> Self {
+    pub(in crate::link) fn new(settings: &Ieee802154, placement: Placement, scene: &Scene) -> Self {
         let Ieee802154 { radio, mac, .. } = settings;
         let ledger = Ledger::new(&placement, scene.roll);
         let Placement { network, air, first_receiver, hears, coordinator, .. } = placement;

@@ -1,6 +1,6 @@
 //! IEEE 802.15.4: all that knows this technology.
 
-mod event;
+mod addressing;
 mod frame_queue;
 mod links;
 mod mac;
@@ -10,7 +10,6 @@ mod settings;
 mod stack;
 mod transceiver;
 
-pub(crate) use event::Event;
 pub(super) use links::Links;
 pub use mac::Mac;
 pub use radio::Radio;

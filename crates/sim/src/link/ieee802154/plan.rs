@@ -6,7 +6,7 @@ use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::{Address, Endpoint};
 use sextant_mac::superframe::BeaconEnabled;
 
-use super::links::{first_sequence, pan};
+use super::addressing::{first_sequence, pan};
 use super::mac::short_address;
 use crate::link::coordinator::{Coordination, Demand};
 

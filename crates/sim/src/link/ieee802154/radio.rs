@@ -109,7 +109,7 @@ impl Radio {
         let mut levels = Levels::try_from(&config.of_group(group))?;
         if let Some(ppm) = group.clock_offset_ppm {
             if group.clock_ppm.is_some() {
-                return Err(SettingError::new("clock_offset_ppm", ppm, "one of `clock_ppm` and `clock_offset_ppm`"));
+                return Err(SettingError::conflict("clock_offset_ppm", "`clock_ppm`", "set one of them"));
             }
             let ppm = SettingError::in_range("clock_offset_ppm", ppm, -WORST_CLOCK_PPM, WORST_CLOCK_PPM)?;
             levels.clock = Rate::FastBy(ppm);

@@ -1,26 +1,24 @@
 //! The settings of the links of a network of IEEE 802.15.4.
 
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{Db, Dbm};
-use sextant_kernel::{NodeId, Seed, SettingError, StationId};
+use sextant_kernel::{Files, NodeId, Seed, SettingError, StationId};
 use sextant_mac::coordinator::Coordinator;
 use sextant_mac::frame::DataFrame;
 use sextant_mac::{Band, Phy, oqpsk};
 
-use super::links::{Links, pan};
+use super::addressing::pan;
 use super::plan::coordinator;
 use super::radio::Levels;
 use super::{Mac, Radio};
 use crate::air::{ReceptionModel, ReceptionRules};
+use crate::link;
 use crate::link::capture::FrameFormat;
 use crate::link::clock::Clock;
 use crate::link::config::{LinkConfig, LinkError};
 use crate::link::coordinator::Coordination;
-use crate::link::settings::{FrameSize, LinkSettings, Placement, Spectrum};
-use crate::link::{self, Technology};
-use crate::scene::Scene;
+use crate::link::settings::{FrameSize, LinkSettings, Spectrum};
 use crate::service::network_id::NetworkId;
 use crate::world::interferer::Interferer;
 use crate::world::layout::PlacedNode;
@@ -39,25 +37,12 @@ pub struct Ieee802154 {
     pub mac: Mac,
 }
 
-impl Technology {
-    /// The settings of IEEE 802.15.4, if that is the technology.
-    #[must_use]
-    pub fn ieee802154(&self) -> Option<&Ieee802154> {
-        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
-    }
-
-    /// The same, to change them.
-    pub fn ieee802154_mut(&mut self) -> Option<&mut Ieee802154> {
-        if let Self::Ieee802154(settings) = self { Some(settings) } else { None }
-    }
-}
-
 impl Ieee802154 {
     /// The settings that a scenario describes.
     pub(in crate::link) fn read(
         config: &LinkConfig<'_>,
         nodes: Option<&[PlacedNode]>,
-        _folder: &Path,
+        _files: &Files,
     ) -> Result<Self, Vec<LinkError>> {
         let mut errors = Vec::new();
         let radio = match (config.radio, nodes) {
@@ -186,9 +171,5 @@ impl LinkSettings for Ieee802154 {
 
     fn airtime(&self, frame_octets: u16) -> Option<Duration> {
         Some(self.radio.phy().airtime(u8::try_from(frame_octets).ok()?))
-    }
-
-    fn links(&self, placement: Placement, scene: &mut Scene) -> link::Links {
-        link::Links::Ieee802154(Links::new(self, placement, scene))
     }
 }

@@ -54,10 +54,8 @@ impl OptimisedAnchorsConfig {
         let count = match (self.share, self.count) {
             (Some(share), None) => number_of(share, nodes.len())?,
             (None, Some(count)) => at_most(count, nodes.len())?,
-            (share, _) => {
-                let found = if share.is_some() { "given beside `count`" } else { "absent, and so is `count`" };
-                return Err(SettingError::new("share", found, "either `share` or `count`"));
-            }
+            (Some(_), Some(_)) => return Err(SettingError::conflict("share", "`count`", "set one of them")),
+            (None, None) => return Err(SettingError::missing("share", "`share` or `count`")),
         };
         SettingError::positive("range_m", self.range_m)?;
         if self.sectors == 0 {
@@ -253,7 +251,9 @@ mod tests {
             "shape.box = {{ center_m = [{x_m}, 0.0, 0.0], size_m = [0.2, 100.0, 100.0] }}\nloss_db = 20.0\n"
         ))
         .unwrap();
-        ObstacleField::new(vec![Obstacle::read(config, std::path::Path::new(".")).unwrap()])
+        ObstacleField::new(vec![
+            Obstacle::read(config, &sextant_kernel::Files::of_folder(std::path::Path::new("."))).unwrap(),
+        ])
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! Nodes from a table in a file.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
-use sextant_kernel::SettingError;
+use sextant_kernel::{Files, SettingError};
 
 use super::placed::{PlacedNode, twin};
 use crate::csv_rows::{cell_fault, line_of, row_fault};
@@ -33,9 +33,9 @@ const COLUMNS: &str = "a header `node,x_m,y_m` or `node,x_m,y_m,z_m`, and number
 
 impl CsvConfig {
     /// The nodes, in the order of the rows.
-    pub(super) fn place(&self, obstacles: &ObstacleField, base_dir: &Path) -> Result<Vec<PlacedNode>, SettingError> {
-        let path = base_dir.join(&self.file);
-        let text = std::fs::read_to_string(&path).map_err(|error| {
+    pub(super) fn place(&self, obstacles: &ObstacleField, files: &Files) -> Result<Vec<PlacedNode>, SettingError> {
+        let path = files.path(&self.file);
+        let text = files.read_text(&self.file).map_err(|error| {
             SettingError::new("file", format!("`{}`: {error}", path.display()), "a CSV file that can be read")
         })?;
         self.parse(&text, obstacles)
@@ -97,7 +97,7 @@ mod tests {
 
     fn parse(text: &str) -> Result<Vec<PlacedNode>, String> {
         let config = CsvConfig { file: "nodes.csv".into() };
-        config.parse(text, &ObstacleField::default()).map_err(|error| error.found)
+        config.parse(text, &ObstacleField::default()).map_err(|error| error.found().to_owned())
     }
 
     #[test]

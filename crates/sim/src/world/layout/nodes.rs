@@ -1,11 +1,11 @@
 //! The nodes of a world.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sextant_channel::{ObstacleField, Position};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 
 use super::explicit::ExplicitConfig;
 use super::file::CsvConfig;
@@ -45,7 +45,7 @@ impl NodesConfig {
         &self,
         obstacles: &ObstacleField,
         seed: Seed,
-        base_dir: &Path,
+        files: &Files,
     ) -> Result<Vec<PlacedNode>, SettingError> {
         match self {
             Self::Explicit(config) => config.place(obstacles).map_err(|error| error.within("explicit")),
@@ -55,7 +55,7 @@ impl NodesConfig {
             Self::Random(config) => {
                 config.place(obstacles, seed).map(numbered).map_err(|error| error.within("random"))
             }
-            Self::Csv(config) => config.place(obstacles, base_dir).map_err(|error| error.within("csv")),
+            Self::Csv(config) => config.place(obstacles, files).map_err(|error| error.within("csv")),
         }
     }
 }

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
-use sextant_kernel::{Seed, SettingError};
+use sextant_kernel::{Files, Seed, SettingError};
 
 use super::*;
 
@@ -22,7 +22,7 @@ fn shed() -> ObstacleField {
 }
 
 fn place(nodes: &NodesConfig, obstacles: &ObstacleField, seed: u64) -> Result<Vec<PlacedNode>, SettingError> {
-    nodes.place(obstacles, Seed(seed), Path::new(""))
+    nodes.place(obstacles, Seed(seed), &Files::default())
 }
 
 fn positions(nodes: &NodesConfig, seed: u64) -> Vec<Position> {
@@ -123,8 +123,8 @@ fn random_nodes_keep_their_distance_and_spread_evenly() {
 #[test]
 fn too_many_nodes_are_rejected_with_the_number_that_fits_and_a_spacing_that_works() {
     let error = place(&NodesConfig::Lattice(lattice(Some(400))), &shed(), 1).unwrap_err();
-    assert_eq!((error.key.as_str(), error.found.as_str()), ("lattice.count", "400"));
-    let spacing = error.allowed.rsplit(' ').next().unwrap();
+    assert_eq!((error.key.as_str(), error.found()), ("lattice.count", "400"));
+    let spacing = error.allowed().rsplit(' ').next().unwrap();
     let config = LatticeConfig { spacing_m: spacing.parse().unwrap(), ..lattice(Some(400)) };
     assert_eq!(place(&NodesConfig::Lattice(config), &shed(), 1).unwrap().len(), 400, "{error}");
     let error =
@@ -163,15 +163,15 @@ fn listed_nodes_are_rejected_in_obstacles_and_without_distinct_names() {
     assert_eq!(explicit(vec![a, b], Some(vec!["x", " "])).unwrap_err().key, "explicit.names[1]");
     assert_eq!(explicit(vec![a, b], Some(vec!["x", "x"])).unwrap_err().key, "explicit.names[1]");
     let nan = explicit(vec![a, Position::new(0.0, f64::NAN, 0.0)], None).unwrap_err();
-    assert_eq!((nan.key.as_str(), nan.found.as_str()), ("explicit.positions_m[1]", "[0, NaN, 0]"));
+    assert_eq!((nan.key.as_str(), nan.found()), ("explicit.positions_m[1]", "[0, NaN, 0]"));
     let inside = explicit(vec![a, Position::new(1.0, -1.0, 0.0)], None).unwrap_err();
-    assert_eq!(inside.found, "[1, -1, 0], inside obstacle `shed`");
+    assert_eq!(inside.found(), "[1, -1, 0], inside obstacle `shed`");
 }
 
 #[test]
 fn a_table_in_a_file_is_found_from_the_folder_of_the_scenario() {
     let missing = NodesConfig::Csv(CsvConfig { file: "no-such-table.csv".into() });
-    let error = missing.place(&shed(), Seed(1), Path::new("/no/such/folder")).unwrap_err();
+    let error = missing.place(&shed(), Seed(1), &Files::of_folder(Path::new("/no/such/folder"))).unwrap_err();
     assert_eq!(error.key, "csv.file");
-    assert!(error.found.contains("/no/such/folder/no-such-table.csv"), "{}", error.found);
+    assert!(error.found().contains("/no/such/folder/no-such-table.csv"), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Robots with own applications in three dimensions.
 
+use sextant_kernel::Files;
 use std::f64::consts::TAU;
-use std::path::Path;
 use std::time::Duration;
 
 use sextant_channel::{BoxConfig, Obstacle, ObstacleConfig, ObstacleField, Position, ShapeConfig};
@@ -144,7 +144,7 @@ fn ceiling() -> Obstacle {
         solid: true,
         reflection_loss_db: None,
     };
-    Obstacle::read(config, Path::new("")).expect("a good ceiling")
+    Obstacle::read(config, &Files::default()).expect("a good ceiling")
 }
 
 #[test]

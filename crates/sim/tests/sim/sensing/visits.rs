@@ -1,10 +1,8 @@
 //! Targets that leave the world: at the end of a listed way, or of a visit.
 
-use std::path::Path;
-
 use proptest::prelude::*;
 use sextant_channel::{BoxConfig, ObstacleConfig, ObstacleField, Position, ShapeConfig};
-use sextant_kernel::Seed;
+use sextant_kernel::{Files, Seed};
 use sextant_sim::layout::{ExplicitConfig, NodesConfig, Region, RegionConfig};
 use sextant_sim::{
     AtEnd, Leg, Sensed, StraightConfig, TargetConfig, TargetId, TargetMotionConfig, TurnConfig, WanderConfig,
@@ -170,8 +168,8 @@ fn impossible_visits_are_refused_with_their_key() {
     let key = |visit| error(visit).key;
     let late = error(WanderConfig { duration_s: 6.0, ..thesis() });
     assert_eq!(late.key, "motion.wander.duration_s");
-    assert_eq!(late.found, "6: enough for 9 m");
-    assert!(late.allowed.starts_with("at least 6.666") && late.allowed.contains("10 m"), "{}", late.allowed);
+    assert_eq!(late.found(), "6: enough for 9 m");
+    assert!(late.allowed().starts_with("at least 6.666") && late.allowed().contains("10 m"), "{late}");
     assert_eq!(key(WanderConfig { to_m: Position::new(20.0, 20.0, 0.0), ..thesis() }), "motion.wander.to_m");
     assert_eq!(key(WanderConfig { from_m: Position::new(1.0, 20.0, 1.0), ..thesis() }), "motion.wander.from_m");
     let straight = StraightConfig::MeanM(1e-3);
@@ -188,10 +186,10 @@ fn impossible_visits_are_refused_with_their_key() {
         solid: true,
         reflection_loss_db: None,
     };
-    let wall = ObstacleField::new(vec![sextant_channel::Obstacle::read(wall, Path::new("")).unwrap()]);
+    let wall = ObstacleField::new(vec![sextant_channel::Obstacle::read(wall, &Files::default()).unwrap()]);
     let error = target(&thesis()).build(0, &wall, Seed(1)).unwrap_err();
     assert_eq!(error.key, "motion.wander.duration_s");
-    assert!(error.found.contains("no way of 120 m"), "{}", error.found);
+    assert!(error.found().contains("no way of 120 m"), "{error}");
     let alone = way(&[[0.0; 3]], 1.0, AtEnd::Leave);
     let alone = TargetConfig { name: "t".into(), motion: alone }.build(0, &obstacles, Seed(1)).unwrap_err();
     assert_eq!(alone.key, "motion.waypoints.at_end");
@@ -215,7 +213,9 @@ fn a_target_far_from_all_nodes_is_refused() {
             targets: vec![TargetConfig { name: "t".into(), motion }],
             fields: Vec::new(),
         };
-        config.build(Seed(1), Path::new("")).map_err(|error| (error.key, error.found, error.allowed))
+        config
+            .build(Seed(1), &Files::default())
+            .map_err(|error| (error.key.clone(), error.found().to_owned(), error.allowed().to_owned()))
     };
     let near = [[2500.0, 0.0, 0.0], [900.0, 400.0, 0.0]];
     assert!(key(way(&near, 1.0, AtEnd::Stay)).is_ok());

@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::RadioState;
 
 use super::Links;
-use crate::link::ieee80211ad::Event;
+use crate::event::ieee80211ad::Event;
 use crate::link::ieee80211ad::stack::Role;
 use crate::scene::Scene;
 

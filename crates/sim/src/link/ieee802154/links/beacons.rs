@@ -6,7 +6,7 @@ use sextant_mac::device;
 use sextant_mac::frame::{Frame, FrameBody};
 
 use super::Links;
-use crate::link::ieee802154::Event;
+use crate::event::ieee802154::Event;
 use crate::link::ieee802154::transceiver::{Beaconing, Transceiver};
 use crate::observer::Observer;
 use crate::scene::Scene;
@@ -22,7 +22,7 @@ impl Links {
         let is_free = !self.responders[station.index()].is_responding() && !coordinator.is_sending();
         let stack = &mut self.stacks[station.index()];
         let listens = stack.listening && !stack.leaving;
-        let event = crate::link::LinkEvent::Ieee802154(Event::BeaconDue);
+        let event = crate::event::link::LinkEvent::Ieee802154(Event::BeaconDue);
         scene.after(interval, crate::event::Event::Link(station, self.radios.network, event));
         if listens && is_free {
             let transceiver = Transceiver { radios: &self.radios, stack, scene, station, awaits_ack: false };

@@ -4,7 +4,7 @@ use sextant_kernel::StationId;
 use sextant_mac::{RadioState, csma, responder};
 
 use super::Links;
-use crate::link::ieee802154::Event;
+use crate::event::ieee802154::Event;
 use crate::scene::Scene;
 
 impl Links {

@@ -1,11 +1,15 @@
 //! Events of a simulation.
 
+pub(crate) mod ieee80211ad;
+pub(crate) mod ieee802154;
+pub(crate) mod link;
+
 use sextant_kernel::{Rank, StationId};
 use sextant_mac::Class;
 
-use crate::link::LinkEvent;
 use crate::service::network_id::NetworkId;
 use crate::service::sensed::TargetId;
+use link::LinkEvent;
 
 /// Number of a timer of an application: its own choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,0 +1,25 @@
+//! Events of links, of every technology.
+
+use sextant_mac::Class;
+
+use super::{ieee80211ad, ieee802154};
+
+/// An event of a link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LinkEvent {
+    /// Of a link of IEEE 802.15.4.
+    Ieee802154(ieee802154::Event),
+    /// Of a link of IEEE 802.11ad.
+    Ieee80211ad(ieee80211ad::Event),
+}
+
+impl LinkEvent {
+    /// Class of the event among those of the same instant.
+    #[inline]
+    pub(crate) const fn class(self) -> Class {
+        match self {
+            Self::Ieee802154(event) => event.class(),
+            Self::Ieee80211ad(event) => event.class(),
+        }
+    }
+}
