@@ -7,37 +7,20 @@ use sextant_kernel::SimTime;
 
 use super::error::RobotLogError;
 use super::instant;
-use sextant_recording::output::write_whole;
+use sextant_recording::output::{CsvFile, EmptyCell, write_whole};
 
-/// A CSV file in memory. Cells are quoted where needed, and lines end with a line feed.
-pub(super) struct Output {
-    content: Vec<u8>,
-    begun: bool,
-}
+/// A CSV file in memory, with cells for numbers, times and positions.
+pub(super) struct Output(CsvFile);
 
 impl Output {
     /// A file with this header.
     pub(super) fn new(header: &[&str]) -> Self {
-        let mut output = Self { content: Vec::new(), begun: false };
-        for name in header {
-            output.text(name);
-        }
-        output.end();
-        output
+        Self(CsvFile::new(header, EmptyCell::Quoted))
     }
 
     /// Adds a cell with a text.
     pub(super) fn text(&mut self, text: &str) -> &mut Self {
-        if std::mem::replace(&mut self.begun, true) {
-            self.content.push(b',');
-        }
-        if text.contains(['"', ',', '\n', '\r']) || text.is_empty() {
-            self.content.push(b'"');
-            self.content.extend(text.replace('"', "\"\"").bytes());
-            self.content.push(b'"');
-        } else {
-            self.content.extend(text.bytes());
-        }
+        self.0.cell(text);
         self
     }
 
@@ -58,12 +41,11 @@ impl Output {
 
     /// Ends the row.
     pub(super) fn end(&mut self) {
-        self.content.push(b'\n');
-        self.begun = false;
+        self.0.end_row();
     }
 
     /// Writes the file `path`, completely or not at all.
     pub(super) fn save(&self, path: &Path) -> Result<(), RobotLogError> {
-        write_whole(path, &self.content).map_err(|why| RobotLogError::write(path, why))
+        write_whole(path, self.0.bytes()).map_err(|why| RobotLogError::write(path, why))
     }
 }

@@ -1,6 +1,10 @@
 //! Figures of measures over runs.
 
+use serde::Deserialize;
+
 use super::runs::{Runs, Term};
+use super::values::Values;
+use super::words::RUNS;
 use sextant_figure::{Bars, Curves, Figure, Series};
 
 /// A figure of measures over runs.
@@ -10,25 +14,28 @@ pub struct Chart {
     pub name: String,
     /// How values are drawn.
     pub kind: ChartKind,
+    /// The unit of the values.
+    pub values: Values,
     /// The title.
     pub title: String,
-    /// The note below the title.
+    /// The note below the title; `{runs}` stands for the most runs of a point.
     pub note: String,
     /// Name of the horizontal axis, with its unit.
-    pub across: &'static str,
-    /// Name of the vertical axis, with its printed unit.
-    pub up: &'static str,
+    pub across: String,
+    /// Name of the vertical axis, with its unit.
+    pub up: String,
     /// What is drawn.
     pub lines: Vec<ChartLine>,
 }
 
 /// How values are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ChartKind {
     /// As curves with intervals.
     Curves,
-    /// As curves without intervals: the shares of a distribution.
-    Distribution,
+    /// As curves without intervals, such as the shares of a distribution.
+    PlainCurves,
     /// As bars at whole numbers.
     Bars,
 }
@@ -47,24 +54,30 @@ pub struct ChartLine {
 pub enum Across {
     /// A setting.
     Setting(f64),
-    /// The mean of what came out, not in its printed unit.
+    /// The mean of what came out, not in its unit.
     Measured(Term),
 }
 
 impl Chart {
-    /// The figure, with the mean of each measure that has values, and its 95 % interval except in distributions.
+    /// The figure, with the mean of each measure that has values, and its 95 % interval except of plain curves.
     pub(super) fn figure(&self, runs: &Runs) -> Figure {
         let curves = Curves {
             title: self.title.clone(),
-            note: self.note.clone(),
-            across: self.across.to_owned(),
-            up: self.up.to_owned(),
-            series: self.lines.iter().map(|line| self.kind.shown(line.series(runs))).collect(),
+            note: self.note.replace(&format!("{{{RUNS}}}"), &self.most_runs(runs).to_string()),
+            across: self.across.clone(),
+            up: self.up.clone(),
+            series: self.lines.iter().map(|line| self.kind.shown(line.series(self.values, runs))).collect(),
         };
         match self.kind {
-            ChartKind::Curves | ChartKind::Distribution => curves.figure(&self.name),
+            ChartKind::Curves | ChartKind::PlainCurves => curves.figure(&self.name),
             ChartKind::Bars => Bars(curves).figure(&self.name),
         }
+    }
+
+    /// The most runs with a value of a point.
+    fn most_runs(&self, runs: &Runs) -> usize {
+        let points = self.lines.iter().flat_map(|line| &line.points);
+        points.filter_map(|(_, term)| runs.mean(term)).map(|mean| mean.runs).max().unwrap_or(0)
     }
 }
 
@@ -82,17 +95,21 @@ impl ChartKind {
     fn shown(self, series: Series) -> Series {
         match self {
             Self::Curves | Self::Bars => series,
-            Self::Distribution => Series { half_widths: Vec::new(), ..series },
+            Self::PlainCurves => Series { half_widths: Vec::new(), ..series },
         }
     }
 }
 
 impl ChartLine {
-    fn series(&self, runs: &Runs) -> Series {
+    fn series(&self, values: Values, runs: &Runs) -> Series {
         let mut series = Series { name: self.name.clone(), points: Vec::new(), half_widths: Vec::new() };
         for (across, term) in &self.points {
             let (Some(x), Some(mean)) = (across.value(runs), runs.mean(term)) else { continue };
-            let mean = mean.times(term.measure.unit().for_people().0);
+            let factor = match values {
+                Values::Printed => term.measure.unit().for_people().0,
+                Values::Shares => 1.0,
+            };
+            let mean = mean.times(factor);
             series.points.push((x, mean.mean));
             series.half_widths.push(mean.half_width_95.unwrap_or(0.0));
         }

@@ -52,7 +52,7 @@ impl Claim {
         Line {
             what: self.text.clone(),
             published: self.published.clone(),
-            unit: self.check.unit().1,
+            unit: self.check.unit().1.to_owned(),
             ours: self.finding(runs).map_or(Ours::Missing, Ours::Finding),
         }
     }
@@ -143,10 +143,9 @@ fn paired(a: &[(u32, f64)], b: &[(u32, f64)], of: &dyn Fn(f64, f64) -> f64) -> O
 mod tests {
     use super::super::finding::Verdict;
     use super::*;
-    use sextant::summary::{Measure, measures};
 
-    fn term(scenario: &'static str) -> Term {
-        Term::new(scenario, Measure::OfRun(&measures::run::STOPS))
+    fn term(scenario: &str) -> Term {
+        Term { scenario: scenario.into(), settings: Vec::new(), measure: "gathering.stops".parse().unwrap() }
     }
 
     fn finding(check: &Check, of: &[(&str, &[f64])]) -> Option<Finding> {
@@ -216,8 +215,7 @@ mod tests {
     #[test]
     fn the_share_of_the_runs_with_an_outcome_has_an_exact_interval() {
         use Verdict::{CannotBeTold, DoesNotHold, Holds};
-        let captured = Measure::OfApplication("detarsk", &measures::application::CAPTURED);
-        let captured = || Term::new("a", captured);
+        let captured = || Term { measure: "applications.detarsk.captured".parse().unwrap(), ..term("a") };
         // The lower end of the interval of n in n runs is the n-th root of 0.025: 0.69 for 10, 0.83 for 20.
         for (check, captured, missed, verdict) in [
             (Check::Above(captured(), 0.8), 10, 0, CannotBeTold),

@@ -2,6 +2,7 @@
 
 use sextant::run::RunError;
 use sextant::scenario::ScenarioErrors;
+use sextant::summary::UnknownMeasure;
 use sextant::sweep::SweepError;
 use sextant_kernel::Interrupted;
 use sextant_recording::RecordingError;
@@ -61,4 +62,83 @@ impl From<RunError> for ReproductionError {
             error => Self::Run(error),
         }
     }
+}
+
+/// Why the file of a table cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum TableError {
+    /// It is no table.
+    #[error(transparent)]
+    Toml(#[from] toml::de::Error),
+    /// A path is that of no measure.
+    #[error(transparent)]
+    Measure(#[from] UnknownMeasure),
+    /// A text refers to something that does not exist.
+    #[error("`{text}` refers to `{name}`; known here: {known}")]
+    NoVariable {
+        /// The variable, or its field.
+        name: String,
+        /// The text.
+        text: String,
+        /// What exists.
+        known: String,
+    },
+    /// There is no list of this name.
+    #[error("there is no list `{list}`")]
+    NoList {
+        /// Its name.
+        list: String,
+    },
+    /// An item of a list has no id.
+    #[error("an item of the list `{list}` needs an `id`")]
+    NoId {
+        /// The list.
+        list: String,
+    },
+    /// A list has no such item.
+    #[error("the list `{list}` has no item `{id}`")]
+    NoItem {
+        /// The item.
+        id: String,
+        /// The list.
+        list: String,
+    },
+    /// There are no shared entries of this name.
+    #[error("the chapter shares no entries `{name}`")]
+    NoShared {
+        /// The name.
+        name: String,
+    },
+    /// An entry lacks a key.
+    #[error("`{what}` needs `{key}`")]
+    Missing {
+        /// The key.
+        key: &'static str,
+        /// The entry.
+        what: String,
+    },
+    /// A line says in several ways how it is computed.
+    #[error(
+        "`{what}` is a line: it has at most one of `least`, `at_least` and `likelihood`, no `check` and no `terms`"
+    )]
+    Several {
+        /// The line.
+        what: String,
+    },
+    /// A condition compares another number of terms.
+    #[error("the condition of `{what}` compares {found} terms; it needs {wanted}")]
+    Terms {
+        /// The conclusion.
+        what: String,
+        /// How many it needs.
+        wanted: &'static str,
+        /// How many it has.
+        found: usize,
+    },
+    /// A horizontal value is not a number.
+    #[error("the horizontal value `{text}` is not a number")]
+    NoNumber {
+        /// The value.
+        text: String,
+    },
 }

@@ -2,112 +2,58 @@
 
 use super::chart::Chart;
 use super::claim::Claim;
+use super::computation::Computation;
 use super::line::{Line, Ours};
 use super::published::Published;
 use super::runs::{Runs, Term};
-use sextant::summary::{Measure, Unit};
-use sextant_figure::Figure;
 
 /// A table or figure of the thesis.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Experiment {
     /// Number of the table or figure, or a word.
-    pub id: &'static str,
+    pub id: String,
     /// Its title.
-    pub title: &'static str,
-    /// What it computes.
-    pub content: Content,
-    /// Pairs of a scenario and a map whose distribution of connectivity errors is drawn.
-    pub distributions: &'static [(&'static str, &'static str)],
+    pub title: String,
+    /// The lines of its table.
+    pub lines: Vec<Quantity>,
+    /// Whether lines without a value are left out, if others have one.
+    pub leave_out_empty_lines: bool,
     /// Figures of measures over its runs.
     pub charts: Vec<Chart>,
     /// Conclusions to check, of the thesis or ours.
     pub claims: Vec<Claim>,
     /// Notes on different definitions, and on what the thesis does not say.
-    pub notes: &'static [&'static str],
+    pub notes: Vec<String>,
 }
 
-/// What an experiment computes.
-#[derive(Debug)]
-pub enum Content {
-    /// Means over the runs of scenarios.
-    Quantities(Vec<Quantity>),
-    /// Lines and figures by special functions.
-    Computed {
-        /// The scenarios that it runs.
-        scenarios: &'static [&'static str],
-        /// Its lines.
-        lines: fn(&Runs) -> Vec<Line>,
-        /// Its figures.
-        figures: fn(&Runs) -> Vec<Figure>,
-    },
-}
-
-/// A mean over the runs of a scenario, and its published value.
+/// A value of ours, and its published value.
 #[derive(Clone, Debug)]
 pub struct Quantity {
     /// Its description.
     pub what: String,
-    /// What is measured.
-    pub term: Term,
-    /// The printed unit, if it is not that of the measure.
-    pub unit: Option<&'static str>,
+    /// How it is computed.
+    pub ours: Computation,
+    /// The printed unit.
+    pub unit: String,
     /// The published value, in the printed unit.
     pub published: Option<Published>,
 }
 
 impl Quantity {
-    /// A measure of a scenario without a published value.
-    pub fn new(what: impl Into<String>, scenario: &'static str, measure: Measure<'static>) -> Self {
-        Self { what: what.into(), term: Term::new(scenario, measure), unit: None, published: None }
-    }
-
-    /// The same with the published `value` from `source`.
-    #[must_use]
-    pub fn published(self, value: impl Into<String>, source: &'static str) -> Self {
-        Self { published: Some(Published::new(value, source)), ..self }
-    }
-
-    /// The same with another printed unit; the number does not change.
-    #[must_use]
-    pub fn in_unit(self, unit: &'static str) -> Self {
-        Self { unit: Some(unit), ..self }
-    }
-
     fn line(&self, runs: &Runs) -> Line {
-        let (factor, unit) = self.term.measure.unit().for_people();
-        Line {
-            what: self.what.clone(),
-            published: self.published.clone(),
-            unit: self.unit.unwrap_or(unit),
-            ours: self.ours(runs, factor),
-        }
-    }
-
-    fn ours(&self, runs: &Runs, factor: f64) -> Ours {
-        if self.term.measure.unit() == Unit::Outcome {
-            return runs.share(&self.term).map_or(Ours::Missing, Ours::Share);
-        }
-        match runs.mean(&self.term) {
-            Some(mean) => Ours::Mean(mean.times(factor)),
-            None if runs.have_succeeded(&self.term) => Ours::Never,
-            None => Ours::Missing,
-        }
+        let (what, published, unit) = (self.what.clone(), self.published.clone(), self.unit.clone());
+        Line { what, published, unit, ours: self.ours.ours(runs) }
     }
 }
 
 impl Experiment {
     /// The scenarios that it runs, each once.
     #[must_use]
-    pub fn scenarios(&self) -> Vec<&'static str> {
-        let mut scenarios: Vec<&'static str> = Vec::new();
-        let quantities = match &self.content {
-            Content::Quantities(quantities) => quantities,
-            Content::Computed { scenarios, .. } => return scenarios.to_vec(),
-        };
-        for Quantity { term, .. } in quantities {
-            if !scenarios.contains(&term.scenario) {
-                scenarios.push(term.scenario);
+    pub fn scenarios(&self) -> Vec<&str> {
+        let mut scenarios: Vec<&str> = Vec::new();
+        for Term { scenario, .. } in self.lines.iter().flat_map(|line| line.ours.terms()) {
+            if !scenarios.contains(&scenario.as_str()) {
+                scenarios.push(scenario);
             }
         }
         scenarios
@@ -116,10 +62,12 @@ impl Experiment {
     /// The lines of its table.
     #[must_use]
     pub fn lines(&self, runs: &Runs) -> Vec<Line> {
-        match &self.content {
-            Content::Quantities(quantities) => quantities.iter().map(|quantity| quantity.line(runs)).collect(),
-            Content::Computed { lines, .. } => lines(runs),
+        let mut lines: Vec<_> = self.lines.iter().map(|quantity| quantity.line(runs)).collect();
+        let is_empty = |line: &Line| matches!(line.ours, Ours::Missing | Ours::Never);
+        if self.leave_out_empty_lines && !lines.iter().all(is_empty) {
+            lines.retain(|line| !is_empty(line));
         }
+        lines
     }
 
     /// The lines of its conclusions.

@@ -3,17 +3,39 @@
 //! Each experiment has the id of its table or figure, and runs scenarios that ship with the program with several seeds.
 //! Nothing is fitted to published values. Where definitions differ, a note says how. Each published value names its table,
 //! figure or section, and each conclusion is computed from the runs.
+//!
+//! # Tables are data
+//! Each table is a file in `tables/CHAPTER/`, and `shared.toml` beside it has what several tables of the chapter refer to.
+//! An entry of `[[lines]]` says what a line is called, its scenario, the cell of the scenario's sweep (`at`), the path of the
+//! measure in the summary of a run, and the published value with its source:
+//! ```toml
+//! scenario = "ml-tm/trajectory-{trajectory}.toml"
+//! source = "table 3.3"
+//!
+//! [lists]
+//! trajectory = [{ id = "spiral", e_total_percent = "6" }, { id = "s", e_total_percent = "6" }]
+//!
+//! [[lines]]
+//! each = ["trajectory"]
+//! what = "{trajectory}: E_total, neighbourhood of 3 m"
+//! measure = "maps.ml-tm.connectivity_error"
+//! published = "{trajectory.e_total_percent}"
+//!
+//! [[conclusions]]
+//! what = "E_total of S and spiral is less than a point apart"
+//! measure = "maps.ml-tm.connectivity_error"
+//! check = { within = 0.01 }
+//! terms = [{ trajectory = "s" }, { trajectory = "spiral" }]
+//! ```
+//! `each` makes an entry for each combination of the items of lists, `only` chooses items, `with` and `terms` name one, and
+//! `{list.field}` is filled in. Entries below an entry (`[[lines.lines]]`) have what it says. Unknown keys are errors.
+//! Three kinds of lines are computed in another way: `at_least`, `least` and `likelihood`.
 
-mod chapter_3;
-mod chapter_4;
-mod chapter_5;
-mod chapter_6;
-mod chapter_7;
 mod chart;
 mod claim;
-mod comparison_charts;
-mod environment;
+mod computation;
 mod error;
+mod expansion;
 mod experiment;
 mod figures;
 mod finding;
@@ -21,29 +43,24 @@ mod line;
 mod published;
 mod runs;
 mod shipped;
+mod table;
+mod tables;
+mod values;
+mod words;
 
-pub use chapter_3::chapter_3;
-pub use chapter_4::chapter_4;
-pub use chapter_5::chapter_5;
-pub use chapter_6::chapter_6;
-pub use chapter_7::chapter_7;
 pub use chart::{Across, Chart, ChartKind, ChartLine};
 pub use claim::{Check, Claim};
+pub use computation::{Candidate, Computation, Least};
 pub use error::ReproductionError;
-pub use experiment::{Content, Experiment, Quantity};
+pub use experiment::{Experiment, Quantity};
 pub use figures::{write_figures, write_pictures};
 pub use finding::{Finding, Verdict};
 pub use line::{Line, Ours, write_csv};
 pub use published::Published;
 pub use runs::{Runs, Term};
 pub use shipped::{SHIPPED, write_scenarios};
-
-/// All experiments, in the order of the thesis.
-#[must_use]
-pub fn experiments() -> Vec<Experiment> {
-    let first = chapter_3().into_iter().chain(chapter_4()).chain(chapter_5());
-    first.chain(chapter_6()).chain(chapter_7()).collect()
-}
+pub use tables::experiments;
+pub use values::Values;
 
 #[cfg(test)]
 mod tests;

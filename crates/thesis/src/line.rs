@@ -1,6 +1,5 @@
 //! One line of a reproduced table.
 
-use std::io;
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
@@ -8,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::finding::Finding;
 use super::published::Published;
 use sextant::sweep::{Mean, Share};
-use sextant_recording::output::{OutputError, write_file};
+use sextant_recording::output::{CsvFile, EmptyCell, OutputError};
 
 /// A published value beside ours.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +17,7 @@ pub struct Line {
     /// The published value; `None` if the thesis states none.
     pub published: Option<Published>,
     /// The unit of our value, and of the published one if it is a number.
-    pub unit: &'static str,
+    pub unit: String,
     /// Our value.
     pub ours: Ours,
 }
@@ -51,22 +50,24 @@ impl Line {
     pub fn cells(&self) -> [String; 4] {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let ours = match &self.ours {
-            Ours::Mean(mean) => mean.text(self.unit),
+            Ours::Mean(mean) => mean.text(&self.unit),
             Ours::Share(share) => share.text(),
             Ours::Never => "in no run".to_owned(),
             Ours::Exact(value) => format!("{value:.4}{unit}"),
             Ours::Text(text) => text.clone(),
             Ours::Finding(finding) => {
-                format!("{}, margin {}", finding.verdict.words(), finding.margin.text(self.unit))
+                format!("{}, margin {}", finding.verdict.words(), finding.margin.text(&self.unit))
             }
             Ours::Missing => "no run succeeded".to_owned(),
         };
         let (published, source) = match &self.published {
-            None => (NOT_STATED.to_owned(), ""),
-            Some(Published { value, source }) if matches!(self.ours, Ours::Finding(_)) => (value.clone(), *source),
-            Some(Published { value, source }) => (format!("{value}{unit}"), *source),
+            None => (NOT_STATED.to_owned(), String::new()),
+            Some(Published { value, source }) if matches!(self.ours, Ours::Finding(_)) => {
+                (value.clone(), source.clone())
+            }
+            Some(Published { value, source }) => (format!("{value}{unit}"), source.clone()),
         };
-        [self.what.clone(), published, source.to_owned(), ours]
+        [self.what.clone(), published, source, ours]
     }
 
     /// The line as a JSON object.
@@ -118,11 +119,11 @@ impl Line {
             Ours::Missing => ([String::new(), String::new(), "0".to_owned()], String::new()),
         };
         let (published, source) = match &self.published {
-            Some(Published { value, source }) => (value.clone(), *source),
-            None => (String::new(), ""),
+            Some(Published { value, source }) => (value.clone(), source.clone()),
+            None => (String::new(), String::new()),
         };
         let [mean, half_width, runs] = numbers;
-        [self.what.clone(), published, self.unit.to_owned(), mean, half_width, runs, result, source.to_owned()]
+        [self.what.clone(), published, self.unit.clone(), mean, half_width, runs, result, source]
     }
 }
 
@@ -132,15 +133,10 @@ impl Line {
 /// # Errors
 /// If the file cannot be written.
 pub fn write_csv<'a>(path: &Path, lines: impl IntoIterator<Item = &'a Line>) -> Result<(), OutputError> {
-    let text = || -> io::Result<Vec<u8>> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(["what", "published", "unit", "mean", "half_width_95", "runs", "result", "source"])?;
-        for line in lines {
-            writer.write_record(line.record())?;
-        }
-        writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
-    };
-    write_file(path, &text().map_err(|error| OutputError::new(path, &error))?)
+    let header = ["what", "published", "unit", "mean", "half_width_95", "runs", "result", "source"];
+    let mut file = CsvFile::new(header, EmptyCell::Bare);
+    lines.into_iter().for_each(|line| file.row(line.record()));
+    file.save(path)
 }
 
 #[cfg(test)]
@@ -152,7 +148,7 @@ mod tests {
     fn a_line_shows_both_values_in_the_same_unit() {
         let mean = Mean { mean: 6.013, half_width_95: Some(0.284), runs: 5 };
         let published = Some(Published::new("5", "table 3.6"));
-        let line = Line { what: "ML-TM".into(), published, unit: "%", ours: Ours::Mean(mean) };
+        let line = Line { what: "ML-TM".into(), published, unit: "%".into(), ours: Ours::Mean(mean) };
         assert_eq!(line.cells(), ["ML-TM", "5 %", "table 3.6", "6.01 ± 0.28 %"]);
         assert_eq!(line.record(), ["ML-TM", "5", "%", "6.013", "0.284", "5", "", "table 3.6"]);
         let none = Line { published: None, ours: Ours::Missing, ..line };
@@ -163,7 +159,7 @@ mod tests {
     #[test]
     fn a_share_of_the_runs_shows_how_many_they_are() {
         let ours = Ours::Share(Share::of(&[1.0, 1.0, 0.0, 1.0]).unwrap());
-        let line = Line { what: "captured".into(), published: None, unit: "%", ours };
+        let line = Line { what: "captured".into(), published: None, unit: "%".into(), ours };
         let shown = "75 % (3 of 4 runs, 19 to 99 %)";
         assert_eq!(line.cells(), ["captured", "not stated", "", shown]);
         assert_eq!(line.record(), ["captured", "", "%", "75", "", "4", shown, ""]);
@@ -178,7 +174,7 @@ mod tests {
         let margin = Mean { mean: -1.5, half_width_95: Some(0.25), runs: 3 };
         let finding = Finding { verdict: Verdict::DoesNotHold, margin, unit: "points" };
         let published = Some(Published::new("6 < 19 < 50 %", "table 3.6"));
-        let line = Line { what: "a < b".into(), published, unit: "points", ours: Ours::Finding(finding) };
+        let line = Line { what: "a < b".into(), published, unit: "points".into(), ours: Ours::Finding(finding) };
         let shown = "does not hold, margin -1.50 ± 0.25 points";
         assert_eq!(line.cells(), ["a < b", "6 < 19 < 50 %", "table 3.6", shown]);
         assert_eq!(

@@ -6,12 +6,12 @@ pub struct Published {
     /// A number as printed, or a conclusion in a few words.
     pub value: String,
     /// The table, figure or section.
-    pub source: &'static str,
+    pub source: String,
 }
 
 impl Published {
     /// The `value` from `source`.
-    pub fn new(value: impl Into<String>, source: &'static str) -> Self {
-        Self { value: value.into(), source }
+    pub fn new(value: impl Into<String>, source: impl Into<String>) -> Self {
+        Self { value: value.into(), source: source.into() }
     }
 }

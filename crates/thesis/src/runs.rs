@@ -14,19 +14,11 @@ use sextant_kernel::text::counted;
 #[derive(Clone, Debug)]
 pub struct Term {
     /// The scenario that ships with the program.
-    pub scenario: &'static str,
+    pub scenario: String,
     /// The settings of the cell in the sweep, with their values as in tables; empty for a scenario without a sweep.
-    pub settings: Vec<(&'static str, String)>,
+    pub settings: Vec<(String, String)>,
     /// What is measured.
-    pub measure: Measure<'static>,
-}
-
-impl Term {
-    /// A measure of a scenario without a sweep.
-    #[must_use]
-    pub fn new(scenario: &'static str, measure: Measure<'static>) -> Self {
-        Self { scenario, settings: Vec::new(), measure }
-    }
+    pub measure: Measure,
 }
 
 /// All finished runs of scenarios.
@@ -34,7 +26,7 @@ impl Term {
 pub struct Runs {
     folder: PathBuf,
     count: NonZeroU32,
-    of: BTreeMap<&'static str, (Sweep, Vec<Row>)>,
+    of: BTreeMap<String, (Sweep, Vec<Row>)>,
 }
 
 impl Runs {
@@ -49,14 +41,14 @@ impl Runs {
     ///
     /// # Errors
     /// If a scenario is invalid, or `watch` stops the work.
-    pub fn make(
+    pub fn make<'a>(
         &mut self,
-        scenarios: &[&'static str],
+        scenarios: &[&'a str],
         tell: impl FnOnce(&str),
         watch: &dyn Watch,
-    ) -> Result<Vec<&'static str>, ReproductionError> {
-        let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(name)).collect();
-        let plan = |scenario: &&'static str| Sweep::read(&self.folder.join(scenario), &[], None, Some(self.count));
+    ) -> Result<Vec<&'a str>, ReproductionError> {
+        let new: Vec<_> = scenarios.iter().copied().filter(|name| !self.of.contains_key(*name)).collect();
+        let plan = |scenario: &&str| Sweep::read(&self.folder.join(scenario), &[], None, Some(self.count));
         let plans = new.iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         if !new.is_empty() {
             let runs = counted(plans.iter().map(Sweep::survey_count).sum(), "run");
@@ -70,16 +62,16 @@ impl Runs {
     }
 
     /// Adds the rows of a scenario.
-    pub fn insert(&mut self, scenario: &'static str, (plan, rows): (Sweep, Vec<Row>)) {
-        self.of.insert(scenario, (plan, rows));
+    pub fn insert(&mut self, scenario: &str, (plan, rows): (Sweep, Vec<Row>)) {
+        self.of.insert(scenario.to_owned(), (plan, rows));
     }
 
     /// The values of a term in the successful runs, each with the number of the run.
     #[must_use]
     pub fn values(&self, term: &Term) -> Vec<(u32, f64)> {
-        let Some((plan, rows)) = self.of.get(term.scenario) else { return Vec::new() };
+        let Some((plan, rows)) = self.of.get(&term.scenario) else { return Vec::new() };
         let Some(cell) = cell(plan, &term.settings) else { return Vec::new() };
-        plan.values_of(rows, cell, term.measure)
+        plan.values_of(rows, cell, &term.measure)
     }
 
     /// The mean of a term over the successful runs; `None` if there are none.
@@ -96,13 +88,13 @@ impl Runs {
         Share::of(&outcomes)
     }
 
-    /// Whether any run of the cell of a term was successful.
+    /// The numbers of the successful runs of the cell of a term.
     #[must_use]
-    pub fn have_succeeded(&self, term: &Term) -> bool {
-        self.of.get(term.scenario).is_some_and(|(plan, rows)| {
-            let cell = cell(plan, &term.settings);
-            rows.iter().any(|row| Some(row.cell) == cell && row.outcome.is_ok())
-        })
+    pub fn successful(&self, term: &Term) -> Vec<u32> {
+        let Some((plan, rows)) = self.of.get(&term.scenario) else { return Vec::new() };
+        let cell = cell(plan, &term.settings);
+        let successful = rows.iter().filter(|row| Some(row.cell) == cell && row.outcome.is_ok());
+        successful.map(|row| row.replicate).collect()
     }
 
     /// The plan of a scenario that was run.
@@ -112,8 +104,8 @@ impl Runs {
     }
 
     /// The scenarios with their plans and rows.
-    pub fn scenarios(&self) -> impl Iterator<Item = (&'static str, &Sweep, &[Row])> {
-        self.of.iter().map(|(&scenario, (plan, rows))| (scenario, plan, rows.as_slice()))
+    pub fn scenarios(&self) -> impl Iterator<Item = (&str, &Sweep, &[Row])> {
+        self.of.iter().map(|(scenario, (plan, rows))| (scenario.as_str(), plan, rows.as_slice()))
     }
 
     /// The failed runs: scenario, seed and error.
@@ -131,7 +123,7 @@ impl Runs {
 }
 
 /// The first cell that has these settings.
-fn cell(plan: &Sweep, settings: &[(&str, String)]) -> Option<usize> {
+fn cell(plan: &Sweep, settings: &[(String, String)]) -> Option<usize> {
     let has = |cell: usize| {
         let values = plan.values(cell);
         settings.iter().all(|(key, wanted)| {

@@ -128,10 +128,11 @@ fn tiny_seek(scenario: &str) -> Vec<String> {
 }
 
 /// The plans of all scenarios of the chapters, in full size or tiny. Their files are in `folder`.
-fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Sweep> {
+fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<String, Sweep> {
     write_scenarios(folder.path()).unwrap();
     let mut plans = BTreeMap::new();
-    for scenario in experiments().iter().flat_map(Experiment::scenarios) {
+    let experiments = experiments();
+    for scenario in experiments.iter().flat_map(Experiment::scenarios) {
         let set = if is_tiny { tiny(scenario) } else { Vec::new() };
         let runs = match scenario {
             _ if is_tiny => TINY_RUNS,
@@ -139,17 +140,15 @@ fn plans(folder: &TempDir, is_tiny: bool) -> BTreeMap<&'static str, Sweep> {
             _ => RUNS,
         };
         let plan = || Sweep::read(&folder.path().join(scenario), &set, None, Some(runs)).unwrap();
-        plans.entry(scenario).or_insert_with(plan);
+        plans.entry(scenario.to_owned()).or_insert_with(plan);
     }
     plans
 }
 
 /// Everything that an experiment reads, with its description.
 fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
-    let quantities = match &experiment.content {
-        Content::Quantities(quantities) => quantities.as_slice(),
-        Content::Computed { .. } => &[],
-    };
+    let of_lines =
+        experiment.lines.iter().flat_map(|line| line.ours.terms().into_iter().map(|term| (line.what.as_str(), term)));
     let of_charts = experiment.charts.iter().flat_map(|chart| {
         let terms = chart.lines.iter().flat_map(|line| &line.points);
         let with_across = terms.flat_map(|(across, term)| match across {
@@ -162,21 +161,16 @@ fn terms(experiment: &Experiment) -> Vec<(&str, &Term)> {
         .claims
         .iter()
         .flat_map(|claim| claim.check.terms().into_iter().map(|term| (claim.text.as_str(), term)));
-    quantities
-        .iter()
-        .map(|quantity| (quantity.what.as_str(), &quantity.term))
-        .chain(of_charts)
-        .chain(of_claims)
-        .collect()
+    of_lines.chain(of_charts).chain(of_claims).collect()
 }
 
 /// Invented runs: `value` gives each value of each cell, and replicates differ slightly.
-fn made_up(plans: &BTreeMap<&'static str, Sweep>, value: impl Fn(&str, usize, Measure<'_>) -> Option<f64>) -> Runs {
+fn made_up(plans: &BTreeMap<String, Sweep>, value: impl Fn(&str, usize, &Measure) -> Option<f64>) -> Runs {
     let mut runs = Runs::new(std::path::PathBuf::new(), RUNS);
-    for (&scenario, plan) in plans {
+    for (scenario, plan) in plans {
         let row = |cell: usize, replicate: u32| {
             let scatter = 1.0 + 1e-6 * f64::from(replicate);
-            let values = plan.measures().into_iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
+            let values = plan.measures().iter().map(|measure| Some(scatter * value(scenario, cell, measure)?));
             Row { cell, replicate, outcome: Ok(values.collect()) }
         };
         let rows = (0..plan.cells().len()).flat_map(|cell| (0..plan.runs()).map(move |replicate| (cell, replicate)));
@@ -195,7 +189,7 @@ fn every_experiment_has_a_unique_id_and_reads_shipped_scenarios() {
             assert!(SHIPPED.iter().any(|(name, _)| name == scenario), "{scenario}");
         }
         for (what, term) in terms(experiment) {
-            assert!(scenarios.contains(&term.scenario), "`{what}` reads {}", term.scenario);
+            assert!(scenarios.contains(&term.scenario.as_str()), "`{what}` reads {}", term.scenario);
         }
     }
 }
@@ -207,11 +201,11 @@ fn everything_that_an_experiment_reads_exists_in_its_scenario() {
     for experiment in experiments() {
         for (what, term) in terms(&experiment) {
             let column = term.measure.column();
-            let columns = plans[term.scenario].columns();
+            let columns = plans[&term.scenario].columns();
             assert!(columns.iter().any(|other| other.name == column), "`{what}` reads {column}");
             assert_eq!(
                 runs.values(term).len(),
-                plans[term.scenario].runs() as usize,
+                plans[&term.scenario].runs() as usize,
                 "`{what}` reads {column} in {term:?}"
             );
         }
@@ -232,7 +226,7 @@ fn the_neighbourhood_in_a_description_is_that_of_the_scenario() {
             let Some(radius_m) = at.and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok()) else {
                 continue;
             };
-            let scenario = Scenario::load(&folder.path().join(term.scenario)).unwrap();
+            let scenario = Scenario::load(folder.path().join(&term.scenario)).unwrap();
             let column = term.measure.column();
             let index = match column.split_once("connectivity_errors.") {
                 Some((_, rest)) => rest[..1].parse().unwrap(),
@@ -251,12 +245,11 @@ fn published_connectivity_errors_are_only_given_for_the_radius_of_communication(
     let folder = TempDir::new().unwrap();
     write_scenarios(folder.path()).unwrap();
     for experiment in experiments() {
-        let Content::Quantities(quantities) = &experiment.content else { continue };
-        for Quantity { what, term, published, .. } in
-            quantities.iter().filter(|quantity| quantity.published.is_some())
-        {
+        for Quantity { what, ours, published, .. } in &experiment.lines {
             let Some((_, rest)) = what.split_once("neighbourhood of ") else { continue };
-            let scenario = Scenario::load(&folder.path().join(term.scenario)).unwrap();
+            let terms = ours.terms();
+            let (Some(published), [term, ..]) = (published, terms.as_slice()) else { continue };
+            let scenario = Scenario::load(folder.path().join(&term.scenario)).unwrap();
             let radius_m = scenario.config().channel.max_range_m.unwrap();
             assert_eq!(rest, format!("{radius_m} m"), "{what}: {published:?}");
         }
@@ -272,7 +265,7 @@ fn every_conclusion_can_hold_or_not() {
             let mut verdicts = Vec::new();
             let is_read = |scenario: &str| terms.iter().any(|term| term.scenario == scenario);
             let read = plans.iter().filter(|(scenario, _)| is_read(scenario));
-            let read: BTreeMap<_, _> = read.map(|(&scenario, plan)| (scenario, plan.clone())).collect();
+            let read: BTreeMap<_, _> = read.map(|(scenario, plan)| (scenario.clone(), plan.clone())).collect();
             // The values of the terms rise, fall or are equal, at several sizes.
             for step in [1.3, 1.0 / 1.3, 1.0, 2.0, 0.5, 100.0] {
                 for size in [0.01, 0.05, 0.5, 0.95, 10.0, 100.0] {
@@ -281,7 +274,7 @@ fn every_conclusion_can_hold_or_not() {
                             let values = plans[scenario].values(cell);
                             let keys = plans[scenario].keys().iter();
                             term.scenario == scenario
-                                && term.measure == measure
+                                && term.measure == *measure
                                 && keys.zip(&values).all(|(key, value)| {
                                     term.settings.iter().any(|(name, wanted)| *name == key.name && wanted == value)
                                 })
@@ -323,7 +316,7 @@ fn a_tiny_run_has_a_value_for_each_line_and_a_verdict_for_each_conclusion() {
     outcome.unwrap();
     let mut runs = Runs::new(std::path::PathBuf::new(), TINY_RUNS);
     for (name, made) in names.into_iter().zip(plans.into_iter().zip(rows)) {
-        runs.insert(name, made);
+        runs.insert(&name, made);
     }
     assert_eq!(runs.failures(), [""; 0]);
     for experiment in experiments() {

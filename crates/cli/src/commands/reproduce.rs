@@ -115,8 +115,8 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Experiment>, Failure> {
         return Ok(experiments());
     }
     let experiment = |id: &String| {
-        experiments().into_iter().find(|experiment| experiment.id == id).ok_or_else(|| {
-            let ids: Vec<_> = experiments().iter().map(|experiment| experiment.id).collect();
+        experiments().into_iter().find(|experiment| experiment.id == *id).ok_or_else(|| {
+            let ids: Vec<_> = experiments().into_iter().map(|experiment| experiment.id).collect();
             Failure::bad_input_with_help(
                 format!("there is no table or figure `{id}`"),
                 format!("allowed: {}, or --all", ids.join(", ")),
@@ -131,7 +131,7 @@ fn list(stdout: &mut impl Write) -> io::Result<()> {
     for experiment in experiments() {
         let scenarios = experiment.scenarios().join(", ");
         let scenarios = if scenarios.is_empty() { "none".to_owned() } else { scenarios };
-        rows.push(vec![experiment.id.to_owned(), experiment.title.to_owned(), scenarios]);
+        rows.push(vec![experiment.id, experiment.title, scenarios]);
     }
     columns(&rows, &[Align::Left; 3], stdout)
 }
@@ -165,7 +165,7 @@ impl<'a> Results<'a> {
             table(["conclusion", "published", "in", "ours"], &self.conclusions)?;
             writeln!(stdout, "  {MARGIN}")?;
         }
-        for note in self.experiment.notes {
+        for note in &self.experiment.notes {
             writeln!(stdout, "  {note}")?;
         }
         writeln!(stdout)

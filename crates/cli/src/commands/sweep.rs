@@ -12,7 +12,7 @@ use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
 use sextant::columns::{Align, columns};
-use sextant::summary::{Measure, measures};
+use sextant::summary::Measure;
 use sextant::sweep::{Column, Row, Shard, Sweep, SweepError, TableFormat, clear_parts, run, write_table};
 use sextant_kernel::text::counted;
 
@@ -117,11 +117,17 @@ struct Results<'a> {
 }
 
 impl Results<'_> {
-    /// The mean of a measure with its interval, in the unit of the printed table: `6.0 ± 0.3 %`.
-    fn written(&self, cell: usize, measure: Measure<'_>) -> String {
-        let (factor, unit) = measure.unit().for_people();
-        let mean = self.plan.mean(self.rows, cell, measure);
-        mean.map_or_else(|| "-".to_owned(), |mean| mean.times(factor).text(unit))
+    /// The mean of a measure with its interval, in the unit of the printed table: `6.0 ± 0.3 %`; `-` without a value.
+    fn written(&self, cell: usize, path: &str) -> String {
+        let mean = self.measure(path).and_then(|measure| {
+            let (factor, unit) = measure.unit().for_people();
+            Some(self.plan.mean(self.rows, cell, measure)?.times(factor).text(unit))
+        });
+        mean.unwrap_or_else(|| "-".to_owned())
+    }
+
+    fn measure(&self, path: &str) -> Option<&Measure> {
+        self.plan.measures().iter().find(|measure| measure.path() == path)
     }
 
     fn failed(&self, cell: Option<usize>) -> usize {
@@ -129,43 +135,38 @@ impl Results<'_> {
         rows.filter(|row| row.outcome.is_err()).count()
     }
 
-    /// The measures of whole runs that are printed, with their names: those of which any cell has a value.
-    fn printed(&self) -> Vec<(&'static str, Measure<'static>)> {
+    /// The names of the measures of whole runs that are printed, with their paths: those of which any cell has a value.
+    fn printed(&self) -> Vec<(String, String)> {
         let measures = [
-            ("path", &measures::run::PATH_LENGTH_M),
-            ("PRR", &measures::run::MAC_PRR),
-            ("throughput", &measures::run::MAC_THROUGHPUT),
-            ("mean delay", &measures::run::MAC_DELAY_MEAN_S),
-            ("detections", &measures::run::DETECTIONS),
+            ("path", "gathering.path_length_m"),
+            ("PRR", "mac.prr"),
+            ("throughput", "mac.throughput_bit_per_s"),
+            ("mean delay", "mac.delay_s.mean"),
+            ("detections", "sensing.detections"),
         ];
-        let measures = measures.map(|(name, number)| (name, Measure::OfRun(number)));
-        measures.into_iter().filter(|&(_, measure)| self.has(measure)).collect()
+        let measures = measures.map(|(name, path)| (name.to_owned(), path.to_owned()));
+        measures.into_iter().filter(|(_, path)| self.has(path)).collect()
     }
 
-    /// The measures of applications that are printed, with their names: those of which any cell has a value.
-    fn printed_of_applications(&self) -> Vec<(String, Measure<'_>)> {
-        let measures = [
-            ("captured", &measures::application::CAPTURED),
-            ("arrived", &measures::application::ARRIVED),
-            ("time", &measures::application::TIME_S),
-        ];
-        let mut printed = Vec::new();
-        for name in self.plan.applications() {
-            let of = measures.map(|(what, number)| (format!("{name}: {what}"), Measure::OfApplication(name, number)));
-            printed.extend(of.into_iter().filter(|&(_, measure)| self.has(measure)));
-        }
-        printed
+    /// The same of the measures of applications.
+    fn printed_of_applications(&self) -> Vec<(String, String)> {
+        let of = |name: &String| {
+            [("captured", "captured"), ("arrived", "arrived"), ("time", "time_s")]
+                .map(|(what, path)| (format!("{name}: {what}"), format!("applications.{name}.{path}")))
+        };
+        self.plan.applications().iter().flat_map(of).filter(|(_, path)| self.has(path)).collect()
     }
 
     /// Whether any cell has a value of a measure.
-    fn has(&self, measure: Measure<'_>) -> bool {
+    fn has(&self, path: &str) -> bool {
+        let Some(measure) = self.measure(path) else { return false };
         (0..self.plan.cells().len()).any(|i| self.plan.mean(self.rows, i, measure).is_some())
     }
 
     fn print(&self, out: &Path, stdout: &mut impl Write) -> io::Result<()> {
         let mut header = vec!["cell".to_owned(), "runs".to_owned()];
         let of_run = self.printed();
-        header.extend(of_run.iter().map(|(name, _)| (*name).to_owned()));
+        header.extend(of_run.iter().map(|(name, _)| name.clone()));
         for map in self.plan.maps() {
             header.extend([format!("{map}: connectivity error"), "mean error".to_owned()]);
         }
@@ -177,13 +178,13 @@ impl Results<'_> {
         for i in 0..self.plan.cells().len() {
             let count = self.rows.iter().filter(|row| row.cell == i).count() - self.failed(Some(i));
             let mut row = vec![i.to_string(), count.to_string()];
-            row.extend(of_run.iter().map(|&(_, measure)| self.written(i, measure)));
+            row.extend(of_run.iter().map(|(_, path)| self.written(i, path)));
             for map in self.plan.maps() {
-                for number in [&measures::map::CONNECTIVITY_ERROR, &measures::map::POSITION_ERROR_MEAN_M] {
-                    row.push(self.written(i, Measure::OfMap(map, number)));
+                for number in ["connectivity_error", "position_error_m.mean"] {
+                    row.push(self.written(i, &format!("maps.{map}.{number}")));
                 }
             }
-            row.extend(of_applications.iter().map(|&(_, measure)| self.written(i, measure)));
+            row.extend(of_applications.iter().map(|(_, path)| self.written(i, path)));
             row.extend(self.plan.values(i));
             rows.push(row);
         }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sextant_logs::{ReadOptions, RobotLog, StopRule};
+use tempfile::TempDir;
 
 /// The seconds in which each node is heard, two times each.
 const HEARD: [&[u32]; 3] = [&[0, 1, 2, 3, 4, 5], &[1, 2, 3, 4], &[2]];
@@ -16,6 +17,15 @@ const HEARD: [&[u32]; 3] = [&[0, 1, 2, 3, 4, 5], &[1, 2, 3, 4], &[2]];
 /// A file that is kept beside the tests.
 pub(crate) fn kept(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli").join(name)
+}
+
+/// A folder with these files.
+pub(crate) fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
 }
 
 /// Stops of a second each, in which each node sends two packets.

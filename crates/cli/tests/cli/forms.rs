@@ -9,17 +9,8 @@ use std::path::Path;
 use sextant_channel::Position;
 use sextant_kernel::NodeId;
 use sextant_logs::{self as robot_log, FieldNames, FormOptions, Names, ReadOptions, RobotLog, StopRule};
-use tempfile::TempDir;
 
-use super::drive::{map, unwrapped};
-
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    folder
-}
+use super::drive::{folder, map, unwrapped};
 
 /// Reads a folder with these files; stops are 5 m long, and nodes send every second.
 fn read(files: &[(&str, &str)], form: FormOptions) -> Result<RobotLog, String> {

@@ -7,9 +7,8 @@ use std::path::{Path, PathBuf};
 
 use sextant_channel::Position;
 use sextant_logs::{self as robot_log, FormOptions, LocalPlane, ReadOptions, RobotLog, StopRule};
-use tempfile::TempDir;
 
-use super::drive::{assert_holds, kept, map, options, path_csv, unwrapped};
+use super::drive::{assert_holds, folder, kept, map, options, path_csv, unwrapped};
 
 /// Of the first time of the paths of the captures and of the bags (ns).
 const CAPTURES_NS: u32 = 123_456_000;
@@ -17,14 +16,6 @@ const BAGS_NS: u32 = 123_456_789;
 
 const CAPTURED: [&str; 3] = ["0x0001", "00:12:4b:00:01:02:03:04", "0x0003"];
 const IN_BAG: [&str; 3] = ["17", "291", "4660"];
-
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    folder
-}
 
 /// Reads `log` with a path or packets of other files.
 fn read(log: &Path, path: Option<PathBuf>, packets: Option<PathBuf>) -> Result<RobotLog, String> {

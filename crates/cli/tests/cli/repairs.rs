@@ -5,15 +5,8 @@
 use std::fmt::Write;
 
 use sextant_logs::{self as robot_log, FormOptions, PacketDelay, ReadOptions, RepairOptions, RobotLog, StopRule};
-use tempfile::TempDir;
 
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    folder
-}
+use super::drive::folder;
 
 /// Reads a folder with these files; stops of a path are 5 s long.
 fn read(files: &[(&str, &str)], form: FormOptions, repair: RepairOptions) -> Result<RobotLog, String> {

@@ -19,9 +19,9 @@ fn the_list_names_each_experiment() {
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
     for experiment in sextant_thesis::experiments() {
-        let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id));
+        let line = text.lines().find(|line| line.split_whitespace().next() == Some(experiment.id.as_str()));
         let line = line.unwrap_or_else(|| panic!("{} is missing in:\n{text}", experiment.id));
-        assert!(line.contains(experiment.title), "{line}");
+        assert!(line.contains(&experiment.title), "{line}");
     }
 }
 

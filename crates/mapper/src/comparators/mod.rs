@@ -66,6 +66,15 @@ impl Dimensions {
     }
 }
 
+/// Checks the power of the weights of a centroid.
+fn weight_power(key: &str, power: f64) -> Result<f64, SettingError> {
+    if power > 0.0 && power <= 100.0 {
+        Ok(power)
+    } else {
+        Err(SettingError::new(key, power, "a number above 0, at most 100"))
+    }
+}
+
 /// The result of `place` for each node, one after the other. `operations` is the maximum number of operations for one
 /// node.
 fn node_by_node(

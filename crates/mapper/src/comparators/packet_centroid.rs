@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::{NodeId, SettingError, Watch};
 
+use super::weight_power;
 use crate::{
     AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
     TopologyMap,
@@ -76,11 +77,7 @@ impl TryFrom<PacketCentroidConfig> for PacketCentroid {
     type Error = SettingError;
 
     fn try_from(PacketCentroidConfig { power }: PacketCentroidConfig) -> Result<Self, SettingError> {
-        if power > 0.0 && power <= 100.0 {
-            Ok(Self { power })
-        } else {
-            Err(SettingError::new("power", power, "a number above 0, at most 100"))
-        }
+        Ok(Self { power: weight_power("power", power)? })
     }
 }
 

@@ -1,10 +1,12 @@
 //! Output files. Each is written completely or not at all.
 
+mod csv_file;
 mod draft;
 mod error;
 mod folder;
 mod whole;
 
+pub use csv_file::{CsvFile, EmptyCell};
 pub(crate) use draft::{Draft, DraftError};
 pub use error::OutputError;
 pub use folder::open_folder;

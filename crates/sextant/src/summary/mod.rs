@@ -31,7 +31,7 @@ pub use map::{
     AlignmentSummary, ConcernSummary, ConnectivitySummary, ErrorSummary, HeightsSource, HeightsSummary,
     LearnedSummary, MapSummary, MeasuredIn, NODE_ERRORS, POSITION_ERRORS_M,
 };
-pub use measures::{Measure, Number, Unit};
+pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};

@@ -29,8 +29,8 @@ impl Column {
     }
 }
 
-impl From<&Measure<'_>> for Column {
-    fn from(measure: &Measure<'_>) -> Self {
+impl From<&Measure> for Column {
+    fn from(measure: &Measure) -> Self {
         let kind = if measure.unit() == Unit::Count { Kind::Integer } else { Kind::Real };
         Self::new(measure.column(), kind)
     }

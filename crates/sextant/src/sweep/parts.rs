@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::SweepError;
 use super::row::Row;
-use sextant_recording::output::{OutputError, write_file};
+use sextant_recording::output::{CsvFile, EmptyCell, OutputError, write_file};
 
 /// The folder of the finished units, with one CSV file per unit.
 #[derive(Debug)]
@@ -60,13 +60,9 @@ impl Parts {
 
     /// Writes the rows of a finished unit.
     pub(super) fn write(&self, unit: usize, rows: &[Row]) -> Result<(), SweepError> {
-        let path = self.path(unit);
-        let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
-        let written = rows.iter().try_for_each(|row| writer.write_record(record(row)));
-        let bytes = written
-            .map_err(io::Error::from)
-            .and_then(|()| writer.into_inner().map_err(|error| io::Error::other(error.to_string())));
-        Ok(write_file(&path, &bytes.map_err(|error| OutputError::new(&path, &error))?)?)
+        let mut file = CsvFile::headless(EmptyCell::Bare);
+        rows.iter().for_each(|row| file.row(record(row)));
+        Ok(file.save(&self.path(unit))?)
     }
 }
 

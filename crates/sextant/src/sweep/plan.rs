@@ -24,6 +24,7 @@ pub struct Sweep {
     surveys: usize,
     keys: Vec<Column>,
     subjects: Subjects,
+    measures: Vec<Measure>,
     fingerprint: String,
 }
 
@@ -98,7 +99,8 @@ impl Sweep {
         }
         let (seed, runs) = (first_seed.unwrap_or_default(), runs.unwrap_or(sweep.runs).get());
         digest.update(format!("{seed} {runs} {}", env!("CARGO_PKG_VERSION")));
-        for measure in measures::all(&subjects) {
+        let measures = measures::all(&subjects);
+        for measure in &measures {
             digest.update(measure.column() + "\n");
         }
         let fingerprint = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
@@ -111,6 +113,7 @@ impl Sweep {
             surveys: surveys.len(),
             keys,
             subjects,
+            measures,
             fingerprint,
         })
     }
@@ -153,8 +156,8 @@ impl Sweep {
 
     /// The measures of each run, in the order of the columns.
     #[must_use]
-    pub fn measures(&self) -> Vec<Measure<'_>> {
-        measures::all(&self.subjects)
+    pub fn measures(&self) -> &[Measure] {
+        &self.measures
     }
 
     /// The columns of the table: cell, replicate, seed, the settings that vary, the error of a failed run, and the
@@ -191,15 +194,15 @@ impl Sweep {
 
     /// The values of a measure in the successful runs of a cell, each with the number of the run.
     #[must_use]
-    pub fn values_of(&self, rows: &[Row], cell: usize, measure: Measure<'_>) -> Vec<(u32, f64)> {
-        let Some(at) = self.measures().iter().position(|other| *other == measure) else { return Vec::new() };
+    pub fn values_of(&self, rows: &[Row], cell: usize, measure: &Measure) -> Vec<(u32, f64)> {
+        let Some(at) = self.measures.iter().position(|other| other == measure) else { return Vec::new() };
         let value = |row: &Row| Some((row.replicate, row.outcome.as_ref().ok()?[at]?));
         rows.iter().filter(|row| row.cell == cell).filter_map(value).collect()
     }
 
     /// The mean of a measure over the successful runs of a cell; `None` if there are none, or it does not apply.
     #[must_use]
-    pub fn mean(&self, rows: &[Row], cell: usize, measure: Measure<'_>) -> Option<Mean> {
+    pub fn mean(&self, rows: &[Row], cell: usize, measure: &Measure) -> Option<Mean> {
         let values: Vec<f64> = self.values_of(rows, cell, measure).into_iter().map(|(_, value)| value).collect();
         Mean::of(&values)
     }

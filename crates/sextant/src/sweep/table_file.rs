@@ -4,11 +4,12 @@
 mod parquet;
 
 use std::ffi::OsStr;
-use std::io;
 use std::path::Path;
 
 use super::column::Column;
 use super::error::TableError;
+use sextant_recording::output::{CsvFile, EmptyCell};
+#[cfg(feature = "parquet")]
 use sextant_recording::output::{OutputError, write_file};
 
 /// The file format of a table.
@@ -44,21 +45,20 @@ impl TableFormat {
 /// # Errors
 /// If the extension is unknown or the file cannot be written.
 pub(super) fn write_table(path: &Path, columns: &[Column], rows: &[Vec<String>]) -> Result<(), TableError> {
-    let bytes = match TableFormat::of(path)? {
-        TableFormat::Csv => csv(columns, rows),
+    match TableFormat::of(path)? {
+        TableFormat::Csv => Ok(csv(columns, rows).save(path)?),
         #[cfg(feature = "parquet")]
-        TableFormat::Parquet => parquet::encode(columns, rows),
-    };
-    Ok(write_file(path, &bytes.map_err(|error| OutputError::new(path, &error))?)?)
+        TableFormat::Parquet => {
+            let bytes = parquet::encode(columns, rows).map_err(|error| OutputError::new(path, &error))?;
+            Ok(write_file(path, &bytes)?)
+        }
+    }
 }
 
-fn csv(columns: &[Column], rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(columns.iter().map(|column| &column.name))?;
-    for row in rows {
-        writer.write_record(row)?;
-    }
-    writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
+fn csv(columns: &[Column], rows: &[Vec<String>]) -> CsvFile {
+    let mut file = CsvFile::new(columns.iter().map(|column| &column.name), EmptyCell::Bare);
+    rows.iter().for_each(|row| file.row(row));
+    file
 }
 
 #[cfg(test)]
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn a_csv_table_quotes_cells_where_needed() {
         let (columns, rows) = table();
-        let text = String::from_utf8(csv(&columns, &rows).unwrap()).unwrap();
+        let text = String::from_utf8(csv(&columns, &rows).bytes().to_vec()).unwrap();
         assert_eq!(text, "cell,error,ml-tm.connectivity_error\n0,,0.1\n1,\"no, \"\"never\"\"\",\n");
     }
 

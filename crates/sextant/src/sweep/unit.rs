@@ -6,6 +6,7 @@ use super::plan::{Sweep, Unit};
 use super::row::Row;
 use crate::run::{RunError, Surveyed, run_on, survey};
 use crate::scenario::{Scenario, ScenarioErrors};
+use crate::summary::Numbers;
 
 /// The rows of `unit`; `None` if the work is stopped. Its cells share their survey.
 pub(super) fn run(plan: &Sweep, unit: &Unit, watch: &dyn Watch) -> Option<Vec<Row>> {
@@ -35,7 +36,8 @@ fn measured(
     watch: &dyn Watch,
 ) -> Result<Vec<Option<f64>>, String> {
     let summary = run_on(scenario, surveyed, &mut (), watch).map_err(reason)?;
-    Ok(plan.measures().iter().map(|measure| measure.of(&summary)).collect())
+    let numbers = Numbers::of(&summary);
+    Ok(plan.measures().iter().map(|measure| numbers.get(measure)).collect())
 }
 
 fn message(errors: ScenarioErrors) -> String {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sextant_channel::Position;
 use sextant_kernel::{SettingError, Watch};
 
-use crate::comparators::node_by_node;
+use crate::comparators::{node_by_node, weight_power};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{
     AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
@@ -77,11 +77,7 @@ impl TryFrom<RssiCentroidConfig> for RssiCentroid {
     type Error = SettingError;
 
     fn try_from(RssiCentroidConfig { g }: RssiCentroidConfig) -> Result<Self, SettingError> {
-        if g > 0.0 && g <= 100.0 {
-            Ok(Self { g })
-        } else {
-            Err(SettingError::new("g", g, "a number above 0, at most 100"))
-        }
+        Ok(Self { g: weight_power("g", g)? })
     }
 }
 

@@ -1,19 +1,33 @@
 //! A number of a run, of one of its maps or of one of its applications.
 
-use super::number::{Number, Unit};
-use super::{application, distributed, map, node_errors, over_time, position_errors, run, scattering, time};
-use crate::summary::{ApplicationSummary, MapSummary, Summary};
+use std::str::FromStr;
 
-/// A number of a run, of one of its maps or of one of its applications.
-#[derive(Clone, Copy, Debug)]
-pub enum Measure<'a> {
-    /// A number of the run as a whole.
-    OfRun(&'static Number<Summary>),
-    /// A number of the map of this name.
-    OfMap(&'a str, &'static Number<MapSummary>),
-    /// A number of the application of this name.
-    OfApplication(&'a str, &'static Number<ApplicationSummary>),
+use super::known;
+use super::unit::Unit;
+
+/// A number of a run, of one of its maps or of one of its applications, by its path in the summary:
+/// `gathering.path_length_m`, `maps.ml-tm.position_error_m.mean`, `applications.detarsk.time_s`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Measure {
+    of: Of,
+    path: String,
+    unit: Unit,
 }
+
+/// What a number is of; a map and an application have a name.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Of {
+    Run,
+    Map(String),
+    Application(String),
+}
+
+/// There is no measure of this path.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "there is no measure `{0}`; measures are for example `gathering.stops`, `maps.NAME.mapped`, `applications.NAME.time_s`"
+)]
+pub struct UnknownMeasure(String);
 
 /// What a run has numbers of.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -28,108 +42,162 @@ pub struct Subjects {
     pub searches: Vec<String>,
 }
 
-impl Measure<'_> {
-    /// Name of its column; a number of a map begins with the name of the map.
+impl Measure {
+    /// Name of its column: its path, without `simulation` and `gathering`, and without the word `maps` or `applications`.
     #[must_use]
     pub fn column(&self) -> String {
-        match self {
-            Self::OfRun(number) => number.column.to_owned(),
-            Self::OfMap(map, number) => format!("{map}.{}", number.column),
-            Self::OfApplication(application, number) => format!("{application}.{}", number.column),
+        let path = &self.path;
+        match &self.of {
+            Of::Run => ["simulation.", "gathering."]
+                .iter()
+                .find_map(|group| path.strip_prefix(group))
+                .unwrap_or(path)
+                .to_owned(),
+            Of::Map(name) | Of::Application(name) => format!("{name}.{path}"),
+        }
+    }
+
+    /// Its path in the summary.
+    #[must_use]
+    pub fn path(&self) -> String {
+        let path = &self.path;
+        match &self.of {
+            Of::Run => path.clone(),
+            Of::Map(name) => format!("maps.{name}.{path}"),
+            Of::Application(name) => format!("applications.{name}.{path}"),
         }
     }
 
     /// Its unit in the column.
     #[must_use]
     pub fn unit(&self) -> Unit {
-        match self {
-            Self::OfRun(number) => number.unit,
-            Self::OfMap(_, number) => number.unit,
-            Self::OfApplication(_, number) => number.unit,
-        }
+        self.unit
     }
 
-    /// Its value in `summary`; `None` if it does not apply.
-    #[must_use]
-    pub fn of(&self, summary: &Summary) -> Option<f64> {
-        let value = match self {
-            Self::OfRun(number) => (number.read)(summary),
-            Self::OfMap(name, number) => {
-                let is_named = |map: &&MapSummary| map.name.as_ref().unwrap_or(&map.algorithm) == name;
-                summary.maps.iter().find(is_named).and_then(number.read)
-            }
-            Self::OfApplication(name, number) => {
-                summary.applications.iter().find(|application| application.name == *name).and_then(number.read)
-            }
-        };
-        value.filter(|value| value.is_finite())
+    pub(super) fn of(&self) -> &Of {
+        &self.of
+    }
+
+    /// Its path in the run, the map or the application.
+    pub(super) fn path_within(&self) -> &str {
+        &self.path
     }
 }
 
-/// Measures are equal if their columns are.
-impl PartialEq for Measure<'_> {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::OfRun(a), Self::OfRun(b)) => a.column == b.column,
-            (Self::OfMap(map_a, a), Self::OfMap(map_b, b)) => (map_a, a.column) == (map_b, b.column),
-            (Self::OfApplication(of_a, a), Self::OfApplication(of_b, b)) => (of_a, a.column) == (of_b, b.column),
-            _ => false,
-        }
+impl FromStr for Measure {
+    type Err = UnknownMeasure;
+
+    fn from_str(path: &str) -> Result<Self, UnknownMeasure> {
+        let of_run = || {
+            let (found, unit) = known::of_run(true).find(|(known, _)| *known == path)?;
+            Some(Self { of: Of::Run, path: found.to_owned(), unit })
+        };
+        let found = match path.split_once('.') {
+            Some(("maps", rest)) => named(rest, Of::Map, || known::of_map(true)),
+            Some(("applications", rest)) => named(rest, Of::Application, || known::of_application(true)),
+            _ => of_run(),
+        };
+        found.ok_or_else(|| UnknownMeasure(path.to_owned()))
     }
+}
+
+/// The measure whose path is a name, then one of `known`. A name may have dots.
+fn named<I: Iterator<Item = (&'static str, Unit)>>(
+    path: &str,
+    of: fn(String) -> Of,
+    known: impl Fn() -> I,
+) -> Option<Measure> {
+    path.match_indices('.').find_map(|(dot, _)| {
+        let (name, rest) = (&path[..dot], &path[dot + 1..]);
+        let (found, unit) = known().find(|(known, _)| *known == rest)?;
+        Some(Measure { of: of(name.to_owned()), path: found.to_owned(), unit })
+    })
 }
 
 /// All measures of a run with these subjects, in the order of their columns.
 #[must_use]
-pub fn all<'a>(subjects: &'a Subjects) -> Vec<Measure<'a>> {
+pub fn all(subjects: &Subjects) -> Vec<Measure> {
     let Subjects { maps, by_nodes, applications, searches } = subjects;
-    let of_nodes = if by_nodes.is_empty() { &[] } else { time::ALL };
-    let of_run = run::ALL.iter().chain(of_nodes).map(|number| Measure::OfRun(number));
-    let of_map = |map| {
-        let own = if by_nodes.contains(map) { [distributed::ALL, scattering::ALL] } else { [&[][..]; 2] };
-        let own = own.into_iter().flatten();
-        let numbers = map::ALL.iter().chain(node_errors::ALL).chain(position_errors::ALL).chain(own);
-        numbers.map(move |number| Measure::OfMap(map.as_str(), number))
-    };
-    let of_application = |name: &'a String| {
-        let own = if searches.contains(name) { over_time::ALL } else { &[] };
-        application::ALL.iter().chain(own).map(move |number| Measure::OfApplication(name.as_str(), number))
-    };
-    of_run.chain(maps.iter().flat_map(of_map)).chain(applications.iter().flat_map(of_application)).collect()
+    let measure = |of: Of, (path, unit): (&str, Unit)| Measure { of, path: path.to_owned(), unit };
+    let mut measures: Vec<_> = known::of_run(!by_nodes.is_empty()).map(|number| measure(Of::Run, number)).collect();
+    for map in maps {
+        let numbers = known::of_map(by_nodes.contains(map));
+        measures.extend(numbers.map(|number| measure(Of::Map(map.clone()), number)));
+    }
+    for name in applications {
+        let numbers = known::of_application(searches.contains(name));
+        measures.extend(numbers.map(|number| measure(Of::Application(name.clone()), number)));
+    }
+    measures
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbers::Numbers;
     use super::*;
-    use crate::summary::{EnergySummary, ErrorSummary, GatheringSummary};
+    use crate::summary::{
+        ApplicationSummary, DistributedSummary, EnergySummary, ErrorSummary, GatheringSummary, MapSummary, Summary,
+    };
 
     #[test]
     fn a_measure_is_read_from_the_run_or_from_the_named_map() {
         let energy = EnergySummary { tx: 0.5, rx: 1.25, idle: 0.1 };
+        let work = DistributedSummary {
+            converged: true,
+            unplaced: vec!["a".into(), "b".into()],
+            ..DistributedSummary::default()
+        };
         let map = MapSummary {
             name: Some("fine".into()),
             algorithm: "ml-tm".into(),
             mapped: 7,
             position_error_m: Some(ErrorSummary { mean: 0.3, max: f64::NAN, ..ErrorSummary::default() }),
+            sector_displacement: vec![0.6, 0.4],
+            distributed: Some(work),
             ..MapSummary::default()
         };
         let gathering = GatheringSummary { stops: 12, energy_j: Some(energy), ..GatheringSummary::default() };
-        let summary = Summary { gathering: Some(gathering), maps: vec![map], ..Summary::default() };
-        for (measure, column, value) in [
-            (Measure::OfRun(&run::STOPS), "stops", Some(12.0)),
-            (Measure::OfRun(&run::ENERGY_RX_J), "energy_j.rx", Some(1.25)),
-            (Measure::OfRun(&run::NODES), "nodes", None),
-            (Measure::OfMap("fine", &map::MAPPED), "fine.mapped", Some(7.0)),
-            (Measure::OfMap("fine", &map::POSITION_ERROR_MEAN_M), "fine.position_error_m.mean", Some(0.3)),
-            (Measure::OfMap("fine", &map::POSITION_ERROR_MAX_M), "fine.position_error_m.max", None),
-            (Measure::OfMap("fine", &map::CONNECTIVITY_ERROR), "fine.connectivity_error", None),
-            (Measure::OfMap("ml-tm", &map::MAPPED), "ml-tm.mapped", None),
+        let search =
+            ApplicationSummary { name: "p-g".into(), captured: Some(false), ..ApplicationSummary::default() };
+        let (maps, applications) = (vec![map], vec![search]);
+        let summary = Summary { gathering: Some(gathering), maps, applications, ..Summary::default() };
+        let numbers = Numbers::of(&summary);
+        for (path, column, value) in [
+            ("gathering.stops", "stops", Some(12.0)),
+            ("gathering.energy_j.rx", "energy_j.rx", Some(1.25)),
+            ("simulation.nodes", "nodes", None),
+            ("mac.prr", "mac.prr", None),
+            ("maps.fine.mapped", "fine.mapped", Some(7.0)),
+            ("maps.fine.position_error_m.mean", "fine.position_error_m.mean", Some(0.3)),
+            ("maps.fine.position_error_m.max", "fine.position_error_m.max", None),
+            ("maps.fine.connectivity_error", "fine.connectivity_error", None),
+            ("maps.fine.sector_displacement.1", "fine.sector_displacement.1", Some(0.4)),
+            ("maps.fine.sector_displacement.2", "fine.sector_displacement.2", None),
+            ("maps.fine.distributed.converged", "fine.distributed.converged", Some(1.0)),
+            ("maps.fine.distributed.unplaced", "fine.distributed.unplaced", Some(2.0)),
+            ("maps.ml-tm.mapped", "ml-tm.mapped", None),
+            ("applications.p-g.captured", "p-g.captured", Some(0.0)),
+            ("applications.p-g.captures", "p-g.captures", Some(0.0)),
+            ("applications.p-g.arrivals", "p-g.arrivals", None),
         ] {
-            assert_eq!((measure.column(), measure.of(&summary)), (column.to_owned(), value));
+            let measure: Measure = path.parse().unwrap();
+            assert_eq!((measure.path(), measure.column()), (path.to_owned(), column.to_owned()));
+            assert_eq!(numbers.get(&measure), value, "{path}");
         }
     }
 
     #[test]
-    fn no_two_measures_share_a_column() {
+    fn a_path_that_leads_nowhere_is_rejected() {
+        for path in ["stops", "gathering", "maps.mapped", "maps.fine.maped", "applications.p-g", "maps..", ""] {
+            let error = path.parse::<Measure>().unwrap_err().to_string();
+            assert!(error.contains(&format!("`{path}`")), "{error}");
+        }
+        let of_dots: Measure = "maps.fine.2.mapped".parse().unwrap();
+        assert_eq!(of_dots.column(), "fine.2.mapped");
+    }
+
+    #[test]
+    fn no_two_measures_share_a_column_and_each_is_found_by_its_path() {
         let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
         let subjects = Subjects {
             maps: names(&["ml-tm", "tpm"]),
@@ -137,7 +205,11 @@ mod tests {
             applications: names(&["detarsk", "p-g", "gradient"]),
             searches: names(&["detarsk", "p-g"]),
         };
-        let mut columns: Vec<_> = all(&subjects).iter().map(Measure::column).collect();
+        let measures = all(&subjects);
+        for measure in &measures {
+            assert_eq!(&measure.path().parse::<Measure>().unwrap(), measure);
+        }
+        let mut columns: Vec<_> = measures.iter().map(Measure::column).collect();
         let count = columns.len();
         columns.sort();
         columns.dedup();

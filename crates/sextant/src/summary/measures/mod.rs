@@ -1,16 +1,11 @@
-//! The numbers of a summary by name. A sweep writes them as columns, and `reproduce` compares them with the thesis.
+//! The numbers of a summary by path. A sweep writes them as columns, and the reproduction of the thesis reads them.
 
-pub mod application;
-pub mod distributed;
-pub mod map;
+mod derived;
+mod known;
 mod measure;
-pub mod node_errors;
-mod number;
-pub mod over_time;
-pub mod position_errors;
-pub mod run;
-pub mod scattering;
-pub mod time;
+mod numbers;
+mod unit;
 
-pub use measure::{Measure, Subjects, all};
-pub use number::{Number, Unit};
+pub use measure::{Measure, Subjects, UnknownMeasure, all};
+pub use numbers::Numbers;
+pub use unit::Unit;
