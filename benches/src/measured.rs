@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::Serialize;
 use sextant_channel::Position;
 use sextant_kernel::Unwatched;
-use sextant_mapper::{Choice, Learned, MapError, Mapper, PositionError, Region};
+use sextant_mapper::{Choice, EstimatorFindings, MapError, Mapper, PositionError, Region};
 
 use crate::laws::KnownLog;
 
@@ -61,7 +61,7 @@ pub fn measure(mapper: &Mapper, known: &KnownLog) -> Result<Option<Measured>, Ma
             Some(Region::of_95(estimate, map.grid_step_m.unwrap_or(0.0))?.contains(place))
         })
         .collect();
-    let chosen = learned.as_ref().and_then(Learned::get::<Choice>).map(|choice| choice.chosen.to_owned());
+    let chosen = learned.as_ref().and_then(EstimatorFindings::get::<Choice>).map(|choice| choice.chosen.to_owned());
     Ok(Some(Measured {
         in_plane_m,
         in_space_m,

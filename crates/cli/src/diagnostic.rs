@@ -69,11 +69,15 @@ impl Failure {
         }
     }
 
-    /// Prints the message on standard error.
-    pub(crate) fn print(&self) {
+    /// Prints the message on standard error, in the words that `speak` makes of those of the library.
+    pub(crate) fn print(&self, speak: impl Fn(&str) -> String) {
+        let spoken = |report: &Report| match report.downcast_ref::<Message>() {
+            Some(message) => render(&Report::new(Message { text: speak(&message.text), ..message.clone() })),
+            None => render(report),
+        };
         let text = match self {
-            Self::BadInput(reports) => reports.iter().map(render).collect::<String>(),
-            Self::Failed(report) => render(report),
+            Self::BadInput(reports) => reports.iter().map(spoken).collect::<String>(),
+            Self::Failed(report) => spoken(report),
             Self::Interrupted => "interrupted\n".to_owned(),
             Self::Unread => return,
         };
@@ -207,7 +211,7 @@ fn render(report: &Report) -> String {
 }
 
 /// A message, with its place in a file if it has one.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Message {
     text: String,
     help: Option<String>,
@@ -215,7 +219,7 @@ struct Message {
 }
 
 /// The part of a file that a message is about.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Excerpt {
     source: NamedSource<String>,
     label: LabeledSpan,

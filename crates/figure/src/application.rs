@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 use sextant_channel::Position;
 
 use sextant_kernel::text::counted;
-use sextant_recording::{DrawnApplication, DrawnField};
+use sextant_recording::{RecordedApplication, RecordedField};
 
 use super::cells;
 use super::contour::contour;
@@ -29,7 +29,7 @@ const START: f64 = 4.0;
 const THOUGHT: f64 = 2.0;
 
 /// The figure.
-pub(super) fn draw(source: &Source<'_>, application: &DrawnApplication) -> Picture {
+pub(super) fn draw(source: &Source<'_>, application: &RecordedApplication) -> Picture {
     let field = field(application);
     let bar = field.map(colour_bar);
     let views = source.views(places(application));
@@ -53,19 +53,19 @@ pub(super) fn draw(source: &Source<'_>, application: &DrawnApplication) -> Pictu
 }
 
 /// The field that is sought as it was at the beginning.
-fn field(application: &DrawnApplication) -> Option<&DrawnField> {
+fn field(application: &RecordedApplication) -> Option<&RecordedField> {
     let name = application.field.as_ref()?;
     application.fields.iter().find(|field| field.name == *name)
 }
 
-fn colour_bar(field: &DrawnField) -> ColourBar {
+fn colour_bar(field: &RecordedField) -> ColourBar {
     let low = field.plane.values.iter().copied().fold(0.0, f64::min);
     let high = field.plane.values.iter().copied().fold(low, f64::max);
     let high = if high > low { high } else { low + 1.0 };
     ColourBar { name: "value of the field".to_owned(), low, high, open_end: false, finest: 0.0, ramp: Ramp::Areas }
 }
 
-fn draw_field(picture: &mut Picture, panel: &Panel, field: &DrawnField, bar: &ColourBar, level: Option<f64>) {
+fn draw_field(picture: &mut Picture, panel: &Panel, field: &RecordedField, bar: &ColourBar, level: Option<f64>) {
     let share = |value: f64| (value - bar.low) / (bar.high - bar.low);
     let shares: Vec<f64> = field.plane.values.iter().map(|&value| share(value).max(0.0)).collect();
     cells::draw(picture, panel, &field.plane, &shares, bar.ramp);
@@ -84,7 +84,7 @@ fn draw_field(picture: &mut Picture, panel: &Panel, field: &DrawnField, bar: &Co
 }
 
 /// The ways of targets and robots, the places where targets were thought to be, and the captures.
-fn draw_ways(picture: &mut Picture, panel: &Panel, application: &DrawnApplication) {
+fn draw_ways(picture: &mut Picture, panel: &Panel, application: &RecordedApplication) {
     let way =
         |places: &mut dyn Iterator<Item = Position>| places.map(|place| panel.at(place)).collect::<Vec<Point>>();
     for thought in &application.target_places {
@@ -113,13 +113,13 @@ fn draw_ways(picture: &mut Picture, panel: &Panel, application: &DrawnApplicatio
 }
 
 /// All places that must be in the picture.
-fn places(application: &DrawnApplication) -> impl Iterator<Item = Position> {
+fn places(application: &RecordedApplication) -> impl Iterator<Item = Position> {
     let paths = application.paths.iter().flat_map(|(_, path)| path).copied();
     let ways = application.targets.iter().flat_map(|target| target.way.places());
     paths.chain(ways).chain(application.captures.iter().map(|capture| capture.place))
 }
 
-fn sheet(source: &Source<'_>, application: &DrawnApplication, radius: f64, bar: Option<&ColourBar>) -> Sheet {
+fn sheet(source: &Source<'_>, application: &RecordedApplication, radius: f64, bar: Option<&ColourBar>) -> Sheet {
     let node = if bar.is_some() { THREAD } else { INK };
     let mut legend = vec![Entry { symbol: Symbol::Disc { radius, fill: node }, text: "node".to_owned() }];
     let line = |color, width| Symbol::Line { stroke: Stroke::new(color, width), pattern: &[] };
@@ -157,7 +157,7 @@ fn sheet(source: &Source<'_>, application: &DrawnApplication, radius: f64, bar: 
         note.push(format!("{captured} of {} captured", counted(application.targets.len(), "target")));
     }
     note.push(format!("path of {length_m:.0} m"));
-    let DrawnApplication { name, algorithm, .. } = application;
+    let RecordedApplication { name, algorithm, .. } = application;
     let what = if name == algorithm { name.clone() } else { format!("{name} ({algorithm})") };
     Sheet { title: format!("{}: {what}", source.title), note: note.join(", "), bar: bar.cloned(), legend }
 }

@@ -2,7 +2,7 @@
 
 use sextant_kernel::SimTime;
 
-use sextant_recording::DrawnApplication;
+use sextant_recording::RecordedApplication;
 
 use super::curves::{Curves, Series};
 use super::picture::Picture;
@@ -13,7 +13,7 @@ const MOST: usize = 150;
 
 /// The curves of an application, each with the end of the name of its figure: `prediction-error`, `distance` and
 /// `own-place-error` if it searches targets or knows its place, `value` if it seeks the source of a field.
-pub(super) fn draw(source: &Source<'_>, application: &DrawnApplication) -> Vec<(&'static str, Picture)> {
+pub(super) fn draw(source: &Source<'_>, application: &RecordedApplication) -> Vec<(&'static str, Picture)> {
     let plot = |what: &str, up: &str, series: Vec<Series>| {
         let across = "time [s]".to_owned();
         let title = format!("{}: {}, {what}", source.title, application.name);
@@ -36,7 +36,7 @@ pub(super) fn draw(source: &Source<'_>, application: &DrawnApplication) -> Vec<(
 }
 
 /// What robots worked out, what is true there, and the level that they seek.
-fn values(application: &DrawnApplication) -> Vec<Series> {
+fn values(application: &RecordedApplication) -> Vec<Series> {
     let mut found = series(application, "field_truth", ", true");
     found.extend(series(application, "field_estimate", ", estimate"));
     let times = || found.iter().flat_map(|series| &series.points).map(|point| point.0);
@@ -48,7 +48,7 @@ fn values(application: &DrawnApplication) -> Vec<Series> {
 }
 
 /// One curve for each station with such a time series.
-fn series(application: &DrawnApplication, what: &str, note: &str) -> Vec<Series> {
+fn series(application: &RecordedApplication, what: &str, note: &str) -> Vec<Series> {
     let seconds = |time: SimTime| (time - application.start).as_secs_f64();
     let curve = |(station, points): (&str, &[(SimTime, f64)])| Series {
         name: format!("{station}{note}"),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use sextant_kernel::NodeId;
 
 use sextant_kernel::text::counted;
-use sextant_recording::{Drawn, DrawnField};
+use sextant_recording::{RecordedField, RecordedWorld};
 
 use super::cells;
 use super::palette::{INK, PAPER, Ramp};
@@ -18,7 +18,7 @@ use super::view::{Extent, View, Views};
 const RIM: Stroke = Stroke::new(INK, 1.2);
 
 /// The figure.
-pub(super) fn draw(source: &Source<'_>, field: &DrawnField) -> Picture {
+pub(super) fn draw(source: &Source<'_>, field: &RecordedField) -> Picture {
     let drawn = source.drawn;
     let plane = &field.plane;
     let readings = readings(drawn, field);
@@ -72,13 +72,13 @@ pub(super) fn draw(source: &Source<'_>, field: &DrawnField) -> Picture {
 }
 
 /// The last reading of each node before the instant of `field`.
-fn readings(drawn: &Drawn, field: &DrawnField) -> BTreeMap<NodeId, f64> {
+fn readings(drawn: &RecordedWorld, field: &RecordedField) -> BTreeMap<NodeId, f64> {
     let earlier = drawn.samples.iter().filter(|sample| sample.field == field.name && sample.time <= field.time);
     earlier.map(|sample| (sample.node, sample.value)).collect()
 }
 
 /// The colour bar, the same for all instants of a field.
-fn colour_bar(drawn: &Drawn, field: &DrawnField) -> ColourBar {
+fn colour_bar(drawn: &RecordedWorld, field: &RecordedField) -> ColourBar {
     let instants = drawn.fields.iter().filter(|other| other.name == field.name);
     let values = || instants.clone().flat_map(|other| &other.plane.values).copied();
     let low = values().fold(0.0, f64::min);

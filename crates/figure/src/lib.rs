@@ -11,10 +11,10 @@
 //! ```no_run
 //! use std::path::Path;
 //! use sextant_figure::{FileFormat, Source, all};
-//! use sextant_recording::{read_drawn, read_log};
+//! use sextant_recording::{read_world, read_log};
 //!
 //! let recording = Path::new("circular.mcap");
-//! let (run, drawn) = (read_log(recording)?, read_drawn(recording)?);
+//! let (run, drawn) = (read_log(recording)?, read_world(recording)?);
 //! for figure in all(&Source { title: "circular", log: run.log(), drawn: &drawn, sector_displacements: &[] }) {
 //!     figure.write(Path::new("."), FileFormat::Svg)?;
 //! }

@@ -1,6 +1,6 @@
 //! The likelihood of one node, on the plane of the grid through its maximum.
 
-use sextant_recording::{DrawnLikelihood, GridPlane, Places, Solid};
+use sextant_recording::{GridPlane, Places, RecordedLikelihood, Solid};
 
 use super::cells;
 use super::palette::{ACCENT, INK, PAPER, Ramp, THREAD};
@@ -24,8 +24,8 @@ const RIM: Stroke = Stroke::new(INK, 1.2);
 const NOTHING: Stroke = Stroke::new(THREAD, 0.8);
 
 /// The figure.
-pub(super) fn draw(source: &Source<'_>, surface: &DrawnLikelihood) -> Picture {
-    let DrawnLikelihood { map, node, plane } = surface;
+pub(super) fn draw(source: &Source<'_>, surface: &RecordedLikelihood) -> Picture {
+    let RecordedLikelihood { map, node, plane } = surface;
     let id = source.node(node);
     let truth = id.and_then(|id| source.drawn.nodes.get(&id).copied());
     let places = source.drawn.maps.iter().find(|(name, _)| name == map).map(|(_, places)| places);

@@ -4,7 +4,7 @@ use plotters::style::RGBColor;
 use sextant_kernel::NodeId;
 use sextant_mapper::PositionError;
 
-use sextant_recording::{DrawnRole, Places};
+use sextant_recording::{NodeRole, Places};
 
 use super::palette::{ACCENT, CURVES, INK, Ramp, THREAD};
 use super::picture::{Picture, Stroke};
@@ -119,7 +119,7 @@ impl Anchors {
             let nodes = source.drawn.mapped_nodes.iter().filter(move |node| node.role == role);
             nodes.map(|node| node.node).filter(|node| places.contains_key(node)).collect()
         };
-        Self { initial: with(DrawnRole::InitialAnchor), new: with(DrawnRole::NewAnchor) }
+        Self { initial: with(NodeRole::InitialAnchor), new: with(NodeRole::NewAnchor) }
     }
 
     /// Their entries in the legend; other nodes have a disc of `radius`, filled with `fill`.

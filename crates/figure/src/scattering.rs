@@ -8,7 +8,7 @@ use super::palette::{ACCENT, CURVES};
 use super::picture::{Picture, Stroke};
 use super::sheet::{Entry, Sheet, Symbol};
 use super::source::Source;
-use sextant_recording::DrawnMappedNode;
+use sextant_recording::RecordedNode;
 
 /// Size of the plot (px).
 const SIZE: (f64, f64) = (560.0, 360.0);
@@ -25,7 +25,7 @@ pub(super) fn draw(source: &Source<'_>) -> Option<Picture> {
     let (_, places) = source.drawn.maps.iter().find(|(other, _)| other == name)?;
     let errors = source.errors(places);
     let error_m = |node: NodeId| errors.binary_search_by_key(&node, |&(node, _)| node).ok().map(|at| errors[at].1);
-    let point = |node: &DrawnMappedNode| Some((node.scattering?, error_m(node.node)?));
+    let point = |node: &RecordedNode| Some((node.scattering?, error_m(node.node)?));
     let points: Vec<(f64, f64)> = source.drawn.mapped_nodes.iter().filter_map(point).collect();
     let (widest, largest_m) = points.iter().copied().reduce(|(x, y), (a, b)| (x.max(a), y.max(b)))?;
     let legend = vec![

@@ -3,7 +3,7 @@
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
 
-use sextant_recording::{Drawn, Places, Solid};
+use sextant_recording::{Places, RecordedWorld, Solid};
 
 use super::palette::OBSTACLE;
 use super::sheet::{Entry, Symbol};
@@ -18,7 +18,7 @@ pub struct Source<'a> {
     /// The reception log.
     pub log: &'a ReceptionLog,
     /// Everything with a position.
-    pub drawn: &'a Drawn,
+    pub drawn: &'a RecordedWorld,
     /// Shares of the nodes by sector displacement, of each map that has them, by name.
     pub sector_displacements: &'a [(String, Vec<f64>)],
 }
@@ -37,7 +37,7 @@ impl Source<'_> {
     /// Views of the world that contain the nodes, the obstacles and `more`: from above, and also from the side unless the
     /// nodes and `more` all have the same height.
     pub(super) fn views(&self, more: impl Iterator<Item = Position>) -> Views {
-        let Drawn { nodes, obstacles, .. } = self.drawn;
+        let RecordedWorld { nodes, obstacles, .. } = self.drawn;
         let places: Vec<_> = nodes.values().copied().chain(more).collect();
         let flat = Extent::around(places.iter().copied()).is_none_or(|extent| extent.is_flat());
         let corners = obstacles.iter().flat_map(|solid| &solid.vertices).copied();

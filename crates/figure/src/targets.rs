@@ -8,7 +8,7 @@ use sextant_channel::Position;
 use sextant_kernel::NodeId;
 
 use sextant_kernel::text::counted;
-use sextant_recording::{Detection, Drawn, Sensation};
+use sextant_recording::{Detection, RecordedWorld, Sensation};
 
 use super::palette::{CURVES, INK, PAPER};
 use super::picture::{Picture, Point, Stroke};
@@ -106,12 +106,12 @@ fn sheet(source: &Source<'_>, radius: f64) -> Sheet {
     Sheet { title: format!("{title}: targets and detections"), note: note.join(", "), bar: None, legend }
 }
 
-fn ways(drawn: &Drawn) -> impl Iterator<Item = Position> {
+fn ways(drawn: &RecordedWorld) -> impl Iterator<Item = Position> {
     drawn.targets.iter().flat_map(|target| target.way.places())
 }
 
 /// The corners of boxes around the discs of all nodes, so that the discs are in the picture.
-fn rims(drawn: &Drawn) -> impl Iterator<Item = Position> {
+fn rims(drawn: &RecordedWorld) -> impl Iterator<Item = Position> {
     let radius_m = drawn.detection_radius_m.unwrap_or(0.0);
     let flat = Extent::around(drawn.nodes.values().copied().chain(ways(drawn))).is_none_or(|extent| extent.is_flat());
     let reach = Position::new(radius_m, radius_m, if flat { 0.0 } else { radius_m });

@@ -67,7 +67,7 @@ pub enum RobotLogError {
     /// A folder has two logs, of which one is a list of stops.
     #[error(
         "`{}` has both {} and {stops}: a log is a path and packets, or stops.csv and receptions.csv; move away those that are \
-         not meant, or give `--packets FILE`",
+         not meant, or give `packets=FILE`",
         .path.display(), .others.join(", ")
     )]
     TwoLogs {
@@ -79,7 +79,7 @@ pub enum RobotLogError {
         stops: &'static str,
     },
     /// A folder has what is wanted more than once.
-    #[error("`{}` has the {what} more than once: {}; choose with `{flag} FILE`", .path.display(), .found.join(", "))]
+    #[error("`{}` has the {what} more than once: {}; choose with `{flag}=FILE`", .path.display(), .found.join(", "))]
     Several {
         /// The folder.
         path: PathBuf,
@@ -100,7 +100,7 @@ pub enum RobotLogError {
     },
     /// There is a path and nothing that was heard.
     #[error(
-        "`{}` has {found}, but no packets.csv with what was heard on it; `--packets FILE` takes the packets from another file",
+        "`{}` has {found}, but no packets.csv with what was heard on it; `packets=FILE` takes the packets from another file",
         .path.display()
     )]
     NoPacketFile {
@@ -111,7 +111,7 @@ pub enum RobotLogError {
     },
     /// There are packets and no path.
     #[error(
-        "`{}` says which nodes were heard and when, but not where the robot was: give its path with `--path FILE`: CSV with columns \
+        "`{}` says which nodes were heard and when, but not where the robot was: give its path with `path=FILE`: CSV with columns \
          t_s,x_m,y_m[,z_m] or t_s,lat,lon, TUM, GPX, NMEA 0183 or a ROS 2 bag",
         .path.display()
     )]
@@ -120,7 +120,7 @@ pub enum RobotLogError {
         path: PathBuf,
     },
     /// Flags name everything that would be read from the log.
-    #[error("`{}` gives {what}, but so does `{flag}`: leave out one of them", .path.display())]
+    #[error("`{}` gives {what}, but so does option `{flag}`: leave out one of them", .path.display())]
     Unused {
         /// The file.
         path: PathBuf,
@@ -160,7 +160,7 @@ pub enum RobotLogError {
         why: PathError,
     },
     /// A path has too many stops.
-    #[error("the path would be cut into more than {} stops: give a greater `--stop-every`", slot::MOST)]
+    #[error("the path would be cut into more than {} stops: give a greater option `stop_every`", slot::MOST)]
     TooManyStops,
     /// There are no packets.
     #[error("the log has no packets")]
@@ -220,8 +220,8 @@ pub enum RobotLogError {
         problem: String,
     },
     /// Flags are for another kind of log.
-    #[error("`{flag}` is for {meant}, but `{}` is {found}", .path.display())]
-    Flag {
+    #[error("option `{flag}` is for {meant}, but `{}` is {found}", .path.display())]
+    Unsuited {
         /// The file or folder.
         path: PathBuf,
         /// The flag.

@@ -31,7 +31,7 @@ impl FieldNames {
         given.cloned().unwrap_or(Self { flag: Some(PATH_FIELDS), pairs: Vec::new() })
     }
 
-    /// Reads the value of `--packet-fields`.
+    /// Reads the value of option `packet_fields`.
     ///
     /// # Errors
     /// If a key is unknown or given twice, or a name is missing.
@@ -39,7 +39,7 @@ impl FieldNames {
         Self::parse(text, PACKET_FIELDS, &OF_PACKETS)
     }
 
-    /// Reads the value of `--path-fields`.
+    /// Reads the value of option `path_fields`.
     ///
     /// # Errors
     /// If a key is unknown or given twice, or a name is missing.
@@ -87,13 +87,13 @@ impl FieldNames {
         for (key, name) in &self.pairs {
             if !known.contains(key) {
                 return Err(format!(
-                    "`{flag}` has `{key}={name}`, but this file has no `{key}`; allowed: {}",
+                    "option `{flag}` has `{key}={name}`, but this file has no `{key}`; allowed: {}",
                     known.join(", ")
                 ));
             }
             let at = written.iter().position(|column| column == name).ok_or_else(|| {
                 format!(
-                    "`{flag}` has `{key}={name}`, but there is no column `{name}`; the columns are: {}",
+                    "option `{flag}` has `{key}={name}`, but there is no column `{name}`; the columns are: {}",
                     written.join(", ")
                 )
             })?;
@@ -104,7 +104,7 @@ impl FieldNames {
 
     /// How to say that the column `written` is the known one `key`, for an error.
     pub(super) fn hint(&self, key: &str, written: &str) -> String {
-        self.flag.map_or_else(String::new, |flag| format!(", or give `{flag} {key}={written}`"))
+        self.flag.map_or_else(String::new, |flag| format!(", or give `{flag}={key}={written}`"))
     }
 }
 
@@ -118,9 +118,9 @@ impl fmt::Display for FieldNames {
 }
 
 /// The flag that names what packets have.
-const PACKET_FIELDS: &str = "--packet-fields";
+const PACKET_FIELDS: &str = "packet_fields";
 /// The flag that names what places have.
-const PATH_FIELDS: &str = "--path-fields";
+const PATH_FIELDS: &str = "path_fields";
 
 #[cfg(test)]
 mod tests {
@@ -148,8 +148,11 @@ mod tests {
         let written = ["t_s", "time", "x_m"].map(str::to_owned);
         assert_eq!(names.rename(&written, &["t_s", "x_m"]).unwrap(), ["", "t_s", "x_m"]);
         let problem = names.rename(&written[..1], &["t_s", "x_m"]).unwrap_err();
-        assert_eq!(problem, "`--path-fields` has `t_s=time`, but there is no column `time`; the columns are: t_s");
+        assert_eq!(
+            problem,
+            "option `path_fields` has `t_s=time`, but there is no column `time`; the columns are: t_s"
+        );
         let problem = names.rename(&written, &["x_m"]).unwrap_err();
-        assert_eq!(problem, "`--path-fields` has `t_s=time`, but this file has no `t_s`; allowed: x_m");
+        assert_eq!(problem, "option `path_fields` has `t_s=time`, but this file has no `t_s`; allowed: x_m");
     }
 }

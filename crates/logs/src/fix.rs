@@ -72,7 +72,7 @@ impl Track {
             let origin = plane.origin();
             return Err(format!(
                 "found latitude {lat_deg} and longitude {lon_deg}; allowed: a place at most {} km from the first one at {}, {}; a \
-                 receiver without a fix often writes 0, 0: `--skip-no-fix` leaves such places out",
+                 receiver without a fix often writes 0, 0: option `skip_no_fix` leaves such places out",
                 LocalPlane::RADIUS_M / 1e3,
                 origin.lat_deg,
                 origin.lon_deg
@@ -92,7 +92,7 @@ impl Track {
         let Self { plane, poses, lines, left_out, .. } = self;
         if left_out > 0 {
             let name = file.file_name().unwrap_or_default().to_string_lossy();
-            notes.push(format!("{name}: {left_out} places without a fix are left out (`--skip-no-fix`)"));
+            notes.push(format!("{name}: {left_out} places without a fix are left out (option `skip_no_fix`)"));
         }
         let path = Path::new(poses).map_err(|why| match why.index() {
             Some(index) => RobotLogError::Row { path: file.to_owned(), line: lines[index], problem: why.to_string() },

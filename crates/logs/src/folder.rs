@@ -44,7 +44,7 @@ pub(super) fn read(folder: &Path, options: &ReadOptions) -> Result<RobotLog, Rob
         receptions::read(&folder.join(RECEPTIONS), &stops, &options.form, &mut rssi, &mut notes)?;
     if !stops.left_out.is_empty() {
         notes.push(format!(
-            "stops.csv: {} without a fix are left out, with {left_out} rows of receptions.csv (`--skip-no-fix`)",
+            "stops.csv: {} without a fix are left out, with {left_out} rows of receptions.csv (option `skip_no_fix`)",
             counted(stops.left_out.len(), "row")
         ));
     }

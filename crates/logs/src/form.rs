@@ -109,36 +109,39 @@ impl Use {
     }
 }
 
-/// Refuses the flags of `options` that are for another form of log.
+/// Refuses what `options` say that are for another form of log.
 pub(super) fn refuse(path: &Path, form: Form, options: &ReadOptions) -> Result<(), RobotLogError> {
     let ReadOptions { stop_every, packet_interval_s, form: of_form, repair, bag, sniffer } = options;
     let flags = [
-        ("--stop-every", *stop_every != StopRule::Automatic, Use::Drive),
-        ("--packet-interval", packet_interval_s.is_some(), Use::Drive),
-        ("--packet-delay", repair.packet_delay != PacketDelay::default(), Use::Drive),
-        ("--skip-no-fix", repair.skip_no_fix, Use::RobotLog),
-        ("--rssi-missing", !repair.rssi_missing.is_empty(), Use::RobotLog),
-        ("--path", of_form.path.is_some(), Use::Drive),
-        ("--packets", of_form.packets.is_some(), Use::Drive),
-        ("--pose-topic", bag.pose_topic.is_some(), Use::BagPath),
-        ("--child-frame", bag.child_frame.is_some(), Use::BagPath),
-        ("--fixed-frame", bag.fixed_frame.is_some(), Use::BagPath),
-        ("--packet-topic", bag.packet_topic.is_some(), Use::BagPackets),
-        ("--bag-clock", bag.bag_clock.is_some(), Use::Bag),
-        ("--pan", sniffer.pan.is_some(), Use::Captures),
-        ("--packet-fields", of_form.packet_fields.is_some(), Use::PacketFields),
-        ("--path-fields", of_form.path_fields.is_some(), Use::CsvPlaces),
-        ("--missing", !of_form.missing.is_empty(), Use::Wide),
-        ("--node-columns", !of_form.node_columns.is_empty(), Use::Wide),
-        ("--reciprocal", of_form.reciprocal, Use::RobotLog),
-        ("--transmitter", of_form.transmitter.is_some(), Use::Drive),
-        ("--noise-floor", of_form.noise_floor.is_some(), Use::RobotLog),
-        ("--lora", of_form.lora, Use::Lora),
+        ("stop_every", *stop_every != StopRule::Automatic, Use::Drive),
+        ("packet_interval", packet_interval_s.is_some(), Use::Drive),
+        ("packet_delay", repair.packet_delay != PacketDelay::default(), Use::Drive),
+        ("skip_no_fix", repair.skip_no_fix, Use::RobotLog),
+        ("rssi_missing", !repair.rssi_missing.is_empty(), Use::RobotLog),
+        ("path", of_form.path.is_some(), Use::Drive),
+        ("packets", of_form.packets.is_some(), Use::Drive),
+        ("pose_topic", bag.pose_topic.is_some(), Use::BagPath),
+        ("child_frame", bag.child_frame.is_some(), Use::BagPath),
+        ("fixed_frame", bag.fixed_frame.is_some(), Use::BagPath),
+        ("packet_topic", bag.packet_topic.is_some(), Use::BagPackets),
+        ("bag_clock", bag.bag_clock.is_some(), Use::Bag),
+        ("pan", sniffer.pan.is_some(), Use::Captures),
+        ("packet_fields", of_form.packet_fields.is_some(), Use::PacketFields),
+        ("path_fields", of_form.path_fields.is_some(), Use::CsvPlaces),
+        ("missing", !of_form.missing.is_empty(), Use::Wide),
+        ("node_columns", !of_form.node_columns.is_empty(), Use::Wide),
+        ("reciprocal", of_form.reciprocal, Use::RobotLog),
+        ("transmitter", of_form.transmitter.is_some(), Use::Drive),
+        ("noise_floor", of_form.noise_floor.is_some(), Use::RobotLog),
+        ("lora", of_form.lora, Use::Lora),
     ];
     match flags.into_iter().find(|(_, is_given, meant)| *is_given && !meant.is_for(form)) {
-        Some((flag, _, meant)) => {
-            Err(RobotLogError::Flag { path: path.to_owned(), flag, meant: meant.meant(), found: form.to_string() })
-        }
+        Some((flag, _, meant)) => Err(RobotLogError::Unsuited {
+            path: path.to_owned(),
+            flag,
+            meant: meant.meant(),
+            found: form.to_string(),
+        }),
         None => Ok(()),
     }
 }

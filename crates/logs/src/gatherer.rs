@@ -146,7 +146,7 @@ impl Gatherer {
             StopRule::Time(span) => format!(", one each {} s", instant::format_span(span)),
             StopRule::Automatic => String::new(),
         };
-        self.notes.push(format!("{whose} is cut into {stops} stops{each} (`--stop-every` sets it)"));
+        self.notes.push(format!("{whose} is cut into {stops} stops{each} (option `stop_every` sets it)"));
         if path.late() > 0 {
             let late = path.late();
             self.notes.push(format!("{whose} has {late} poses that are late by at most 1 s; they were put in order"));
@@ -324,7 +324,7 @@ impl Gatherer {
             let span = |span: Duration| format!("{} s", instant::format_span(span));
             self.notes.push(format!(
                 "the nodes send every {} (median; {} to {}), as the gaps between the packets of {} of {nodes} nodes tell \
-                 (`--packet-interval` sets it)",
+                 (option `packet_interval` sets it)",
                 span(told.median),
                 span(told.shortest),
                 span(told.longest),
@@ -334,7 +334,7 @@ impl Gatherer {
         if unknown > 0 {
             self.notes.push(format!(
                 "how often {unknown} of {nodes} nodes send cannot be told from the gaps between their packets: each stop counts \
-                 as one packet of theirs, received if any was (`--packet-interval` sets the interval)"
+                 as one packet of theirs, received if any was (option `packet_interval` sets the interval)"
             ));
         }
         found

@@ -60,7 +60,7 @@ impl Header {
                 let (near, more) = match others {
                     Others::Ignored => (nearest(name, &likely), ""),
                     Others::Read => {
-                        (look_alike(name, &likely), ", or name the columns of nodes with `--node-columns`")
+                        (look_alike(name, &likely), ", or name the columns of nodes with option `node_columns`")
                     }
                     Others::Named => (None, ""),
                 };

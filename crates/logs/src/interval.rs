@@ -106,12 +106,12 @@ pub(super) struct Intervals {
     /// Of each node, if it is known.
     pub(super) of: Vec<Option<Duration>>,
     /// The shortest, the median and the longest of the nodes whose own gaps tell it, and how many these are.
-    pub(super) told: Option<Told>,
+    pub(super) told: Option<CommonInterval>,
 }
 
 /// What the gaps of nodes tell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Told {
+pub(super) struct CommonInterval {
     pub(super) nodes: usize,
     pub(super) shortest: Duration,
     pub(super) median: Duration,
@@ -130,6 +130,6 @@ pub(super) fn intervals(gaps: &[Gaps]) -> Intervals {
     let median = known[(known.len() - 1) / 2];
     let agree = shortest >= median.mul_f64(0.9) && longest <= median.mul_f64(1.1);
     let common = agree.then_some(median);
-    let told = Told { nodes: known.len(), shortest, median, longest };
+    let told = CommonInterval { nodes: known.len(), shortest, median, longest };
     Intervals { of: of.into_iter().map(|own| own.or(common)).collect(), told: Some(told) }
 }

@@ -74,7 +74,7 @@ impl Layout {
         }
         let packets = match (&form.packets, packets.as_slice()) {
             (Some(_), [_]) if folder.is_none() && (paths.is_empty() || form.path.is_some()) => {
-                return Err(RobotLogError::Unused { path: owned(), what: "packets", flag: "--packets" });
+                return Err(RobotLogError::Unused { path: owned(), what: "packets", flag: "packets" });
             }
             (Some(file), _) => PacketPart::of(file)?,
             (None, [only]) => only.clone(),
@@ -100,7 +100,7 @@ impl Layout {
             }
             (None, several) => {
                 let found = several.iter().map(PacketPart::name).collect();
-                return Err(RobotLogError::Several { path: owned(), what: "packets", found, flag: "--packets" });
+                return Err(RobotLogError::Several { path: owned(), what: "packets", found, flag: "packets" });
             }
         };
         Self::drive(path, form, &paths, packets, folder)
@@ -117,14 +117,14 @@ impl Layout {
         let owned = || log.to_owned();
         let path = match (&form.path, paths) {
             (Some(_), [_]) if folder.is_none() && form.packets.is_some() => {
-                return Err(RobotLogError::Unused { path: owned(), what: "the path", flag: "--path" });
+                return Err(RobotLogError::Unused { path: owned(), what: "the path", flag: "path" });
             }
             (Some(file), _) => PathPart::of(file)?,
             (None, [only]) => only.clone(),
             (None, []) => return Err(RobotLogError::NoPath { path: owned() }),
             (None, several) => {
                 let found = several.iter().map(PathPart::name).collect();
-                return Err(RobotLogError::Several { path: owned(), what: "path", found, flag: "--path" });
+                return Err(RobotLogError::Several { path: owned(), what: "path", found, flag: "path" });
             }
         };
         Ok(Self::Drive(Drive { path, packets, folder }))
@@ -233,7 +233,7 @@ impl PacketPart {
             let captures = holding.packets.into_iter().find(|part| part.kind == PacketKind::Captures);
             let captures = captures.ok_or_else(|| RobotLogError::Form {
                 problem: format!(
-                    "`--packets` is the folder `{}`, which has neither captures nor a bag",
+                    "option `packets` is the folder `{}`, which has neither captures nor a bag",
                     file.display()
                 ),
             })?;

@@ -101,6 +101,6 @@ pub use path::{Path, PathError, Pose};
 pub use repair_options::RepairOptions;
 pub use sniffer_error::SnifferError;
 pub use sniffer_options::SnifferOptions;
-pub use source::{Source, read, refuse_flags};
+pub use source::{Source, read, refuse_options};
 pub use truth::{TrueNodes, read_truth};
 pub use writing::write;

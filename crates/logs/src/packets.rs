@@ -74,7 +74,7 @@ impl Robots<'_> {
         if let Roles::Turned(Transmitter { wanted: Some(_), .. }) = roles
             && !mover.exists()
         {
-            let problem = "column `node` is missing: `--transmitter` needs to know who sent each packet";
+            let problem = "column `node` is missing: option `transmitter` needs to know who sent each packet";
             return Err(table.wrong_header(format!("{problem}{}", table.hint("node"))));
         }
         if !mover.exists() && names.len() > 1 {

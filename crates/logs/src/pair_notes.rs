@@ -60,7 +60,7 @@ impl PairNotes {
                 notes.push(format!("receptions.csv has no column `sent`: the pairs that were heard {strengths}"))
             }
             Listing::Reports => notes.push(format!(
-                "receptions.csv has no column `sent`: with `--noise-floor` the packets sent are {usual}"
+                "receptions.csv has no column `sent`: with option `noise_floor` the packets sent are {usual}"
             )),
             Listing::Packets => notes.push(format!(
                 "receptions.csv has no column `received`: each row is a packet, and the packets sent are {usual}"

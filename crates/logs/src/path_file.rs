@@ -56,7 +56,8 @@ pub(super) fn read(
         }
     }
     if left_out > 0 {
-        notes.push(format!("{}: {left_out} rows without a fix are left out (`--skip-no-fix`)", head.file_name()));
+        notes
+            .push(format!("{}: {left_out} rows without a fix are left out (option `skip_no_fix`)", head.file_name()));
     }
     let path_of = |rows: Vec<(Pose, u64)>| {
         let (poses, offsets): (Vec<Pose>, Vec<u64>) = rows.into_iter().unzip();

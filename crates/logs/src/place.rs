@@ -155,7 +155,7 @@ fn geodetic(
         let hint = if swapped {
             "with `lat` and `lon` swapped it is that near, so one of the files has them swapped"
         } else {
-            "a receiver without a fix often writes 0, 0: `--skip-no-fix` leaves such rows out"
+            "a receiver without a fix often writes 0, 0: option `skip_no_fix` leaves such rows out"
         };
         let allowed =
             format!("a place at most 100 km from the first one at {}, {}; {hint}", origin.lat_deg, origin.lon_deg);

@@ -96,7 +96,7 @@ fn ends(table: &Table, is_turned: bool) -> Result<(Column, Column), RobotLogErro
         (true, _) => Ok((receiver, stop)),
         (false, true) => Ok((stop, node)),
         (false, false) => Err(table.wrong_header(
-            "column `receiver` is missing; with `--reciprocal` the first line must name the columns receiver,stop (where the \
+            "column `receiver` is missing; with option `reciprocal` the first line must name the columns receiver,stop (where the \
              transmitter was) or node,stop (the place of the transmitter as stops.csv names it, and the receiver)",
         )),
     }

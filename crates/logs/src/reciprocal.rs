@@ -8,7 +8,7 @@ use super::error::RobotLogError;
 use super::form_options::FormOptions;
 
 /// What the user should know of turned roles.
-pub(super) const NOTE: &str = "roles are turned (`--reciprocal`): the nodes of the map are the receivers, and the stops are \
+pub(super) const NOTE: &str = "roles are turned (option `reciprocal`): the nodes of the map are the receivers, and the stops are \
     places of the transmitter. A channel is reciprocal: path loss, walls and antennas act alike in both directions. What \
     differs between receivers, as noise and sensitivity, counts as an offset of the node";
 
@@ -48,7 +48,7 @@ impl Roles {
     pub(super) fn tell(&self, notes: &mut Vec<String>) -> Result<(), RobotLogError> {
         let Self::Turned(Transmitter { wanted: Some(wanted), used, others, .. }) = self else { return Ok(()) };
         if *used == 0 {
-            let problem = format!("`--transmitter` is `{wanted}`, but all {others} packets are of others");
+            let problem = format!("option `transmitter` is `{wanted}`, but all {others} packets are of others");
             return Err(RobotLogError::Form { problem });
         }
         if *others > 0 {
@@ -77,7 +77,7 @@ impl Transmitter {
             if first != sender {
                 return Err(format!(
                     "packets of the transmitters `{first}` and `{sender}`, but there is one path: name the one that drove it \
-                     with `--transmitter`"
+                     with option `transmitter`"
                 ));
             }
         }
@@ -107,6 +107,6 @@ mod tests {
         roles.tell(&mut notes).unwrap();
         assert_eq!(notes, ["1 packets of other transmitters than `other` are not used"]);
         let absent = Roles::of(&options(Some("third"))).tell(&mut notes).unwrap_err().to_string();
-        assert_eq!(absent, "`--transmitter` is `third`, but all 0 packets are of others");
+        assert_eq!(absent, "option `transmitter` is `third`, but all 0 packets are of others");
     }
 }

@@ -41,7 +41,10 @@ impl RssiCheck {
         let values: Vec<String> = self.missing.iter().map(|value| format!("{value} dBm")).collect();
         let left_out = self.left_out;
         (!values.is_empty()).then(|| {
-            format!("{left_out} signal strengths of {} count as not measured (`--rssi-missing`)", values.join(" or "))
+            format!(
+                "{left_out} signal strengths of {} count as not measured (option `rssi_missing`)",
+                values.join(" or ")
+            )
         })
     }
 

@@ -37,11 +37,11 @@ impl Source {
     }
 }
 
-/// Refuses the flags of `options` for a recording of `run`: they are for logs of robots.
+/// Refuses what `options` say for a recording of `run`: they are for logs of robots.
 ///
 /// # Errors
-/// If there is such a flag.
-pub fn refuse_flags(path: &FilePath, options: &ReadOptions) -> Result<(), RobotLogError> {
+/// If there is such an option.
+pub fn refuse_options(path: &FilePath, options: &ReadOptions) -> Result<(), RobotLogError> {
     form::refuse(path, Form::Recording, options)
 }
 
@@ -64,13 +64,13 @@ pub fn read(path: &FilePath, options: &ReadOptions) -> Result<RobotLog, RobotLog
             )?;
             read.notes.push(format!(
                 "the times of the packets are estimated to be {:.2} ± {:.2} s late by the clock of the path, and are \
-                 corrected by that (`--packet-delay auto`)",
+                 corrected by that (`packet_delay=auto`)",
                 clock.delay_s,
                 2.0 * clock.error_s
             ));
         } else {
             read.notes.push(
-                "no delay of the packets is clear, so their times are used as they are (`--packet-delay auto`)"
+                "no delay of the packets is clear, so their times are used as they are (`packet_delay=auto`)"
                     .to_owned(),
             );
         }

@@ -58,22 +58,22 @@ impl Strengths {
         let refused = |problem: String| Err(RobotLogError::Form { problem });
         if let Some(floor) = floor {
             if seen == 0 {
-                return refused("`--noise-floor` is for signal strengths, but the log has none".to_owned());
+                return refused("option `noise_floor` is for signal strengths, but the log has none".to_owned());
             }
             if noise == seen {
                 return refused(format!(
-                    "all {seen} signal strengths are at or below {floor}; lower `--noise-floor`"
+                    "all {seen} signal strengths are at or below {floor}; lower option `noise_floor`"
                 ));
             }
             notes.push(format!(
-                "{noise} of {seen} signal strengths are at or below {floor} (`--noise-floor`) and count as not heard"
+                "{noise} of {seen} signal strengths are at or below {floor} (option `noise_floor`) and count as not heard"
             ));
         }
         if lora {
             let heard = seen - noise;
             if heard == without_snr {
                 return refused(
-                    "`--lora` computes the strength of the signal from RSSI and SNR, but nothing in the log has both"
+                    "option `lora` computes the strength of the signal from RSSI and SNR, but nothing in the log has both"
                         .to_owned(),
                 );
             }
@@ -82,7 +82,7 @@ impl Strengths {
                 count => format!("; {count} without SNR are not used as strengths"),
             };
             notes.push(format!(
-                "{} signal strengths are RSSI + SNR - 10 lg(1 + 10^(SNR / 10 dB)) (`--lora`){left_out}",
+                "{} signal strengths are RSSI + SNR - 10 lg(1 + 10^(SNR / 10 dB)) (option `lora`){left_out}",
                 heard - without_snr
             ));
         }
@@ -125,8 +125,8 @@ mod tests {
         assert_eq!(
             notes,
             [
-                "1 of 3 signal strengths are at or below -94 dBm (`--noise-floor`) and count as not heard",
-                "1 signal strengths are RSSI + SNR - 10 lg(1 + 10^(SNR / 10 dB)) (`--lora`); 1 without SNR are not used as \
+                "1 of 3 signal strengths are at or below -94 dBm (option `noise_floor`) and count as not heard",
+                "1 signal strengths are RSSI + SNR - 10 lg(1 + 10^(SNR / 10 dB)) (option `lora`); 1 without SNR are not used as \
                  strengths"
             ]
         );

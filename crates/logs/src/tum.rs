@@ -39,7 +39,7 @@ pub(super) fn read(path: &FilePath, skips_no_fix: bool, notes: &mut Vec<String>)
     }
     if left_out > 0 {
         let file = path.file_name().unwrap_or_default().to_string_lossy();
-        notes.push(format!("{file}: {left_out} places without a fix are left out (`--skip-no-fix`)"));
+        notes.push(format!("{file}: {left_out} places without a fix are left out (option `skip_no_fix`)"));
     }
     let (poses, lines): (Vec<Pose>, Vec<usize>) = poses.into_iter().unzip();
     let path = Path::new(poses).map_err(|why| match why.index() {

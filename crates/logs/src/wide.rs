@@ -131,7 +131,7 @@ pub(super) fn read(path: &Path, options: &ReadOptions, notes: &mut Vec<String>) 
         left_out += reading.leave_out_origin();
     }
     if left_out > 0 {
-        notes.push(format!("{file}: {left_out} rows without a fix are left out (`--skip-no-fix`)"));
+        notes.push(format!("{file}: {left_out} rows without a fix are left out (option `skip_no_fix`)"));
     }
     if reading.stops.is_empty() {
         return Err(RobotLogError::NoStops { path: path.to_owned() });
@@ -157,7 +157,7 @@ fn nodes(
     if let Some(unused) = patterns.iter().find(|pattern| !others.iter().any(|(_, name)| pattern.holds(name))) {
         let names: Vec<&str> = others.iter().map(|(_, name)| *name).collect();
         let problem = format!(
-            "`--node-columns` has `{unused}`, but there is no such column; the columns are: {}",
+            "option `node_columns` has `{unused}`, but there is no such column; the columns are: {}",
             names.join(", ")
         );
         return Err(table.wrong_header(problem));
@@ -166,13 +166,13 @@ fn nodes(
     let (nodes, ignored): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, name)| is_node(name));
     let (Some((_, first)), Some((_, last))) = (nodes.first(), nodes.last()) else {
         return Err(table.wrong_header(
-            "no column is a node: a wide table has places and a column for each node, and a path needs `--packets`",
+            "no column is a node: a wide table has places and a column for each node, and a path needs option `packets`",
         ));
     };
     let file = table.file_name();
     let columns = counted(nodes.len(), "column");
     notes.push(format!(
-        "{file}: {columns} from `{first}` to `{last}` hold the strengths of nodes (`--node-columns` chooses them)"
+        "{file}: {columns} from `{first}` to `{last}` hold the strengths of nodes (option `node_columns` chooses them)"
     ));
     if !ignored.is_empty() {
         let names: Vec<String> = ignored.iter().map(|(_, name)| format!("`{name}`")).collect();
@@ -202,7 +202,7 @@ impl Reading<'_> {
                         at,
                         format!(
                             "a strength from {LEAST_DBM} to {LARGEST_DBM} dBm; if it means that the node was not heard, give \
-                             `--missing {}`; if the column is no node, name those that are with `--node-columns`",
+                             `missing={}`; if the column is no node, name those that are with option `node_columns`",
                             if text.is_empty() { "empty" } else { text }
                         ),
                     )
@@ -244,7 +244,7 @@ impl Reading<'_> {
         let cells = rows * self.nodes.len() as u64;
         let left = if unknown > 0 { format!(", and {unknown} empty ones say nothing") } else { String::new() };
         notes.push(format!(
-            "{file}: {silent} of {cells} cells say that a node was not heard{left} (`--missing` sets what they hold)"
+            "{file}: {silent} of {cells} cells say that a node was not heard{left} (option `missing` sets what they hold)"
         ));
     }
 

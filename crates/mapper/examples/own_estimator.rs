@@ -7,8 +7,8 @@ use std::io::Write;
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, RobotId, SimTime, Unwatched, Watch};
 use sextant_mapper::{
-    CoordinateFrame, Estimator, Finding, Knowledge, KnowledgeKind, Learned, Line, MapError, Mapper, Section,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, Finding, Knowledge, KnowledgeKind, Line, MapError, Mapper,
+    Section, TopologyMap,
 };
 
 /// Places nodes at the median of the stops that heard them.
@@ -34,7 +34,7 @@ impl Estimator for MedianStop {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         watch.check()?;
         let log = knowledge.log;
         let heard = |node| {
@@ -49,7 +49,7 @@ impl Estimator for MedianStop {
             .flat_map(|(stops, place)| stops.iter().filter_map(move |stop| Some(stop.distance_m((*place)?))));
         let reach = Reach { farthest_m: distances.fold(0.0, f64::max) };
         let map = TopologyMap::of_places(self.name(), places, CoordinateFrame::World);
-        Ok((map, Some(Learned::new(reach))))
+        Ok((map, Some(EstimatorFindings::new(reach))))
     }
 }
 

@@ -8,7 +8,7 @@ use sextant_channel::ReceptionLog;
 use sextant_kernel::{NodeId, SettingError, Unwatched, Watch};
 
 use crate::{
-    Comparable, Knowledge, KnowledgeKind, Learned, MapError, PlacePrior, ProfileConfig, RangingConfig,
+    Comparable, EstimatorFindings, Knowledge, KnowledgeKind, MapError, PlacePrior, ProfileConfig, RangingConfig,
     ReceptionProfile, Surface, TopologyMap,
 };
 
@@ -29,7 +29,7 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError>;
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError>;
 
     /// Whether it uses what is known of the places of nodes.
     fn uses_prior(&self) -> bool {
@@ -59,7 +59,7 @@ pub trait Estimator: Any + Comparable + fmt::Debug + Send + Sync {
     /// [`MapError::NotHeard`]; if `watch` ends the work.
     fn surface(
         &self,
-        learned: Option<&Learned>,
+        learned: Option<&EstimatorFindings>,
         of: NodeOfLog<'_>,
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
@@ -149,7 +149,7 @@ impl Mapper {
         &self,
         knowledge: impl Into<Knowledge<'a>>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let knowledge = knowledge.into();
         self.check_prior(knowledge.prior)?;
         self.0.estimate(&knowledge, watch)

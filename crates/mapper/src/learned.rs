@@ -18,7 +18,7 @@ pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
     fn lines(&self, name: &str, map: &TopologyMap) -> Vec<Line>;
 
     /// The shares of packets that arrive over distances, to be drawn.
-    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
         Vec::new()
     }
 
@@ -40,9 +40,9 @@ pub trait Finding: Any + Comparable + fmt::Debug + Send + Sync {
 
 /// What an estimator learned from a log in addition to the map.
 #[derive(Clone, Debug)]
-pub struct Learned(Arc<dyn Finding>);
+pub struct EstimatorFindings(Arc<dyn Finding>);
 
-impl Learned {
+impl EstimatorFindings {
     /// `finding` was learned.
     #[must_use]
     pub fn new(finding: impl Finding) -> Self {
@@ -57,13 +57,13 @@ impl Learned {
     }
 }
 
-impl PartialEq for Learned {
+impl PartialEq for EstimatorFindings {
     fn eq(&self, other: &Self) -> bool {
         (*self.0).is_same(&*other.0)
     }
 }
 
-impl std::ops::Deref for Learned {
+impl std::ops::Deref for EstimatorFindings {
     type Target = dyn Finding;
 
     fn deref(&self) -> &Self::Target {
@@ -101,7 +101,7 @@ impl Section {
 }
 
 /// The share of packets that arrive over a distance.
-pub struct LearnedCurve<'a> {
+pub struct CurveFinding<'a> {
     /// The network that it holds for, of several; `None` for that of the map.
     pub network: Option<&'a str>,
     /// What it is.

@@ -42,3 +42,14 @@ fn an_own_estimator_is_compared() {
 fn a_setting_is_studied() {
     sweep::main().unwrap();
 }
+
+#[test]
+fn the_guide_shows_each_example() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let guide = std::fs::read_to_string(root.join("docs/library.md")).unwrap();
+    for example in std::fs::read_dir(root.join("examples")).unwrap() {
+        let path = example.unwrap().path();
+        let code = std::fs::read_to_string(&path).unwrap();
+        assert!(guide.contains(&code), "docs/library.md does not show {}", path.display());
+    }
+}

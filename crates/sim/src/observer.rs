@@ -124,18 +124,18 @@ pub struct Unobserved;
 impl Observer for Unobserved {}
 
 /// Passes everything on to another observer, but remembers whether that wants frames, so that no frame has to ask it.
-pub(crate) struct Told<'a> {
+pub(crate) struct RememberingObserver<'a> {
     observer: &'a mut dyn Observer,
     wants_frames: bool,
 }
 
-impl<'a> Told<'a> {
+impl<'a> RememberingObserver<'a> {
     pub(crate) fn new(observer: &'a mut dyn Observer) -> Self {
         Self { wants_frames: observer.wants_frames(), observer }
     }
 }
 
-impl Observer for Told<'_> {
+impl Observer for RememberingObserver<'_> {
     fn moved(&mut self, robot: usize, time: SimTime, position: Position) {
         self.observer.moved(robot, time, position);
     }

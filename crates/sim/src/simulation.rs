@@ -18,7 +18,7 @@ use crate::applications::robot::RobotTask;
 use crate::applications::source::Source;
 use crate::applications::standard::Standard;
 use crate::engine::{Ended, Engine, Extras};
-use crate::observer::{Observer, Told};
+use crate::observer::{Observer, RememberingObserver};
 use crate::outcome::{RobotRecord, Survey};
 use crate::service::network_id::NetworkId;
 use crate::service::packets::Packets;
@@ -130,7 +130,7 @@ impl<N: Application> Simulation<N> {
     /// The same for any observer: one engine for all, compiled once for each type of applications and not wherever an
     /// observer is declared.
     fn run_told(self, observer: &mut dyn Observer) -> (Survey, Applications<N>) {
-        let observer = &mut Told::new(observer);
+        let observer = &mut RememberingObserver::new(observer);
         let Self { engine, roll, robots: names, surveyed } = self;
         let Ended {
             applications,

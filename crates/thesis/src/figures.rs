@@ -12,7 +12,7 @@ use sextant::scenario::Scenario;
 use sextant_figure::{self as figure, FileFormat, Source};
 use sextant_kernel::{Unreported, Watch};
 use sextant_recording::output::OutputError;
-use sextant_recording::{read_drawn, read_run};
+use sextant_recording::{read_run, read_world};
 
 /// Runs the scenarios `names` from the folder `scenarios`, each with its own seed, and draws their figures into
 /// `out`/NAME: the network with the survey, the maps and their errors.
@@ -32,7 +32,7 @@ pub fn write_pictures(
         let recording = folder.join("run.mcap");
         run(&scenario, &mut RunRecorder::new(&recording), &Unreported(watch))?;
         watch.check()?;
-        let (run, drawn) = (read_run(&recording)?, read_drawn(&recording)?);
+        let (run, drawn) = (read_run(&recording)?, read_world(&recording)?);
         let displacements = run.sector_displacements();
         let source =
             Source { title: scenario.name(), log: run.log(), drawn: &drawn, sector_displacements: &displacements };

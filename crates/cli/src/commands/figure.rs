@@ -49,7 +49,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ));
     }
     let run = recording::read_run(path)?;
-    let drawn = recording::read_drawn(path)?;
+    let drawn = recording::read_world(path)?;
     let is_empty = drawn.maps.is_empty() && drawn.targets.is_empty() && drawn.fields.is_empty();
     if is_empty && drawn.applications.is_empty() && drawn.sinks.is_empty() && run.log().stops().is_empty() {
         return Err(Failure::bad_input_with_help(

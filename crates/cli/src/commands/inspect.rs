@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::options::Printing;
 use super::reading::Reading;
+use super::with_flags;
 use crate::diagnostic::Failure;
 use sextant::mapping::Contents;
 use sextant_logs::{self as robot_log, Source};
@@ -45,16 +46,16 @@ struct Inside {
 pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let (path, options) = (&arguments.log, arguments.reading.options());
     let Some(source) = Source::of(path) else {
-        robot_log::refuse_flags(path, &options)?;
+        robot_log::refuse_options(path, &options)?;
         let inspection = recording::inspect(path)?;
         return Ok(arguments.printing.print(&inspection, |stdout| write!(stdout, "{inspection}"))?);
     };
     let file = if source == Source::Bag && path.is_file() { recording::inspect(path).ok() } else { None };
     let file = file.map(|file| Inspection { is_simulated: false, ..file });
     let (log, no_log) = match (robot_log::read(path, &options), &file) {
-        (Ok(read), _) => (Some(Contents::of(&read)), None),
+        (Ok(read), _) => (Some(spoken(Contents::of(&read))), None),
         // A bag that cannot be mapped has contents all the same.
-        (Err(why), Some(_)) => (None, Some(why.to_string())),
+        (Err(why), Some(_)) => (None, Some(with_flags(&why.to_string()))),
         (Err(why), None) => return Err(why.into()),
     };
     let inside = Inside { file, log, no_log };
@@ -70,4 +71,13 @@ pub(crate) fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         Ok(())
     })?)
+}
+
+/// The contents with the words of the command line.
+fn spoken(mut contents: Contents) -> Contents {
+    contents.notes.iter_mut().for_each(|note| *note = with_flags(note));
+    for finding in &mut contents.findings {
+        finding.remedy = with_flags(&finding.remedy);
+    }
+    contents
 }

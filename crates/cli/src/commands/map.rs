@@ -8,6 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::options::{Format, Overrides, PictureFormat, Results, Work};
 use super::reading::Reading;
+use super::with_flags;
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::Watcher;
@@ -137,8 +138,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
     };
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
-    let (summary, maps) = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
+    let (mut summary, maps) = mapping::map(&mut input, &settings, arguments.out.as_deref(), start, &watcher)?;
     watcher.clear();
+    summary.notes.iter_mut().for_each(|note| *note = with_flags(note));
     for note in &input.notes {
         arguments.work.note(note);
     }

@@ -13,12 +13,15 @@ mod reproduce;
 mod run;
 mod schema;
 mod shared_outputs;
+mod spoken;
 mod sweep;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+
+pub(crate) use spoken::with_flags;
 
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
@@ -73,7 +76,7 @@ pub(crate) fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     match execute(&cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            failure.print();
+            failure.print(with_flags);
             failure.exit_code()
         }
     }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::with_flags;
 use crate::diagnostic::Failure;
 use sextant::scenario::{Scenario, ScenarioErrors};
 use sextant::summary::{self, Summary};
@@ -115,7 +116,7 @@ impl Work {
     pub(super) fn note(self, note: &str) {
         if !self.quiet {
             // If standard error is closed, nobody can be told.
-            let _ = writeln!(io::stderr(), "note: {note}");
+            let _ = writeln!(io::stderr(), "note: {}", with_flags(note));
         }
     }
 }

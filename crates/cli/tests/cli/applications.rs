@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use sextant_kernel::SimTime;
-use sextant_recording::{inspect, read_drawn, read_run};
+use sextant_recording::{inspect, read_run, read_world};
 use tempfile::TempDir;
 
 use crate::program::sextant;
@@ -181,7 +181,7 @@ fn a_recording_has_a_phase_for_each_application() {
     }
     assert_eq!((starts[0], starts[1]), (0, (ends[0] / 1_000_000_000 + 1) * 1_000_000_000));
 
-    let drawn = read_drawn(&recording).unwrap();
+    let drawn = read_world(&recording).unwrap();
     let law = &drawn.applications[1];
     assert_eq!(
         (law.field.as_deref(), law.level, law.start),
@@ -245,7 +245,7 @@ fn a_robot_surveys_then_uses_its_map_from_where_the_survey_ended() {
     let recording = folder.path().join("run.mcap");
     let phases = &read_run(&recording).unwrap().metadata["phases"];
     assert_eq!(phases["names"], "survey,gradient");
-    let drawn = read_drawn(&recording).unwrap();
+    let drawn = read_world(&recording).unwrap();
     let (_, surveyed) = &drawn.paths[0];
     let (_, sought) = &drawn.applications[0].paths[0];
     assert!(surveyed.last().unwrap().distance_m(sought[0]) < 1e-9, "{:?} {:?}", surveyed.last(), sought.first());
@@ -286,7 +286,7 @@ fn odometry_that_has_erred_in_the_survey_errs_on() {
     let applied = SEEKING.split("[[applications]]").nth(1).unwrap();
     let (folder, summary) = run(&[NODES, FIELD, "\n", &erring, "[[applications]]", applied].concat(), &[]);
     assert_eq!(summary["applications"][0]["arrived"], true);
-    let drawn = read_drawn(&folder.path().join("run.mcap")).unwrap();
+    let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     let start = drawn.applications[0].paths[0].1[0];
     // The survey ends where it believes to be at (4, 8); each way was 5 % longer.
     assert!((start.x_m - 4.0).abs() > 0.05 && start.distance_m([4.0, 8.0, 0.0].into()) < 1.0, "{start}");
@@ -336,7 +336,7 @@ fn a_signal_ends_an_application_and_keeps_what_was_done() {
     let summary = crate::program::summary(&folder.path().join("run.json"));
     assert_eq!((&summary["interrupted"], summary["applications"].as_array().unwrap().len()), (&true.into(), 1));
     assert_eq!(summary["applications"][0]["interrupted"], true);
-    let drawn = read_drawn(&folder.path().join("run.mcap")).unwrap();
+    let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     assert!(drawn.applications[0].paths[0].1.len() > 2);
 }
 

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
 use serde_json::Value;
-use sextant_recording::{DrawnRole, inspect, read_drawn};
+use sextant_recording::{NodeRole, inspect, read_world};
 use tempfile::TempDir;
 
 use crate::program::sextant;
@@ -129,10 +129,10 @@ fn nodes_with_static_anchors_place_themselves() {
         (count("/distributed/nodes"), count("/map/dmmtm-ss"), count("/anchors")),
         (Some(60), Some(1), Some(9))
     );
-    let drawn = read_drawn(&recording).unwrap();
+    let drawn = read_world(&recording).unwrap();
     let of = |role| drawn.mapped_nodes.iter().filter(|node| node.role == role).count();
     let new = usize::try_from(work["anchors"]["new"].as_u64().unwrap()).unwrap();
-    assert_eq!((of(DrawnRole::InitialAnchor), of(DrawnRole::NewAnchor)), (9, new));
+    assert_eq!((of(NodeRole::InitialAnchor), of(NodeRole::NewAnchor)), (9, new));
 
     let output = sextant().current_dir(folder.path()).args(["figure", "run.mcap", "--out", "f"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -6,7 +6,7 @@ use foxglove::messages::{FrameTransform, PoseInFrame, Vector3};
 use prost::Message;
 use serde_json::Value;
 use sextant_channel::Position;
-use sextant_recording::{read_drawn, read_log};
+use sextant_recording::{read_log, read_world};
 
 use crate::program::{scenario, sextant, summary};
 
@@ -74,7 +74,7 @@ fn a_recording_has_the_believed_and_the_true_poses() {
         let Position { x_m, y_m, .. } = stop.position;
         assert!((x_m - x_m.round()).abs() < 1e-9 && (y_m - y_m.round()).abs() < 1e-9, "{}", stop.position);
     }
-    let drawn = read_drawn(&run.recording).expect("a recording");
+    let drawn = read_world(&run.recording).expect("a recording");
     let end = *drawn.paths[0].1.last().expect("a path");
     assert!(end.distance_m(Position::new(10.5, 10.5, 0.0)) < 1e-9, "{end}");
     let length_m = run.summary["gathering"]["path_length_m"].as_f64().expect("a length");
@@ -103,7 +103,7 @@ fn an_arc_is_recorded_with_poses_on_the_way() {
             assert!(aside_m.abs() < 1e-6 && (chord.length_m() - 1.0 / 3.0).abs() < 1e-4, "{chord}");
         }
     }
-    let drawn = read_drawn(&run.recording).expect("a recording");
+    let drawn = read_world(&run.recording).expect("a recording");
     assert_eq!(drawn.paths[0].1.len(), 1 + 3 * 120);
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_recording::{Drawn, SUMMARY_ATTACHMENT, Sensation, read_drawn, read_log, read_run};
+use sextant_recording::{RecordedWorld, SUMMARY_ATTACHMENT, Sensation, read_log, read_run, read_world};
 use tempfile::TempDir;
 
 use crate::program::{scenario, sextant};
@@ -28,11 +28,11 @@ fn run(name: &str, set: &[&str], out: &Path) {
 }
 
 /// The shipped scenario with other settings, and what is drawn of its recording.
-fn recorded(set: &[&str]) -> (TempDir, Drawn) {
+fn recorded(set: &[&str]) -> (TempDir, RecordedWorld) {
     let folder = TempDir::new().expect("a folder");
     let path = folder.path().join("run.mcap");
     run(SHIPPED, set, &path);
-    let drawn = read_drawn(&path).expect("a recording");
+    let drawn = read_world(&path).expect("a recording");
     (folder, drawn)
 }
 
@@ -44,7 +44,7 @@ fn the_summary_counts_the_recorded_detections() {
     let recorded = read_run(&path).expect("a recording");
     let summary = recorded.attachments.iter().find(|attachment| attachment.name == SUMMARY_ATTACHMENT);
     let json: serde_json::Value = serde_json::from_slice(&summary.expect("a summary").data).expect("JSON");
-    let drawn = read_drawn(&path).expect("a recording");
+    let drawn = read_world(&path).expect("a recording");
     let entered = drawn.detections.iter().filter(|detection| detection.sensation == Sensation::Entered).count();
     assert_eq!(json["sensing"]["detections"].as_u64(), Some(entered as u64));
     assert_eq!((json["sensing"]["targets"].as_u64(), json["sensing"]["fields"].as_u64()), (Some(2), Some(1)));
@@ -123,7 +123,7 @@ fn sensors_do_not_change_what_a_robot_hears() {
     let log = |set: &[&str]| {
         let path = folder.path().join("run.mcap");
         run("smoke.toml", set, &path);
-        (read_log(&path).unwrap().logs, read_drawn(&path).unwrap().detections.len())
+        (read_log(&path).unwrap().logs, read_world(&path).unwrap().detections.len())
     };
     let (without, none) = log(&[]);
     let target = format!("world.targets=[{}]", standing("cat", "[3.0, 3.0]"));

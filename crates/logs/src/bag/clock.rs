@@ -46,7 +46,7 @@ impl LeastDelay {
         (off_ns.abs() > NOTABLE_NS).then(|| {
             format!(
                 "the stamps of poses and packets seem to be of different clocks, {:.3} s apart: if they are, give \
-                 `--bag-clock log`",
+                 `bag_clock=log`",
                 off_ns.abs() as f64 * 1e-9
             )
         })

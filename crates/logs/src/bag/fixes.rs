@@ -55,7 +55,7 @@ pub(super) fn read(bag: &Bag, topic: &Topic, skips_no_fix: bool) -> Result<Fixes
         if f64::hypot(position.x_m, position.y_m) > LocalPlane::RADIUS_M {
             return Err(format!(
                 "a fix at latitude {lat_deg} and longitude {lon_deg} is more than {} km from the first one; a receiver \
-                 without a fix often writes 0, 0: `--skip-no-fix` leaves such messages out",
+                 without a fix often writes 0, 0: option `skip_no_fix` leaves such messages out",
                 LocalPlane::RADIUS_M / 1000.0
             ));
         }

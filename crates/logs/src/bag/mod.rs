@@ -93,7 +93,7 @@ impl<'a> BagPath<'a> {
         let topic = &self.source.topic().name;
         let left_out = if self.skips_no_fix { origin::leave_out(&mut poses, |pose| pose.position) } else { 0 };
         if left_out > 0 {
-            notes.push(format!("{left_out} poses of `{topic}` without a fix are left out (`--skip-no-fix`)"));
+            notes.push(format!("{left_out} poses of `{topic}` without a fix are left out (option `skip_no_fix`)"));
         }
         Path::new(poses).map_err(|why| self.bag.topic_problem(topic, why.to_string()).into())
     }
@@ -127,7 +127,7 @@ impl<'a> BagPath<'a> {
         let transforms = || self.bag.topics().find(|topic| topic.name == "/tf");
         if let (PoseSource::Poses(..), Some(transforms)) = (self.source, transforms()) {
             notes.push(format!(
-                "odometry drifts: if the transforms of `{0}` are corrected by a map, give `--pose-topic {0}`",
+                "odometry drifts: if the transforms of `{0}` are corrected by a map, give `pose_topic={0}`",
                 transforms.name
             ));
         }
@@ -150,7 +150,7 @@ impl<'a> BagPackets<'a> {
         let fields = PacketFields::of(&options.form)?;
         let source = PacketSource::choose(bag, &options.bag, fields.as_ref())?;
         if options.form.lora && source.fields.snr_db.is_none() {
-            let problem = "`--lora` needs the field of the signal-to-noise ratio: give `--packet-fields node=PATH,rssi_dbm=PATH,\
+            let problem = "option `lora` needs the field of the signal-to-noise ratio: give `packet_fields=node=PATH,rssi_dbm=PATH,\
                            snr_db=PATH`";
             return Err(bag.topic_problem(&source.topic.name, problem).into());
         }
@@ -271,7 +271,7 @@ impl Track {
     }
 }
 
-const UNSTAMPED: &str = "a message has no stamp, or the stamp 0; give `--bag-clock log`";
+const UNSTAMPED: &str = "a message has no stamp, or the stamp 0; give `bag_clock=log`";
 
 fn time(bag: &Bag, topic: &str, moment: Moment, clock: BagClock) -> Result<SimTime, BagError> {
     moment.time(clock).ok_or_else(|| bag.topic_problem(topic, UNSTAMPED))

@@ -61,14 +61,15 @@ impl PacketFields {
     pub(super) fn of(form: &FormOptions) -> Result<Option<Self>, RobotLogError> {
         let Some(names) = &form.packet_fields else {
             if form.reciprocal {
-                let problem = "with `--reciprocal`, give `--packet-fields receiver=PATH[,node=PATH][,rssi_dbm=PATH]`";
+                let problem =
+                    "with option `reciprocal`, give `packet_fields=receiver=PATH[,node=PATH][,rssi_dbm=PATH]`";
                 return Err(refused(problem));
             }
             return Ok(None);
         };
         Self::read(names, form.reciprocal)
             .map(Some)
-            .map_err(|problem| refused(format!("`--packet-fields`: {problem}")))
+            .map_err(|problem| refused(format!("option `packet_fields`: {problem}")))
     }
 
     fn read(names: &FieldNames, is_turned: bool) -> Result<Self, String> {
@@ -79,7 +80,7 @@ impl PacketFields {
         let path = |key: &str| names.name(key).map(FieldPath::parse).transpose();
         let required = |key: &str| path(key)?.ok_or_else(|| format!("`{key}` is missing; it is required"));
         let (node, sender) = match (is_turned, path("receiver")?) {
-            (false, Some(_)) => return Err("`receiver` is for `--reciprocal`".to_owned()),
+            (false, Some(_)) => return Err("`receiver` is for option `reciprocal`".to_owned()),
             (false, None) => (required("node")?, None),
             (true, _) => (required("receiver")?, path("node")?),
         };
@@ -140,7 +141,7 @@ mod tests {
             ("rssi_dbm=rssi", false, "`node` is missing"),
             ("node=a..b", false, "`a..b` is not the path of a field"),
             ("node=a,stop=b", false, "`stop` is for CSV files"),
-            ("node=a,receiver=b", false, "`receiver` is for `--reciprocal`"),
+            ("node=a,receiver=b", false, "`receiver` is for option `reciprocal`"),
             ("node=a", true, "`receiver` is missing"),
             ("node=a,t_s=b,t_ms=c", false, "both `t_s` and `t_ms` are given"),
         ] {

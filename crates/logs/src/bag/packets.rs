@@ -61,7 +61,7 @@ impl<'a> PacketSource<'a> {
                 let fields = obvious_fields(&definitions).ok_or_else(|| {
                     let problem = format!(
                         "its messages ({}) have no obvious field with the node that sent the packet; give \
-                         `--packet-fields node=PATH[,rssi_dbm=PATH]`; their fields: {}",
+                         `packet_fields=node=PATH[,rssi_dbm=PATH]`; their fields: {}",
                         topic.message_type,
                         listing(&definitions)
                     );
@@ -94,7 +94,7 @@ impl<'a> PacketSource<'a> {
                             Some(format!("; `{}` cannot be read: {why}", topic.name))
                         });
                         let problem = format!(
-                            "no topic has messages with {missing}; name that of the packets with `--packet-topic`; its \
+                            "no topic has messages with {missing}; name that of the packets with option `packet_topic`; its \
                              topics: {topics}{}",
                             unreadable.unwrap_or_default()
                         );
@@ -103,7 +103,7 @@ impl<'a> PacketSource<'a> {
                     several => {
                         let topics = Bag::list(several.iter().map(|(topic, _)| *topic));
                         let problem = format!(
-                            "several topics can have the packets; choose one with `--packet-topic`: {topics}"
+                            "several topics can have the packets; choose one with option `packet_topic`: {topics}"
                         );
                         return Err(bag.problem(problem));
                     }

@@ -78,8 +78,9 @@ impl<'a> PoseSource<'a> {
         if has_frames && !matches!(source, Self::Transforms(_)) {
             let topic = source.topic();
             let found = &topic.message_type;
-            let problem =
-                format!("`--child-frame` and `--fixed-frame` are for transforms, but its messages are {found}");
+            let problem = format!(
+                "option `child_frame` and option `fixed_frame` are for transforms, but its messages are {found}"
+            );
             return Err(bag.topic_problem(&topic.name, problem));
         }
         Ok(source)
@@ -87,7 +88,7 @@ impl<'a> PoseSource<'a> {
 
     fn ambiguous(bag: &Bag, topics: impl Iterator<Item = &'a Topic>) -> BagError {
         bag.problem(format!(
-            "several topics give the path of a robot; choose one with `--pose-topic`: {}",
+            "several topics give the path of a robot; choose one with option `pose_topic`: {}",
             Bag::list(topics)
         ))
     }

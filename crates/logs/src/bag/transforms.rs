@@ -184,7 +184,7 @@ fn pairs(parents: &BTreeMap<String, String>, options: &BagOptions) -> Result<Vec
             let usual = usual.ok_or_else(|| {
                 let names = CHILD_FRAMES.join(" or ");
                 format!(
-                    "there is no frame {names}; name that of the robot with `--child-frame`; transforms: {}",
+                    "there is no frame {names}; name that of the robot with option `child_frame`; transforms: {}",
                     list()
                 )
             })?;
@@ -208,7 +208,9 @@ fn pairs(parents: &BTreeMap<String, String>, options: &BagOptions) -> Result<Vec
         Some(fixed) if frame != fixed => {
             Err(format!("frame `{fixed}` is not above frame `{child}`; transforms: {}", list()))
         }
-        Some(_) if pairs.is_empty() => Err(format!("`--fixed-frame` and the frame of the robot are both `{child}`")),
+        Some(_) if pairs.is_empty() => {
+            Err(format!("option `fixed_frame` and the frame of the robot are both `{child}`"))
+        }
         _ => {
             pairs.reverse();
             Ok(pairs)
@@ -349,7 +351,7 @@ mod tests {
         for (child, fixed, problem) in [
             (Some("laser"), None, "no transform leads to frame `laser`"),
             (None, Some("camera"), "frame `camera` is not above frame `base_link`"),
-            (None, Some("base_link"), "`--fixed-frame` and the frame of the robot are both `base_link`"),
+            (None, Some("base_link"), "option `fixed_frame` and the frame of the robot are both `base_link`"),
         ] {
             let found = pairs_of(child, fixed).unwrap_err();
             assert!(found.starts_with(problem), "{found}");

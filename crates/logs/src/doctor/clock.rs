@@ -90,9 +90,9 @@ impl ClockOffset {
                 delay_s.abs() * speed_m_per_s
             ),
             remedy: match rival_s {
-                None => format!("`--packet-delay auto` takes it off, as does `--packet-delay {delay_s:.2}`"),
+                None => format!("`packet_delay=auto` takes it off, as does `packet_delay={delay_s:.2}`"),
                 Some(rival_s) => format!(
-                    "`--packet-delay {delay_s:.2}` or `--packet-delay {rival_s:.2}` takes it off; compare the clocks to know which"
+                    "`packet_delay={delay_s:.2}` or `packet_delay={rival_s:.2}` takes it off; compare the clocks to know which"
                 ),
             },
         })

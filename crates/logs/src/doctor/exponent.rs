@@ -37,7 +37,7 @@ pub fn finding(log: &ReceptionLog, places: &[Option<Position>], exponent: f64) -
         },
         remedy:
             "check that `rssi_dbm` are dBm of the packet (not noise, not a controlled power), that the clocks agree \
-                 (`--packet-delay auto`), and compare with `--algorithm packet-centroid`"
+                 (`packet_delay=auto`), and compare with `algorithm=packet-centroid`"
                 .to_owned(),
     })
 }

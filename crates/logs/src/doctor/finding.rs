@@ -39,8 +39,8 @@ mod tests {
             check: "speed",
             odd: "the robot is fast".to_owned(),
             cost: "places are scaled".to_owned(),
-            remedy: "`--x` slows it".to_owned(),
+            remedy: "option `x` slows it".to_owned(),
         };
-        assert_eq!(finding.to_string(), "the robot is fast. Places are scaled. `--x` slows it");
+        assert_eq!(finding.to_string(), "the robot is fast. Places are scaled. option `x` slows it");
     }
 }

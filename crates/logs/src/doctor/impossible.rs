@@ -33,7 +33,7 @@ pub(super) fn finding(levels: &Levels) -> Option<Finding> {
         ),
         cost: "these packets count as if they were heard with that strength, and pull nodes to their stops"
             .to_owned(),
-        remedy: format!("`--rssi-missing {usual_dbm}` counts them as packets without a strength"),
+        remedy: format!("`rssi_missing={usual_dbm}` counts them as packets without a strength"),
     })
 }
 
@@ -54,7 +54,7 @@ mod tests {
         for value in [127.0, 0.0, -200.0] {
             let found = finding(&levels(good().chain([value; 7]))).unwrap();
             assert!(found.odd.starts_with(&format!("7 of 207 signal strengths are {value} dBm:")), "{found}");
-            assert!(found.remedy.starts_with(&format!("`--rssi-missing {value}`")), "{found}");
+            assert!(found.remedy.starts_with(&format!("`rssi_missing={value}`")), "{found}");
         }
         let found = finding(&levels(good().chain([127.0, 127.0, 3.5]))).unwrap();
         assert!(found.odd.contains("2 of 203") && found.odd.contains("1 others are 0 dBm or more"), "{found}");

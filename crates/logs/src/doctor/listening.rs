@@ -33,7 +33,7 @@ pub(crate) fn finding(log: &ReceptionLog, usual: Option<(Duration, Duration)>) -
                 interval.as_secs_f64()
             ),
             format!(
-                "`--stop-every {:.0}s` gives each node a packet at each stop, if the robot hardly moves meanwhile; or let \
+                "`stop_every={:.0}s` gives each node a packet at each stop, if the robot hardly moves meanwhile; or let \
                  nodes send more often",
                 interval.as_secs_f64().ceil()
             ),

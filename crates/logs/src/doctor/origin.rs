@@ -41,7 +41,7 @@ pub(crate) fn finding(places: &[Position], what: &str) -> Option<Finding> {
             places.len()
         ),
         cost: "what was heard there counts as heard that far away".to_owned(),
-        remedy: "`--skip-no-fix` leaves these rows out and counts them".to_owned(),
+        remedy: "option `skip_no_fix` leaves these rows out and counts them".to_owned(),
     })
 }
 
@@ -57,6 +57,6 @@ mod tests {
         assert_eq!(finding(&grid(5e5).collect::<Vec<_>>(), "stops"), None);
         let found = finding(&with_zeros(5e5), "stops").unwrap();
         assert!(found.odd.starts_with("3 of 23 stops are at x = y = 0, 500000 m from all others"), "{found}");
-        assert!(found.remedy.starts_with("`--skip-no-fix`"), "{found}");
+        assert!(found.remedy.starts_with("option `skip_no_fix`"), "{found}");
     }
 }

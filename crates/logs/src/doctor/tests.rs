@@ -181,7 +181,7 @@ fn a_log_of_which_most_pairs_are_no_evidence_is_found() {
     assert!(found.odd.starts_with("at 92 % of the pairs of a node and a stop the node sent nothing"), "{found}");
     let usual = [1, 12].map(std::time::Duration::from_secs);
     let found = listening::finding(&log, Some((usual[0], usual[1]))).unwrap();
-    assert!(found.remedy.starts_with("`--stop-every 12s`"), "{found}");
+    assert!(found.remedy.starts_with("`stop_every=12s`"), "{found}");
 }
 
 #[test]
@@ -255,7 +255,7 @@ fn late_packets_tell_their_delay() {
         assert!(found.error_s < 0.5, "{found:?}");
         let text = found.finding().unwrap().to_string();
         assert!(
-            text.contains(if delay_s > 0.0 { "s late" } else { "s early" }) && text.contains("`--packet-delay auto`")
+            text.contains(if delay_s > 0.0 { "s late" } else { "s early" }) && text.contains("`packet_delay=auto`")
         );
     }
 }

@@ -61,7 +61,7 @@ pub(super) fn read(
         let names: Vec<_> =
             pans.iter().map(|pan| pan.map_or("none".to_owned(), |pan| format!("{pan:#06x}"))).collect();
         notes.push(format!(
-            "the frames are of several PANs ({}): nodes with a short address are named PAN/ADDRESS; `--pan` chooses one",
+            "the frames are of several PANs ({}): nodes with a short address are named PAN/ADDRESS; option `pan` chooses one",
             names.join(", ")
         ));
     }
@@ -70,7 +70,7 @@ pub(super) fn read(
         let receiver = capture.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if matches!(roles, Roles::Turned(_)) && !receivers.insert(receiver.clone()) {
             let problem = format!(
-                "two captures are of the receiver `{receiver}`: with `--reciprocal`, the name of a file is that \
+                "two captures are of the receiver `{receiver}`: with option `reciprocal`, the name of a file is that \
                 of its receiver"
             );
             return Err(RobotLogError::Form { problem });

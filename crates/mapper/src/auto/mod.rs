@@ -19,10 +19,10 @@ use self::score::Predicted;
 pub use self::score::{ChoiceReason, Score};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::{
-    AnyLog, Calibration, EstimateKind, Estimator, EstimatorSettings, Fit, FittedConfig, FittedMlTm, Knowledge,
-    KnowledgeKind, Learned, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig, PacketCentroid,
-    PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig, SoughtHeights,
-    TopologyMap,
+    AnyLog, Calibration, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit, FittedConfig,
+    FittedMlTm, Knowledge, KnowledgeKind, LinkFit, LinkModel, LinkModelConfig, MapError, Mapper, MlTmConfig,
+    PacketCentroid, PacketCentroidConfig, PlacePrior, ProfileConfig, SelfCalibrated, SelfCalibratedConfig,
+    SoughtHeights, TopologyMap,
 };
 
 /// The choice of an estimator as written in a scenario.
@@ -313,9 +313,9 @@ impl Estimator for Auto {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let (map, choice) = self.map(knowledge.log, knowledge.prior, watch)?;
-        Ok((map, choice.map(Learned::new)))
+        Ok((map, choice.map(EstimatorFindings::new)))
     }
 }
 

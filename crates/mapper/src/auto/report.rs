@@ -5,7 +5,7 @@ use std::fmt::Write;
 use sextant_kernel::NodeId;
 
 use super::{Choice, ChoiceReason, EstimatorFit};
-use crate::{AbsorptionMap, Finding, LearnedCurve, Line, Section, TopologyMap};
+use crate::{AbsorptionMap, CurveFinding, Finding, Line, Section, TopologyMap};
 
 #[cfg(feature = "config")]
 /// The keys of a choice.
@@ -103,7 +103,7 @@ impl Finding for Choice {
         std::iter::once(own).chain(chosen).collect()
     }
 
-    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
         self.finding().map(Finding::curves).unwrap_or_default()
     }
 

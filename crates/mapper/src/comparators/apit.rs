@@ -13,8 +13,8 @@ use super::heard_anchors::{HeardAnchor, HeardAnchors};
 use super::{check_link_share, default_link_share, node_by_node};
 use crate::numerics::whole;
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
+    Messages, TopologyMap,
 };
 
 /// APIT as written in a scenario.
@@ -213,7 +213,7 @@ impl Estimator for Apit {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

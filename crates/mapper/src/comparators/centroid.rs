@@ -11,8 +11,8 @@ use super::heard_anchors::HeardAnchors;
 use super::node_by_node;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
+    Messages, TopologyMap,
 };
 
 /// The centroid as written in a scenario: it has no settings.
@@ -143,7 +143,7 @@ impl Estimator for Centroid {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }
@@ -175,7 +175,7 @@ impl Estimator for WeightedCentroid {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

@@ -15,7 +15,8 @@ use super::smacof::{Dissimilarity, neighbour_ranges, refined};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages, TopologyMap,
+    Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper, Messages,
+    TopologyMap,
 };
 
 /// DR-MDS as written in a scenario.
@@ -151,7 +152,7 @@ impl Estimator for DrMds {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

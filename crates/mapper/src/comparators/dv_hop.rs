@@ -12,8 +12,8 @@ use super::{check_link_share, default_link_share, node_by_node};
 use crate::comparators::lateration::{Range, multilaterate};
 use crate::numerics::memory::check_table;
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
+    Messages, TopologyMap,
 };
 
 /// DV-Hop as written in a scenario.
@@ -148,7 +148,7 @@ impl Estimator for DvHop {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

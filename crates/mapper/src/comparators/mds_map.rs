@@ -14,7 +14,8 @@ use super::mds::classical_mds;
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::numerics::memory::check_table;
 use crate::{
-    Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages, TopologyMap,
+    Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper, Messages,
+    TopologyMap,
 };
 
 /// MDS-MAP as written in a scenario.
@@ -158,7 +159,7 @@ impl Estimator for MdsMap {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

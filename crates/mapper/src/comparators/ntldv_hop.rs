@@ -13,8 +13,8 @@ use super::{check_link_share, default_link_share, node_by_node};
 use crate::comparators::lateration::{Range, multilaterate_linear, refine};
 use crate::numerics::memory::check_table;
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
+    Messages, TopologyMap,
 };
 
 /// NTLDV-HOP as written in a scenario. Without any of its improvements it is DV-Hop with linear least squares.
@@ -243,7 +243,7 @@ impl Estimator for NtldvHop {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

@@ -9,8 +9,8 @@ use sextant_kernel::{NodeId, SettingError, Watch};
 
 use super::weight_power;
 use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
-    TopologyMap,
+    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
+    Mapper, TopologyMap,
 };
 
 /// The packet centroid as written in a scenario.
@@ -90,7 +90,11 @@ impl Estimator for PacketCentroid {
         Self::USES
     }
 
-    fn estimate(&self, knowledge: &Knowledge<'_>, _: &dyn Watch) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    fn estimate(
+        &self,
+        knowledge: &Knowledge<'_>,
+        _: &dyn Watch,
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         Ok((self.map(knowledge.log), None))
     }
 }

@@ -12,8 +12,8 @@ use super::centroid::weighted_mean;
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
+    Messages, TopologyMap,
 };
 
 /// Cooperative maximum likelihood as written in a scenario.
@@ -314,7 +314,7 @@ impl Estimator for RssMl {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

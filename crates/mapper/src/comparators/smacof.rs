@@ -14,7 +14,8 @@ use super::mds_map::{of_parts, scaled};
 use super::{Dimensions, check_link_share, default_link_share};
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages, TopologyMap,
+    Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper, Messages,
+    TopologyMap,
 };
 
 /// SMACOF as written in a scenario.
@@ -322,7 +323,7 @@ impl Estimator for Smacof {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

@@ -16,8 +16,8 @@ use super::{Dimensions, check_link_share, default_link_share};
 use crate::numerics::memory::check_table;
 use crate::purpose;
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Landmarks, Learned, MapError, Mapper,
-    Messages, TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, Landmarks, MapError,
+    Mapper, Messages, TopologyMap,
 };
 
 /// The topology-preserving map as written in a scenario.
@@ -213,7 +213,7 @@ impl Estimator for Tpm {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

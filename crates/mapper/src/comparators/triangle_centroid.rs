@@ -14,8 +14,8 @@ use super::node_by_node;
 use crate::comparators::lateration::{Range, multilaterate_linear};
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper, Messages,
-    TopologyMap,
+    CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError, Mapper,
+    Messages, TopologyMap,
 };
 
 /// The RSSI triangle centroid as written in a scenario.
@@ -221,7 +221,7 @@ impl Estimator for TriangleCentroid {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

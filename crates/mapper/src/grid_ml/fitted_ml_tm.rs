@@ -9,8 +9,8 @@ use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::Limits;
 use crate::posterior::FitState;
 use crate::{
-    CoordinateFrame, Estimator, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, Learned, MapError, MlTm,
-    MlTmConfig, NodeOfLog, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
+    CoordinateFrame, Estimator, EstimatorFindings, Fit, Fitted, FittedConfig, Knowledge, KnowledgeKind, MapError,
+    MlTm, MlTmConfig, NodeOfLog, ProfileConfig, Surface, TopologyMap, TrapezoidConfig,
 };
 
 /// ML-TM under a profile that is first estimated from the log, for logs whose channel is unknown.
@@ -139,7 +139,7 @@ impl Estimator for FittedMlTm {
 
     fn surface(
         &self,
-        learned: Option<&Learned>,
+        learned: Option<&EstimatorFindings>,
         NodeOfLog { log, node }: NodeOfLog<'_>,
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
@@ -151,7 +151,7 @@ impl Estimator for FittedMlTm {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
-        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::new)))
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(EstimatorFindings::new)))
     }
 }

@@ -17,9 +17,9 @@ use crate::grid_ml::ml_tm::DEFAULT_MEMORY_MB;
 use crate::grid_ml::solver::{Contenders, Moments, Peak, Scratch, Search, Solver};
 use crate::log_facts::reach::heard_nodes;
 use crate::{
-    CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorSettings, Fit, FittedMlTm, Knowledge,
-    KnowledgeKind, Lattice, Learned, MapError, Mapper, MlTm, MlTmConfig, NetworkFits, ProfileConfig, ProfileSetting,
-    ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
+    CoordinateFrame, CountRule, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Fit,
+    FittedMlTm, Knowledge, KnowledgeKind, Lattice, MapError, Mapper, MlTm, MlTmConfig, NetworkFits, ProfileConfig,
+    ProfileSetting, ReceptionProfile, SectorsConfig, SoughtHeights, TieRule, TopologyMap,
 };
 
 /// A joint map as written in a scenario.
@@ -379,12 +379,12 @@ impl Estimator for JointMlTm {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let logs: Result<Vec<_>, MapError> = self.networks().map(|network| knowledge.log_of(network)).collect();
         let (map, fits) = self.map(&logs?, watch)?;
         let fitted = self.networks().zip(fits).filter_map(|(name, fit)| Some((name.to_owned(), fit?)));
         let fitted: Vec<_> = fitted.collect();
-        Ok((map, (!fitted.is_empty()).then(|| Learned::new(NetworkFits(fitted)))))
+        Ok((map, (!fitted.is_empty()).then(|| EstimatorFindings::new(NetworkFits(fitted)))))
     }
 }
 

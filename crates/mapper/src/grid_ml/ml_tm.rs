@@ -19,9 +19,9 @@ use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
 use crate::{
-    AnyLog, Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorSettings, FittedMlTm, Knowledge,
-    KnowledgeKind, Lattice, Learned, MapError, Mapper, NodeOfLog, ProfileConfig, ProfileSetting, ReceptionProfile,
-    SectorsConfig, SoughtHeights, Surface, TieRule, TopologyMap,
+    AnyLog, Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
+    FittedMlTm, Knowledge, KnowledgeKind, Lattice, MapError, Mapper, NodeOfLog, ProfileConfig, ProfileSetting,
+    ReceptionProfile, SectorsConfig, SoughtHeights, Surface, TieRule, TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -395,7 +395,7 @@ impl Estimator for MlTm {
 
     fn surface(
         &self,
-        _: Option<&Learned>,
+        _: Option<&EstimatorFindings>,
         NodeOfLog { log, node }: NodeOfLog<'_>,
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
@@ -406,7 +406,7 @@ impl Estimator for MlTm {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge.log, watch).map(|map| (map, None))
     }
 }

@@ -5,8 +5,8 @@ use sextant_kernel::{SettingError, Watch};
 
 use super::ml_tm::uses_under;
 use crate::{
-    Estimator, Fit, FittedMlTm, Knowledge, KnowledgeKind, Learned, MapError, Mapper, MlTm, MlTmConfig, NodeOfLog,
-    ProfileConfig, ReceptionProfile, SectorTolerance, Surface, TopologyMap,
+    Estimator, EstimatorFindings, Fit, FittedMlTm, Knowledge, KnowledgeKind, MapError, Mapper, MlTm, MlTmConfig,
+    NodeOfLog, ProfileConfig, ReceptionProfile, SectorTolerance, Surface, TopologyMap,
 };
 
 /// MmTM: [`MlTm`] on a log whose receptions have sectors. Its likelihood of node i at vertex g is the product over all
@@ -103,11 +103,11 @@ impl Estimator for MmTm {
 
     fn surface(
         &self,
-        learned: Option<&Learned>,
+        learned: Option<&EstimatorFindings>,
         NodeOfLog { log, node }: NodeOfLog<'_>,
         watch: &dyn Watch,
     ) -> Option<Result<Surface, MapError>> {
-        match (&self.0, learned.and_then(Learned::get::<Fit>)) {
+        match (&self.0, learned.and_then(EstimatorFindings::get::<Fit>)) {
             (Likelihood::Given(ml_tm), _) => Some(ml_tm.surface(log, node, watch)),
             (Likelihood::Fitted(fitted), Some(fit)) => {
                 Some(fitted.with_fit(fit).surface(&fit.evidence(log), node, watch))
@@ -120,8 +120,8 @@ impl Estimator for MmTm {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
-        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(Learned::new)))
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, fit)| (map, fit.map(EstimatorFindings::new)))
     }
 }
 

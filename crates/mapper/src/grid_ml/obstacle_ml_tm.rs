@@ -9,8 +9,8 @@ use crate::posterior::NodeEvidence;
 use crate::posterior::local_posterior;
 use crate::profile::KnownLink;
 use crate::{
-    ChannelProfileConfig, Estimate, EstimateKind, Estimator, Knowledge, KnowledgeKind, Learned, MapError, MlTm,
-    MlTmConfig, SoughtHeights, TopologyMap,
+    ChannelProfileConfig, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge, KnowledgeKind, MapError,
+    MlTm, MlTmConfig, SoughtHeights, TopologyMap,
 };
 
 /// ML-TM under a known channel with known obstacles. The likelihood of a place includes, for each stop, what the
@@ -166,7 +166,7 @@ impl Estimator for ObstacleMlTm {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge.log, knowledge.obstacles(MlTm::NAME)?, watch).map(|map| (map, None))
     }
 }

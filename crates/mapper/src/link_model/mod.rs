@@ -30,8 +30,8 @@ use crate::log_facts::search_box::SearchBox;
 use crate::numerics::normal::below;
 use crate::posterior::{FitState, Verdict};
 use crate::{
-    AnyLog, Concern, CoordinateFrame, Estimate, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned,
-    MapError, Mapper, PlacePrior, SoughtHeights, TopologyMap,
+    AnyLog, Concern, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
+    KnowledgeKind, MapError, Mapper, PlacePrior, SoughtHeights, TopologyMap,
 };
 use fit::Found;
 use hearing::Hearing;
@@ -324,9 +324,9 @@ impl Estimator for LinkModel {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let (map, fit) = self.map(knowledge.log, knowledge.prior, watch)?;
-        Ok((map, fit.map(Learned::new)))
+        Ok((map, fit.map(EstimatorFindings::new)))
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use sextant_kernel::text::counted;
 
 use super::{LinkEvidence, LinkFit};
-use crate::{Finding, LearnedCurve, Line, Section, TopologyMap};
+use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
 
 /// Least share of lapses or outages that is told.
 const LEAST_SHARE: f64 = 0.01;
@@ -125,8 +125,8 @@ impl Finding for LinkFit {
         vec![Line { section: Section::Laws, text }]
     }
 
-    fn curves(&self) -> Vec<LearnedCurve<'_>> {
-        vec![LearnedCurve {
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
+        vec![CurveFinding {
             network: None,
             name: "law of links",
             probability: Box::new(|distance_m| self.probability(distance_m)),

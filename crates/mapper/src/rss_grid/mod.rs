@@ -31,8 +31,8 @@ use crate::log_facts::strengths::{Strength, strengths};
 use crate::posterior::FitState;
 use crate::ranging::{Ranging, RangingConfig};
 use crate::{
-    AnyLog, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Lattice,
-    Learned, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
+    AnyLog, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings, Knowledge,
+    KnowledgeKind, Lattice, MapError, Mapper, Messages, ReceiverSetting, SoughtHeights, TopologyMap,
 };
 
 /// The Bayesian grid as written in a scenario.
@@ -343,9 +343,9 @@ impl Estimator for RssGrid {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         let (map, channel) = self.map_and_learn(knowledge, watch)?;
-        Ok((map, channel.map(Learned::new)))
+        Ok((map, channel.map(EstimatorFindings::new)))
     }
 }
 

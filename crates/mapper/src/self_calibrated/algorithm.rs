@@ -17,8 +17,8 @@ use crate::log_facts::search_box::Limits;
 use crate::log_facts::sectors::SectorSettings;
 use crate::posterior::FitState;
 use crate::{
-    AnyLog, CoordinateFrame, Estimate, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError,
-    Mapper, SoughtHeights, TopologyMap,
+    AnyLog, CoordinateFrame, Estimate, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
+    MapError, Mapper, SoughtHeights, TopologyMap,
 };
 
 /// Number of grid steps over the range seen in the log, if no step is set, in the plane and in space.
@@ -214,8 +214,8 @@ impl Estimator for SelfCalibrated {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
-        self.map(knowledge.log, watch).map(|(map, calibration)| (map, calibration.map(Learned::new)))
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
+        self.map(knowledge.log, watch).map(|(map, calibration)| (map, calibration.map(EstimatorFindings::new)))
     }
 }
 

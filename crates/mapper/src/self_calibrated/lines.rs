@@ -37,7 +37,7 @@ pub(super) enum Half {
 
 /// A line with the cells that it crosses.
 #[derive(Clone, Copy, Debug)]
-struct Drawn {
+struct RecordedWorld {
     line: Line,
     /// Length in the cells, in widths of a cell.
     length: f64,
@@ -50,7 +50,7 @@ struct Drawn {
 /// Some of the lines, and their sums for the cells.
 #[derive(Debug, Default)]
 pub(super) struct Lines {
-    lines: Vec<Drawn>,
+    lines: Vec<RecordedWorld>,
     /// Cells, and the lengths in them in widths of a cell.
     crossings: Vec<(u32, f32)>,
     /// By cell: the gradient of the log-likelihood, or the Fisher information.
@@ -71,7 +71,7 @@ impl Lines {
         let slant = slant(to - from);
         let way = to - from;
         let (sin, cos) = libm::sincos(2.0 * libm::atan2(way.y_m, way.x_m));
-        let mut drawn = Drawn { line, length: 0.0, doubled: [cos, sin], end: 0 };
+        let mut drawn = RecordedWorld { line, length: 0.0, doubled: [cos, sin], end: 0 };
         map.crossings(from, to, |cell, enter, leave| {
             if !is_free[cell] {
                 let length = (leave - enter) * slant;
@@ -173,10 +173,10 @@ impl Lines {
 
 /// The lines of one half, or of both, with their crossings.
 fn each<'a>(
-    lines: &'a [Drawn],
+    lines: &'a [RecordedWorld],
     crossings: &'a [(u32, f32)],
     half: Option<Half>,
-) -> impl Iterator<Item = (&'a Drawn, &'a [(u32, f32)])> {
+) -> impl Iterator<Item = (&'a RecordedWorld, &'a [(u32, f32)])> {
     let begins = std::iter::once(0).chain(lines.iter().map(|drawn| drawn.end));
     let all = lines.iter().zip(begins).map(|(drawn, begin)| (drawn, &crossings[begin..drawn.end]));
     all.filter(move |(drawn, _)| half.is_none_or(|half| half == drawn.line.half))

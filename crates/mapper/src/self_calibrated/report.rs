@@ -6,7 +6,7 @@ use sextant_kernel::NodeId;
 use sextant_kernel::text::counted;
 
 use super::{CalibratedCurve, Calibration, ObstacleKnowledge};
-use crate::{AbsorptionMap, Finding, LearnedCurve, Line, Section, TopologyMap};
+use crate::{AbsorptionMap, CurveFinding, Finding, Line, Section, TopologyMap};
 
 #[cfg(feature = "config")]
 /// What was estimated with a self-calibrated map, and from which knowledge.
@@ -112,12 +112,12 @@ impl Finding for Calibration {
         lines
     }
 
-    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
         let Some(curve) = &self.curve else { return Vec::new() };
         #[expect(clippy::cast_precision_loss, reason = "a number of stops")]
         let stops = self.efficiency.len().max(1) as f64;
         let mean = self.efficiency.iter().sum::<f64>() / stops;
-        vec![LearnedCurve {
+        vec![CurveFinding {
             network: None,
             name: "calibrated curve over clear links",
             probability: Box::new(|distance_m| curve.probability(distance_m)),

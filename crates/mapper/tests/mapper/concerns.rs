@@ -3,8 +3,8 @@
 use sextant_channel::{Position, Reception, ReceptionLog, Stop};
 use sextant_kernel::{NodeId, Purpose, RobotId, Seed, SimTime, Unwatched};
 use sextant_mapper::{
-    AlgorithmConfig, Calibration, Concern, EstimateKind, FittedChannel, HeightReason, Learned, MapError, Mapper,
-    MlTmConfig, ProfileConfig, TopologyMap,
+    AlgorithmConfig, Calibration, Concern, EstimateKind, EstimatorFindings, FittedChannel, HeightReason, MapError,
+    Mapper, MlTmConfig, ProfileConfig, TopologyMap,
 };
 
 fn draw(address: [u64; 3]) -> f64 {
@@ -62,7 +62,7 @@ fn strengths() -> AlgorithmConfig {
     })
 }
 
-fn map(config: AlgorithmConfig, log: &ReceptionLog) -> (TopologyMap, Option<Learned>) {
+fn map(config: AlgorithmConfig, log: &ReceptionLog) -> (TopologyMap, Option<EstimatorFindings>) {
     Mapper::try_from(config).expect("good settings").map_and_learn(log, &Unwatched).expect("a map")
 }
 
@@ -98,7 +98,7 @@ fn nodes_that_were_heard_alike_everywhere_have_no_evidence() {
             let (map, learned) = map(config, &everywhere);
             assert!(all_have(&map, Concern::NoEvidence), "{:?}", map.concerns().collect::<Vec<_>>());
             assert!(farthest_m(&map, &everywhere) < 12.0);
-            if let Some(calibration) = learned.as_ref().and_then(Learned::get::<Calibration>) {
+            if let Some(calibration) = learned.as_ref().and_then(EstimatorFindings::get::<Calibration>) {
                 assert!(!calibration.converged && calibration.curve_at_bound);
             }
         }

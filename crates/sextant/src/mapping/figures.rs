@@ -2,29 +2,29 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{NodeId, RobotId};
-use sextant_mapper::{LearnedCurve, ReceptionProfile};
+use sextant_mapper::{CurveFinding, ReceptionProfile};
 
 use super::input::Input;
 use super::logs::MapLogs;
 use super::pipeline::ComputedMap;
 use crate::measure::Dimensions;
 use sextant_figure::{self as figure, EstimatedMap, Figure, Model, ReceptionCurve, Source};
-use sextant_recording::{self as recording, Drawn, RecordingError};
+use sextant_recording::{self as recording, RecordedWorld, RecordingError};
 
 /// What figures show of a log besides its maps: true positions, obstacles and paths.
 ///
 /// # Errors
 /// If the log is that of a recording, and this cannot be read.
-pub fn drawn(input: &Input) -> Result<Drawn, RecordingError> {
-    let recorded = input.recording.as_deref().map(recording::read_drawn).transpose()?;
+pub fn drawn(input: &Input) -> Result<RecordedWorld, RecordingError> {
+    let recorded = input.recording.as_deref().map(recording::read_world).transpose()?;
     let truth = input.truth.as_ref();
     let place = |(node, name): (usize, &String)| Some((NodeId::from_index(node), *truth?.get(name)?));
     let nodes = input.log().names().iter().enumerate().filter_map(place).collect();
     Ok(match recorded {
-        Some(Drawn { sinks, anchors, obstacles, paths, .. }) => {
-            Drawn { nodes, sinks, anchors, obstacles, paths, ..Drawn::default() }
+        Some(RecordedWorld { sinks, anchors, obstacles, paths, .. }) => {
+            RecordedWorld { nodes, sinks, anchors, obstacles, paths, ..RecordedWorld::default() }
         }
-        None => Drawn { nodes, paths: paths_of_stops(input), ..Drawn::default() },
+        None => RecordedWorld { nodes, paths: paths_of_stops(input), ..RecordedWorld::default() },
     })
 }
 
@@ -41,7 +41,7 @@ fn paths_of_stops(input: &Input) -> Vec<(String, Vec<Position>)> {
 
 /// The figures of `maps`. `title` names the log, and `drawn` is what else is known of the world.
 #[must_use]
-pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>]) -> Vec<Figure> {
+pub fn figures(title: &str, input: &Input, drawn: RecordedWorld, maps: &[ComputedMap<'_>]) -> Vec<Figure> {
     let places = |map: &ComputedMap<'_>| {
         let place = |(node, place): (usize, Option<Position>)| Some((NodeId::from_index(node), place?));
         (map.named.name.clone(), map.map.positions().into_iter().enumerate().filter_map(place).collect())
@@ -55,7 +55,7 @@ pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>
             place.z_m = map.map.positions()[node.index()].map_or(place.z_m, |mapped| mapped.z_m);
         }
     }
-    let drawn = Drawn { maps: maps.iter().map(places).collect(), ..drawn };
+    let drawn = RecordedWorld { maps: maps.iter().map(places).collect(), ..drawn };
     let source = Source { title, log: input.log(), drawn: &drawn, sector_displacements: &[] };
     let estimated = |map| estimated(map, input);
     figure::all_of_maps(&source, &maps.iter().map(estimated).collect::<Vec<_>>())
@@ -65,7 +65,7 @@ pub fn figures(title: &str, input: &Input, drawn: Drawn, maps: &[ComputedMap<'_>
 fn estimated<'a>(computed: &'a ComputedMap<'_>, input: &'a Input) -> EstimatedMap<'a> {
     let ComputedMap { named, map, learned } = computed;
     let logs = MapLogs::from(&input.logs);
-    let model = |curve: LearnedCurve<'a>| Model {
+    let model = |curve: CurveFinding<'a>| Model {
         name: curve.name.to_owned(),
         probability: curve.probability,
         of_stops: curve.of_stops,

@@ -68,7 +68,7 @@ impl Input {
                 plane,
             });
         }
-        robot_log::refuse_flags(path, options)?;
+        robot_log::refuse_options(path, options)?;
         let mut run = recording::read_log(path)?;
         if let Some(name) = network
             && let Err(known) = run.logs.put_first(name)

@@ -3,7 +3,7 @@
 use sextant_channel::{NetworkLog, NetworkLogs, ReceptionLog};
 use sextant_mapper::Knowledge;
 
-use crate::scenario::NamedMap;
+use crate::scenario::MapJob;
 
 /// The logs of the networks that robots surveyed, at least one. The name of a network is empty if it has none.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl<'a> MapLogs<'a> {
     /// The log of the network of `map`. For a joint map it is that of its first network. A log that is alone is that of
     /// any network.
     #[must_use]
-    pub fn of(&self, map: &NamedMap) -> &'a ReceptionLog {
+    pub fn of(&self, map: &MapJob) -> &'a ReceptionLog {
         let name = map.mapper.networks().first().copied().or(map.network.as_deref());
         name.and_then(|name| self.named(name)).unwrap_or(self.logs[0].1)
     }
@@ -39,7 +39,7 @@ impl<'a> MapLogs<'a> {
 
     /// What `map` may know of the logs.
     #[must_use]
-    pub fn knowledge<'b>(&'b self, map: &NamedMap) -> Knowledge<'b> {
+    pub fn knowledge<'b>(&'b self, map: &MapJob) -> Knowledge<'b> {
         Knowledge { logs: &self.logs, ..Knowledge::from(self.of(map)) }
     }
 }

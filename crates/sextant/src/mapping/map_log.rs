@@ -2,7 +2,7 @@
 
 use sextant_channel::ReceptionLog;
 use sextant_kernel::Watch;
-use sextant_mapper::{Learned, TopologyMap};
+use sextant_mapper::{EstimatorFindings, TopologyMap};
 
 use super::error::MapLogError;
 use super::logs::MapLogs;
@@ -16,7 +16,7 @@ pub struct LogMap {
     /// The map. Its places are in the frame of the stops, or in one of their own if the algorithm uses no stops.
     pub map: TopologyMap,
     /// What else was estimated from the log.
-    pub learned: Option<Learned>,
+    pub learned: Option<EstimatorFindings>,
     /// Its properties as `sextant map` prints them, without errors: no truth is known.
     pub summary: MapSummary,
 }

@@ -2,7 +2,7 @@
 
 use sextant_channel::{Position, ReceptionLog};
 use sextant_kernel::NodeId;
-use sextant_mapper::Learned;
+use sextant_mapper::EstimatorFindings;
 
 use crate::measure::axes;
 use sextant_kernel::text::{counted, listed};
@@ -59,7 +59,7 @@ fn has_strengths(log: &ReceptionLog) -> bool {
 pub(super) fn of_map(
     log: &ReceptionLog,
     places: &[Option<Position>],
-    learned: Option<&Learned>,
+    learned: Option<&EstimatorFindings>,
     truth: Option<&[Option<Position>]>,
 ) -> Vec<String> {
     let exponent = learned.and_then(|learned| learned.path_loss_exponent());

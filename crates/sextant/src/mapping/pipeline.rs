@@ -3,25 +3,25 @@
 use std::path::{Path, PathBuf};
 
 use sextant_kernel::Watch;
-use sextant_mapper::{Knowledge, Learned, TopologyMap};
+use sextant_mapper::{EstimatorFindings, Knowledge, TopologyMap};
 
 use super::error::MapLogError;
 use super::input::Input;
 use super::logs::MapLogs;
 use super::notes;
 use crate::measure::{Truth, in_world, measure};
-use crate::scenario::{MapSettings, NamedMap};
+use crate::scenario::{MapJob, MapSettings};
 use crate::summary::{GatheringSummary, MapSummary, Stopwatch, Summary, Timing, peak_rss_bytes};
 
 /// A map that was computed from a log.
 #[derive(Clone, Debug)]
 pub struct ComputedMap<'a> {
     /// Its name and its algorithm.
-    pub named: &'a NamedMap,
+    pub named: &'a MapJob,
     /// The map, in world coordinates.
     pub map: TopologyMap,
     /// What else was estimated from the log.
-    pub learned: Option<Learned>,
+    pub learned: Option<EstimatorFindings>,
 }
 
 /// Computes the maps of `settings` from the log of `input`, measures them if the true positions are known, writes them to

@@ -7,7 +7,7 @@ use sextant_logs::{self as robot_log, LocalPlane};
 use sextant_mapper::{Area, MapError, PlacePrior};
 
 use super::error::MapLogError;
-use crate::scenario::NamedMap;
+use crate::scenario::MapJob;
 
 /// The prior of an `area` (four numbers `x0,y0,x1,y1` or a file) and of a distance to the stops (m); `None` if neither is
 /// given. `plane` is that of the log, if its places are by latitude and longitude.
@@ -18,7 +18,7 @@ pub fn place_prior(
     area: Option<&str>,
     near_stops_m: Option<f64>,
     plane: Option<&LocalPlane>,
-    maps: &[NamedMap],
+    maps: &[MapJob],
 ) -> Result<Option<PlacePrior>, MapLogError> {
     if area.is_none() && near_stops_m.is_none() {
         return Ok(None);

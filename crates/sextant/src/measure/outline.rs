@@ -1,19 +1,25 @@
 //! The properties of a map in the summary, without the truth.
 
 use sextant_kernel::NodeId;
-use sextant_mapper::{Concern, HeightReason, Learned, PositionError, SoughtHeights, TopologyMap};
+use sextant_mapper::{Concern, EstimatorFindings, HeightReason, PositionError, SoughtHeights, TopologyMap};
 
 use super::subject::Subject;
 use crate::summary::{ConcernSummary, ErrorSummary, HeightsSource, HeightsSummary, LearnedSummary, MapSummary};
 
 /// The properties of a map of nodes with these `names`, without the truth.
 #[must_use]
-pub fn outline(subject: &Subject<'_>, map: &TopologyMap, learned: Option<&Learned>, names: &[String]) -> MapSummary {
+pub fn outline(
+    subject: &Subject<'_>,
+    map: &TopologyMap,
+    learned: Option<&EstimatorFindings>,
+    names: &[String],
+) -> MapSummary {
     let concern = |(node, concern): (NodeId, Concern)| ConcernSummary { node: names[node.index()].clone(), concern };
     let name = subject.name;
     let learned_summary =
-        |learned: &Learned| LearnedSummary { keys: learned.keys(map), lines: learned.lines(name, map) };
-    let at_bound = |learned: &Learned| learned.at_bound().iter().map(|node| names[node.index()].clone()).collect();
+        |learned: &EstimatorFindings| LearnedSummary { keys: learned.keys(map), lines: learned.lines(name, map) };
+    let at_bound =
+        |learned: &EstimatorFindings| learned.at_bound().iter().map(|node| names[node.index()].clone()).collect();
     let coincident = map.coincident();
     MapSummary {
         name: (name != map.algorithm).then(|| name.to_owned()),

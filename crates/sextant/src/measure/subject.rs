@@ -2,7 +2,7 @@
 
 use sextant_mapper::KnowledgeKind;
 
-use crate::scenario::NamedMap;
+use crate::scenario::MapJob;
 
 /// What a summary says of a map that the map itself does not know.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,8 +15,8 @@ pub struct Subject<'a> {
     pub networks: Vec<String>,
 }
 
-impl<'a> From<&'a NamedMap> for Subject<'a> {
-    fn from(named: &'a NamedMap) -> Self {
+impl<'a> From<&'a MapJob> for Subject<'a> {
+    fn from(named: &'a MapJob) -> Self {
         let joint = named.mapper.networks();
         let networks = if joint.is_empty() {
             named.network.iter().cloned().collect()

@@ -3,7 +3,7 @@
 use sextant_channel::{Anchor, Position};
 use sextant_kernel::{Interrupted, NodeId, Watch};
 use sextant_mapper::{
-    ConnectivityError, CoordinateFrame, Estimate, KnowledgeKind, Learned, NeighbourhoodRule, PositionError,
+    ConnectivityError, CoordinateFrame, Estimate, EstimatorFindings, KnowledgeKind, NeighbourhoodRule, PositionError,
     Reflection, Region, SectorDisplacement, SectorDisplacementRule, Similarity, TopologyMap, connectivity_error,
     sector_displacement, topology_preservation_error,
 };
@@ -68,7 +68,7 @@ const LEAST_TO_ALIGN: usize = 4;
 pub fn measure(
     subject: &Subject<'_>,
     map: &TopologyMap,
-    learned: Option<&Learned>,
+    learned: Option<&EstimatorFindings>,
     names: &[String],
     truth: Option<Truth<'_>>,
     metrics: &MetricsConfig,

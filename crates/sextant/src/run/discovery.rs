@@ -7,7 +7,7 @@ use sextant_sim::{Discovered, Round, discover};
 
 use super::error::RunError;
 use crate::mapping::MapLogs;
-use crate::scenario::{NamedMap, Scenario};
+use crate::scenario::{MapJob, Scenario};
 use crate::summary::{DiscoverySummary, EnergySummary, RoundSummary};
 
 /// The results of discovery before the survey.
@@ -43,7 +43,7 @@ impl Discoveries {
 
     /// Everything that `map` of `scenario` may use of the `logs` of its survey.
     #[must_use]
-    pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, logs: &'a MapLogs<'a>, map: &NamedMap) -> Knowledge<'a> {
+    pub fn knowledge<'a>(&'a self, scenario: &'a Scenario, logs: &'a MapLogs<'a>, map: &MapJob) -> Knowledge<'a> {
         Knowledge {
             neighbours: self.neighbours.as_ref().map(|round| &round.log),
             beacons: self.beacons.as_ref().map(|round| &round.log),

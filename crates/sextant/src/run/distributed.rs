@@ -9,12 +9,12 @@ use sextant_mac::EnergySpent;
 use sextant_mapper::{CoordinateFrame, Estimate, KnowledgeKind, PositionError, SectorDisplacement, TopologyMap};
 use sextant_sim::{Network, NetworkRecord, RobotRecord, RoleConfig};
 
-use super::application::MadeMap;
+use super::application::UnalignedMap;
 use super::evaluation::{Evaluation, sector_displacement, truth};
 use super::mapped_node;
 use super::simulator::Simulated;
 use crate::measure::{Dimensions, Subject, Truth, measure};
-use crate::scenario::{DistributedMap, Scenario};
+use crate::scenario::{NodeMapJob, Scenario};
 use crate::summary::{
     AlignmentSummary, AnchorCounts, DistributedSummary, MapSummary, MeanAndMax, MessagesSummary,
     MobileAnchorsSummary, OrientationErrorSummary,
@@ -54,12 +54,12 @@ pub(super) fn evaluate_distributed(scenario: &Scenario, simulated: &Simulated) -
         distributed: Some(summary(scenario, map, simulated)),
         ..measured.expect("nobody stops the work")
     };
-    let made = MadeMap::new(&map.name, &found);
+    let made = UnalignedMap::new(&map.name, &found);
     Some(Evaluation { name: map.name.clone(), map: found, made, learned: None, summary, wall_s: 0.0 })
 }
 
 /// The places that the nodes believe in.
-fn topology_map(map: &DistributedMap, nodes: &[MappingRecord]) -> TopologyMap {
+fn topology_map(map: &NodeMapJob, nodes: &[MappingRecord]) -> TopologyMap {
     let told = |position| Estimate {
         position,
         log_likelihood: None,
@@ -79,7 +79,7 @@ fn topology_map(map: &DistributedMap, nodes: &[MappingRecord]) -> TopologyMap {
     }
 }
 
-fn summary(scenario: &Scenario, map: &DistributedMap, simulated: &Simulated) -> DistributedSummary {
+fn summary(scenario: &Scenario, map: &NodeMapJob, simulated: &Simulated) -> DistributedSummary {
     let (survey, nodes) = (&simulated.survey, &simulated.nodes[..]);
     let record = &survey.networks[map.network.index()];
     let names = scenario.world().nodes.iter().map(|node| &node.name);
@@ -120,7 +120,7 @@ fn is_anchor(node: &&MappingRecord) -> bool {
     node.role != MappingRole::Node
 }
 
-fn anchors(map: &DistributedMap, nodes: &[MappingRecord]) -> AnchorCounts {
+fn anchors(map: &NodeMapJob, nodes: &[MappingRecord]) -> AnchorCounts {
     let count = |is: fn(&MappingRecord) -> bool| nodes.iter().filter(|node| is(node)).count();
     let gave_up = count(|node| node.gave_up);
     let initial = count(|node| node.role == MappingRole::InitialAnchor) + gave_up;
@@ -159,7 +159,7 @@ fn mobile(scenario: &Scenario, robots: &[RobotRecord], nodes: &[MappingRecord]) 
 /// Errors of the azimuths of anchors, in degrees.
 fn orientation_error_deg(
     scenario: &Scenario,
-    map: &DistributedMap,
+    map: &NodeMapJob,
     nodes: &[MappingRecord],
 ) -> Option<OrientationErrorSummary> {
     let antennas = scenario.networks()[map.network.index()].technology.antennas()?;
@@ -193,7 +193,7 @@ fn scattering(nodes: &[MappingRecord], truth: &[Position]) -> Vec<(f64, usize, f
 
 /// Energy of the messages by the formulas of the thesis (eq. 5.9 and 5.10), with frames of the mean size of the messages
 /// that were made (J). The anchors and stops heard are means over the nodes; the anchors are the initial ones.
-fn message_energy_j(scenario: &Scenario, map: &DistributedMap, nodes: &[MappingRecord]) -> Option<f64> {
+fn message_energy_j(scenario: &Scenario, map: &NodeMapJob, nodes: &[MappingRecord]) -> Option<f64> {
     let messages: u64 = nodes.iter().map(|node| node.messages.total()).sum();
     let octets: u64 = nodes.iter().map(|node| node.messages.octets).sum();
     if messages == 0 {
@@ -215,10 +215,7 @@ fn message_energy_j(scenario: &Scenario, map: &DistributedMap, nodes: &[MappingR
 }
 
 /// What each node found, for a recording.
-pub(super) fn messages_of_nodes(
-    simulated: &Simulated,
-    map: &DistributedMap,
-) -> impl Iterator<Item = MappedNodeMessage> {
+pub(super) fn messages_of_nodes(simulated: &Simulated, map: &NodeMapJob) -> impl Iterator<Item = MappedNodeMessage> {
     let energy = &simulated.survey.networks[map.network.index()].energy;
     simulated
         .nodes

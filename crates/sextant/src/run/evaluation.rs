@@ -2,17 +2,17 @@
 
 use sextant_channel::Position;
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{KnowledgeKind, Learned, SectorDisplacement, TopologyMap};
+use sextant_mapper::{EstimatorFindings, KnowledgeKind, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
-use super::application::MadeMap;
+use super::application::UnalignedMap;
 use super::bound;
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
-use crate::scenario::{NamedMap, Scenario};
+use crate::scenario::{MapJob, Scenario};
 use crate::summary::{MapSummary, Stopwatch};
 
 /// A map, what was estimated with it, and its errors.
@@ -23,9 +23,9 @@ pub struct Evaluation {
     /// The map, in world coordinates.
     pub map: TopologyMap,
     /// The map as applications get it.
-    pub made: MadeMap,
+    pub made: UnalignedMap,
     /// What else was estimated from the log.
-    pub learned: Option<Learned>,
+    pub learned: Option<EstimatorFindings>,
     /// Properties of the map, and its errors.
     pub summary: MapSummary,
     /// Time to compute and measure it on this machine (s); 0 for a map that the nodes computed in the simulation.
@@ -39,7 +39,7 @@ pub struct Evaluation {
 /// If the map cannot be computed, or `watch` stops the work.
 pub(super) fn evaluate(
     scenario: &Scenario,
-    named: &NamedMap,
+    named: &MapJob,
     (survey, discoveries): (&Survey, &Discoveries),
     bound_m: Option<f64>,
     watch: &dyn Watch,
@@ -49,7 +49,7 @@ pub(super) fn evaluate(
     let networks = scenario.networks_of(named);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
     let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
-    let made = MadeMap::new(&named.name, &map);
+    let made = UnalignedMap::new(&named.name, &map);
     let truth = truth(scenario);
     let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
     let (map, alignment) = in_world(map, Some(&known));

@@ -6,14 +6,14 @@ use sextant_mapper::{KnowledgeKind, Landmarks, Mapper, Messages};
 use sextant_sim::{Antennas, Discovered, NetworkId, Survey};
 
 use super::discovery::Discoveries;
-use crate::scenario::{NamedMap, Scenario};
+use crate::scenario::{MapJob, Scenario};
 
 /// Energy of the messages that `map` needs from the nodes, in all its networks (J; thesis, eq. 3.17 to 3.19 and, with
 /// sector sweeps, chapter 4). `None` for algorithms without a formula in the thesis. Time samples are the stops. The
 /// anchors and neighbours that a node hears, and the sweeps that it answers, are means over the nodes.
 pub(super) fn message_energy_j(
     scenario: &Scenario,
-    map: &NamedMap,
+    map: &MapJob,
     survey: &Survey,
     discoveries: &Discoveries,
 ) -> Option<f64> {

@@ -18,7 +18,7 @@ mod simulator;
 mod stop;
 mod witness;
 
-pub use application::{MadeMap, Performance};
+pub use application::{Performance, UnalignedMap};
 pub use capture::RunCapture;
 pub use discovery::Discoveries;
 pub use error::RunError;

@@ -1,7 +1,7 @@
 //! What sees a run: recordings, captures, progress, and whatever a program adds.
 
 use sextant_kernel::{SimTime, Watch};
-use sextant_mapper::Learned;
+use sextant_mapper::EstimatorFindings;
 use sextant_sim::{Observer, Survey};
 
 use super::application::Performance;
@@ -9,7 +9,7 @@ use super::discovery::Discoveries;
 use super::error::RunError;
 use super::evaluation::Evaluation;
 use super::simulator::Simulated;
-use crate::scenario::{Application, NamedMap, Scenario};
+use crate::scenario::{Application, MapJob, Scenario};
 use crate::summary::Summary;
 
 /// Sees a run while it goes on, the events of its simulations too. By default it ignores everything. `()` sees nothing, a
@@ -103,7 +103,7 @@ pub struct MapEnd<'a> {
     /// The survey that the map is of.
     pub simulated: &'a Simulated,
     /// The map of the scenario; `None` for the map that the nodes computed themselves.
-    pub named: Option<&'a NamedMap>,
+    pub named: Option<&'a MapJob>,
     /// The map and its errors.
     pub evaluation: &'a Evaluation,
     /// Stops further work on the map.
@@ -125,7 +125,7 @@ impl MapEnd<'_> {
 
     /// What was estimated with the map.
     #[must_use]
-    pub fn learned(&self) -> Option<&Learned> {
+    pub fn learned(&self) -> Option<&EstimatorFindings> {
         self.evaluation.learned.as_ref()
     }
 }

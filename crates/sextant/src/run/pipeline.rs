@@ -4,7 +4,7 @@ use sextant_kernel::{SimTime, Watch};
 use sextant_recording::Phase;
 use sextant_sim::Survey;
 
-use super::application::{MadeMap, Performance, ReadyApplication, Stage};
+use super::application::{Performance, ReadyApplication, Stage, UnalignedMap};
 use super::discovery::Discoveries;
 use super::distributed::evaluate_distributed;
 use super::error::RunError;
@@ -221,7 +221,7 @@ fn apply_all(
     observer: &mut dyn RunObserver,
     watch: &dyn Watch,
 ) -> Result<(Vec<ApplicationSummary>, bool), RunError> {
-    let made: Vec<&MadeMap> = evaluations.iter().map(|evaluation| &evaluation.made).collect();
+    let made: Vec<&UnalignedMap> = evaluations.iter().map(|evaluation| &evaluation.made).collect();
     let mut end = survey.map(|survey| survey.end);
     let mut summaries = Vec::new();
     for application in scenario.applications() {

@@ -10,9 +10,9 @@ use sextant_sim::{Network, NetworkId, RobotBody, RoleConfig, Setup, TargetMotion
 
 use super::algorithm::Algorithm;
 use super::config::ScenarioConfig;
-use super::distributed::{DistributedMap, check_receivers};
+use super::distributed::{NodeMapJob, check_receivers};
 use super::errors::Errors;
-use super::maps::{NamedMap, check_name};
+use super::maps::{MapJob, check_name};
 use super::networks::{self, NetworkTables};
 use sextant_kernel::text::counted;
 
@@ -67,8 +67,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) setup: &'a Setup,
     pub(super) tables: &'a [NetworkTables<'a>],
     pub(super) bodies: &'a [RobotBody],
-    pub(super) maps: &'a [NamedMap],
-    pub(super) distributed: Option<&'a DistributedMap>,
+    pub(super) maps: &'a [MapJob],
+    pub(super) distributed: Option<&'a NodeMapJob>,
 }
 
 /// The applications of the scenario, with unique names.

@@ -8,10 +8,10 @@ use sextant_sim::{Applications, Discovery, Interferer, RobotBody, RoleConfig, Se
 
 use super::applications::{Application, Surroundings, check_applications};
 use super::config::ScenarioConfig;
-use super::distributed::{DistributedMap, check_distributed};
+use super::distributed::{NodeMapJob, check_distributed};
 use super::errors::Errors;
 use super::known_networks::{KnownNetworks, PacketsPerStop};
-use super::maps::{NamedMap, check_log_of_maps, check_maps};
+use super::maps::{MapJob, check_log_of_maps, check_maps};
 use super::networks::NetworkTables;
 use super::robots::{Robots, check_robots, check_target_names};
 use super::sinks::check_sinks;
@@ -28,18 +28,14 @@ pub(super) struct Parts {
     pub(super) discovery: Discovery,
     /// What nodes send while a robot listens, in the first network that robots survey.
     pub(super) packets_per_stop: PacketsPerStop,
-    pub(super) distributed: Option<DistributedMap>,
+    pub(super) distributed: Option<NodeMapJob>,
     pub(super) applications: Vec<Application>,
     /// What is left out of the counts at the start.
     pub(super) warm_up: Duration,
 }
 
 /// Checks each part of the scenario, then all parts together.
-pub(super) fn check(
-    config: &ScenarioConfig,
-    files: &Files,
-    errors: &mut Errors<'_>,
-) -> (Option<Parts>, Vec<NamedMap>) {
+pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors<'_>) -> (Option<Parts>, Vec<MapJob>) {
     if config.name.trim().is_empty() {
         errors.refuse(&SettingError::new("name", "empty", "a name with at least one letter"));
     }
@@ -172,7 +168,7 @@ fn has_no_receiver(config: &ScenarioConfig) -> bool {
 fn check_anchors(
     config: &ScenarioConfig,
     world: &World,
-    maps: &[NamedMap],
+    maps: &[MapJob],
     errors: &mut Errors<'_>,
 ) -> Option<Vec<Anchor>> {
     let anchors = errors.take("anchors", config.anchors.choose(&world.nodes, &world.obstacles, Seed(config.seed)))?;

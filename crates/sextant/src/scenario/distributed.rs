@@ -12,7 +12,7 @@ use sextant_sim::{Broadcast, MacConfig, Network, NetworkId, Robot, RoleConfig, S
 
 use super::config::ScenarioConfig;
 use super::errors::Errors;
-use super::maps::{NamedMap, check_name};
+use super::maps::{MapJob, check_name};
 use super::networks::{self, NetworkTables};
 
 /// The table of the scenario.
@@ -20,7 +20,7 @@ const TABLE: &str = "distributed_mapping";
 
 /// A map that the nodes compute themselves.
 #[derive(Clone, Debug)]
-pub struct DistributedMap {
+pub struct NodeMapJob {
     /// Its name in tables and recordings.
     pub name: String,
     /// The algorithm: `dmmtm-ss` with static anchors alone, `dmmtm-hs` with mobile ones too.
@@ -35,7 +35,7 @@ pub struct DistributedMap {
     antenna: Option<NodeAntenna>,
 }
 
-impl DistributedMap {
+impl NodeMapJob {
     /// The applications of `nodes` nodes, of which `anchors` know their place.
     #[must_use]
     pub fn nodes(&self, nodes: usize, anchors: &[Anchor]) -> Vec<MappingNode> {
@@ -68,9 +68,9 @@ pub(super) fn check_distributed(
     config: &ScenarioConfig,
     tables: &[NetworkTables<'_>],
     setup: &mut Setup,
-    (anchors, maps): (&[Anchor], &[NamedMap]),
+    (anchors, maps): (&[Anchor], &[MapJob]),
     errors: &mut Errors<'_>,
-) -> Option<DistributedMap> {
+) -> Option<NodeMapJob> {
     let written = config.distributed_mapping.as_ref()?;
     let has_mobile = config.robots.iter().any(|robot| robot.role == RoleConfig::Anchor);
     let network = networks::number("network", written.network.as_deref(), &config.networks);
@@ -100,7 +100,7 @@ pub(super) fn check_distributed(
         check_network(i, built, network, config, errors);
         *built = built.clone().with_broadcast(broadcast.clone());
     }
-    Some(DistributedMap {
+    Some(NodeMapJob {
         name,
         algorithm,
         network,

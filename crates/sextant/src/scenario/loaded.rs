@@ -14,13 +14,13 @@ use super::applications::Application;
 use super::build::{Parts, check};
 use super::config::{MetricsConfig, RecordingConfig, ScenarioConfig};
 use super::deserialize::deserialize;
-use super::distributed::DistributedMap;
+use super::distributed::NodeMapJob;
 use super::document::Document;
 use super::error::ScenarioErrors;
 use super::errors::Errors;
 use super::known_networks::PacketsPerStop;
 use super::layers;
-use super::maps::NamedMap;
+use super::maps::MapJob;
 use super::survey_identity::SurveyIdentity;
 use sextant_kernel::text::counted;
 
@@ -32,7 +32,7 @@ pub struct Scenario {
     named_files: Vec<NamedFile>,
     text: String,
     parts: Parts,
-    maps: Vec<NamedMap>,
+    maps: Vec<MapJob>,
 }
 
 /// A file that a scenario names.
@@ -169,7 +169,7 @@ impl Scenario {
 
     /// The networks whose logs a map uses: one, or several for a joint map.
     #[must_use]
-    pub fn networks_of(&self, map: &NamedMap) -> Vec<NetworkId> {
+    pub fn networks_of(&self, map: &MapJob) -> Vec<NetworkId> {
         let surveyed = self.surveyed();
         let is_called = |id: &NetworkId, name: &str| self.networks()[id.index()].name.as_deref() == Some(name);
         let called = |name: &str| surveyed.iter().copied().find(|id| is_called(id, name)).unwrap_or(surveyed[0]);
@@ -206,7 +206,7 @@ impl Scenario {
 
     /// The maps to compute.
     #[must_use]
-    pub fn maps(&self) -> &[NamedMap] {
+    pub fn maps(&self) -> &[MapJob] {
         &self.maps
     }
 
@@ -224,7 +224,7 @@ impl Scenario {
 
     /// The map that the nodes compute themselves, if they do.
     #[must_use]
-    pub fn distributed(&self) -> Option<&DistributedMap> {
+    pub fn distributed(&self) -> Option<&NodeMapJob> {
         self.parts.distributed.as_ref()
     }
 

@@ -20,7 +20,7 @@ use super::error::{ScenarioError, ScenarioErrors};
 use super::errors::Errors;
 use super::keys::keys_of;
 use super::known_networks::KnownNetworks;
-use super::maps::{NamedMap, check_maps};
+use super::maps::{MapJob, check_maps};
 use super::network_config::NetworkConfig;
 use super::networks::{CheckedLinks, NetworkTables, ScenarioTables};
 
@@ -106,7 +106,7 @@ pub struct RecordedScenario<'a> {
 #[derive(Clone, Debug)]
 pub struct MapSettings {
     /// The maps to compute.
-    pub maps: Vec<NamedMap>,
+    pub maps: Vec<MapJob>,
     /// The obstacles, if the scenario has them and a map may know them.
     pub obstacles: Option<ObstacleField>,
     /// How they are compared with the truth.
@@ -201,7 +201,7 @@ impl MapSettings {
         let links: Vec<_> = tables.iter().map(|table| known_links(table, files, &mut errors)).collect();
         let maps = check_maps(&config.maps, &KnownNetworks::new(&tables, &links, &config.robots), &mut errors);
         errors.take("metrics", config.metrics.check());
-        let knows = |map: &NamedMap| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
+        let knows = |map: &MapJob| map.mapper.uses().contains(&KnowledgeKind::Obstacles);
         let obstacles = if scenario.is_some() && maps.iter().any(knows) {
             errors.take("world", WorldConfig::set_up_obstacles(&config.world.obstacles, files))
         } else {

@@ -10,7 +10,7 @@ use super::known_networks::KnownNetworks;
 
 /// A map to compute.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NamedMap {
+pub struct MapJob {
     /// Its name in tables and recordings; unique in the scenario.
     pub name: String,
     /// The network whose log is mapped; the first surveyed one if absent. Joint maps name their networks themselves.
@@ -20,8 +20,8 @@ pub struct NamedMap {
 }
 
 /// The maps to compute; absent channel settings are taken from the networks of the maps, where they are known.
-pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors<'_>) -> Vec<NamedMap> {
-    let mut maps: Vec<NamedMap> = Vec::new();
+pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors: &mut Errors<'_>) -> Vec<MapJob> {
+    let mut maps: Vec<MapJob> = Vec::new();
     for (i, config) in configs.iter().enumerate() {
         let table = format!("maps[{i}]");
         let mut config = config.clone();
@@ -39,17 +39,17 @@ pub(super) fn check_maps(configs: &[MapConfig], networks: &KnownNetworks, errors
         };
         let name = config.name.clone().unwrap_or_else(|| mapper.name().to_owned());
         check_name(&name, &table, &maps, errors);
-        maps.push(NamedMap { name, network: config.network, mapper });
+        maps.push(MapJob { name, network: config.network, mapper });
     }
     maps
 }
 
 /// Refuses maps of what robots heard, if no robot surveys.
-pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[NamedMap], errors: &mut Errors<'_>) {
+pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[MapJob], errors: &mut Errors<'_>) {
     if config.robots.iter().any(|robot| robot.role == RoleConfig::Survey) {
         return;
     }
-    let of_log = |map: &&NamedMap| map.mapper.uses().contains(&KnowledgeKind::RobotReceptions);
+    let of_log = |map: &&MapJob| map.mapper.uses().contains(&KnowledgeKind::RobotReceptions);
     if let Some(map) = maps.iter().find(of_log) {
         let allowed = format!("a robot that surveys: the map `{}` is made from what robots hear", map.name);
         errors.refuse(&SettingError::new("robots", "no surveying robot", allowed));
@@ -57,7 +57,7 @@ pub(super) fn check_log_of_maps(config: &ScenarioConfig, maps: &[NamedMap], erro
 }
 
 /// Refuses the name of a map that is not plain, or that one of the `others` has. The name is in `table`.
-pub(super) fn check_name(name: &str, table: &str, others: &[NamedMap], errors: &mut Errors<'_>) {
+pub(super) fn check_name(name: &str, table: &str, others: &[MapJob], errors: &mut Errors<'_>) {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     if name.is_empty() || !name.chars().all(is_plain) {
         let allowed = "at least one character; only letters, digits, `-`, `_` and `.`";

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sextant_recording::read_drawn;
+use sextant_recording::read_world;
 
 use super::{AGENT, NODES, number, run, topics};
 use crate::program::sextant;
@@ -42,7 +42,7 @@ fn searching() -> String {
 #[test]
 fn robots_capture_a_target_and_the_recording_tells_where() {
     let (folder, summary) = run(&searching(), &[]);
-    let drawn = read_drawn(&folder.path().join("run.mcap")).unwrap();
+    let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
         let application = &summary["applications"][i];
         assert_eq!((&application["name"], &application["captured"]), (&name.into(), &true.into()), "{application}");
@@ -85,7 +85,7 @@ fn the_table_of_a_sweep_has_the_course_of_each_search() {
         let column = rows[0].iter().position(|other| *other == name).unwrap_or_else(|| panic!("{name}"));
         rows[1][column].parse::<f64>().ok()
     };
-    let drawn = read_drawn(&folder.path().join("run.mcap")).unwrap();
+    let drawn = read_world(&folder.path().join("run.mcap")).unwrap();
     for (i, name) in ["detarsk", "p-g"].into_iter().enumerate() {
         let captured_s = number(&summary["applications"][i]["time_s"]);
         let drawn = &drawn.applications[i];

@@ -98,7 +98,7 @@ pub(crate) struct Round {
 
 /// What a station is told.
 #[derive(Clone, Copy)]
-enum Told {
+enum RememberingObserver {
     Event(Event),
     Frame(SweepFrame),
 }
@@ -142,7 +142,7 @@ impl Medium {
             } else {
                 self.air.timers[station] = None;
             }
-            self.tell(station, Told::Event(event), &mut round, draw);
+            self.tell(station, RememberingObserver::Event(event), &mut round, draw);
             if let Some(signal) = ended {
                 if signal.is_clean {
                     self.deliver(&signal, ready, &mut round, draw);
@@ -157,22 +157,28 @@ impl Medium {
         round
     }
 
-    fn tell(&mut self, station: usize, told: Told, round: &mut Round, draw: &mut impl FnMut(u32) -> u32) {
+    fn tell(
+        &mut self,
+        station: usize,
+        told: RememberingObserver,
+        round: &mut Round,
+        draw: &mut impl FnMut(u32) -> u32,
+    ) {
         let now = self.air.now;
         let before = self.air.signals.len();
         let port = &mut Port { air: &mut self.air, station, draw };
         if station == 0 {
             let report = match told {
-                Told::Event(event) => self.robot.handle(now, event, port),
-                Told::Frame(frame) => self.robot.receive(now, &frame, Db(10.0), port),
+                RememberingObserver::Event(event) => self.robot.handle(now, event, port),
+                RememberingObserver::Frame(frame) => self.robot.receive(now, &frame, Db(10.0), port),
             };
             round.is_over |= report.is_some();
             return;
         }
         let sensor = &mut self.sensors[station - 1];
         let report = match told {
-            Told::Event(event) => sensor.handle(now, event, port),
-            Told::Frame(frame) => sensor.receive(now, &frame, Db(10.0), port),
+            RememberingObserver::Event(event) => sensor.handle(now, event, port),
+            RememberingObserver::Frame(frame) => sensor.receive(now, &frame, Db(10.0), port),
         };
         let Some(opens) = round.opens else { return };
         if self.air.signals.len() > before {
@@ -194,7 +200,7 @@ impl Medium {
             let is_deaf = station == signal.from || self.air.signals.iter().any(|other| other.from == station);
             let listens = station == 0 || ready[station - 1];
             if listens && !is_deaf {
-                self.tell(station, Told::Frame(signal.frame), round, draw);
+                self.tell(station, RememberingObserver::Frame(signal.frame), round, draw);
             }
         }
     }
@@ -207,7 +213,7 @@ impl Medium {
             if is_busy != self.air.is_busy[station] {
                 self.air.is_busy[station] = is_busy;
                 let event = if is_busy { Event::CarrierBusy } else { Event::CarrierIdle };
-                self.tell(station, Told::Event(event), round, draw);
+                self.tell(station, RememberingObserver::Event(event), round, draw);
             }
         }
     }

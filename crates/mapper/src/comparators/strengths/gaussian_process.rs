@@ -12,8 +12,8 @@ use sextant_kernel::{SettingError, Watch, Work};
 use crate::log_facts::reach::{heard_nodes, reach_m};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
-    Messages, SoughtHeights, TopologyMap,
+    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
+    Mapper, Messages, SoughtHeights, TopologyMap,
 };
 
 /// The Gaussian process as written in a scenario. It has no settings.
@@ -198,7 +198,7 @@ impl Estimator for GaussianProcess {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

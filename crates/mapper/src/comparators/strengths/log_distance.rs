@@ -18,8 +18,8 @@ use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::numerics::least_squares::{Damping, LeastSquares, minimum};
 use crate::{
-    AnyLog, Concern, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError,
-    Mapper, Messages, SoughtHeights, TopologyMap,
+    AnyLog, Concern, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind,
+    MapError, Mapper, Messages, SoughtHeights, TopologyMap,
 };
 
 /// The least-squares fit as written in a scenario.
@@ -288,7 +288,7 @@ impl Estimator for LogDistance {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

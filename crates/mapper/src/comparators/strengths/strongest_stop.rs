@@ -10,8 +10,8 @@ use sextant_kernel::{SettingError, Watch};
 use crate::comparators::node_by_node;
 use crate::log_facts::strengths::{Strength, all_strengths};
 use crate::{
-    AnyLog, CoordinateFrame, Estimator, EstimatorSettings, Knowledge, KnowledgeKind, Learned, MapError, Mapper,
-    Messages, TopologyMap,
+    AnyLog, CoordinateFrame, Estimator, EstimatorFindings, EstimatorSettings, Knowledge, KnowledgeKind, MapError,
+    Mapper, Messages, TopologyMap,
 };
 
 /// The strongest stop as written in a scenario. It has no settings.
@@ -76,7 +76,7 @@ impl Estimator for StrongestStop {
         &self,
         knowledge: &Knowledge<'_>,
         watch: &dyn Watch,
-    ) -> Result<(TopologyMap, Option<Learned>), MapError> {
+    ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge, watch).map(|map| (map, None))
     }
 }

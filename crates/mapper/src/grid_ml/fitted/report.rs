@@ -5,7 +5,7 @@ use std::fmt::Write;
 use sextant_kernel::text::counted;
 
 use super::Fit;
-use crate::{Finding, LearnedCurve, Line, Section, TopologyMap};
+use crate::{CurveFinding, Finding, Line, Section, TopologyMap};
 
 #[cfg(feature = "config")]
 /// A reception profile that was estimated from the log.
@@ -70,8 +70,8 @@ impl Fit {
         Line { section: Section::Profiles, text }
     }
 
-    fn learned_curve<'a>(&'a self, network: Option<&'a str>) -> LearnedCurve<'a> {
-        LearnedCurve {
+    fn learned_curve<'a>(&'a self, network: Option<&'a str>) -> CurveFinding<'a> {
+        CurveFinding {
             network,
             name: "fitted curve",
             probability: Box::new(|distance_m| self.curve.probability(distance_m)),
@@ -96,7 +96,7 @@ impl Finding for Fit {
         vec![self.line(name, self.converged_in(map))]
     }
 
-    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
         vec![self.learned_curve(None)]
     }
 }
@@ -115,7 +115,7 @@ impl Finding for NetworkFits {
         self.0.iter().map(|(network, fit)| fit.line(&format!("{name}, {network}"), fit.converged)).collect()
     }
 
-    fn curves(&self) -> Vec<LearnedCurve<'_>> {
+    fn curves(&self) -> Vec<CurveFinding<'_>> {
         self.0.iter().map(|(network, fit)| fit.learned_curve(Some(network))).collect()
     }
 }

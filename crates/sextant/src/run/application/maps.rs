@@ -10,14 +10,14 @@ use crate::scenario::{Application, ApplicationMap, Scenario};
 
 /// A map that was computed in this run, as an application gets it: not aligned to the truth.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MadeMap {
+pub struct UnalignedMap {
     /// Its name.
     pub name: String,
     places: Vec<Option<Position>>,
     frame: MapFrame,
 }
 
-impl MadeMap {
+impl UnalignedMap {
     /// Of a map that was computed. Of one that is only known part by part it is the largest part.
     #[must_use]
     pub fn new(name: &str, map: &TopologyMap) -> Self {
@@ -44,15 +44,19 @@ fn largest(part_of: &[u32], places: &[Option<Position>]) -> Option<u32> {
 }
 
 /// The map of an application: places of the nodes, what is known of its frame, and where it is in the world.
-pub(super) struct GivenMap {
+pub(super) struct WorkingMap {
     pub(super) places: Vec<Option<Position>>,
     pub(super) frame: MapFrame,
     pub(super) placement: Placement,
 }
 
-impl GivenMap {
+impl WorkingMap {
     /// The map of `application`, which is one of those that were `made` or is known before.
-    pub(super) fn of(scenario: &Scenario, application: &Application, made: &[&MadeMap]) -> Result<Self, RunError> {
+    pub(super) fn of(
+        scenario: &Scenario,
+        application: &Application,
+        made: &[&UnalignedMap],
+    ) -> Result<Self, RunError> {
         let truth: Vec<Position> = scenario.world().nodes.iter().map(|node| node.position).collect();
         let (places, frame) = match &application.map {
             ApplicationMap::Physical => {
@@ -93,10 +97,13 @@ mod tests {
         let places = vec![place(0.0), place(1.0), place(2.0), None, place(4.0), None];
         let parts = CoordinateFrame::Relative(vec![0, 1, 1, 0, 1, 0]);
         let map = TopologyMap::of_places("tpm", places.clone(), parts);
-        let made = MadeMap::new("tpm", &map);
+        let made = UnalignedMap::new("tpm", &map);
         assert_eq!(made.places, [None, place(1.0), place(2.0), None, place(4.0), None]);
         assert_eq!(made.frame, MapFrame::Unknown);
         let world = TopologyMap::of_places("ml-tm", places.clone(), CoordinateFrame::World);
-        assert_eq!(MadeMap::new("ml-tm", &world), MadeMap { name: "ml-tm".into(), places, frame: MapFrame::Robot });
+        assert_eq!(
+            UnalignedMap::new("ml-tm", &world),
+            UnalignedMap { name: "ml-tm".into(), places, frame: MapFrame::Robot }
+        );
     }
 }

@@ -14,17 +14,17 @@ use super::witness::Witness;
 use crate::scenario::{Application, Scenario};
 use crate::summary::ApplicationSummary;
 
-use maps::GivenMap;
+use maps::WorkingMap;
 use simulate::Prepared;
 
-pub use maps::MadeMap;
+pub use maps::UnalignedMap;
 pub(super) use score::{Scored, distances_to_target};
 
 /// What an application gets from the stages before it.
 pub(super) struct Stage<'a> {
     pub(super) scenario: &'a Scenario,
     /// The maps that were computed; an application uses one of them.
-    pub(super) made: &'a [&'a MadeMap],
+    pub(super) made: &'a [&'a UnalignedMap],
     /// The survey, where the robots start at its end.
     pub(super) survey: Option<&'a Survey>,
     /// Time 0 of the application in the whole run.
@@ -46,7 +46,7 @@ pub struct Performance {
 pub(super) struct ReadyApplication<'a> {
     scenario: &'a Scenario,
     application: &'a Application,
-    map: GivenMap,
+    map: WorkingMap,
     prepared: Prepared,
 }
 
@@ -54,7 +54,7 @@ impl<'a> ReadyApplication<'a> {
     /// The application on one of the maps of the stage.
     pub(super) fn new(stage: &Stage<'a>, application: &'a Application) -> Result<Self, RunError> {
         let Stage { scenario, made, survey, .. } = *stage;
-        let map = GivenMap::of(scenario, application, made)?;
+        let map = WorkingMap::of(scenario, application, made)?;
         let prepared = Prepared::new(scenario, application, &map, survey)?;
         Ok(Self { scenario, application, map, prepared })
     }

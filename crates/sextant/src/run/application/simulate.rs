@@ -9,7 +9,7 @@ use sextant_sim::{
     Applications, Network, Observer, Robot, RobotBody, RobotTask, Setup, Simulation, Survey, TrafficPlan,
 };
 
-use super::maps::GivenMap;
+use super::maps::WorkingMap;
 use crate::run::error::RunError;
 use crate::scenario::{Application, Scenario, Task};
 
@@ -36,7 +36,7 @@ impl Prepared {
     pub(super) fn new(
         scenario: &Scenario,
         application: &Application,
-        map: &GivenMap,
+        map: &WorkingMap,
         survey: Option<&Survey>,
     ) -> Result<Self, RunError> {
         let whole = scenario.setup();

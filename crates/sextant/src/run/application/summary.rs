@@ -8,7 +8,7 @@ use sextant_apps::target_search::{MessageCounts, SearchRecord};
 use sextant_kernel::SimTime;
 use sextant_sim::{Applications, Estimate, Survey};
 
-use super::maps::GivenMap;
+use super::maps::WorkingMap;
 use super::score::{self, Scored};
 use super::simulate::Records;
 use crate::run::witness::Witness;
@@ -22,7 +22,7 @@ use sextant_recording::Way;
 pub(super) fn sum_up(
     scenario: &Scenario,
     application: &Application,
-    map: &GivenMap,
+    map: &WorkingMap,
     (survey, records): (&Survey, &Records),
     (witness, scored): (&Witness, &[Scored]),
 ) -> ApplicationSummary {

@@ -11,7 +11,7 @@ use crate::run::error::RunError;
 use crate::run::evaluation;
 use crate::run::observer::MapEnd;
 use crate::run::simulator::Simulated;
-use crate::scenario::NamedMap;
+use crate::scenario::MapJob;
 
 /// Records a map, its main errors, what is to be known of it, and the likelihoods of chosen nodes.
 pub(super) fn record(recorder: &mut FileRecorder, map: &MapEnd<'_>) -> Result<(), RunError> {
@@ -76,7 +76,7 @@ fn placed(map: &TopologyMap, truth: &[Position]) -> Vec<PlacedNode> {
 }
 
 /// Records the likelihood of each chosen node, on the plane through its maximum.
-fn record_likelihoods(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &NamedMap) -> Result<(), RunError> {
+fn record_likelihoods(recorder: &mut FileRecorder, end: &MapEnd<'_>, named: &MapJob) -> Result<(), RunError> {
     let MapEnd { scenario, simulated: Simulated { survey, .. }, watch, .. } = end;
     let logs = MapLogs::from(&survey.logs);
     let log = logs.of(named);

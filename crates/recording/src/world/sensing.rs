@@ -8,11 +8,11 @@ use super::super::drawing::GridPlane;
 use super::super::messages::{SensedMessage, SensorsMessage};
 use super::super::sensation::Sensation;
 use super::super::way::Way;
-use super::Drawn;
+use super::RecordedWorld;
 
 /// A target and its way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnTarget {
+pub struct RecordedTarget {
     /// Name of the target.
     pub name: String,
     /// Where it was, and when.
@@ -47,7 +47,7 @@ pub struct Sample {
 
 /// A field at an instant.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnField {
+pub struct RecordedField {
     /// Name of the field.
     pub name: String,
     /// The instant.
@@ -56,11 +56,11 @@ pub struct DrawnField {
     pub plane: GridPlane,
 }
 
-impl Drawn {
+impl RecordedWorld {
     pub(super) fn add_target(&mut self, name: &str, time: SimTime, place: Position) {
         match self.targets.iter_mut().find(|target| target.name == name) {
             Some(target) => target.way.push(time, place),
-            None => self.targets.push(DrawnTarget { name: name.to_owned(), way: Way::from_iter([(time, place)]) }),
+            None => self.targets.push(RecordedTarget { name: name.to_owned(), way: Way::from_iter([(time, place)]) }),
         }
     }
 

@@ -9,12 +9,12 @@ use super::super::messages::MetricMessage;
 use super::super::messages::applications::{ApplicationMessage, CaptureMessage, EstimateMessage};
 use super::super::phase::Phase;
 use super::super::way::Way;
-use super::Drawn;
-use super::sensing::{DrawnField, DrawnTarget};
+use super::RecordedWorld;
+use super::sensing::{RecordedField, RecordedTarget};
 
 /// An application and its phase. All instants are those of the recording.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DrawnApplication {
+pub struct RecordedApplication {
     /// Its name.
     pub name: String,
     /// Its algorithm.
@@ -30,20 +30,20 @@ pub struct DrawnApplication {
     /// The paths of its robots, by name.
     pub paths: Vec<(String, Vec<Position>)>,
     /// The targets in its phase.
-    pub targets: Vec<DrawnTarget>,
+    pub targets: Vec<RecordedTarget>,
     /// The recorded instants of the fields in its phase.
-    pub fields: Vec<DrawnField>,
+    pub fields: Vec<RecordedField>,
     /// Where stations thought that targets were, in the world.
-    pub target_places: Vec<DrawnTargetPlace>,
+    pub target_places: Vec<RecordedTargetPlace>,
     /// The captured targets.
-    pub captures: Vec<DrawnCapture>,
+    pub captures: Vec<RecordedCapture>,
     /// Its time series in the order of the file, each with its name below that of the application.
     pub series: Vec<(String, Vec<(SimTime, f64)>)>,
 }
 
 /// Where a station thought that a target was.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnTargetPlace {
+pub struct RecordedTargetPlace {
     /// When it thought so.
     pub time: SimTime,
     /// Name of the target.
@@ -54,7 +54,7 @@ pub struct DrawnTargetPlace {
 
 /// A captured target.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnCapture {
+pub struct RecordedCapture {
     /// When.
     pub time: SimTime,
     /// Name of the robot.
@@ -65,7 +65,7 @@ pub struct DrawnCapture {
     pub place: Position,
 }
 
-impl DrawnApplication {
+impl RecordedApplication {
     /// The time series whose names end with `what`, each with the name of its station.
     pub fn series_of<'a>(&'a self, what: &'a str) -> impl Iterator<Item = (&'a str, &'a [(SimTime, f64)])> {
         let named = move |(name, points): &'a (String, Vec<_>)| {
@@ -76,7 +76,7 @@ impl DrawnApplication {
     }
 }
 
-impl Drawn {
+impl RecordedWorld {
     /// Adds a message on a topic of an application.
     pub(super) fn add_application(
         &mut self,
@@ -89,8 +89,15 @@ impl Drawn {
             let ApplicationMessage { name, algorithm, map, field, level, .. } =
                 ApplicationMessage::decode(data).map_err(|why| why.to_string())?;
             let field = Some(field).filter(|field| !field.is_empty());
-            let application =
-                DrawnApplication { name, algorithm, map, field, level, start: time, ..DrawnApplication::default() };
+            let application = RecordedApplication {
+                name,
+                algorithm,
+                map,
+                field,
+                level,
+                start: time,
+                ..RecordedApplication::default()
+            };
             self.applications.push(application);
             return Ok(());
         }
@@ -128,9 +135,9 @@ impl Drawn {
         let Some(first) = phases.first() else { return };
         for application in &mut self.applications {
             let Some(phase) = phases.iter().find(|phase| phase.name == application.name) else { continue };
-            let within = |target: &DrawnTarget| {
+            let within = |target: &RecordedTarget| {
                 let way = target.way.within(phase.start, phase.end);
-                DrawnTarget { name: target.name.clone(), way }
+                RecordedTarget { name: target.name.clone(), way }
             };
             application.targets = self.targets.iter().map(within).collect();
             application.fields = self.fields.iter().filter(|field| phase.contains(field.time)).cloned().collect();
@@ -146,7 +153,7 @@ impl Drawn {
 }
 
 /// Where a station thought that a target was; `None` for other estimates.
-fn target_place(data: &[u8]) -> Result<Option<DrawnTargetPlace>, String> {
+fn target_place(data: &[u8]) -> Result<Option<RecordedTargetPlace>, String> {
     let message = EstimateMessage::decode(data).map_err(|why| why.to_string())?;
     let EstimateMessage { world_x_m: Some(x_m), world_y_m: Some(y_m), world_z_m: Some(z_m), .. } = message else {
         return Ok(None);
@@ -155,11 +162,11 @@ fn target_place(data: &[u8]) -> Result<Option<DrawnTargetPlace>, String> {
         return Ok(None);
     }
     let place = place(x_m, y_m, z_m)?;
-    Ok(Some(DrawnTargetPlace { time: SimTime::from_nanos(message.time_ns), target: message.name, place }))
+    Ok(Some(RecordedTargetPlace { time: SimTime::from_nanos(message.time_ns), target: message.name, place }))
 }
 
-fn capture(data: &[u8]) -> Result<DrawnCapture, String> {
+fn capture(data: &[u8]) -> Result<RecordedCapture, String> {
     let CaptureMessage { time_ns, robot, target, x_m, y_m, z_m } =
         CaptureMessage::decode(data).map_err(|why| why.to_string())?;
-    Ok(DrawnCapture { time: SimTime::from_nanos(time_ns), robot, target, place: place(x_m, y_m, z_m)? })
+    Ok(RecordedCapture { time: SimTime::from_nanos(time_ns), robot, target, place: place(x_m, y_m, z_m)? })
 }

@@ -7,18 +7,18 @@ use super::super::messages::MappedNodeMessage;
 
 /// A node that took part in a map which the nodes computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawnMappedNode {
+pub struct RecordedNode {
     /// The node.
     pub node: NodeId,
     /// Its part.
-    pub role: DrawnRole,
+    pub role: NodeRole,
     /// The share of its neighbours that lie beyond the radius of communication; `None` without neighbours.
     pub scattering: Option<f64>,
 }
 
 /// The part of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DrawnRole {
+pub enum NodeRole {
     /// It knew its place.
     InitialAnchor,
     /// It became an anchor.
@@ -28,15 +28,15 @@ pub enum DrawnRole {
 }
 
 /// Reads the message of one node.
-pub(super) fn mapped_node(data: &[u8]) -> Result<DrawnMappedNode, String> {
+pub(super) fn mapped_node(data: &[u8]) -> Result<RecordedNode, String> {
     let message = MappedNodeMessage::decode(data).map_err(|why| why.to_string())?;
     let role = match message.role.as_str() {
-        "initial_anchor" => DrawnRole::InitialAnchor,
-        "new_anchor" => DrawnRole::NewAnchor,
-        "node" => DrawnRole::Node,
+        "initial_anchor" => NodeRole::InitialAnchor,
+        "new_anchor" => NodeRole::NewAnchor,
+        "node" => NodeRole::Node,
         other => return Err(format!("role `{other}`; allowed: initial_anchor, new_anchor, node")),
     };
     let MappedNodeMessage { node, neighbours, scattered, .. } = message;
     let scattering = (neighbours > 0).then(|| f64::from(scattered.min(neighbours)) / f64::from(neighbours));
-    Ok(DrawnMappedNode { node: NodeId(node), role, scattering })
+    Ok(RecordedNode { node: NodeId(node), role, scattering })
 }

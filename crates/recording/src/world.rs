@@ -21,16 +21,16 @@ use super::names::{
 use super::phase;
 use super::reader::sound;
 use crate::mcap_file::Piece;
-use applications::DrawnApplication;
-use distributed::DrawnMappedNode;
-use sensing::{Detection, DrawnField, DrawnTarget, Sample};
+use applications::RecordedApplication;
+use distributed::RecordedNode;
+use sensing::{Detection, RecordedField, RecordedTarget, Sample};
 
 /// Positions by node (m).
 pub type Places = BTreeMap<NodeId, Position>;
 
 /// Everything in a recording that has a position. The last message of each topic counts.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Drawn {
+pub struct RecordedWorld {
     /// The true positions of the nodes; empty if the recording does not have them.
     pub nodes: Places,
     /// The positions of the sinks, by number.
@@ -44,27 +44,27 @@ pub struct Drawn {
     /// Maps and their positions of nodes, in the order of the file.
     pub maps: Vec<(String, Places)>,
     /// The nodes that computed a map themselves.
-    pub mapped_nodes: Vec<DrawnMappedNode>,
+    pub mapped_nodes: Vec<RecordedNode>,
     /// Likelihood surfaces in the order of the file.
-    pub likelihoods: Vec<DrawnLikelihood>,
+    pub likelihoods: Vec<RecordedLikelihood>,
     /// The targets, in the order of the file.
-    pub targets: Vec<DrawnTarget>,
+    pub targets: Vec<RecordedTarget>,
     /// Radius within which nodes detect targets (m), if they do.
     pub detection_radius_m: Option<f64>,
     /// When nodes detected targets, in the order of the file.
     pub detections: Vec<Detection>,
     /// Fields at an instant, in the order of the file.
-    pub fields: Vec<DrawnField>,
+    pub fields: Vec<RecordedField>,
     /// What nodes read of the fields, in the order of the file.
     pub samples: Vec<Sample>,
     /// The applications, in the order of the file. If there are any, what sensors said, targets and fields are those of the
     /// first phase of the run.
-    pub applications: Vec<DrawnApplication>,
+    pub applications: Vec<RecordedApplication>,
 }
 
 /// The likelihood of one node in one map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrawnLikelihood {
+pub struct RecordedLikelihood {
     /// Name of the map.
     pub map: String,
     /// Name of the node.
@@ -77,8 +77,8 @@ pub struct DrawnLikelihood {
 ///
 /// # Errors
 /// If the file cannot be read, is damaged, or has a drawing with another layout than [`super::Recorder`] writes.
-pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
-    let mut drawn = Drawn::default();
+pub fn read_world(path: &Path) -> Result<RecordedWorld, RecordingError> {
+    let mut drawn = RecordedWorld::default();
     let mut phases = Vec::new();
     sound(path, &mut |piece| {
         let (channel, header, data) = match piece {
@@ -100,7 +100,7 @@ pub fn read_drawn(path: &Path) -> Result<Drawn, RecordingError> {
     Ok(drawn)
 }
 
-impl Drawn {
+impl RecordedWorld {
     /// Adds a message, if it is a drawing. Returns an error message if it is invalid.
     fn add(&mut self, topic: &str, schema: &str, time: SimTime, data: &[u8]) -> Result<(), String> {
         match schema {
@@ -127,11 +127,11 @@ impl Drawn {
                 let names = topic.strip_prefix("/likelihood/").and_then(|rest| rest.split_once('/'));
                 if let Some((map, node)) = names {
                     let likelihood =
-                        DrawnLikelihood { map: map.to_owned(), node: node.to_owned(), plane: plane(data)? };
+                        RecordedLikelihood { map: map.to_owned(), node: node.to_owned(), plane: plane(data)? };
                     self.likelihoods.retain(|other| other.map != map || other.node != node);
                     self.likelihoods.push(likelihood);
                 } else if let Some(name) = topic.strip_prefix(FIELDS_TOPICS) {
-                    self.fields.push(DrawnField { name: name.to_owned(), time, plane: plane(data)? });
+                    self.fields.push(RecordedField { name: name.to_owned(), time, plane: plane(data)? });
                 }
             }
             "foxglove.FrameTransform" => {
