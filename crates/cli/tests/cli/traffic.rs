@@ -128,7 +128,7 @@ fn traffic_that_nobody_receives_is_an_error() {
     let refused = star.run(&["sinks=[]"]);
     let message = String::from_utf8(refused.stderr).expect("text");
     assert_eq!(refused.status.code(), Some(2), "{message}");
-    assert!(message.contains("`sinks` is missing") && message.contains("receive the packets"), "{message}");
+    assert!(message.contains("`sinks` is missing") && message.contains("or a robot that surveys"), "{message}");
 }
 
 #[test]

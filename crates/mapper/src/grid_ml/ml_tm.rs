@@ -19,9 +19,9 @@ use crate::log_facts::reach::heard_nodes;
 use crate::log_facts::search_box::{Limits, SearchBox};
 use crate::log_facts::sectors::SectorSettings;
 use crate::{
-    AnyLog, Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, EstimatorSettings,
-    FittedMlTm, Knowledge, KnowledgeKind, Lattice, MapError, Mapper, NodeOfLog, ProfileConfig, ProfileSetting,
-    ReceptionProfile, SectorsConfig, SoughtHeights, Surface, TieRule, TopologyMap,
+    Concern, CoordinateFrame, Estimate, EstimateKind, Estimator, EstimatorFindings, Knowledge, KnowledgeKind,
+    Lattice, MapError, NodeOfLog, ProfileConfig, ReceptionProfile, SectorsConfig, SoughtHeights, Surface, TieRule,
+    TopologyMap,
 };
 
 /// ML-TM as written in a scenario.
@@ -408,29 +408,5 @@ impl Estimator for MlTm {
         watch: &dyn Watch,
     ) -> Result<(TopologyMap, Option<EstimatorFindings>), MapError> {
         self.map(knowledge.log, watch).map(|map| (map, None))
-    }
-}
-
-impl EstimatorSettings for MlTmConfig {
-    const ANY_LOG: Option<AnyLog> = Some(AnyLog {
-        name: "ml-tm",
-        rank: 3,
-        description: "Maximum likelihood on a grid, with a reception profile that is fitted first",
-        settings: "{ grid_step_m = 0.25, estimate = \"posterior_mean\", profile.fitted = {} }",
-    });
-
-    fn mapper(self) -> Result<Mapper, SettingError> {
-        match self.profile.clone() {
-            ProfileConfig::Fitted(fitted) => FittedMlTm::new(self, fitted).map(Mapper::new),
-            #[cfg(feature = "obstacles")]
-            ProfileConfig::Channel(channel) if channel.obstacles == crate::ObstacleUse::Known => {
-                crate::ObstacleMlTm::new(self, &channel).map(Mapper::new)
-            }
-            ProfileConfig::Trapezoid(_) | ProfileConfig::Channel(_) => MlTm::try_from(self).map(Mapper::new),
-        }
-    }
-
-    fn profiles_mut(&mut self) -> Vec<ProfileSetting<'_>> {
-        vec![ProfileSetting { key: "profile".to_owned(), network: None, profile: &mut self.profile }]
     }
 }

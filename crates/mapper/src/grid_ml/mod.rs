@@ -8,6 +8,7 @@ mod fitted;
 mod fitted_ml_tm;
 mod joint;
 mod ml_tm;
+mod ml_tm_settings;
 mod mm_tm;
 #[cfg(feature = "obstacles")]
 mod obstacle_ml_tm;

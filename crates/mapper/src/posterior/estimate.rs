@@ -2,7 +2,7 @@
 
 use sextant_channel::Position;
 
-use crate::posterior::covariance;
+use super::covariance::covariance;
 use crate::{Concern, EstimateKind};
 
 /// Where one node is.

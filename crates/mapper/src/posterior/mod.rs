@@ -3,6 +3,7 @@
 
 mod bound;
 mod concern;
+mod covariance;
 mod estimate;
 mod estimate_kind;
 mod local;
@@ -13,9 +14,10 @@ mod verdict;
 
 pub use bound::{TrueModel, posterior_bound_m};
 pub use concern::Concern;
+pub(crate) use covariance::covariance;
 pub use estimate::Estimate;
 pub use estimate_kind::{EstimateKind, TieRule};
-pub(crate) use local::{LocalPosterior, covariance, local_posterior};
+pub(crate) use local::{LocalPosterior, local_posterior};
 pub(crate) use node_evidence::NodeEvidence;
 pub use prior::{Area, PlacePrior};
 pub use region::Region;

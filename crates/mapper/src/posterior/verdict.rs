@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn a_ring_and_two_places_far_apart_are_evidence_although_they_spread_as_far_as_the_area() {
         assert_eq!(concern(|x, y| -0.5 * (x.hypot(y) - 7.5).powi(2) / 0.04), None);
-        assert_eq!(concern(|x, y| -0.5 * ((x.abs() - 7.0).powi(2) + (x * y.signum() - y).powi(2))), None);
+        assert_eq!(concern(|x, y| -0.5 * ((x.abs() - 6.0).powi(2) + (x * y.signum() - y).powi(2))), None);
     }
 
     #[test]
