@@ -177,7 +177,7 @@ fn what_a_bag_lacks_is_listed() {
     let cases: [(Change<'_>, String); 7] = [
         (&no_poses, format!("it has no topic `/pose` with messages; its topics: {topics}")),
         (&no_path, "topic `/radio`: its messages are radio_msgs/Heard; allowed for a path: nav_msgs/Odometry".to_owned()),
-        (&no_frames, "topic `/odom`: `--child-frame` and `--fixed-frame` are for transforms".to_owned()),
+        (&no_frames, "topic `/odom`: option `child_frame` and option `fixed_frame` are for transforms".to_owned()),
         (&no_packets, format!("it has no topic `/wifi` with messages; its topics: {topics}")),
         (&no_node, "topic `/chatter`: its messages (std_msgs/String) have no obvious field".to_owned()),
         (

@@ -139,7 +139,7 @@ fn late_packets_are_found_and_corrected() {
     assert_eq!(checks(&told), Vec::<&str>::new());
     let clock = broken.clock.unwrap();
     assert!((clock.delay_s - 4.0).abs() < 0.5, "{clock:?}");
-    let note = told.notes.iter().find(|note| note.contains("`--packet-delay auto`")).unwrap();
+    let note = told.notes.iter().find(|note| note.contains("`packet_delay=auto`")).unwrap();
     assert!(
         note.starts_with(&format!("the times of the packets are estimated to be {:.2} ±", clock.delay_s)),
         "{note}"
@@ -202,10 +202,10 @@ fn rows_without_a_fix_are_left_out_by_a_flag() {
     };
     let folder = stops("lat,lon", degrees, |_, level| level);
     let refused = robot_log::read(folder.path(), &ReadOptions::default()).unwrap_err().to_string();
-    assert!(refused.contains("`--skip-no-fix` leaves such rows out"), "{refused}");
+    assert!(refused.contains("option `skip_no_fix` leaves such rows out"), "{refused}");
     let repaired = read(&folder, |options| options.repair.skip_no_fix = true);
     assert_eq!((repaired.log.stops().len(), checks(&repaired)), (33, Vec::new()));
-    let note = "stops.csv: 2 rows without a fix are left out, with 16 rows of receptions.csv (`--skip-no-fix`)";
+    let note = "stops.csv: 2 rows without a fix are left out, with 16 rows of receptions.csv (option `skip_no_fix`)";
     assert!(repaired.notes.iter().any(|told| told == note), "{:?}", repaired.notes);
 
     let folder = stops("x_m,y_m", far, |_, level| level);
@@ -220,7 +220,10 @@ fn rows_without_a_fix_are_left_out_by_a_flag() {
     write(folder.path(), "path.csv", &path.replacen("\n60,", "\n60,,\n60.1,", 1).replacen("60,,", "60,nan,", 1));
     let repaired = read(&folder, |options| options.repair.skip_no_fix = true);
     assert!(
-        repaired.notes.iter().any(|note| note == "path.csv: 1 rows without a fix are left out (`--skip-no-fix`)")
+        repaired
+            .notes
+            .iter()
+            .any(|note| note == "path.csv: 1 rows without a fix are left out (option `skip_no_fix`)")
     );
 }
 

@@ -56,9 +56,9 @@ fn rows_of_a_wide_table_at_one_place_are_scans_of_a_stop() {
     assert_eq!(
         log.notes,
         [
-            "wide.csv: 3 columns from `a` to `c` hold the strengths of nodes (`--node-columns` chooses them)",
+            "wide.csv: 3 columns from `a` to `c` hold the strengths of nodes (option `node_columns` chooses them)",
             "wide.csv: 3 rows are scans at 2 places; those at one place are one stop",
-            "wide.csv: 4 of 9 cells say that a node was not heard, and 1 empty ones say nothing (`--missing` sets what they \
+            "wide.csv: 4 of 9 cells say that a node was not heard, and 1 empty ones say nothing (option `missing` sets what they \
              hold)",
             "wide.csv has no times (t_s): the duration of the survey is unknown"
         ]
@@ -94,7 +94,7 @@ fn columns_of_a_wide_table_have_the_names_of_its_program() {
     let form = FormOptions { node_columns: vec!["AP*".parse().unwrap()], ..form };
     let problem = read(&[("train.csv", text)], form).unwrap_err();
     assert!(
-        problem.contains("`--node-columns` has `AP*`, but there is no such column; the columns are: FLOOR"),
+        problem.contains("option `node_columns` has `AP*`, but there is no such column; the columns are: FLOOR"),
         "{problem}"
     );
 }
@@ -105,16 +105,16 @@ fn a_table_that_is_no_wide_one_is_an_error_that_says_what_to_do() {
         (
             &[("wide.csv", "x_m,y_m,a\n0,0,100\n")][..],
             "wide.csv, line 2, column `a`: found `100`; allowed: a strength from -200 to 30 dBm; if it means that the node was \
-             not heard, give `--missing 100`; if the column is no node, name those that are with `--node-columns`",
+             not heard, give `missing=100`; if the column is no node, name those that are with option `node_columns`",
         ),
         (
             &[("wide.csv", "x,y,a\n0,0,-50\n")],
-            "unknown column `x`; did you mean `x_m`? Otherwise rename or remove it, or give `--path-fields x_m=x`",
+            "unknown column `x`; did you mean `x_m`? Otherwise rename or remove it, or give `path_fields=x_m=x`",
         ),
         (
             &[("wide.csv", "x_m,y_m,Time,a\n0,0,1,-50\n")],
-            "unknown column `Time`; did you mean `t_s`? Otherwise rename or remove it, or give `--path-fields t_s=Time`, or name \
-             the columns of nodes with `--node-columns`",
+            "unknown column `Time`; did you mean `t_s`? Otherwise rename or remove it, or give `path_fields=t_s=Time`, or name \
+             the columns of nodes with option `node_columns`",
         ),
         (&[("wide.csv", "x_m,y_m\n0,0\n")], "no column is a node"),
         (&[("wide.csv", "x_m,y_m,a,a\n0,0,1,1\n")], "column `a` appears twice"),
@@ -141,7 +141,9 @@ fn receivers_are_mapped_from_the_path_of_a_transmitter() {
     let log = read(&[("path.csv", PATH), ("packets.csv", packets)], turned()).unwrap();
     assert_eq!(log.log.names(), ["north", "south"]);
     assert_eq!(rows(&log, 1), [(0, 1, 5, Some(-80.0)), (1, 1, 5, Some(-60.0))]);
-    assert!(log.notes[0].starts_with("roles are turned (`--reciprocal`): the nodes of the map are the receivers"));
+    assert!(
+        log.notes[0].starts_with("roles are turned (option `reciprocal`): the nodes of the map are the receivers")
+    );
 
     let others = format!("{packets}7,south,car,-10\n");
     let problem = read(&[("path.csv", PATH), ("packets.csv", &others)], turned()).unwrap_err();
@@ -158,7 +160,7 @@ fn receivers_are_mapped_from_the_path_of_a_transmitter() {
         log.notes
     );
     let problem = read(&[("path.csv", PATH), ("packets.csv", &others)], tag("bus")).unwrap_err();
-    assert_eq!(problem, "`--transmitter` is `bus`, but all 4 packets are of others");
+    assert_eq!(problem, "option `transmitter` is `bus`, but all 4 packets are of others");
 
     // Two transmitters with a path each.
     let path = "t_s,x_m,y_m,robot\n0,0,0,tag\n4,4,0,tag\n0,50,0,car\n4,54,0,car\n";
@@ -191,7 +193,7 @@ fn powers_of_noise_are_packets_that_were_not_heard() {
     let packets = format!("t_s,node,rssi_dbm\n{}", (0..10).map(packet).collect::<String>());
     let log = read(&[("path.csv", PATH), ("packets.csv", &packets)], floor("-100+3")).unwrap();
     assert_eq!(rows(&log, 0), [(0, 5, 5, Some(-70.0)), (1, 0, 5, None)]);
-    let note = "5 of 10 signal strengths are at or below -97 dBm (`--noise-floor`) and count as not heard";
+    let note = "5 of 10 signal strengths are at or below -97 dBm (option `noise_floor`) and count as not heard";
     assert!(log.notes.iter().any(|found| found == note), "{:?}", log.notes);
 
     let stops = ("stops.csv", "stop,x_m,y_m\nA,0,0\nB,5,0\n");
@@ -205,7 +207,7 @@ fn powers_of_noise_are_packets_that_were_not_heard() {
     let log = read(&[("wide.csv", "x_m,y_m,a\n0,0,-96\n1,0,-90\n")], floor("-95")).unwrap();
     assert_eq!(rows(&log, 0), [(1, 1, 1, Some(-90.0))]);
     let problem = read(&[stops, ("receptions.csv", "node,stop,received\nlamp,A,1\n")], floor("-95")).unwrap_err();
-    assert_eq!(problem, "`--noise-floor` is for signal strengths, but the log has none");
+    assert_eq!(problem, "option `noise_floor` is for signal strengths, but the log has none");
 }
 
 #[test]
@@ -243,7 +245,9 @@ fn columns_and_units_are_named_by_flags() {
     assert!(log.notes.contains(&"packets.csv: ignored columns: `node`".to_owned()), "{:?}", log.notes);
     let problem = read(&[("path.csv", PATH), ("packets.csv", packets)], form.clone()).unwrap_err();
     assert!(
-        problem.contains("`--path-fields` has `x_m=px`, but there is no column `px`; the columns are: t_s, x_m, y_m"),
+        problem.contains(
+            "option `path_fields` has `x_m=px`, but there is no column `px`; the columns are: t_s, x_m, y_m"
+        ),
         "{problem}"
     );
     let soon = packets.replace("1700000006500000", "soon");

@@ -203,7 +203,7 @@ fn fixed_sniffers_are_mapped_from_the_path_of_a_transmitter() {
     let received: Vec<u32> = log.log.receptions().iter().map(|at| at.received).collect();
     assert_eq!(received, [2; 12]);
     let problem = read(form(None)).unwrap_err().to_string();
-    assert!(problem.contains("name the one that drove it with `--transmitter`"), "{problem}");
+    assert!(problem.contains("name the one that drove it with option `transmitter`"), "{problem}");
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn what_is_there_twice_is_chosen_by_a_flag() {
     let name = folder.path().file_name().unwrap().to_str().unwrap().to_owned();
     let problem = read(folder.path(), None, None).unwrap_err();
     let expected =
-        format!("has the packets more than once: sniff.pcap, the bag `{name}`; choose with `--packets FILE`");
+        format!("has the packets more than once: sniff.pcap, the bag `{name}`; choose with `packets=FILE`");
     assert!(problem.contains(&expected), "{problem}");
     let log = read(folder.path(), None, Some(folder.path().join("sniff.pcap"))).unwrap();
     assert_holds(&log, CAPTURED, [true; 3]);
@@ -222,7 +222,7 @@ fn what_is_there_twice_is_chosen_by_a_flag() {
     std::fs::remove_file(folder.path().join("sniff.pcap")).unwrap();
     std::fs::write(folder.path().join("path.csv"), path_csv(BAGS_NS)).unwrap();
     let problem = read(folder.path(), None, None).unwrap_err();
-    let expected = format!("has the path more than once: path.csv, the bag `{name}`; choose with `--path FILE`");
+    let expected = format!("has the path more than once: path.csv, the bag `{name}`; choose with `path=FILE`");
     assert!(problem.contains(&expected), "{problem}");
     let log = read(folder.path(), Some(folder.path().join("path.csv")), None).unwrap();
     assert_holds(&log, IN_BAG, [true; 3]);
@@ -232,13 +232,13 @@ fn what_is_there_twice_is_chosen_by_a_flag() {
     assert!(problem.contains(&format!("has both the bag `{name}`, path.csv and stops.csv")), "{problem}");
     let capture = kept("captures/tap.pcap");
     let problem = read(&capture, None, Some(capture.clone())).unwrap_err();
-    assert!(problem.ends_with("gives packets, but so does `--packets`: leave out one of them"), "{problem}");
+    assert!(problem.ends_with("gives packets, but so does option `packets`: leave out one of them"), "{problem}");
     let problem = read(&kept("bags/odometry/odometry.mcap"), Some(capture.clone()), Some(capture)).unwrap_err();
-    assert!(problem.ends_with("gives packets, but so does `--packets`: leave out one of them"), "{problem}");
+    assert!(problem.ends_with("gives packets, but so does option `packets`: leave out one of them"), "{problem}");
     let tum = folder.path().join("walk.tum");
     std::fs::write(&tum, "0 0 0 0\n1 0 0 0\n").unwrap();
     let problem = read(&tum, Some(tum.clone()), Some(kept("captures/tap.pcap"))).unwrap_err();
-    assert!(problem.ends_with("gives the path, but so does `--path`: leave out one of them"), "{problem}");
+    assert!(problem.ends_with("gives the path, but so does option `path`: leave out one of them"), "{problem}");
 }
 
 /// Changes how a log is read, by a flag of this name.
@@ -247,42 +247,40 @@ type Flag = (&'static str, fn(&mut ReadOptions));
 #[test]
 fn a_flag_for_another_form_of_log_is_an_error() {
     const FLAGS: [Flag; 12] = [
-        ("--stop-every", |options| options.stop_every = StopRule::Distance(1.0)),
-        ("--packet-interval", |options| options.packet_interval_s = Some(1.0)),
-        ("--path", |options| options.form.path = Some("path.csv".into())),
-        ("--pose-topic", |options| options.bag.pose_topic = Some("/odom".to_owned())),
-        ("--packet-topic", |options| options.bag.packet_topic = Some("/radio".to_owned())),
-        ("--bag-clock", |options| options.bag.bag_clock = Some(robot_log::BagClock::Log)),
-        ("--pan", |options| options.sniffer.pan = Some(1)),
-        ("--missing", |options| options.form.missing = vec!["100".parse().unwrap()]),
-        ("--node-columns", |options| options.form.node_columns = vec!["a*".parse().unwrap()]),
-        ("--transmitter", |options| options.form.transmitter = Some("tag".to_owned())),
-        ("--lora", |options| options.form.lora = true),
-        ("--packet-fields", |options| {
-            options.form.packet_fields = robot_log::FieldNames::parse_packets("node=a").ok()
-        }),
+        ("stop_every", |options| options.stop_every = StopRule::Distance(1.0)),
+        ("packet_interval", |options| options.packet_interval_s = Some(1.0)),
+        ("path", |options| options.form.path = Some("path.csv".into())),
+        ("pose_topic", |options| options.bag.pose_topic = Some("/odom".to_owned())),
+        ("packet_topic", |options| options.bag.packet_topic = Some("/radio".to_owned())),
+        ("bag_clock", |options| options.bag.bag_clock = Some(robot_log::BagClock::Log)),
+        ("pan", |options| options.sniffer.pan = Some(1)),
+        ("missing", |options| options.form.missing = vec!["100".parse().unwrap()]),
+        ("node_columns", |options| options.form.node_columns = vec!["a*".parse().unwrap()]),
+        ("transmitter", |options| options.form.transmitter = Some("tag".to_owned())),
+        ("lora", |options| options.form.lora = true),
+        ("packet_fields", |options| options.form.packet_fields = robot_log::FieldNames::parse_packets("node=a").ok()),
     ];
     let stops = folder(&[("stops.csv", "stop,x_m,y_m\nA,0,0\n"), ("receptions.csv", "node,stop,received\na,A,1\n")]);
     let wide = folder(&[("wide.csv", "x_m,y_m,a\n0,0,-50\n")]);
     let drive = folder(&[("path.csv", &path_csv(CAPTURES_NS))]);
     std::fs::copy(kept("captures/tap.pcap"), drive.path().join("sniff.pcap")).unwrap();
     for (log, form, allowed) in [
-        (&stops, "a folder with stops", &["--lora", "--packet-fields"][..]),
-        (&wide, "a table with a column a node", &["--missing", "--node-columns"]),
+        (&stops, "a folder with stops", &["lora", "packet_fields"][..]),
+        (&wide, "a table with a column a node", &["missing", "node_columns"]),
         (
             &drive,
             "a log with its path from a CSV file and its packets from the capture of a sniffer",
-            &["--stop-every", "--packet-interval", "--path", "--pan", "--transmitter"],
+            &["stop_every", "packet_interval", "path", "pan", "transmitter"],
         ),
     ] {
         // A table beside a path has packets.
-        let is_meant = |flag: &str| form != "a table with a column a node" || flag != "--path";
+        let is_meant = |flag: &str| form != "a table with a column a node" || flag != "path";
         for (flag, give) in FLAGS.into_iter().filter(|(flag, _)| is_meant(flag)) {
             let mut options = ReadOptions::default();
             give(&mut options);
             let read = robot_log::read(log.path(), &options).map_err(|error| error.to_string());
             let refused = read.is_err_and(|problem| {
-                problem.starts_with(&format!("`{flag}` is for")) && problem.ends_with(&format!("is {form}"))
+                problem.starts_with(&format!("option `{flag}` is for")) && problem.ends_with(&format!("is {form}"))
             });
             assert_eq!(refused, !allowed.contains(&flag), "{flag}, {form}");
         }

@@ -1,4 +1,4 @@
-//! Corrections of logs (`--packet-delay`, `--skip-no-fix`, `--rssi-missing`) in all forms of logs.
+//! Corrections of logs (option `packet_delay`, option `skip_no_fix`, option `rssi_missing`) in all forms of logs.
 
 #![expect(clippy::unwrap_used, reason = "a test fails at the first error")]
 
@@ -72,9 +72,12 @@ fn fixes_at_zero_are_left_out_of_satellite_paths() {
             read(&files, FormOptions::default(), repair)
         };
         let refused = of(&lost, RepairOptions::default()).unwrap_err();
-        assert!(refused.contains("line ") && refused.contains("`--skip-no-fix` leaves such places out"), "{refused}");
+        assert!(
+            refused.contains("line ") && refused.contains("option `skip_no_fix` leaves such places out"),
+            "{refused}"
+        );
         let repaired = of(&lost, skipping()).unwrap();
-        let note = format!("{name}: 2 places without a fix are left out (`--skip-no-fix`)");
+        let note = format!("{name}: 2 places without a fix are left out (option `skip_no_fix`)");
         assert!(repaired.notes.contains(&note), "{:?}", repaired.notes);
         let good = of(&[], skipping()).unwrap();
         assert!(!good.notes.iter().any(|note| note.contains("skip-no-fix")), "{:?}", good.notes);
@@ -100,7 +103,7 @@ fn places_without_a_fix_are_left_out_of_a_tum_path() {
     let refused = read(&files, FormOptions::default(), RepairOptions::default()).unwrap_err();
     assert!(refused.contains("line 4: found `1700000003 nan nan nan`"), "{refused}");
     let repaired = read(&files, FormOptions::default(), skipping()).unwrap();
-    let note = "path.tum: 2 places without a fix are left out (`--skip-no-fix`)";
+    let note = "path.tum: 2 places without a fix are left out (option `skip_no_fix`)";
     assert!(repaired.notes.iter().any(|told| told == note), "{:?}", repaired.notes);
     assert!(repaired.log.stops().iter().all(|stop| stop.position.x_m >= 7000.0));
 }
@@ -114,7 +117,7 @@ fn rows_without_a_fix_are_left_out_of_a_wide_table() {
     assert_eq!(repaired.log.stops().len(), 3);
     let levels: Vec<_> = repaired.log.receptions().iter().filter_map(|at| at.rssi_dbm).collect();
     assert_eq!(levels, [-50.0, -55.0, -60.0, -80.0, -75.0, -70.0]);
-    let note = "scans.csv: 3 rows without a fix are left out (`--skip-no-fix`)";
+    let note = "scans.csv: 3 rows without a fix are left out (option `skip_no_fix`)";
     assert!(repaired.notes.iter().any(|told| told == note), "{:?}", repaired.notes);
 }
 
@@ -127,7 +130,7 @@ fn in_a_wide_table_a_strength_that_was_not_measured_is_a_packet_without_one() {
     let rows: Vec<_> =
         repaired.log.receptions().iter().map(|at| (at.stop, at.received, at.sent, at.rssi_dbm)).collect();
     assert_eq!(rows, [(0, 1, 1, Some(-50.0)), (1, 1, 1, None)]);
-    let note = "1 signal strengths of 127 dBm count as not measured (`--rssi-missing`)";
+    let note = "1 signal strengths of 127 dBm count as not measured (option `rssi_missing`)";
     assert!(repaired.notes.iter().any(|told| told == note), "{:?}", repaired.notes);
 }
 
@@ -140,7 +143,7 @@ fn what_is_not_measured_is_no_noise() {
     let log = read(&[("path.csv", path), ("packets.csv", packets)], form, missing(127.0)).unwrap();
     let at = log.log.receptions().iter().next().unwrap();
     assert_eq!((at.received, at.rssi_dbm), (2, Some(-60.0)));
-    let note = "1 of 2 signal strengths are at or below -95 dBm (`--noise-floor`) and count as not heard";
+    let note = "1 of 2 signal strengths are at or below -95 dBm (option `noise_floor`) and count as not heard";
     assert!(log.notes.iter().any(|told| told == note), "{:?}", log.notes);
 }
 
@@ -162,7 +165,8 @@ fn a_delay_is_refused_where_there_are_no_times_of_packets() {
     let wide = [("scans.csv", "x_m,y_m,lamp\n0,0,-50\n1,0,-60\n")];
     let refused = read(&wide, FormOptions::default(), delay.clone()).unwrap_err();
     assert!(
-        refused.contains("`--packet-delay` is for logs of packets and a path") && refused.contains("a column a node"),
+        refused.contains("option `packet_delay` is for logs of packets and a path")
+            && refused.contains("a column a node"),
         "{refused}"
     );
     let stops = [("stops.csv", "stop,x_m,y_m\nA,0,0\n"), ("receptions.csv", "node,stop,received,sent\na,A,1,1\n")];

@@ -44,7 +44,7 @@ fn packets_on_a_path_are_a_log() {
     assert_eq!(lamp, [(2, 5, Some(-71.0)), (1, 5, None)]);
     let door: Vec<_> = log.log.of(NodeId(1)).iter().map(|r| (r.received, r.sent)).collect();
     assert_eq!(door, [(0, 5), (1, 5)]);
-    assert_eq!(log.notes, ["the path is cut into 2 stops, one each 5 m (`--stop-every` sets it)"]);
+    assert_eq!(log.notes, ["the path is cut into 2 stops, one each 5 m (option `stop_every` sets it)"]);
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_folder_has_one_log() {
     let alone = error(&[("path.csv", PATH)]);
     assert!(alone.contains("has path.csv, but no packets.csv"), "{alone}");
     let pathless = error(&[("packets.csv", PACKETS)]);
-    assert!(pathless.contains("not where the robot was: give its path with `--path FILE`"), "{pathless}");
+    assert!(pathless.contains("not where the robot was: give its path with `path=FILE`"), "{pathless}");
     let empty = error(&[]);
     assert!(
         empty.contains("has no log: neither stops.csv and receptions.csv, nor path.csv and packets.csv"),
@@ -160,11 +160,11 @@ fn a_log_that_has_stops_is_not_cut() {
     let folder =
         folder(&[("stops.csv", "stop,x_m,y_m\nA,0,0\n"), ("receptions.csv", "node,stop,received\nlamp,A,1\n")]);
     for (flag, options) in [
-        ("--stop-every", ReadOptions { stop_every: StopRule::Distance(1.0), ..ReadOptions::default() }),
-        ("--packet-interval", ReadOptions { packet_interval_s: Some(1.0), ..ReadOptions::default() }),
+        ("stop_every", ReadOptions { stop_every: StopRule::Distance(1.0), ..ReadOptions::default() }),
+        ("packet_interval", ReadOptions { packet_interval_s: Some(1.0), ..ReadOptions::default() }),
     ] {
         let message = robot_log::read(folder.path(), &options).unwrap_err().to_string();
-        assert!(message.starts_with(&format!("`{flag}` is for logs of packets and a path, but")), "{message}");
+        assert!(message.starts_with(&format!("option `{flag}` is for logs of packets and a path, but")), "{message}");
         assert!(message.ends_with("is a folder with stops"), "{message}");
     }
 }

@@ -181,7 +181,7 @@ fn errors_in_rows_and_headers_name_the_line() {
     for (receptions, expected) in [
         (
             "node,stop,recieved\nlamp,A,1\n",
-            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? Otherwise rename or remove it, or give `--packet-fields received=recieved`; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
+            "receptions.csv, line 1: unknown column `recieved`; did you mean `received`? Otherwise rename or remove it, or give `packet_fields=received=recieved`; known columns: node, stop, received, sent, sector, rssi_dbm, snr_db",
         ),
         (
             "node,stop\nlamp,A\n",
@@ -189,7 +189,7 @@ fn errors_in_rows_and_headers_name_the_line() {
         ),
         (
             "",
-            "receptions.csv, line 1: column `node` is missing; the first line must name the columns: node,stop, or give `--packet-fields node=NAME`",
+            "receptions.csv, line 1: column `node` is missing; the first line must name the columns: node,stop, or give `packet_fields=node=NAME`",
         ),
         ("node,stop,received,stop\n", "receptions.csv, line 1: column `stop` appears twice"),
         ("node,stop,received\nlamp,A,1\nlamp,B\n", "receptions.csv, line 3: 2 cells, but the header has 3 columns"),

@@ -1,0 +1,146 @@
+//! Recordings carry the files that their scenario names: a map of the recording needs nothing else, and is that of the run.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use sextant_channel::{Position, Reception, Stop};
+use sextant_kernel::{NodeId, RobotId, SimTime};
+use sextant_recording::{FILES_ATTACHMENTS, read_log};
+use tempfile::TempDir;
+
+use crate::program::{self, sextant};
+
+/// A network of IEEE 802.15.4 with a map that knows channel and obstacles; nodes, obstacles and traffic are missing.
+const SURVEY: &str = "name = \"named\"\nseed = 3\nradio = { tx_power_dbm = -50, sensitivity_dbm = -90 }\n\
+    channel = { environment = \"light-tree\", max_range_m = 6.0 }\nmac.csma_unslotted = {}\n\
+    [[robots]]\nname = \"r\"\nstart_m = [-1, -1]\nlisten_s = 1.5\n\
+    controller.waypoints.places_m = [[0, 0], [3, 0], [6, 0], [6, 3], [3, 3], [0, 3], [0, 6], [3, 6], [6, 6]]\n\
+    [[maps]]\nalgorithm.ml_tm = { grid_step_m = 0.5, estimate = \"posterior_mean\", \
+    profile.channel = { obstacles = \"known\" } }\n";
+
+/// A network of IEEE 802.11ad whose robot has the antenna of a file, with a map by its channel.
+const SWEEPS: &str = "name = \"named\"\nseed = 3\nradio = { tx_power_dbm = 20, sensitivity_dbm = -60 }\n\
+    channel = { environment = \"mmtm-warehouse\", max_range_m = 7, path_loss.close_in = { carrier_ghz = 73.0 } }\n\
+    mac.sector_sweep = {}\nantenna.nodes.sectors = { azimuth_sectors = 8, boresight_gain_dbi = 4.1 }\n\
+    antenna.robots.code_book.file = \"files/book.csv\"\n\
+    world.nodes.csv.file = \"nodes.csv\"\n\
+    [[robots]]\nname = \"r\"\nstart_m = [-1, -1]\nlisten_s = 0.2\n\
+    controller.waypoints.places_m = [[0, 0], [3, 0], [6, 0], [6, 3], [3, 3], [0, 3]]\n\
+    [[maps]]\nalgorithm.mmtm = { grid_step_m = 0.5, profile.channel = {} }\n";
+
+const NODES: &str = "node,x_m,y_m\na,1,1\nb,4,1.5\nc,2,4\nd,5,5\ne,0.5,5.5\n";
+/// A closed tetrahedron round (3, 2, 0).
+const MESH: &str = "v 2.5 1.5 -1\nv 3.5 1.5 -1\nv 3 2.5 -1\nv 3 2 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// A code book of four sectors, a quarter turn apart.
+fn book() -> String {
+    let mut text = "sector,azimuth_deg,elevation_deg,gain_dbi\n".to_owned();
+    for sector in 0..4 {
+        for azimuth_deg in (-180..180).step_by(30) {
+            let gain_dbi = 8.0 * f64::from(azimuth_deg - 90 * sector).to_radians().cos();
+            writeln!(text, "{sector},{azimuth_deg},0,{gain_dbi}").unwrap();
+        }
+    }
+    text
+}
+
+fn json(folder: &Path, words: &[&str]) -> Value {
+    let output = sextant().current_dir(folder).args(words).arg("--quiet").output().unwrap();
+    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    program::summary(&folder.join("summary.json"))
+}
+
+/// Runs a scenario beside its `files`, maps the recording in another folder, and compares what was recorded and mapped.
+fn check(scenario: &str, files: &[(&str, &str)]) {
+    let (home, away) = (TempDir::new().unwrap(), TempDir::new().unwrap());
+    fs::create_dir(home.path().join("files")).unwrap();
+    fs::write(home.path().join("named.toml"), scenario).unwrap();
+    for (name, text) in files {
+        fs::write(home.path().join(name), text).unwrap();
+    }
+    let run = json(home.path(), &["run", "named.toml", "--out", "run.mcap", "--summary", "summary.json"]);
+    fs::copy(home.path().join("run.mcap"), away.path().join("run.mcap")).unwrap();
+    home.close().unwrap();
+    let recorded = read_log(&away.path().join("run.mcap")).unwrap();
+    for (name, text) in files {
+        let attachment = recorded.attachment(&format!("{FILES_ATTACHMENTS}{name}")).unwrap();
+        assert_eq!(String::from_utf8_lossy(&attachment.data), *text, "{name}");
+    }
+    let map = json(away.path(), &["map", "run.mcap", "--summary", "summary.json"]);
+    let error = |summary: &Value| summary["maps"][0]["position_error_m"].clone();
+    assert!(error(&run)["mean"].is_number(), "{run}");
+    assert_eq!(error(&map), error(&run));
+    assert_eq!(map["maps"][0]["vertices_evaluated"], run["maps"][0]["vertices_evaluated"]);
+}
+
+#[test]
+fn a_table_of_nodes_is_carried() {
+    let scenario = format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}");
+    check(&scenario, &[("nodes.csv", NODES)]);
+}
+
+#[test]
+fn a_mesh_that_a_map_knows_is_carried() {
+    let mesh =
+        "[[world.obstacles]]\nname = \"pile\"\nmaterial = \"concrete\"\nshape.mesh.file = \"files/pile.obj\"\n";
+    let scenario =
+        format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}{mesh}");
+    check(&scenario, &[("nodes.csv", NODES), ("files/pile.obj", MESH)]);
+}
+
+#[test]
+fn a_trace_of_traffic_is_carried() {
+    let rows = (0..60).flat_map(|i| ["a", "b", "c", "d", "e"].map(|node| (f64::from(i) * 0.5, node)));
+    let trace = rows.enumerate().fold("t_s,node,mpdu_octets\n".to_owned(), |mut text, (i, (time_s, node))| {
+        writeln!(text, "{:.3},{node},20", time_s + 0.05 * (i % 5) as f64).unwrap();
+        text
+    });
+    let scenario =
+        format!("traffic.trace.file = \"files/trace.csv\"\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}");
+    check(&scenario, &[("nodes.csv", NODES), ("files/trace.csv", &trace)]);
+}
+
+#[test]
+fn a_code_book_is_carried_and_gives_its_gain_to_the_map() {
+    check(SWEEPS, &[("nodes.csv", NODES), ("files/book.csv", &book())]);
+}
+
+#[test]
+fn a_map_for_an_application_is_carried() {
+    let application = "[[applications]]\nname = \"search\"\nrobots = [\"agent\"]\nduration_s = 1\n\
+        map.file = \"files/map.csv\"\nalgorithm.detarsk = {}\n";
+    let agent = "[[robots]]\nname = \"agent\"\nrole = \"agent\"\nstart_m = [0, 0]\nspeed_m_per_s = 2\n";
+    let target =
+        "[[world.targets]]\nname = \"t\"\nmotion.waypoints = { places_m = [[5, 1], [5, 4]], speed_m_per_s = 0.5 }\n";
+    let scenario = format!(
+        "traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\nsensors.targets.radius_m = 3\n\
+         {SURVEY}{agent}{target}{application}"
+    );
+    check(&scenario, &[("nodes.csv", NODES), ("files/map.csv", NODES)]);
+}
+
+#[test]
+fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("files")).unwrap();
+    let mesh =
+        "[[world.obstacles]]\nname = \"pile\"\nmaterial = \"concrete\"\nshape.mesh.file = \"files/pile.obj\"\n";
+    let text =
+        format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}{mesh}");
+    let mut recorder = sextant_recording::FileRecorder::create(&folder.path().join("old.mcap")).unwrap();
+    recorder.scenario(&text).unwrap();
+    recorder.nodes(&["a".to_owned()]).unwrap();
+    let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
+    let (node, sector, rssi_dbm, snr_db) = (NodeId(0), None, None, None);
+    let heard = Reception { node, stop: 0, received: 1, sent: 2, sector, rssi_dbm, snr_db };
+    recorder.stop(None, "r", 0, &stop, &[heard]).unwrap();
+    recorder.finish().unwrap();
+    // The file of the working folder is not the one of the run.
+    fs::write(folder.path().join("files/pile.obj"), MESH).unwrap();
+    let output = sextant().current_dir(folder.path()).args(["map", "old.mcap"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.contains("pile.obj") && message.contains("not among the files"), "{message}");
+}
