@@ -40,32 +40,37 @@ fn book() -> String {
     for sector in 0..4 {
         for azimuth_deg in (-180..180).step_by(30) {
             let gain_dbi = 8.0 * f64::from(azimuth_deg - 90 * sector).to_radians().cos();
-            writeln!(text, "{sector},{azimuth_deg},0,{gain_dbi}").unwrap();
+            writeln!(text, "{sector},{azimuth_deg},0,{gain_dbi}").expect("a test with room on the disk");
         }
     }
     text
 }
 
 fn json(folder: &Path, words: &[&str]) -> Value {
-    let output = sextant().current_dir(folder).args(words).arg("--quiet").output().unwrap();
+    let output =
+        sextant().current_dir(folder).args(words).arg("--quiet").output().expect("a test with room on the disk");
     assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
     program::summary(&folder.join("summary.json"))
 }
 
 /// Runs a scenario beside its `files`, maps the recording in another folder, and compares what was recorded and mapped.
 fn check(scenario: &str, files: &[(&str, &str)]) {
-    let (home, away) = (TempDir::new().unwrap(), TempDir::new().unwrap());
-    fs::create_dir(home.path().join("files")).unwrap();
-    fs::write(home.path().join("named.toml"), scenario).unwrap();
+    let (home, away) = (
+        TempDir::new().expect("a test with room on the disk"),
+        TempDir::new().expect("a test with room on the disk"),
+    );
+    fs::create_dir(home.path().join("files")).expect("a test with room on the disk");
+    fs::write(home.path().join("named.toml"), scenario).expect("a test with room on the disk");
     for (name, text) in files {
-        fs::write(home.path().join(name), text).unwrap();
+        fs::write(home.path().join(name), text).expect("a test with room on the disk");
     }
     let run = json(home.path(), &["run", "named.toml", "--out", "run.mcap", "--summary", "summary.json"]);
-    fs::copy(home.path().join("run.mcap"), away.path().join("run.mcap")).unwrap();
-    home.close().unwrap();
-    let recorded = read_log(&away.path().join("run.mcap")).unwrap();
+    fs::copy(home.path().join("run.mcap"), away.path().join("run.mcap")).expect("a test with room on the disk");
+    home.close().expect("a test with room on the disk");
+    let recorded = read_log(&away.path().join("run.mcap")).expect("a test with room on the disk");
     for (name, text) in files {
-        let attachment = recorded.attachment(&format!("{FILES_ATTACHMENTS}{name}")).unwrap();
+        let attachment =
+            recorded.attachment(&format!("{FILES_ATTACHMENTS}{name}")).expect("a test with room on the disk");
         assert_eq!(String::from_utf8_lossy(&attachment.data), *text, "{name}");
     }
     let map = json(away.path(), &["map", "run.mcap", "--summary", "summary.json"]);
@@ -94,7 +99,7 @@ fn a_mesh_that_a_map_knows_is_carried() {
 fn a_trace_of_traffic_is_carried() {
     let rows = (0..60).flat_map(|i| ["a", "b", "c", "d", "e"].map(|node| (f64::from(i) * 0.5, node)));
     let trace = rows.enumerate().fold("t_s,node,mpdu_octets\n".to_owned(), |mut text, (i, (time_s, node))| {
-        writeln!(text, "{:.3},{node},20", time_s + 0.05 * (i % 5) as f64).unwrap();
+        writeln!(text, "{:.3},{node},20", time_s + 0.05 * (i % 5) as f64).expect("a test with room on the disk");
         text
     });
     let scenario =
@@ -111,36 +116,42 @@ fn a_code_book_is_carried_and_gives_its_gain_to_the_map() {
 fn a_map_for_an_application_is_carried() {
     let application = "[[applications]]\nname = \"search\"\nrobots = [\"agent\"]\nduration_s = 1\n\
         map.file = \"files/map.csv\"\nalgorithm.detarsk = {}\n";
-    let agent = "[[robots]]\nname = \"agent\"\nrole = \"agent\"\nstart_m = [0, 0]\nspeed_m_per_s = 2\n";
+    let agent = "[[sinks]]\nname = \"s\"\nposition_m = [3, 3]\n[[robots]]\nname = \"agent\"\nrole = \"agent\"\nstart_m = [0, 0]\nspeed_m_per_s = 2\n";
     let target =
         "[[world.targets]]\nname = \"t\"\nmotion.waypoints = { places_m = [[5, 1], [5, 4]], speed_m_per_s = 0.5 }\n";
     let scenario = format!(
         "traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\nsensors.targets.radius_m = 3\n\
          {SURVEY}{agent}{target}{application}"
-    );
+    )
+    .replace("mac.csma_unslotted = {}", "mac.csma_unslotted = { rx_on_when_idle = true }");
     check(&scenario, &[("nodes.csv", NODES), ("files/map.csv", NODES)]);
 }
 
 #[test]
 fn a_recording_without_its_files_is_refused_by_the_map_that_needs_them() {
-    let folder = TempDir::new().unwrap();
-    fs::create_dir(folder.path().join("files")).unwrap();
+    let folder = TempDir::new().expect("a test with room on the disk");
+    fs::create_dir(folder.path().join("files")).expect("a test with room on the disk");
     let mesh =
         "[[world.obstacles]]\nname = \"pile\"\nmaterial = \"concrete\"\nshape.mesh.file = \"files/pile.obj\"\n";
     let text =
         format!("traffic.beacon = {{ interval_s = 0.5 }}\nworld.nodes.csv.file = \"nodes.csv\"\n{SURVEY}{mesh}");
-    let mut recorder = sextant_recording::FileRecorder::create(&folder.path().join("old.mcap")).unwrap();
-    recorder.scenario(&text).unwrap();
-    recorder.nodes(&["a".to_owned()]).unwrap();
+    let mut recorder = sextant_recording::FileRecorder::create(&folder.path().join("old.mcap"))
+        .expect("a test with room on the disk");
+    recorder.scenario(&text).expect("a test with room on the disk");
+    recorder.nodes(&["a".to_owned()]).expect("a test with room on the disk");
     let stop = Stop { robot: RobotId(0), time: SimTime::ZERO, position: Position::ORIGIN };
     let (node, sector, rssi_dbm, snr_db) = (NodeId(0), None, None, None);
     let heard = Reception { node, stop: 0, received: 1, sent: 2, sector, rssi_dbm, snr_db };
-    recorder.stop(None, "r", 0, &stop, &[heard]).unwrap();
-    recorder.finish().unwrap();
+    recorder.stop(None, "r", 0, &stop, &[heard]).expect("a test with room on the disk");
+    recorder.finish().expect("a test with room on the disk");
     // The file of the working folder is not the one of the run.
-    fs::write(folder.path().join("files/pile.obj"), MESH).unwrap();
-    let output = sextant().current_dir(folder.path()).args(["map", "old.mcap"]).output().unwrap();
+    fs::write(folder.path().join("files/pile.obj"), MESH).expect("a test with room on the disk");
+    let output = sextant()
+        .current_dir(folder.path())
+        .args(["map", "old.mcap"])
+        .output()
+        .expect("a test with room on the disk");
     assert_eq!(output.status.code(), Some(2));
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(message.contains("pile.obj") && message.contains("not among the files"), "{message}");
+    assert!(message.contains("pile.obj") && message.contains("attached to the recording"), "{message}");
 }

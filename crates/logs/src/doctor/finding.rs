@@ -41,6 +41,6 @@ mod tests {
             cost: "places are scaled".to_owned(),
             remedy: "option `x` slows it".to_owned(),
         };
-        assert_eq!(finding.to_string(), "the robot is fast. Places are scaled. option `x` slows it");
+        assert_eq!(finding.to_string(), "the robot is fast. Places are scaled. Option `x` slows it");
     }
 }

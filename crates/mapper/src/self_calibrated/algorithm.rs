@@ -63,7 +63,7 @@ pub struct Calibration {
     /// Number of rounds of positions, curve and obstacles.
     pub rounds: u32,
     /// Whether the last round moved the nodes by less than a twentieth of the grid step on average, no node has a
-    /// [`Concern`], and the curve is not at its bound.
+    /// [`Concern`](crate::Concern), and the curve is not at its bound.
     pub converged: bool,
     /// Nodes that may be farther away. A node is searched for in a box within reach of the stops that heard it. If it
     /// is at the border of this box, its place is not reliable.
