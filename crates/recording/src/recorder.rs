@@ -1,7 +1,10 @@
 //! The writer of recordings.
 
 mod applications;
+mod playing;
 mod sensing;
+
+pub use playing::DrawnFrame;
 
 use std::collections::BTreeMap;
 use std::fs::File;
