@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_recording::{FileRecorder, Phase, RecordingError, SURVEY};
+use sextant_recording::{FileRecorder, Phase, RecordingError, Relay, SURVEY};
 use sextant_sim::{Field, NetworkId};
 
 use super::error::RunError;
@@ -32,6 +32,8 @@ pub struct RunRecorder {
     /// The phases of the run so far.
     phases: Vec<Phase>,
     has_applications: bool,
+    /// Who else gets what is recorded, until the run begins.
+    relay: Option<Box<dyn Relay>>,
     failure: Option<RecordingError>,
 }
 
@@ -91,8 +93,15 @@ impl RunRecorder {
             simulation: RecordedSimulation::default(),
             phases: Vec::new(),
             has_applications: false,
+            relay: None,
             failure: None,
         }
+    }
+
+    /// The same recorder, whose messages `relay` gets too, at the moment when they are recorded.
+    #[must_use]
+    pub fn with_relay(self, relay: Box<dyn Relay>) -> Self {
+        Self { relay: Some(relay), ..self }
     }
 
     fn file(&mut self) -> &mut FileRecorder {
@@ -121,6 +130,9 @@ impl RunObserver for RunRecorder {
     fn run_started(&mut self, start: &RunStart<'_>) -> Result<(), RunError> {
         self.has_applications = !start.scenario.applications().is_empty();
         let recorder = self.recorder.insert(FileRecorder::create(&self.path)?);
+        if let Some(relay) = self.relay.take() {
+            recorder.set_relay(relay);
+        }
         opening::open(recorder, start.scenario)?;
         opening::discoveries(recorder, start)?;
         Ok(())
