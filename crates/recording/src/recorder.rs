@@ -1,6 +1,7 @@
 //! The writer of recordings.
 
 mod applications;
+mod packets;
 mod sensing;
 
 use std::collections::BTreeMap;

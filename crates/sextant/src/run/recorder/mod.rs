@@ -5,6 +5,7 @@ mod events;
 mod fields;
 mod maps;
 mod opening;
+mod packets;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -30,6 +31,8 @@ pub struct RunRecorder {
     phases: Vec<Phase>,
     has_applications: bool,
     failure: Option<RecordingError>,
+    /// Number of packets recorded so far.
+    packets: u64,
 }
 
 /// What the recording of the events of a simulation needs.
@@ -37,6 +40,8 @@ pub struct RunRecorder {
 struct RecordedSimulation {
     /// Whether every frame is recorded.
     frames: bool,
+    /// Whether every packet is recorded.
+    packets: bool,
     robots: Vec<Track>,
     /// Names of the targets.
     targets: Vec<String>,
@@ -69,6 +74,7 @@ impl RecordedSimulation {
         let track = |name: &String| Track { name: name.clone(), places: Vec::new(), heading_rad: 0.0 };
         Self {
             frames: scenario.recording().frames,
+            packets: scenario.recording().packets,
             robots: start.robots.iter().map(track).collect(),
             targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
             fields: scenario.world().fields.clone(),
@@ -91,6 +97,7 @@ impl RunRecorder {
             phases: Vec::new(),
             has_applications: false,
             failure: None,
+            packets: 0,
         }
     }
 
