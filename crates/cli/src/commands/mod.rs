@@ -60,7 +60,7 @@ pub(crate) enum Command {
     /// Print a completion script for a shell
     Completions(completions::Arguments),
     /// Print the manual page (view it with `sextant man | man -l -`)
-    Man,
+    Man(man::Arguments),
 }
 
 /// Runs the command line `words`, of which the first is the name of the program.
@@ -95,6 +95,6 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),
         Command::Completions(arguments) => completions::execute(arguments, Cli::command()),
-        Command::Man => man::execute(Cli::command()),
+        Command::Man(arguments) => man::execute(arguments, Cli::command()),
     }
 }

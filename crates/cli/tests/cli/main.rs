@@ -13,6 +13,7 @@ mod failing_disk;
 mod faults;
 mod figure;
 mod forms;
+mod guide;
 #[cfg(unix)]
 mod interrupt;
 mod map;
