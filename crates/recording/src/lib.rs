@@ -23,6 +23,7 @@
 //! ```
 
 mod capture;
+mod course;
 mod descriptor;
 mod drawing;
 mod error;
@@ -44,6 +45,7 @@ mod way;
 mod world;
 
 pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
+pub use course::{RecordedCourse, read_course};
 pub use drawing::{GridPlane, PlacedNode, Solid};
 pub use error::RecordingError;
 pub use foxglove::Schema;
