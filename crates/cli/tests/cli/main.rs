@@ -15,6 +15,8 @@ mod figure;
 mod forms;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(all(unix, feature = "live"))]
+mod live;
 mod map;
 mod map_figure;
 mod named_files;
