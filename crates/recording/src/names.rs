@@ -22,6 +22,12 @@ pub(super) const ANCHORS_TOPIC: &str = "/anchors";
 pub(super) const MAPPED_NODES_TOPIC: &str = "/distributed/nodes";
 /// Topic of the sensors that the nodes have.
 pub(super) const SENSORS_TOPIC: &str = "/sensors";
+/// Topic of the packets that stations offered.
+pub(super) const PACKETS_TOPIC: &str = "/mac/packets";
+/// Topic of the assessments of the channel for these packets.
+pub(super) const ASSESSMENTS_TOPIC: &str = "/mac/assessments";
+/// Topic of the transmissions of these packets.
+pub(super) const TRANSMISSIONS_TOPIC: &str = "/mac/transmissions";
 /// Topic of what sensors said.
 pub(super) const SENSED_TOPIC: &str = "/sensed";
 /// Start of the topics of targets; their names follow.

@@ -1,6 +1,7 @@
 //! The writer of recordings.
 
 mod applications;
+mod packets;
 mod playing;
 mod sensing;
 

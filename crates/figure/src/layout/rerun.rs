@@ -1,6 +1,7 @@
 //! The script for Rerun. Its blueprint files are binary and belong to one version of Rerun, so a script makes it.
 
 use serde_json::json;
+use sextant_channel::Bounds;
 
 use super::Layout;
 
@@ -18,7 +19,13 @@ impl Layout<'_> {
         let hidden = self.drawn.maps.iter().skip(1).map(|(name, _)| format!("/map/{name}"));
         let paths = self.topics("foxglove.PosesInFrame").map(str::to_owned);
         let unnamed = (!self.shows_names()).then(|| "/world/names".to_owned());
+        let Bounds { min, max } = self.bounds();
+        let (middle, size) = ((min + max) * 0.5, max - min);
+        let far_m = size.x_m.max(size.y_m).max(size.z_m).max(1.0);
+        let (aside, above) = if self.is_flat() { (0.2, 1.2) } else { (1.0, 0.8) };
         let shown = json!({
+            "middle": [middle.x_m, middle.y_m, middle.z_m],
+            "eye": [middle.x_m, middle.y_m - aside * far_m, middle.z_m + above * far_m],
             "recording": self.file,
             "robots": self.drawn.paths.iter().map(|(name, _)| name).collect::<Vec<_>>(),
             "kept": of_robots.chain(places).collect::<Vec<_>>(),

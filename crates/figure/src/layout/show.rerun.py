@@ -30,6 +30,11 @@ def place(p):
 
 def draw(path, entity):
     """Draws an entity of a SceneUpdate below `path`."""
+
+    def log(part, drawing):
+        rr.log(f"{path}/{part}", drawing)
+        rr.log(f"{path}/{part}", rr.CoordinateFrame(entity.frame_id))
+
     for i, line in enumerate(entity.lines):
         points = np.array([place(p) for p in line.points])
         if line.type == 2:
@@ -37,14 +42,14 @@ def draw(path, entity):
             strips = points[pairs]
         else:
             strips = [points]
-        rr.log(f"{path}/lines/{i}", rr.LineStrips3D(strips, colors=color(line.color)))
+        log(f"lines/{i}", rr.LineStrips3D(strips, colors=color(line.color)))
     for i, surface in enumerate(entity.triangles):
         mesh = rr.Mesh3D(
             vertex_positions=[place(p) for p in surface.points],
             triangle_indices=np.array(surface.indices).reshape(-1, 3),
             albedo_factor=color(surface.color),
         )
-        rr.log(f"{path}/triangles/{i}", mesh)
+        log(f"triangles/{i}", mesh)
     if entity.texts:
         points = rr.Points3D(
             [place(t.pose.position) for t in entity.texts],
@@ -52,14 +57,14 @@ def draw(path, entity):
             colors=[color(t.color) for t in entity.texts],
             show_labels=True,
         )
-        rr.log(f"{path}/texts", points)
+        log("texts", points)
     for i, ball in enumerate(entity.spheres):
         sphere = rr.Ellipsoids3D(
             centers=[place(ball.pose.position)],
             half_sizes=[[ball.size.x / 2, ball.size.y / 2, ball.size.z / 2]],
             colors=color(ball.color),
         )
-        rr.log(f"{path}/spheres/{i}", sphere)
+        log(f"spheres/{i}", sphere)
 
 
 def at(time_ns):
@@ -104,10 +109,17 @@ def blueprint():
     )
     kept = {topic: rrb.VisibleTimeRanges([everything]) for topic in SHOWN["kept"]}
     hidden = [f"- {topic}/**" for topic in SHOWN["hidden"]] + [f"- /drawn{topic}/**" for topic in SHOWN["hidden"]]
-    world = rrb.Spatial3DView(name="World", origin="/", contents=["+ /**", *hidden], overrides=kept)
+    world = rrb.Spatial3DView(
+        name="World",
+        origin="/",
+        contents=["+ /**", *hidden],
+        overrides=kept,
+        spatial_information=rrb.SpatialInformation(target_frame="world"),
+        eye_controls=rrb.EyeControls3D(position=SHOWN["eye"], look_target=SHOWN["middle"], eye_up=[0, 0, 1]),
+    )
     beside = []
     if SHOWN["has_metrics"]:
-        beside.append(rrb.TimeSeriesView(name="Over time", origin="/metrics"))
+        beside.append(rrb.TimeSeriesView(name="Over time", origin="/metrics", contents=["+ $origin/**", "- $origin"]))
     if SHOWN["has_log"]:
         beside.append(rrb.TextLogView(name="Log", origin="/log"))
     views = rrb.Horizontal(world, rrb.Vertical(*beside), column_shares=[2, 1]) if beside else world

@@ -169,6 +169,10 @@ impl MetricsConfig {
 pub struct RecordingConfig {
     /// Whether every frame is recorded.
     pub frames: bool,
+    /// Whether every packet is recorded: when it was offered, each assessment of the channel and each transmission with its
+    /// outcome, and what became of it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub packets: bool,
     /// Names of the nodes whose likelihood is recorded, for each map that has one.
     pub likelihood: Vec<String>,
     /// Snapshots of the fields.

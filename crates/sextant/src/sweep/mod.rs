@@ -16,6 +16,7 @@ mod shard;
 mod share;
 mod statistics;
 mod table_file;
+mod table_reader;
 mod unit;
 
 pub use column::{Column, Kind};
@@ -27,6 +28,7 @@ pub use shard::Shard;
 pub use share::Share;
 pub use statistics::Mean;
 pub use table_file::TableFormat;
+pub use table_reader::read_table;
 
 use std::path::Path;
 use std::sync::OnceLock;

@@ -3,9 +3,9 @@
 use sextant_channel::{Contact, Position, Reception, Stop};
 use sextant_kernel::{NodeId, SimTime};
 use sextant_recording::{Level, Sensation, messages};
-use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, Pose, Progress, Sensed, TargetId};
+use sextant_sim::{FieldId, FrameOnAir, NetworkId, Observer, PacketTrace, Pose, Progress, Sensed, TargetId};
 
-use super::RunRecorder;
+use super::{RunRecorder, packets};
 
 impl RunRecorder {
     /// Records that a robot is at a place, with its heading, and how it came there.
@@ -124,6 +124,22 @@ impl Observer for RunRecorder {
 
     fn wants_frames(&self) -> bool {
         self.simulation.frames
+    }
+
+    fn traced(&mut self, packet: &PacketTrace) {
+        if !self.simulation.packets {
+            return;
+        }
+        let id = self.packets;
+        self.packets += 1;
+        self.record(packet.ended, |recorder, simulation, _| {
+            let network = &simulation.network_names[packet.network.index()];
+            packets::record(recorder, id, network, packet, simulation.offset)
+        });
+    }
+
+    fn wants_packets(&self) -> bool {
+        self.simulation.packets
     }
 
     fn goes_on(&mut self, _progress: Progress) -> bool {

@@ -6,6 +6,7 @@ mod events;
 mod fields;
 mod maps;
 mod opening;
+mod packets;
 mod track;
 
 use std::path::{Path, PathBuf};
@@ -35,6 +36,8 @@ pub struct RunRecorder {
     /// Who else gets what is recorded, until the run begins.
     relay: Option<Box<dyn Relay>>,
     failure: Option<RecordingError>,
+    /// Number of packets recorded so far.
+    packets: u64,
 }
 
 /// What the recording of the events of a simulation needs.
@@ -42,6 +45,8 @@ pub struct RunRecorder {
 struct RecordedSimulation {
     /// Whether every frame is recorded.
     frames: bool,
+    /// Whether every packet is recorded.
+    packets: bool,
     robots: Vec<Track>,
     /// Names of the targets.
     targets: Vec<String>,
@@ -70,6 +75,7 @@ impl RecordedSimulation {
         let others = others.map(|network| (network, network_names[network.index()].clone())).collect();
         Self {
             frames: scenario.recording().frames,
+            packets: scenario.recording().packets,
             robots: start.robots.iter().map(|name| Track::new(name)).collect(),
             targets: scenario.world().targets.iter().map(|target| target.name().to_owned()).collect(),
             fields: scenario.world().fields.clone(),
@@ -95,6 +101,7 @@ impl RunRecorder {
             has_applications: false,
             relay: None,
             failure: None,
+            packets: 0,
         }
     }
 
