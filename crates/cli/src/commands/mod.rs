@@ -4,6 +4,7 @@ mod check;
 mod completions;
 mod figure;
 mod inspect;
+mod live;
 mod man;
 mod map;
 mod options;

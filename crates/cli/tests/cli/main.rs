@@ -16,6 +16,8 @@ mod forms;
 mod guide;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(all(unix, feature = "live"))]
+mod live;
 mod map;
 mod map_figure;
 mod named_files;

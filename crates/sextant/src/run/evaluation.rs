@@ -10,6 +10,7 @@ use super::bound;
 use super::discovery::Discoveries;
 use super::error::RunError;
 use super::message_energy::message_energy_j;
+use super::operations::CountedWork;
 use crate::mapping::MapLogs;
 use crate::measure::{Dimensions, NodeSectors, Truth, displacement, in_world, measure};
 use crate::scenario::{MapJob, Scenario};
@@ -30,6 +31,8 @@ pub struct Evaluation {
     pub summary: MapSummary,
     /// Time to compute and measure it on this machine (s); 0 for a map that the nodes computed in the simulation.
     pub wall_s: f64,
+    /// Elementary operations of the algorithm, at most, as it announced them to the watch; 0 if it announced none.
+    pub operations: f64,
 }
 
 /// Computes the map `named` from `survey` and `discoveries`, and compares it with the world of `scenario`. `bound_m` is
@@ -48,7 +51,9 @@ pub(super) fn evaluate(
     let logs = MapLogs::from(&survey.logs);
     let networks = scenario.networks_of(named);
     let knowledge = discoveries.knowledge(scenario, &logs, named);
-    let (map, learned) = named.mapper.map_and_learn(knowledge, watch)?;
+    let counted = CountedWork::new(watch);
+    let (map, learned) = named.mapper.map_and_learn(knowledge, &counted)?;
+    let operations = counted.operations();
     let made = UnalignedMap::new(&named.name, &map);
     let truth = truth(scenario);
     let known: Vec<Option<Position>> = truth.iter().copied().map(Some).collect();
@@ -74,7 +79,7 @@ pub(super) fn evaluate(
             watch,
         )?
     };
-    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s() })
+    Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s(), operations })
 }
 
 /// The map `named` of `logs`, which are a part of those of a survey, in world coordinates; `None` if the algorithm needs more
