@@ -11,9 +11,10 @@ use std::time::Duration;
 
 use sextant_channel::Position;
 use sextant_kernel::SimTime;
-use sextant_recording::{FileRecorder, Phase, RecordingError, SURVEY};
+use sextant_recording::{FileRecorder, Level, Phase, RecordingError, SURVEY};
 use sextant_sim::{Field, NetworkId};
 
+use super::ending;
 use super::error::RunError;
 use super::observer::{ApplicationEnd, MapEnd, RunObserver, RunStart, SimulationStart, SurveyEnd};
 use crate::scenario::Scenario;
@@ -140,6 +141,12 @@ impl RunObserver for RunRecorder {
         let recorder = self.recorder.as_mut().expect("the file is created when the run begins");
         for track in &self.simulation.robots {
             recorder.path(end, &track.name, &track.places)?;
+        }
+        let nodes = survey.scenario.world().nodes.len();
+        for robot in ending::robots(survey.scenario, &survey.simulated.survey) {
+            if let Some(text) = robot.end(nodes) {
+                recorder.note(end, Level::Info, &robot.name, &text)?;
+            }
         }
         fields::record(survey.scenario, &self.simulation.fields, end, recorder)?;
         self.phases.push(Phase { name: SURVEY.to_owned(), start: SimTime::ZERO, end });
