@@ -15,7 +15,14 @@
 //!
 //! let recording = Path::new("circular.mcap");
 //! let (run, drawn) = (read_log(recording)?, read_world(recording)?);
-//! for figure in all(&Source { title: "circular", log: run.log(), drawn: &drawn, sector_displacements: &[] }) {
+//! let source = Source {
+//!     title: "circular",
+//!     log: run.log(),
+//!     drawn: &drawn,
+//!     sector_displacements: &run.sector_displacements(),
+//!     claimed_obstacles: &run.claimed_obstacles(),
+//! };
+//! for figure in all(&source) {
 //!     figure.write(Path::new("."), FileFormat::Svg)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

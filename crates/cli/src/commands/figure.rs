@@ -78,6 +78,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         log: run.log(),
         drawn: &drawn,
         sector_displacements: &run.sector_displacements(),
+        claimed_obstacles: &run.claimed_obstacles(),
     };
     write(&figure::all(&source), arguments, interrupt)
 }
