@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
+use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
@@ -140,6 +141,15 @@ impl From<SweepError> for Failure {
             SweepError::OtherParts { .. } => {
                 Self::of(&error, Some("remove the folder to start again, or choose another --out"), false)
             }
+            error => Self::of(&error, error.advice(), error.is_system_error()),
+        }
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Interrupted(_) => Self::Interrupted,
             error => Self::of(&error, error.advice(), error.is_system_error()),
         }
     }
