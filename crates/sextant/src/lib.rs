@@ -29,6 +29,7 @@
 //! has one type of errors. The same scenario and seed give the same bytes at any number of threads.
 
 pub mod columns;
+pub mod export;
 pub mod mapping;
 pub mod measure;
 pub mod run;
@@ -36,6 +37,7 @@ pub mod scenario;
 pub mod summary;
 pub mod sweep;
 
+pub use export::{ExportError, export};
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use run::{Run, RunCapture, RunError, RunObserver, RunRecorder, run, survey};
 pub use scenario::{AlgorithmName, Scenario, ScenarioErrors};
