@@ -7,11 +7,12 @@ use clap::Args;
 use super::options::{Results, ScenarioSource, Work};
 use crate::diagnostic::Failure;
 use crate::interrupt::Interrupt;
+use sextant::forecast::warnings;
 use sextant::run::{RunCapture, RunRecorder, run};
 
 use super::shared_outputs::reject_shared;
 use crate::progress::RunProgress;
-use crate::terminal::Watcher;
+use crate::terminal::{Watcher, warn};
 
 /// Arguments of `sextant run`.
 #[derive(Clone, Debug, Args)]
@@ -52,6 +53,9 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         ("--summary", arguments.results.summary.as_ref()),
         ("--pcap", arguments.pcap.as_ref()),
     ])?;
+    if !arguments.work.quiet {
+        warnings(&scenario).iter().for_each(|warning| warn(&warning.to_string()));
+    }
     let _keeper = interrupt.keep();
     let watcher = Watcher::new(interrupt, arguments.work.quiet);
     let recorder = RunRecorder::new(&recording);
