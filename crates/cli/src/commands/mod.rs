@@ -9,6 +9,7 @@ mod map;
 mod options;
 mod reading;
 mod recover;
+mod report;
 mod reproduce;
 mod run;
 mod schema;
@@ -51,6 +52,8 @@ pub(crate) enum Command {
     Check(check::Arguments),
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
+    /// Write a run, a log, a sweep or a reproduction as one HTML file for a browser
+    Report(Box<report::Arguments>),
     /// Print the contents of a recording, or of the log of a robot and what is odd in it
     Inspect(Box<inspect::Arguments>),
     /// Copy the readable part of a broken recording
@@ -91,6 +94,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Reproduce(arguments) => reproduce::execute(arguments, &interrupt),
         Command::Check(arguments) => check::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments, &interrupt),
+        Command::Report(arguments) => report::execute(arguments, &interrupt),
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),

@@ -1,8 +1,8 @@
 //! One map of a survey, and its errors.
 
-use sextant_channel::Position;
+use sextant_channel::{NetworkLogs, Position};
 use sextant_kernel::{Interrupted, Watch};
-use sextant_mapper::{EstimatorFindings, KnowledgeKind, SectorDisplacement, TopologyMap};
+use sextant_mapper::{EstimatorFindings, KnowledgeKind, MapError, SectorDisplacement, TopologyMap};
 use sextant_sim::{NetworkId, Survey};
 
 use super::application::UnalignedMap;
@@ -75,6 +75,28 @@ pub(super) fn evaluate(
         )?
     };
     Ok(Evaluation { name: named.name.clone(), map, made, learned, summary, wall_s: start.elapsed_s() })
+}
+
+/// The map `named` of `logs`, which are a part of those of a survey, in world coordinates; `None` if the algorithm needs more
+/// than they have.
+///
+/// # Errors
+/// If `watch` stops the work.
+pub(super) fn map_of_part(
+    scenario: &Scenario,
+    named: &MapJob,
+    (logs, discoveries): (&NetworkLogs, &Discoveries),
+    watch: &dyn Watch,
+) -> Result<Option<TopologyMap>, Interrupted> {
+    let logs = MapLogs::from(logs);
+    match named.mapper.map_and_learn(discoveries.knowledge(scenario, &logs, named), watch) {
+        Ok((map, _)) => {
+            let known: Vec<Option<Position>> = truth(scenario).into_iter().map(Some).collect();
+            Ok(Some(in_world(map, Some(&known)).0))
+        }
+        Err(MapError::Interrupted(interrupted)) => Err(interrupted),
+        Err(_) => Ok(None),
+    }
 }
 
 /// The sector displacement of a map from the logs of `networks`; `None` if the nodes have no sectors in any of them.

@@ -73,6 +73,7 @@ pub(super) fn check(config: &ScenarioConfig, files: &Files, errors: &mut Errors<
         let places = world.iter().flat_map(|world| &world.nodes).map(|node| node.position);
         errors.take("recording.fields", snapshots.check(Bounds::of(places)));
     }
+    errors.take("recording", config.recording.check());
     errors.take("recording.pcap", config.recording.pcap.check(&config.robots));
     let discovery = errors.take("discovery", Discovery::try_from(config.discovery));
     let anchors = world.as_ref().and_then(|world| check_anchors(config, world, &maps, errors));

@@ -169,13 +169,41 @@ impl MetricsConfig {
 pub struct RecordingConfig {
     /// Whether every frame is recorded.
     pub frames: bool,
+    /// Whether every packet is recorded: when it was offered, each assessment of the channel and each transmission with its
+    /// outcome, and what became of it.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub packets: bool,
     /// Names of the nodes whose likelihood is recorded, for each map that has one.
     pub likelihood: Vec<String>,
     /// Snapshots of the fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<SnapshotsConfig>,
+    /// Maps of the log as it grew, for each map of the robots: at this many instants before the end, with equal numbers of
+    /// stops between them. Each takes up to the time of the map itself; 0 for none, at most 100. One if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_snapshots: Option<u32>,
     /// What `--pcap` writes.
     pub pcap: PcapConfig,
+}
+
+/// Snapshots of each map that are recorded if the scenario does not say how many.
+const USUAL_MAP_SNAPSHOTS: u32 = 1;
+/// Allowed numbers of snapshots of a map.
+const MAP_SNAPSHOTS: RangeInclusive<u32> = 0..=100;
+
+impl RecordingConfig {
+    /// Rejects more snapshots than can be wanted.
+    pub(crate) fn check(&self) -> Result<(), SettingError> {
+        match self.map_snapshots.filter(|snapshots| !MAP_SNAPSHOTS.contains(snapshots)) {
+            Some(snapshots) => Err(SettingError::new("map_snapshots", snapshots, "0 to 100")),
+            None => Ok(()),
+        }
+    }
+
+    /// Number of snapshots of each map.
+    pub(crate) fn snapshots_of_maps(&self) -> u32 {
+        self.map_snapshots.unwrap_or(USUAL_MAP_SNAPSHOTS)
+    }
 }
 
 /// What `--pcap` writes, as written in a scenario.

@@ -168,6 +168,14 @@ impl Technology {
 
 /// The questions of [`NetworkLinks`], to the links of whatever technology.
 impl Links {
+    pub(crate) fn trace(&mut self) {
+        ask!(self, links => links.trace());
+    }
+
+    pub(crate) fn trace_pending(&mut self, scene: &mut Scene) {
+        ask!(self, links => links.trace_pending(scene));
+    }
+
     pub(crate) fn begin(&mut self, station: StationId, scene: &mut Scene) {
         ask!(self, links => links.begin(station, scene));
     }

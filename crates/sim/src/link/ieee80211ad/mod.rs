@@ -6,6 +6,7 @@ mod links;
 mod radio;
 mod settings;
 mod stack;
+mod tracks;
 mod transceiver;
 
 pub(super) use links::Links;
