@@ -34,6 +34,9 @@ pub(crate) type Numbered = (usize, Step);
 /// The beginnings of commands that are run.
 const PROGRAMS: [&str; 2] = ["sextant ", "cargo "];
 
+/// The languages of blocks that may hide commands.
+const PLAIN: [&str; 4] = ["", "bash", "console", "text"];
+
 /// Reads a page.
 ///
 /// # Errors
@@ -91,7 +94,7 @@ fn step(language: &str, block: &[&str], marks: &[&str], place: Range<usize>) -> 
     if language == "sh" {
         return Ok(Some(commands(joined(block), marks)));
     }
-    if gives_commands {
+    if gives_commands && PLAIN.contains(&language) {
         return Err("a block with commands is marked ```sh, or `<!-- not run: REASON -->` is before it".to_owned());
     }
     Ok(None)
