@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Report, SourceCode};
+use sextant::export::ExportError;
 use sextant::mapping::MapLogError;
 use sextant::run::RunError;
 use sextant::scenario::{ScenarioError, ScenarioErrors};
@@ -152,6 +153,15 @@ impl From<ReportError> for Failure {
             ReportError::Recording(error) => error.into(),
             ReportError::Table(error) => error.into(),
             error => Self::of(&error, None, false),
+        }
+    }
+}
+
+impl From<ExportError> for Failure {
+    fn from(error: ExportError) -> Self {
+        match error {
+            ExportError::Interrupted(_) => Self::Interrupted,
+            error => Self::of(&error, error.advice(), error.is_system_error()),
         }
     }
 }

@@ -2,8 +2,10 @@
 
 mod check;
 mod completions;
+mod export;
 mod figure;
 mod inspect;
+mod live;
 mod man;
 mod map;
 mod options;
@@ -54,6 +56,8 @@ pub(crate) enum Command {
     Figure(figure::Arguments),
     /// Write a run, a log, a sweep or a reproduction as one HTML file for a browser
     Report(Box<report::Arguments>),
+    /// Write every table of a recording as CSV or Parquet
+    Export(export::Arguments),
     /// Print the contents of a recording, or of the log of a robot and what is odd in it
     Inspect(Box<inspect::Arguments>),
     /// Copy the readable part of a broken recording
@@ -95,6 +99,7 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Check(arguments) => check::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments, &interrupt),
         Command::Report(arguments) => report::execute(arguments, &interrupt),
+        Command::Export(arguments) => export::execute(arguments, &interrupt),
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),

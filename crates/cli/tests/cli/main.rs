@@ -4,6 +4,7 @@ mod applications;
 mod architecture;
 mod bags;
 mod captures;
+mod check;
 mod command_line;
 mod comparators;
 mod distributed;
@@ -16,6 +17,8 @@ mod forms;
 mod guide;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(all(unix, feature = "live"))]
+mod live;
 mod map;
 mod map_figure;
 mod named_files;
@@ -32,6 +35,7 @@ mod repairs;
 mod reproduce;
 mod run;
 mod scenario_errors;
+mod schema;
 mod sector_sweeps;
 mod sensing;
 mod sweep;

@@ -5,7 +5,7 @@
 mod listing;
 mod lookup;
 mod path;
-mod unit;
+pub(super) mod unit;
 mod view;
 mod words;
 
