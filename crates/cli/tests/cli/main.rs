@@ -1,5 +1,8 @@
 //! Tests of the program from outside: arguments, outputs and errors; and of the dependencies between crates.
 
+// The messages that Python must find in a recording are one large `json!`.
+#![recursion_limit = "256"]
+
 mod applications;
 mod architecture;
 mod bags;
