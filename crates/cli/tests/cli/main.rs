@@ -17,6 +17,7 @@ mod forms;
 mod interrupt;
 mod map;
 mod map_figure;
+mod metrics_page;
 mod named_files;
 mod odometry;
 mod outcomes;

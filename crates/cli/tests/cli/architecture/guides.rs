@@ -8,7 +8,7 @@ const WORDS: usize = 30;
 /// Folders at the top of the tree: a text in code marks that begins with one is a path.
 const FOLDERS: [&str; 6] = [".ci/", "benches/", "crates/", "docs/", "examples/", "scenarios/"];
 
-/// The guides: `*.md` at the top of the tree, in `docs/` and of each crate.
+/// The guides: `*.md` at the top of the tree, in `docs/` and the folders in it, and of each crate.
 fn guides() -> Vec<PathBuf> {
     let root = super::root();
     let entries = |folder: &Path| -> Vec<PathBuf> {
@@ -16,7 +16,8 @@ fn guides() -> Vec<PathBuf> {
         entries.map(|entry| entry.expect("an entry of a folder").path()).collect()
     };
     let mut folders = vec![root.clone(), root.join("docs")];
-    folders.extend(entries(&root.join("crates")));
+    let inner = |folder: &str| entries(&root.join(folder)).into_iter().filter(|path| path.is_dir());
+    folders.extend(inner("docs").chain(inner("crates")));
     let files = folders.iter().flat_map(|folder| entries(folder));
     files.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
 }
