@@ -4,6 +4,7 @@ mod applications;
 mod architecture;
 mod bags;
 mod captures;
+mod check;
 mod command_line;
 mod comparators;
 mod distributed;
@@ -13,8 +14,11 @@ mod failing_disk;
 mod faults;
 mod figure;
 mod forms;
+mod guide;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(all(unix, feature = "live"))]
+mod live;
 mod map;
 mod map_figure;
 mod metrics_page;
@@ -32,6 +36,7 @@ mod repairs;
 mod reproduce;
 mod run;
 mod scenario_errors;
+mod schema;
 mod sector_sweeps;
 mod sensing;
 mod sweep;

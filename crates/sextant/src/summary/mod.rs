@@ -13,6 +13,7 @@ mod mac_table;
 mod map;
 pub mod measures;
 mod results;
+mod robots;
 mod table;
 mod timing;
 
@@ -24,7 +25,7 @@ pub use distributed::{
     AnchorCounts, DistributedSummary, MeanAndMax, MessagesSummary, MobileAnchorsSummary, OrientationErrorSummary,
 };
 pub use gathering::{
-    DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RobotSummary, RoundSummary,
+    DiscoverySummary, EnergySummary, GatheringSummary, NotListenedSummary, RoundSummary,
 };
 pub use mac::{DelayBin, DelaySummary, MacSummary, NamedTraffic, SinkSummary, TrafficSummary};
 pub use map::{
@@ -33,5 +34,6 @@ pub use map::{
 };
 pub use measures::{Measure, Numbers, Unit, UnknownMeasure};
 pub use results::{FaultsSummary, ScenarioSummary, SensingSummary, SimulationSummary, Summary};
+pub use robots::{LeftOutSummary, RobotEnd, RobotSummary};
 pub use table::write;
 pub use timing::{Stopwatch, Timing, peak_rss_bytes};
