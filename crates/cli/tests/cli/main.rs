@@ -24,6 +24,7 @@ mod interrupt;
 mod live;
 mod map;
 mod map_figure;
+mod metrics_page;
 mod named_files;
 mod odometry;
 mod outcomes;
