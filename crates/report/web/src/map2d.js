@@ -15,7 +15,7 @@ export class Map2d {
     this.canvas = canvas;
     this.model = model;
     this.camera = new Camera(model.extent);
-    this.context = canvas.getContext("2d", { alpha: false });
+    this.context = canvas.getContext("2d", { alpha: false, willReadFrequently: model.count > 3000 });
     this.images = new Map();
   }
 
@@ -57,6 +57,13 @@ export class Map2d {
     if (show.layers.labels) this.#labels(show);
     for (const node of new Set([show.selected, show.hovered])) if (node >= 0) this.#highlight(show, node, node === show.selected);
     this.#axes();
+  }
+
+  /** The place of a node on the screen, for many nodes at one view. */
+  projector() {
+    const { camera } = this;
+    const [a, b] = camera.axes;
+    return (places, i) => [camera.sx(places[3 * i + a]), camera.sy(places[3 * i + b])];
   }
 
   at(places, i) {
@@ -191,7 +198,7 @@ export class Map2d {
   /** Lines from the true places to the estimates. */
   #errors(show) {
     const { context: ctx, model, camera } = this;
-    if (!model.truth) return;
+    if (!model.truth || (model.count > MOST_LINES && camera.scale < 4)) return;
     show.maps.forEach((shown, k) => {
       ctx.strokeStyle = show.maps.length > 1 ? category(k) : ink("thread");
       ctx.lineWidth = 1;
