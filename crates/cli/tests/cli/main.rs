@@ -28,6 +28,7 @@ mod program;
 mod purposes;
 mod recording;
 mod repairs;
+mod report;
 mod reproduce;
 mod run;
 mod scenario_errors;

@@ -163,12 +163,16 @@ export class Map2d {
       const done = times ? after(times, show.time) : Math.ceil(share * count);
       ctx.strokeStyle = robotColor(i);
       ctx.lineJoin = "round";
-      for (const [from, to, width, alpha] of [[0, count, 1, 0.35], [0, done, 1.6, 0.9]]) {
+      // Of a run with several simulations only the way in the present one is drawn.
+      const phase = times && model.phaseAt(show.time);
+      const begin = phase ? after(times, phase.start_s - 1e-3) : 0;
+      const end = phase ? after(times, phase.end_s + 1e-3) : count;
+      for (const [from, to, width, alpha] of [[begin, end, 1, 0.35], [begin, done, 1.6, 0.9]]) {
         ctx.lineWidth = width;
         ctx.globalAlpha = alpha;
         ctx.beginPath();
         for (let p = from; p < to; p++) ctx.lineTo(...this.at(places, p));
-        if (to === done && done < count) {
+        if (to === done && done < end) {
           const here = placeAt(robot.way, show.time, model.span);
           ctx.lineTo(...this.at(here, 0));
         }
@@ -293,7 +297,7 @@ export class Map2d {
       for (const application of model.applications) {
         const { captures } = application;
         for (let i = 0; captures && i < captures.times_s.length; i++) {
-          if (captures.times_s[i] > show.time) continue;
+          if (captures.times_s[i] > show.time || captures.times_s[i] < (model.phaseAt(show.time)?.start_s ?? -Infinity)) continue;
           const [x, y] = this.at(captures.places_m, i);
           ctx.strokeStyle = ink("accent");
           ctx.lineWidth = 2;
@@ -383,8 +387,8 @@ export class Map2d {
     }
     if (show.survey >= 0 && isSelected) {
       const { first, stops, received } = model.surveys[show.survey].receptions;
-      ctx.strokeStyle = ink("ink");
-      ctx.lineWidth = 1.5;
+      ctx.strokeStyle = ink("faint");
+      ctx.lineWidth = 1;
       for (let row = first[node]; row < first[node + 1]; row++) {
         if (received && received[row] === 0) continue;
         const [u, v] = this.at(model.surveys[show.survey].stops.places_m, stops[row]);
