@@ -36,6 +36,7 @@ mod program;
 mod purposes;
 mod recording;
 mod repairs;
+mod report;
 mod reproduce;
 mod run;
 mod scenario_errors;
