@@ -55,7 +55,7 @@ pub use mcap_file::{Damage, DamageKind};
 pub use names::{FILES_ATTACHMENTS, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY_ATTACHMENT};
 pub use phase::{Phase, SURVEY};
 pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
-pub use recorder::{DrawnFrame, FileRecorder, Origin, Recorder, Relay};
+pub use recorder::{FileRecorder, Origin, Recorder, Relay};
 pub use recover::{Recovery, recover, unfinished_copy};
 pub use robot_names::RobotNames;
 pub use sensation::Sensation;
