@@ -62,7 +62,7 @@ pub use packets::{RecordedPacket, read_packets};
 pub use phase::{Phase, SURVEY};
 pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
 pub use recorded_summary::ClaimedObstacle;
-pub use recorder::{DrawnFrame, FileRecorder, Origin, Recorder, Relay};
+pub use recorder::{FileRecorder, Origin, Recorder, Relay};
 pub use recover::{Recovery, recover, unfinished_copy};
 pub use robot_names::RobotNames;
 pub use sensation::Sensation;
