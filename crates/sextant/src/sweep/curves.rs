@@ -1,10 +1,12 @@
 //! Figures of the table of a sweep: measures against a setting.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::error::TableError;
 use super::statistics::Mean;
+use super::theory::{self, Theory};
+use crate::scenario::Scenario;
 use sextant_figure::{Curves, Figure, Series};
 
 /// Measures that are drawn unless others are asked for, as ends of the names of their columns, and what they are called
@@ -43,6 +45,18 @@ struct Table {
 /// # Errors
 /// If the file cannot be read, is not the table of a sweep, has no numeric setting or no such column.
 pub fn figures(path: &Path, wanted: &[String]) -> Result<Vec<Figure>, TableError> {
+    figures_with_theory(path, wanted, None)
+}
+
+/// The same with what theory says, where its assumptions hold for the cells of `scenario`, of which the table is.
+///
+/// # Errors
+/// As [`figures`].
+pub fn figures_with_theory(
+    path: &Path,
+    wanted: &[String],
+    scenario: Option<&Scenario>,
+) -> Result<Vec<Figure>, TableError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| TableError::Read { path: path.to_owned(), why: error.to_string() })?;
     let table =
@@ -58,7 +72,9 @@ pub fn figures(path: &Path, wanted: &[String]) -> Result<Vec<Figure>, TableError
     let title = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let figures = drawn.into_iter().map(|column| {
         let name = &table.columns[column];
-        table.curves(&title, across, column).figure(&format!("{title}-{}", name.replace(['.', '/'], "-")))
+        let mut curves = table.curves(&title, across, column);
+        curves.series.extend(scenario.map(|scenario| table.theory(scenario, across, column)).unwrap_or_default());
+        curves.figure(&format!("{title}-{}", name.replace(['.', '/'], "-")))
     });
     Ok(figures.collect())
 }
@@ -113,15 +129,46 @@ impl Table {
         })
     }
 
+    /// What theory says of a measure in the cells of `scenario`, as curves.
+    fn theory(&self, scenario: &Scenario, across: usize, column: usize) -> Vec<Series> {
+        let mut curves: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
+        let mut known = BTreeSet::new();
+        for (row, cells) in self.rows.iter().enumerate() {
+            let settings: Vec<&String> = self.settings().filter_map(|setting| cells.get(setting)).collect();
+            if !known.insert(settings) {
+                continue;
+            }
+            let cell = self.settings().try_fold(scenario.clone(), |cell, setting| {
+                cell.with(&self.columns[setting], cells.get(setting).map_or("", String::as_str)).ok()
+            });
+            let found = cell.and_then(|cell| theory::of(&cell, &self.columns[column]));
+            if let (Some(x), Some(Theory { source, value })) = (self.number(row, across), found) {
+                let others = self.others(row, across);
+                let name = if others.is_empty() { source.to_owned() } else { format!("{others}: {source}") };
+                curves.entry(name).or_default().push((x, value));
+            }
+        }
+        let series = |(name, mut points): (String, Vec<(f64, f64)>)| {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            Series { name, points, half_widths: Vec::new() }
+        };
+        curves.into_iter().map(series).collect()
+    }
+
+    /// The settings of a row but the one on the axis.
+    fn others(&self, row: usize, across: usize) -> String {
+        let others = self.settings().filter(|&other| other != across);
+        let others = others.map(|other| format!("{} {}", short(&self.columns[other]), self.rows[row][other]));
+        others.collect::<Vec<_>>().join(", ")
+    }
+
     /// The curves of a measure.
     fn curves(&self, title: &str, across: usize, column: usize) -> Curves {
         // By the other settings: each number on the axis, and the measures there.
         let mut curves: BTreeMap<String, Vec<(f64, Vec<f64>)>> = BTreeMap::new();
         for row in 0..self.rows.len() {
             let (Some(x), Some(y)) = (self.number(row, across), self.number(row, column)) else { continue };
-            let others = self.settings().filter(|&other| other != across);
-            let others = others.map(|other| format!("{} {}", short(&self.columns[other]), self.rows[row][other]));
-            let points = curves.entry(others.collect::<Vec<_>>().join(", ")).or_default();
+            let points = curves.entry(self.others(row, across)).or_default();
             match points.iter_mut().find(|(known, _)| known.total_cmp(&x).is_eq()) {
                 Some((_, values)) => values.push(y),
                 None => points.push((x, vec![y])),

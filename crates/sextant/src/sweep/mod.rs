@@ -16,10 +16,11 @@ mod shard;
 mod share;
 mod statistics;
 mod table_file;
+mod theory;
 mod unit;
 
 pub use column::{Column, Kind};
-pub use curves::figures;
+pub use curves::{figures, figures_with_theory};
 pub use error::{SweepError, TableError};
 pub use plan::{Cell, Sweep};
 pub use row::Row;
