@@ -87,6 +87,7 @@ pub(crate) fn execute(arguments: &Arguments, interrupt: &Interrupt) -> Result<()
         title: source.title,
         names: run.log().names(),
         packets: &packets,
+        traffic: &run.traffic(),
         window: arguments.window(&packets)?,
     }));
     write(&figures, arguments, interrupt)
