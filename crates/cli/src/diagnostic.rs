@@ -15,6 +15,7 @@ use sextant_kernel::Interrupted;
 use sextant_logs::RobotLogError;
 use sextant_recording::RecordingError;
 use sextant_recording::output::OutputError;
+use sextant_report::ReportError;
 use sextant_thesis::ReproductionError;
 
 /// Why a command failed.
@@ -142,6 +143,16 @@ impl From<SweepError> for Failure {
                 Self::of(&error, Some("remove the folder to start again, or choose another --out"), false)
             }
             error => Self::of(&error, error.advice(), error.is_system_error()),
+        }
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        match error {
+            ReportError::Recording(error) => error.into(),
+            ReportError::Table(error) => error.into(),
+            error => Self::of(&error, None, false),
         }
     }
 }

@@ -15,7 +15,14 @@
 //!
 //! let recording = Path::new("circular.mcap");
 //! let (run, drawn) = (read_log(recording)?, read_world(recording)?);
-//! for figure in all(&Source { title: "circular", log: run.log(), drawn: &drawn, sector_displacements: &[] }) {
+//! let source = Source {
+//!     title: "circular",
+//!     log: run.log(),
+//!     drawn: &drawn,
+//!     sector_displacements: &run.sector_displacements(),
+//!     claimed_obstacles: &run.claimed_obstacles(),
+//! };
+//! for figure in all(&source) {
 //!     figure.write(Path::new("."), FileFormat::Svg)?;
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,6 +44,7 @@ mod field;
 mod file;
 mod gallery;
 mod labels;
+mod layout;
 mod likelihood;
 mod map;
 mod network;
@@ -60,5 +68,6 @@ pub use curves::{Curves, Series};
 pub use estimated::{EstimatedMap, Model, ReceptionCurve};
 pub use file::{Figure, FileFormat};
 pub use gallery::{all, all_of_maps};
+pub use layout::Layout;
 pub use packets::{PacketSource, Window, of_packets};
 pub use source::Source;

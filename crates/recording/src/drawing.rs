@@ -1,5 +1,7 @@
 //! Messages for viewers: positions and shapes in the Foxglove schemas, in the frame `world` (m).
 
+pub(super) mod playing;
+
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{
     Color, FrameTransform, Grid, PackedElementField, Point3, PointCloud, Pose, PoseInFrame, PosesInFrame, Quaternion,

@@ -23,6 +23,7 @@
 //! ```
 
 mod capture;
+mod course;
 mod descriptor;
 mod drawing;
 mod error;
@@ -36,6 +37,7 @@ pub mod output;
 mod packets;
 mod phase;
 mod reader;
+mod recorded_summary;
 mod recorder;
 mod recover;
 mod robot_names;
@@ -47,8 +49,10 @@ mod way;
 mod world;
 
 pub use capture::{Capture, CapturedDmgFrame, CapturedFrame, FileCapture, Signal, Technologies};
+pub use course::{RecordedCourse, read_course};
 pub use drawing::{GridPlane, PlacedNode, Solid};
 pub use error::RecordingError;
+pub use foxglove::Schema;
 pub use foxglove::messages::log::Level;
 pub use inspect::{AttachmentInfo, Inspection, Topic, inspect};
 pub use known::{Known, read_known};
@@ -58,7 +62,8 @@ pub use names::{FILES_ATTACHMENTS, ORIGIN_METADATA, SCENARIO_ATTACHMENT, SUMMARY
 pub use packets::{RecordedPacket, read_packets};
 pub use phase::{Phase, SURVEY};
 pub use reader::{Attachment, RecordedRun, read_log, read_run, read_truth};
-pub use recorder::{FileRecorder, Origin, Recorder};
+pub use recorded_summary::ClaimedObstacle;
+pub use recorder::{DrawnFrame, FileRecorder, Origin, Recorder, Relay};
 pub use recover::{Recovery, recover, unfinished_copy};
 pub use robot_names::RobotNames;
 pub use sensation::Sensation;

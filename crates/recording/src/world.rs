@@ -161,7 +161,7 @@ fn replace<T>(list: &mut Vec<(String, T)>, name: &str, value: T) {
     }
 }
 
-fn places(data: &[u8]) -> Result<Places, String> {
+pub(super) fn places(data: &[u8]) -> Result<Places, String> {
     let cloud = PointCloud::decode(data).map_err(|why| why.to_string())?;
     let nodes = drawing::nodes_of(&cloud)?;
     nodes.into_iter().map(|(node, p)| Ok((node, place(p.x_m, p.y_m, p.z_m)?))).collect()

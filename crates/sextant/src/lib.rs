@@ -20,6 +20,7 @@
 //! - [`run`](run()) simulates it, maps the nodes, measures the maps and runs the applications; [`survey`] simulates alone.
 //! - [`RunObserver`] sees a run while it goes on. Recordings ([`RunRecorder`]) and captures ([`RunCapture`]) are observers; a
 //!   pair of observers is one, and `()` sees nothing.
+//! - [`Forecast`] is what follows from a scenario before it runs, and [`forecast::warnings`] what is likely a mistake.
 //! - [`map_log`] maps a log that was made in code, or read by `sextant-logs` or `sextant-recording`; [`mapping`] has all
 //!   settings of `sextant map`.
 //! - [`Sweep`] runs a scenario with many settings and seeds.
@@ -30,6 +31,7 @@
 
 pub mod columns;
 pub mod export;
+pub mod forecast;
 pub mod mapping;
 pub mod measure;
 pub mod run;
@@ -38,6 +40,7 @@ pub mod summary;
 pub mod sweep;
 
 pub use export::{ExportError, export};
+pub use forecast::Forecast;
 pub use mapping::{LogMap, MapLogError, map_log};
 pub use run::{Run, RunCapture, RunError, RunObserver, RunRecorder, run, survey};
 pub use scenario::{AlgorithmName, Scenario, ScenarioErrors};

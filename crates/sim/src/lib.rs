@@ -114,7 +114,9 @@ mod world;
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
-pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
+pub use applications::controller::{
+    CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation, StopsLeftOut,
+};
 pub use applications::node_traffic::NodeTraffic;
 pub use applications::robot::{Robot, RobotTask};
 pub use applications::traffic::{

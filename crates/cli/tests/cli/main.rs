@@ -4,6 +4,7 @@ mod applications;
 mod architecture;
 mod bags;
 mod captures;
+mod check;
 mod command_line;
 mod comparators;
 mod distributed;
@@ -14,8 +15,11 @@ mod failing_disk;
 mod faults;
 mod figure;
 mod forms;
+mod guide;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(all(unix, feature = "live"))]
+mod live;
 mod map;
 mod map_figure;
 mod named_files;
@@ -33,6 +37,7 @@ mod repairs;
 mod reproduce;
 mod run;
 mod scenario_errors;
+mod schema;
 mod sector_sweeps;
 mod sensing;
 mod sweep;

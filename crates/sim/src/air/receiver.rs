@@ -34,6 +34,21 @@ pub(crate) struct ReceptionRules {
     pub(crate) bit_error_rate: fn(f64) -> f64,
 }
 
+impl ReceptionRules {
+    /// Probability that a frame of this size (octets) that arrives with `power`, undisturbed, is received.
+    pub(crate) fn undisturbed(&self, power: Milliwatts, octets: u16) -> f64 {
+        let ratio = power.ratio(self.noise);
+        match self.model {
+            _ if power < self.sensitivity => 0.0,
+            ReceptionModel::Overlap => 1.0,
+            _ if ratio <= self.lock => 0.0,
+            ReceptionModel::SinrThreshold { least } if ratio < least => 0.0,
+            ReceptionModel::SinrThreshold { .. } | ReceptionModel::SirThreshold { .. } => 1.0,
+            ReceptionModel::Ber => libm::pow(1.0 - (self.bit_error_rate)(ratio), 8.0 * f64::from(octets)),
+        }
+    }
+}
+
 /// From which power on the channel is busy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CarrierThresholds {

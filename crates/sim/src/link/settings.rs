@@ -67,6 +67,9 @@ pub(crate) trait LinkSettings {
     /// Minimum power of a frame that can be received.
     fn sensitivity(&self) -> Dbm;
 
+    /// Power at or above which carrier sense finds the channel busy; but for groups of nodes.
+    fn carrier_sense_threshold(&self) -> Dbm;
+
     /// Least noise in the bandwidth of the receivers.
     fn noise_floor(&self) -> Dbm;
 

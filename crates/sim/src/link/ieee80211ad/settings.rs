@@ -93,6 +93,10 @@ impl LinkSettings for Ieee80211ad {
         self.radio.sensitivity()
     }
 
+    fn carrier_sense_threshold(&self) -> Dbm {
+        self.radio.cca_threshold()
+    }
+
     fn noise_floor(&self) -> Dbm {
         self.radio.noise_floor()
     }

@@ -82,6 +82,10 @@ impl LinkSettings for Ieee802154 {
         self.radio.sensitivity()
     }
 
+    fn carrier_sense_threshold(&self) -> Dbm {
+        self.radio.cca_threshold()
+    }
+
     fn noise_floor(&self) -> Dbm {
         self.radio.least_noise_floor()
     }
