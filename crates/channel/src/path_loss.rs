@@ -277,9 +277,7 @@ mod tests {
     #[test]
     fn an_absent_loss_at_the_reference_distance_is_that_of_free_space() {
         let absent = LogDistanceConfig { exponent: Some(3.0), ..LogDistanceConfig::default() };
-        for (reference_distance_m, carrier_ghz, loss_db) in
-            [(1.0, 2.405, 40.07), (10.0, 2.405, 60.07), (1.0, 0.8683, 31.22)]
-        {
+        for (reference_distance_m, carrier_ghz, loss_db) in [(1.0, 2.405, 40.07), (10.0, 2.405, 60.07), (1.0, 0.8683, 31.22)] {
             let config = LogDistanceConfig { reference_distance_m, ..absent }.with_free_space(carrier_ghz);
             let law = LogDistance::try_from(config).unwrap();
             assert!((law.reference_loss().0 - loss_db).abs() < 0.005, "{}", law.reference_loss().0);

@@ -62,9 +62,7 @@ fn every_command_of_the_guide_runs_and_prints_what_is_shown() {
             }
             fs::write(&path, lines.join("\n") + "\n").expect("a page is written");
         }
-        wrong.extend(
-            mistakes.into_iter().map(|mistake| format!("{}:{}: {}", path.display(), mistake.line, mistake.message)),
-        );
+        wrong.extend(mistakes.into_iter().map(|mistake| format!("{}:{}: {}", path.display(), mistake.line, mistake.message)));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }

@@ -141,11 +141,7 @@ impl Warnings<'_> {
             format!("robots[{number}].controller"),
             format!(
                 "{} of {} at less than 1 % at each planned stop: {}{more}; plan stops nearer to them",
-                if deaf.len() == 1 {
-                    "1 node is heard".to_owned()
-                } else {
-                    format!("{} nodes are heard", deaf.len())
-                },
+                if deaf.len() == 1 { "1 node is heard".to_owned() } else { format!("{} nodes are heard", deaf.len()) },
                 self.setup.world.nodes.len(),
                 listed(&names),
             ),
@@ -156,10 +152,9 @@ impl Warnings<'_> {
     fn sinks(&mut self, reaches: &[Reach<'_>]) {
         for (i, sink) in self.setup.sinks.iter().enumerate() {
             let is_in = |reach: &&Reach<'_>| sink.is_in(reach.id);
-            let mut heard = reaches
-                .iter()
-                .filter(is_in)
-                .flat_map(|reach| reach.nodes.iter().map(|(_, from)| reach.probability(*from, sink.position)));
+            let mut heard = reaches.iter().filter(is_in).flat_map(|reach| {
+                reach.nodes.iter().map(|(_, from)| reach.probability(*from, sink.position))
+            });
             if !heard.any(|probability| probability >= 0.01) {
                 self.warn(
                     format!("sinks[{i}].position_m"),
@@ -194,16 +189,12 @@ impl Warnings<'_> {
             if !absorbs && !obstacle.is_solid() && !reflects {
                 idle.push((i, "it neither absorbs nor stops robots; give it a `material`"));
             } else if apart(&bounds, &reached) && !reflects {
-                idle.push((
-                    i,
-                    "it lies beside, above or below all stations and their links; check its place and size",
-                ));
+                idle.push((i, "it lies beside, above or below all stations and their links; check its place and size"));
             }
         }
         let count = idle.len();
         if let Some((i, why)) = idle.first() {
-            let others =
-                if count > 1 { format!(" (and {} more)", counted(count - 1, "obstacle")) } else { String::new() };
+            let others = if count > 1 { format!(" (and {} more)", counted(count - 1, "obstacle")) } else { String::new() };
             let obstacle = &self.setup.world.obstacles.obstacles()[*i];
             let name = obstacle.name().map_or(String::new(), |name| format!(" `{name}`"));
             self.warn(format!("world.obstacles[{i}]"), format!("the obstacle{name} blocks nothing: {why}{others}"));

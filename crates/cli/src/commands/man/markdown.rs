@@ -26,8 +26,7 @@ fn section(command: &Command) -> String {
     let usage = command.clone().render_usage().to_string();
     let usage = usage.trim_start_matches("Usage: ");
     let about = text(command.get_long_about().or_else(|| command.get_about()));
-    let mut section =
-        format!("\n## sextant {}\n\n{}.\n\n```text\n{usage}\n```\n", command.get_name(), escaped(&about));
+    let mut section = format!("\n## sextant {}\n\n{}.\n\n```text\n{usage}\n```\n", command.get_name(), escaped(&about));
     let mut headings: Vec<&str> = Vec::new();
     let mut tables: BTreeMap<&str, String> = BTreeMap::new();
     let arguments = command.get_arguments().filter(|argument| !argument.is_hide_set() && argument.get_id() != "help");
@@ -41,10 +40,7 @@ fn section(command: &Command) -> String {
     }
     for heading in headings {
         let title = heading.split(' ').next().unwrap_or(heading);
-        section.push_str(&format!(
-            "\n**{heading}**\n\n| {} | meaning |\n| --- | --- |\n",
-            title.trim_end_matches('s').to_lowercase()
-        ));
+        section.push_str(&format!("\n**{heading}**\n\n| {} | meaning |\n| --- | --- |\n", title.trim_end_matches('s').to_lowercase()));
         section.push_str(&tables[heading]);
     }
     section

@@ -15,8 +15,7 @@ pub(in super::super) fn guides() -> Vec<PathBuf> {
     files.extend(entries(&root.join("crates")).iter().flat_map(|folder| entries(folder)));
     let mut folders = vec![root.join("docs")];
     while let Some(folder) = folders.pop() {
-        let (inner, pages): (Vec<PathBuf>, Vec<PathBuf>) =
-            entries(&folder).into_iter().partition(|path| path.is_dir());
+        let (inner, pages): (Vec<PathBuf>, Vec<PathBuf>) = entries(&folder).into_iter().partition(|path| path.is_dir());
         folders.extend(inner);
         files.extend(pages);
     }

@@ -71,8 +71,7 @@ impl Machine {
 
     fn write(&self, name: &str, text: &str, append: bool) -> Result<(), String> {
         let path = self.folder.path().join(name);
-        let before =
-            if append { fs::read_to_string(&path).map_err(|e| format!("{name}: {e}"))? } else { String::new() };
+        let before = if append { fs::read_to_string(&path).map_err(|e| format!("{name}: {e}"))? } else { String::new() };
         let folder = path.parent().ok_or("a file in a folder")?;
         fs::create_dir_all(folder).and_then(|()| fs::write(&path, before + text)).map_err(|e| format!("{name}: {e}"))
     }
@@ -132,11 +131,7 @@ fn agree(expected: &str, printed: &str) -> bool {
 
 /// A line about the time of a computation, without its numbers.
 fn timeless(line: &str) -> String {
-    if line.starts_with("time ") {
-        line.replace(|c: char| c.is_ascii_digit() || c == '.', "")
-    } else {
-        line.to_owned()
-    }
+    if line.starts_with("time ") { line.replace(|c: char| c.is_ascii_digit() || c == '.', "") } else { line.to_owned() }
 }
 
 #[test]
