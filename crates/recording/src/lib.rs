@@ -44,6 +44,7 @@ mod robot_names;
 mod sensation;
 mod sink;
 mod tables;
+mod traffic;
 mod way;
 mod world;
 
@@ -67,6 +68,7 @@ pub use recover::{Recovery, recover, unfinished_copy};
 pub use robot_names::RobotNames;
 pub use sensation::Sensation;
 pub use tables::{Cell, CellKind, LeftOut, OwnedRow, TableColumn, TablePiece, TableRow, read_tables, station};
+pub use traffic::{RecordedDelays, RecordedOutcomes, RecordedTraffic};
 pub use way::Way;
 pub use world::applications::{RecordedApplication, RecordedCapture, RecordedTargetPlace};
 pub use world::distributed::{NodeRole, RecordedNode};
