@@ -3,6 +3,7 @@
 mod commands;
 mod diagnostic;
 mod interrupt;
+mod paragraph;
 mod progress;
 mod terminal;
 

@@ -3,6 +3,7 @@
 mod budget;
 mod cells;
 mod interface;
+mod items;
 mod listener;
 mod medium;
 mod mounts;
@@ -29,6 +30,7 @@ use reached::Reached;
 use receiver::{Heard, Receiver};
 
 pub(crate) use interface::Interface;
+pub(crate) use items::{LinkItems, PlacedRadio};
 pub(crate) use mounts::Mount;
 pub(crate) use noise::Burst;
 pub(crate) use receiver::{CarrierThresholds, ReceptionRules};
