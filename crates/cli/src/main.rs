@@ -3,6 +3,8 @@
 mod commands;
 mod diagnostic;
 mod interrupt;
+#[cfg(feature = "live")]
+mod live;
 mod paragraph;
 mod progress;
 mod terminal;

@@ -1,7 +1,11 @@
 //! The writer of recordings.
 
 mod applications;
+mod packets;
+mod playing;
 mod sensing;
+
+pub use playing::DrawnFrame;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -52,6 +56,18 @@ pub struct Recorder<W: Write> {
     stops_in_chunk: u32,
     /// Sensitivity of the robots' radios by the name of a log; that of the first log has none.
     sensitivities: BTreeMap<Option<String>, Dbm>,
+    /// Who else gets what is written.
+    relay: Option<Box<dyn Relay>>,
+}
+
+/// Gets what a recorder writes: the same messages in the same order, with the same octets. It changes nothing in the
+/// recording.
+pub trait Relay {
+    /// The recording has a new channel with this number, on which messages of `schema` follow.
+    fn channel(&mut self, channel: u16, topic: &str, schema: &foxglove::Schema);
+
+    /// A message of a channel was written. It may wait here for as long as it likes.
+    fn message(&mut self, channel: u16, time: SimTime, data: &[u8]);
 }
 
 /// A recorder that writes to `PATH.part` and renames it to `PATH` at the end.
@@ -104,7 +120,19 @@ impl<W: Write> Recorder<W> {
     }
 
     fn from_sink(sink: Sink<W>) -> Self {
-        Self { sink, topics: BTreeMap::new(), encoded: Vec::new(), stops_in_chunk: 0, sensitivities: BTreeMap::new() }
+        Self {
+            sink,
+            topics: BTreeMap::new(),
+            encoded: Vec::new(),
+            stops_in_chunk: 0,
+            sensitivities: BTreeMap::new(),
+            relay: None,
+        }
+    }
+
+    /// From now on, `relay` gets what is written too. Call it before the first message.
+    pub fn set_relay(&mut self, relay: Box<dyn Relay>) {
+        self.relay = Some(relay);
     }
 
     /// Writes the summary section and returns the output.
@@ -464,14 +492,21 @@ impl<W: Write> Recorder<W> {
             let schema = M::get_schema().expect("every recorded message has a schema");
             let channel = self.sink.channel(topic, &schema)?;
             self.topics.insert(topic.to_owned(), (channel, 0));
+            if let Some(relay) = &mut self.relay {
+                relay.channel(channel, topic, &schema);
+            }
         }
         let (channel_id, sequence) = self.topics.get_mut(topic).expect("the topic was added above");
         let time_ns = time.as_nanos();
-        let header =
-            MessageHeader { channel_id: *channel_id, sequence: *sequence, log_time: time_ns, publish_time: time_ns };
+        let channel_id = *channel_id;
+        let header = MessageHeader { channel_id, sequence: *sequence, log_time: time_ns, publish_time: time_ns };
         *sequence = sequence.wrapping_add(1);
         self.encoded.clear();
         prost::Message::encode(message, &mut self.encoded).expect("a vector has room");
-        self.sink.message(&header, &self.encoded)
+        self.sink.message(&header, &self.encoded)?;
+        if let Some(relay) = &mut self.relay {
+            relay.message(channel_id, time, &self.encoded);
+        }
+        Ok(())
     }
 }

@@ -115,7 +115,9 @@ mod world;
 pub use air::{ReceptionConfig, ReceptionModel, ThresholdConfig};
 pub use application::{Application, DriveAhead, Driving, Port};
 pub use applications::broadcast::{Broadcast, DuplicateBroadcast};
-pub use applications::controller::{CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation};
+pub use applications::controller::{
+    CommandOutcome, Controller, Duplicate, Ending, Heard, RobotCommand, Situation, StopsLeftOut,
+};
 pub use applications::node_traffic::NodeTraffic;
 pub use applications::robot::{Robot, RobotTask};
 pub use applications::traffic::{
@@ -140,6 +142,7 @@ pub use service::delivery::{Delivery, DriveEnd};
 pub use service::estimate::Estimate;
 pub use service::network_id::NetworkId;
 pub use service::outcome::{Deafness, FrameOutcome};
+pub use service::packet_trace::{AssessmentTrace, PacketEnd, PacketFate, PacketKind, PacketTrace, TransmissionTrace};
 pub use service::packets::{NetworkRecord, Packets};
 pub use service::report::{Destination, FrameId, Payload, SendError, SendOutcome, SendReport};
 pub use service::sensed::{FieldId, Sensations, Sensed, TargetId};

@@ -106,14 +106,12 @@ fn write_key(out: &mut impl Write, key: &KeyReference, below: &[KeyReference], a
     if let Some(range) = &key.range {
         line("allowed", range)?;
     }
-    line(
-        "default",
-        match (&key.default, key.is_required) {
-            (_, true) => "none: the key is required",
-            (Some(default), false) => default,
-            (None, false) => "none: see above what its absence means",
-        },
-    )?;
+    match (&key.default, key.is_required) {
+        (_, true) => line("default", "none: the key is required")?,
+        (Some(default), false) => line("default", default)?,
+        (None, false) if key.kind == "table" || !key.choices.is_empty() => {}
+        (None, false) => line("default", "none: the key may be absent")?,
+    }
     for place in also {
         line("also", place)?;
     }

@@ -4,14 +4,17 @@ mod check;
 mod completions;
 mod explain;
 mod explain_link;
+mod export;
 mod figure;
 mod init;
 mod inspect;
+mod live;
 mod man;
 mod map;
 mod options;
 mod reading;
 mod recover;
+mod report;
 mod reproduce;
 mod run;
 mod schema;
@@ -60,6 +63,10 @@ pub(crate) enum Command {
     ExplainLink(explain_link::Arguments),
     /// Draw figures of the network, the maps and their errors
     Figure(figure::Arguments),
+    /// Write a run, a log, a sweep or a reproduction as one HTML file for a browser
+    Report(Box<report::Arguments>),
+    /// Write every table of a recording as CSV or Parquet
+    Export(export::Arguments),
     /// Print the contents of a recording, or of the log of a robot and what is odd in it
     Inspect(Box<inspect::Arguments>),
     /// Copy the readable part of a broken recording
@@ -69,7 +76,7 @@ pub(crate) enum Command {
     /// Print a completion script for a shell
     Completions(completions::Arguments),
     /// Print the manual page (view it with `sextant man | man -l -`)
-    Man,
+    Man(man::Arguments),
 }
 
 /// Runs the command line `words`, of which the first is the name of the program.
@@ -103,10 +110,12 @@ fn execute(command: &Command) -> Result<(), Failure> {
         Command::Explain(arguments) => explain::execute(arguments),
         Command::ExplainLink(arguments) => explain_link::execute(arguments),
         Command::Figure(arguments) => figure::execute(arguments, &interrupt),
+        Command::Report(arguments) => report::execute(arguments, &interrupt),
+        Command::Export(arguments) => export::execute(arguments, &interrupt),
         Command::Inspect(arguments) => inspect::execute(arguments),
         Command::Recover(arguments) => recover::execute(arguments, &interrupt),
         Command::Schema => schema::execute(),
         Command::Completions(arguments) => completions::execute(arguments, Cli::command()),
-        Command::Man => man::execute(Cli::command()),
+        Command::Man(arguments) => man::execute(arguments, Cli::command()),
     }
 }

@@ -83,7 +83,7 @@ fn two() -> String {
     let zigbee = r#"
 [networks.zigbee]
 radio = { tx_power_dbm = -50.0, sensitivity_dbm = -90.0 }
-channel = { environment = "light-tree", max_range_m = 6.0 }
+channel = { environment = "light-tree", max_range_m = 6.0, path_loss.log_distance.reference_loss_db = 0.0 }
 mac.csma_unslotted = {}
 traffic.beacon = { mpdu_octets = 20, interval_s = 0.5, jitter = 0.1 }
 "#;

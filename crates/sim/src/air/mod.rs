@@ -2,6 +2,7 @@
 
 mod budget;
 mod cells;
+mod history;
 mod interface;
 mod items;
 mod listener;
@@ -24,6 +25,7 @@ use crate::purpose;
 use crate::service::outcome::{Deafness, FrameOutcome};
 use crate::station::{Motion, Roll};
 use budget::Budget;
+use history::History;
 use listener::Listener;
 use medium::Medium;
 use reached::Reached;
@@ -93,6 +95,8 @@ pub(crate) struct Air {
     reached: Reached,
     /// Changes of the carrier that have not been taken yet.
     carrier_changes: Vec<CarrierChange>,
+    /// The last signals, if somebody asks who disturbed whom.
+    history: Option<History>,
 }
 
 /// Settings of the air.
@@ -138,6 +142,7 @@ impl Air {
             near: Vec::new(),
             reached: Reached::default(),
             carrier_changes: Vec::new(),
+            history: None,
         }
     }
 
@@ -287,6 +292,9 @@ impl Air {
             Signal { packet: self.packets, source, sender, position, emission, start: now, end: now + airtime };
         self.packets += 1;
         self.medium.begin(signal);
+        if let Some(history) = &mut self.history {
+            history.add(signal);
+        }
         let network = self.network(sender);
         let mut listening = match to {
             Some(to) => usize::from(self.is_listening(to)),

@@ -8,17 +8,26 @@ const WORDS: usize = 30;
 /// Folders at the top of the tree: a text in code marks that begins with one is a path.
 const FOLDERS: [&str; 6] = [".ci/", "benches/", "crates/", "docs/", "examples/", "scenarios/"];
 
-/// The guides: `*.md` at the top of the tree, in `docs/` and of each crate.
-fn guides() -> Vec<PathBuf> {
+/// The guides: `*.md` at the top of the tree, of each crate, and in `docs/` and its folders.
+pub(in super::super) fn guides() -> Vec<PathBuf> {
     let root = super::root();
-    let entries = |folder: &Path| -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(folder).expect("a folder");
-        entries.map(|entry| entry.expect("an entry of a folder").path()).collect()
-    };
-    let mut folders = vec![root.clone(), root.join("docs")];
-    folders.extend(entries(&root.join("crates")));
-    let files = folders.iter().flat_map(|folder| entries(folder));
-    files.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
+    let mut files: Vec<PathBuf> = entries(&root);
+    files.extend(entries(&root.join("crates")).iter().flat_map(|folder| entries(folder)));
+    let mut folders = vec![root.join("docs")];
+    while let Some(folder) = folders.pop() {
+        let (inner, pages): (Vec<PathBuf>, Vec<PathBuf>) =
+            entries(&folder).into_iter().partition(|path| path.is_dir());
+        folders.extend(inner);
+        files.extend(pages);
+    }
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "md"));
+    files.sort();
+    files
+}
+
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    entries.map(|entry| entry.expect("an entry of a folder").path()).collect()
 }
 
 /// The text without blocks of code.

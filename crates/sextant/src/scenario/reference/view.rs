@@ -84,7 +84,7 @@ impl<'a> View<'a> {
             self.is("table");
             let required = required(part);
             let key = |(name, part): (&'a String, &'a Value)| {
-                let is_required = required.iter().any(|needed| *needed == name.as_str());
+                let is_required = required.contains(&name.as_str());
                 ViewedKey { name, part, is_required }
             };
             self.keys.extend(keys.iter().map(key));
