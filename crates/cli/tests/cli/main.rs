@@ -13,12 +13,14 @@ mod comparators;
 mod distributed;
 mod doctor;
 mod drive;
+mod explain;
 mod export;
 mod failing_disk;
 mod faults;
 mod figure;
 mod forms;
 mod guide;
+mod init;
 #[cfg(unix)]
 mod interrupt;
 #[cfg(all(unix, feature = "live"))]
